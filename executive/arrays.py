@@ -1,0 +1,34 @@
+"""Arrays that are checked once, at the border, and read-only from then on."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from executive.errors import ShapeError
+
+Float = NDArray[np.float64]
+Int = NDArray[np.int64]
+Bool = NDArray[np.bool_]
+
+
+def checked(name: str, values: ArrayLike, *shape: int | None, dtype: Any = np.float64) -> NDArray[Any]:
+    """Return a read-only array of the wanted shape; `None` stands for any length.
+
+    A fresh contiguous array is kept and locked, not copied: hand it over and do not write to it afterwards.
+
+    Raises:
+        ShapeError: If the shape differs or a value is not finite.
+    """
+    array = np.ascontiguousarray(values, dtype=dtype)
+    fits = array.ndim == len(shape) and all(
+        want is None or want == have for want, have in zip(shape, array.shape, strict=False)
+    )
+    if not fits:
+        wanted = "(" + ", ".join("N" if n is None else str(n) for n in shape) + ")"
+        raise ShapeError(f"{name} has shape {array.shape}, expected {wanted}")
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        raise ShapeError(f"{name} holds {int((~np.isfinite(array)).sum())} values that are not finite")
+    view = array.view()
+    view.flags.writeable = False
+    return view

@@ -1,0 +1,55 @@
+"""The mission's only source of time."""
+
+import time
+from abc import ABC, abstractmethod
+
+
+class Clock(ABC):
+    """Tells the mission's time; `advance` ends a tick."""
+
+    @abstractmethod
+    def now_s(self) -> float:
+        """Return the time since the mission's start [s]."""
+
+    @abstractmethod
+    def advance(self, dt_s: float) -> None:
+        """Move on by one tick of `dt_s` seconds."""
+
+
+class SimulatedClock(Clock):
+    """Lock-step time: tick n is at exactly n·dt, however long the computation took."""
+
+    def __init__(self) -> None:
+        self._ticks = 0
+        self._dt_s = 0.0
+
+    def now_s(self) -> float:
+        return self._ticks * self._dt_s
+
+    def advance(self, dt_s: float) -> None:
+        if self._ticks and dt_s != self._dt_s:
+            raise ValueError(f"a lock-step clock keeps its tick: {self._dt_s} s, got {dt_s} s")
+        self._dt_s = dt_s
+        self._ticks += 1
+
+
+class WallClock(Clock):
+    """Monotonic wall time; `advance` waits for the next multiple of dt, and a late tick is not made up for."""
+
+    def __init__(self) -> None:
+        self._origin_s = time.monotonic()
+        self._next_s = 0.0
+
+    def now_s(self) -> float:
+        return time.monotonic() - self._origin_s
+
+    def advance(self, dt_s: float) -> None:
+        self._next_s = max(self._next_s + dt_s, self.now_s())
+        remaining_s = self._next_s - self.now_s()
+        if remaining_s > 0:
+            time.sleep(remaining_s)  # noqa: TID251 - the one place that waits: the clock itself
+
+
+def wall_s() -> float:
+    """Return monotonic wall time [s] for durations in reports; never for decisions."""
+    return time.monotonic()

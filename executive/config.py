@@ -1,0 +1,72 @@
+"""Settings that refuse what they do not know, and quantities that carry their unit."""
+
+import math
+import re
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
+
+
+class Settings(BaseModel):
+    """Base of every settings class: frozen, nothing extra, no silent conversion of defaults."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True, allow_inf_nan=False)
+
+
+class NoSettings(Settings):
+    """For a node or plugin without settings."""
+
+
+# The factor from each unit to SI, by dimension.
+UNITS: dict[str, dict[str, float]] = {
+    "time": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
+    "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3},
+    "angle": {"rad": 1.0, "deg": math.pi / 180},
+    "force": {"N": 1.0, "kN": 1e3},
+    "mass": {"kg": 1.0, "t": 1e3},
+    "speed": {"m/s": 1.0, "cm/s": 1e-2, "km/h": 1 / 3.6},
+    "angular speed": {"rad/s": 1.0, "deg/s": math.pi / 180},
+    "density": {"kg/m3": 1.0, "t/m3": 1e3},
+    "frequency": {"Hz": 1.0, "kHz": 1e3},
+}
+_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/][A-Za-z0-9/]*)\s*")
+
+
+def parse_quantity(value: Any, dimension: str) -> float:
+    """Turn `"120 deg"` into SI; a plain number is SI already.
+
+    Raises:
+        ValueError: If it is no number, has no known unit, or a unit of another dimension; the message lists the units.
+    """
+    if isinstance(value, bool) or value is None:
+        raise ValueError(f"expected {_expected(dimension)}, got {value!r}")
+    if isinstance(value, int | float):
+        return float(value)
+    match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
+    if match is None:
+        raise ValueError(f"expected {_expected(dimension)}, got {value!r}")
+    number, unit = match.groups()
+    if unit not in UNITS[dimension]:
+        raise ValueError(f"'{unit}' is no unit of {dimension}; expected {_expected(dimension)}, got {value!r}")
+    return float(number) * UNITS[dimension][unit]
+
+
+def _expected(dimension: str) -> str:
+    units = list(UNITS[dimension])
+    return f"a {dimension} (a number in {units[0]}, or with a unit: {', '.join(units)})"
+
+
+def _quantity(dimension: str) -> Any:
+    schema = {"anyOf": [{"type": "number"}, {"type": "string"}], "description": _expected(dimension)}
+    return (BeforeValidator(lambda value: parse_quantity(value, dimension)), WithJsonSchema(schema))
+
+
+Seconds = Annotated[float, *_quantity("time")]
+Meters = Annotated[float, *_quantity("length")]
+Radians = Annotated[float, *_quantity("angle")]
+Newtons = Annotated[float, *_quantity("force")]
+Kilograms = Annotated[float, *_quantity("mass")]
+MetersPerSecond = Annotated[float, *_quantity("speed")]
+RadiansPerSecond = Annotated[float, *_quantity("angular speed")]
+KilogramsPerCubicMeter = Annotated[float, *_quantity("density")]
+Hertz = Annotated[float, *_quantity("frequency")]

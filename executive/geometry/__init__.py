@@ -1,0 +1,1 @@
+"""Rigid-body geometry: rotations, poses, geodesy, splines."""

@@ -1,0 +1,38 @@
+"""Poses in SE(3) as 4×4 matrices `T_<to>_<from>`: `p_to = T_to_from @ p_from`."""
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.geometry.rotation import exp_so3, from_rpy, log_so3
+
+
+def pose(R: Float | None = None, t: Float | None = None) -> Float:
+    """Assemble a pose from a rotation (3, 3) and a translation (3,) [m]; each defaults to none."""
+    T = np.eye(4)
+    if R is not None:
+        T[:3, :3] = R
+    if t is not None:
+        T[:3, 3] = t
+    return T
+
+
+def pose_xyz_rpy(xyz: Float, rpy: Float) -> Float:
+    """Assemble a pose the way URDF writes an origin: metres, then roll, pitch, yaw [rad]."""
+    return pose(from_rpy(*np.asarray(rpy, dtype=float)), np.asarray(xyz, dtype=float))
+
+
+def inverse(T: Float) -> Float:
+    """Return T_b_a for T_a_b, using the transpose of its rotation."""
+    R = T[:3, :3].T
+    return pose(R, -R @ T[:3, 3])
+
+
+def transform(T_to_from: Float, points_from: Float) -> Float:
+    """Express points (N, 3) or one point (3,) in the other frame."""
+    return np.asarray(points_from @ T_to_from[:3, :3].T + T_to_from[:3, 3])
+
+
+def interpolate(T_a: Float, T_b: Float, fraction: float) -> Float:
+    """Return the pose a fraction of the way: the geodesic in rotation, a line in translation."""
+    R = T_a[:3, :3] @ exp_so3(fraction * log_so3(T_a[:3, :3].T @ T_b[:3, :3]))
+    return pose(R, (1 - fraction) * T_a[:3, 3] + fraction * T_b[:3, 3])

@@ -1,0 +1,34 @@
+"""State estimation: inertial, satellite, lidar and joint measurements to one state."""
+
+from abc import ABC, abstractmethod
+
+from executive.interfaces.plugin import Plugin
+from executive.messages.base_state import BaseState
+from executive.messages.gnss import GnssFix
+from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
+from executive.messages.odometry import LidarIncrement
+
+
+class Estimator(Plugin, ABC):
+    """Estimate where the machine is. Samples arrive in order of arrival; their stamps may be older."""
+
+    @abstractmethod
+    def add_imu(self, sample: ImuSample) -> None:
+        """Propagate by one inertial sample."""
+
+    @abstractmethod
+    def add_gnss(self, fix: GnssFix) -> None:
+        """Correct by one position fix."""
+
+    @abstractmethod
+    def add_odometry(self, increment: LidarIncrement) -> None:
+        """Correct by one lidar increment."""
+
+    @abstractmethod
+    def add_joints(self, sample: JointSample) -> None:
+        """Take the joints, of which the turn joint ties the cabin to the chassis."""
+
+    @abstractmethod
+    def state(self) -> BaseState:
+        """Return the newest state; its status says whether it may be used."""

@@ -1,0 +1,23 @@
+"""Monitoring: joint samples to verdicts about the held stone."""
+
+from abc import ABC, abstractmethod
+
+from executive.interfaces.plugin import Plugin
+from executive.messages.joints import JointSample
+from executive.messages.verdict import Verdict
+
+
+class Monitor(Plugin, ABC):
+    """Watch a held stone (Mascaro 2020, Sec. 6.3). It sees every joint sample, held or not."""
+
+    @abstractmethod
+    def begin_hold(self) -> None:
+        """Watch from now on: the jaws have closed on a stone."""
+
+    @abstractmethod
+    def end_hold(self) -> None:
+        """Watch no more: the stone is to be released."""
+
+    @abstractmethod
+    def update(self, sample: JointSample) -> Verdict | None:
+        """Take one sample; a verdict at the moment when trouble is recognised, once a hold."""

@@ -1,0 +1,56 @@
+"""The object database: which stones there are, and where."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
+from executive.arrays import Float
+from executive.interfaces.plugin import Plugin
+from executive.messages.segment import Segment
+from executive.messages.stone import Stone, StoneState
+
+
+class ObjectDatabase(Plugin, ABC):
+    """Keep identities, clouds and poses of stones while they are moved (Mascaro 2020, Sec. 4.5).
+
+    Each call is one transaction; what returned is on the disk.
+    """
+
+    @abstractmethod
+    def open(self, path: str) -> None:
+        """Open or create the database file; `:memory:` keeps nothing. Called once, after `start`."""
+
+    @abstractmethod
+    def observe(self, segments: Sequence[Segment], stamp_s: float, seen_from_above: bool) -> tuple[Stone, ...]:
+        """Match segments of the map with known stones that lie on the ground, update those, and add the rest.
+
+        Returns:
+            The stone of each segment, in the order of the segments.
+        """
+
+    @abstractmethod
+    def stones(self) -> tuple[Stone, ...]:
+        """Return all stones, by id."""
+
+    @abstractmethod
+    def stone(self, stone_id: int) -> Stone:
+        """Return one stone as it is now.
+
+        Raises:
+            DataError: If there is none of that id.
+        """
+
+    @abstractmethod
+    def grasp(self, stone_id: int, T_map_gripper: Float, stamp_s: float) -> Stone:
+        """Note that the gripper holds the stone, and its pose at that moment."""
+
+    @abstractmethod
+    def release(self, stone_id: int, T_map_gripper: Float, stamp_s: float, state: StoneState) -> Stone:
+        """Move the stone by what the gripper moved since the grasp (Eq. 3), and set its state."""
+
+    @abstractmethod
+    def realign(self, stone_id: int, T_map_map: Float, stamp_s: float) -> Stone:
+        """Correct the stone's pose by a rigid motion in the map, found by alignment."""
+
+    @abstractmethod
+    def set_state(self, stone_id: int, state: StoneState, stamp_s: float) -> Stone:
+        """Change the stone's state only."""

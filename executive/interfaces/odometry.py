@@ -1,0 +1,15 @@
+"""Lidar odometry: scans to pose increments."""
+
+from abc import ABC, abstractmethod
+
+from executive.interfaces.plugin import Plugin
+from executive.messages.lidar import LidarScan
+from executive.messages.odometry import LidarIncrement
+
+
+class LidarOdometry(Plugin, ABC):
+    """Estimate how the lidar moved from one scan to the next (Nubert 2022, Sec. IV-A4)."""
+
+    @abstractmethod
+    def add_scan(self, scan: LidarScan) -> LidarIncrement | None:
+        """Match one scan; None for the first, or where the match is not to be trusted."""

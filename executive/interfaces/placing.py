@@ -1,0 +1,32 @@
+"""Placement planning: where stones go, and how the gripper must stand to put one there."""
+
+from abc import ABC, abstractmethod
+
+from executive.arrays import Float
+from executive.interfaces.plugin import Plugin
+from executive.messages.cloud import Cloud
+from executive.messages.placement import Placement, Slot
+from executive.messages.segment import Segmentation
+from executive.messages.stone import Stone
+
+
+class PlacementPlanner(Plugin, ABC):
+    """Choose free places, and the gripper's pose that sets a held stone down on one (Mascaro 2020, Sec. 6.1)."""
+
+    @abstractmethod
+    def slots(self, segmentation: Segmentation, T_map_base: Float, count: int) -> tuple[Slot, ...]:
+        """Return up to `count` places on free ground in reach, best first."""
+
+    @abstractmethod
+    def plan(
+        self, stone: Stone, slot: Slot, T_map_gripper: Float, cloud: Cloud, T_map_base: Float
+    ) -> tuple[Placement, ...]:
+        """Return ways to set the stone down, best first.
+
+        Args:
+            stone: The held stone, its model at its pose when the gripper stood at `T_map_gripper`.
+            slot: Where it is to go.
+            T_map_gripper: Pose of the gripper at the grasp.
+            cloud: The map without the stone.
+            T_map_base: Pose of the chassis, for reach.
+        """

@@ -1,0 +1,29 @@
+"""What every plugin has in common."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from executive.config import NoSettings, Settings
+
+
+class Plugin:
+    """Base of all plugins.
+
+    `__init__(self, settings, …)` stores its arguments only. The parameters after `settings` are filled in by name:
+    `machine` (robot_models.machine.Machine), `rng` (numpy.random.Generator), or the name of another capability, whose
+    selected plugin is then given. `start` and `close` own resources.
+    """
+
+    Settings: ClassVar[type[Settings]] = NoSettings
+
+    # Verbs that take long, and the time that a simulated mission charges for one call [s].
+    latency_s: ClassVar[Mapping[str, float]] = {}
+
+    # Whether a copy in a worker process, made from the same settings, gives the same answers.
+    is_stateless: ClassVar[bool] = False
+
+    def start(self) -> None:
+        """Acquire resources; called once, before the first verb."""
+
+    def close(self) -> None:
+        """Release resources; called once, also after an error."""

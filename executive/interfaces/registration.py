@@ -1,0 +1,17 @@
+"""Registration: lay one cloud over another without a guess."""
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+from executive.interfaces.plugin import Plugin
+from executive.messages.alignment import Alignment
+from executive.messages.cloud import Cloud
+
+
+class Registrar(Plugin, ABC):
+    """Find the transform that lays a source cloud over a target (Mascaro 2020, Sec. 4.4)."""
+
+    @abstractmethod
+    def register(self, target: Cloud, source: Cloud, rng: np.random.Generator) -> Alignment:
+        """Return the transform, accepted or refused with a reason; a wrong one accepted is the worst outcome."""

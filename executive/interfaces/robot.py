@@ -1,0 +1,52 @@
+"""The machine: real, simulated, or replayed."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.config import Settings
+from executive.interfaces.plugin import Plugin
+from executive.messages.command import Command
+from executive.messages.observation import Observation
+
+
+class RobotSettings(Settings):
+    """What every robot backend is told."""
+
+    model: str = Field("m545", description="Folder under robot_models, or a path to one.")
+
+
+class Robot(Plugin, ABC):
+    """Measures and moves. Its settings class derives from RobotSettings."""
+
+    @abstractmethod
+    def read(self, until_s: float) -> Sequence[Observation]:
+        """Return what was measured since the last call and arrived until a mission time [s], in order of stamps.
+
+        A simulated robot advances its world to that time.
+
+        Raises:
+            RobotError: If the machine does not answer.
+        """
+
+    @abstractmethod
+    def command(self, command: Command) -> None:
+        """Take a command; it replaces an earlier one of its kind.
+
+        Raises:
+            RobotError: If the machine refuses, with the reason, such as a joint limit.
+        """
+
+    @abstractmethod
+    def stop(self) -> None:
+        """Slow down along the path under way, within the acceleration limits, and hold; the jaws keep pressing."""
+
+
+class Scene(ABC):
+    """A simulated robot's surroundings, as an external camera or lidar would see them."""
+
+    @abstractmethod
+    def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
+        """Return the range [m] to the first surface along each unit direction (N, 3), inf for none, shape (N,)."""

@@ -1,0 +1,18 @@
+"""Segmentation: a cloud to the objects on its ground."""
+
+from abc import ABC, abstractmethod
+
+from executive.interfaces.plugin import Plugin
+from executive.messages.cloud import Cloud
+from executive.messages.segment import Segmentation
+
+
+class Segmenter(Plugin, ABC):
+    """Find object-like parts of a cloud (Mascaro 2020, Sec. 4.3)."""
+
+    @abstractmethod
+    def segment(self, cloud: Cloud) -> Segmentation:
+        """Split a cloud into its ground and the objects on it; deterministic.
+
+        Gravity need not be along z to the degree: the ground's normal is within 30° of the frame's z axis.
+        """

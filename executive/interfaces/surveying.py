@@ -1,0 +1,20 @@
+"""Surveying: a cloud of the site from elsewhere, such as a drone."""
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+from executive.interfaces.plugin import Plugin
+from executive.messages.cloud import Cloud
+
+
+class Survey(Plugin, ABC):
+    """Give a cloud of the site in a frame of its own, its pose unknown, its scale rough (Mascaro 2020, Sec. 4.1)."""
+
+    @abstractmethod
+    def survey(self, rng: np.random.Generator) -> Cloud:
+        """Return the site as seen from outside.
+
+        Raises:
+            DataError: If there is no usable survey; the message names the file and the cure.
+        """

@@ -1,0 +1,42 @@
+"""Ways to take hold of a stone."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from executive.arrays import Float, checked
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Grasp:
+    """A pose of the gripper in which its jaws may close.
+
+    The gripper's frame: origin at the palm's centre, x out of the palm (the approach), y from jaw to jaw, z along
+    the jaws' width.
+
+    Attributes:
+        T_map_gripper: Pose of the gripper with its jaws open around the stone, shape (4, 4).
+        opening_m: Distance of the open tips [m].
+        score: Higher is better; only comparable within one plan.
+        costs: The terms behind the score: `align_rad`, `enclose_m`, `distance_m` (Mascaro 2020, Eq. 5–7), and others.
+    """
+
+    T_map_gripper: Float
+    opening_m: float
+    score: float
+    costs: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "T_map_gripper", checked("T_map_gripper", self.T_map_gripper, 4, 4))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GraspPlan:
+    """Grasps, best first, and why the other hypotheses were refused.
+
+    Attributes:
+        grasps: Best first; empty if the stone cannot be grasped.
+        refused: Number of hypotheses by reason, such as `palm_in_ground`.
+    """
+
+    grasps: tuple[Grasp, ...]
+    refused: Mapping[str, int]

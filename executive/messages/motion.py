@@ -1,0 +1,54 @@
+"""How the machine moved during a short window: what undoes the distortion of a scan."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from executive.arrays import Float, checked
+from executive.errors import DataError
+from executive.geometry.pose import interpolate
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """Cabin poses and joint positions over time, newest last.
+
+    Attributes:
+        stamps_s: Rising times [s], shape (k,), k ≥ 1.
+        T_map_cabin: Estimated cabin poses, shape (k, 4, 4).
+        joint_names: n names.
+        joint_position: Joint positions [rad] or [m], shape (k, n).
+    """
+
+    stamps_s: Float
+    T_map_cabin: Float
+    joint_names: tuple[str, ...]
+    joint_position: Float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "stamps_s", checked("stamps_s", self.stamps_s, None))
+        k = len(self.stamps_s)
+        object.__setattr__(self, "T_map_cabin", checked("T_map_cabin", self.T_map_cabin, k, 4, 4))
+        position = checked("joint_position", self.joint_position, k, len(self.joint_names))
+        object.__setattr__(self, "joint_position", position)
+        if k == 0 or not (np.diff(self.stamps_s) > 0).all():
+            raise DataError("a motion needs at least one sample and rising stamps")
+
+    def _bracket(self, stamp_s: float) -> tuple[int, float]:
+        if len(self.stamps_s) == 1 or stamp_s <= self.stamps_s[0]:
+            return 0, 0.0
+        i = min(int(np.searchsorted(self.stamps_s, stamp_s)) - 1, len(self.stamps_s) - 2)
+        fraction = (stamp_s - self.stamps_s[i]) / (self.stamps_s[i + 1] - self.stamps_s[i])
+        return i, float(min(fraction, 1.0))
+
+    def T_map_cabin_at(self, stamp_s: float) -> Float:
+        """Return the cabin's pose at a time, interpolated; the ends hold beyond the window."""
+        i, fraction = self._bracket(stamp_s)
+        return self.T_map_cabin[i] if fraction == 0.0 else interpolate(*self.T_map_cabin[i : i + 2], fraction)
+
+    def joints_at(self, stamp_s: float) -> Float:
+        """Return the joint positions at a time, interpolated, shape (n,); the ends hold beyond the window."""
+        i, fraction = self._bracket(stamp_s)
+        if fraction == 0.0:
+            return self.joint_position[i]
+        return np.asarray((1 - fraction) * self.joint_position[i] + fraction * self.joint_position[i + 1])

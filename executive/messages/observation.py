@@ -1,0 +1,8 @@
+"""Whatever a robot measures: the stream that a tick begins with."""
+
+from executive.messages.gnss import GnssFix
+from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
+from executive.messages.lidar import LidarScan
+
+Observation = ImuSample | GnssFix | JointSample | LidarScan

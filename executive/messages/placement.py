@@ -1,0 +1,40 @@
+"""Where a stone is to go."""
+
+from dataclasses import dataclass
+
+from executive.arrays import Float, checked
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Slot:
+    """A free place for one stone.
+
+    Attributes:
+        id: Number, from 1.
+        position_map: Point on the ground over which the stone's centroid is to stand [m], shape (3,).
+    """
+
+    id: int
+    position_map: Float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position_map", checked("position_map", self.position_map, 3))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placement:
+    """The release of a held stone.
+
+    Attributes:
+        slot: Where it goes.
+        T_map_gripper: Pose of the gripper at the release, shape (4, 4).
+        T_map_object: Pose of the stone's object frame that follows from it, shape (4, 4).
+    """
+
+    slot: Slot
+    T_map_gripper: Float
+    T_map_object: Float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "T_map_gripper", checked("T_map_gripper", self.T_map_gripper, 4, 4))
+        object.__setattr__(self, "T_map_object", checked("T_map_object", self.T_map_object, 4, 4))

@@ -1,0 +1,57 @@
+"""A wish for a motion of the arm, and what a planner makes of it."""
+
+from dataclasses import dataclass
+
+from executive.arrays import Float, checked
+from executive.messages.cloud import Cloud
+from executive.messages.trajectory import JointTrajectory
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MoveRequest:
+    """Bring the gripper to a pose: leave along the ground's normal, travel high, arrive along the normal.
+
+    Attributes:
+        start: Positions of the arm's joints now, in the machine's order, shape (n,).
+        T_map_gripper: The goal, shape (4, 4).
+        T_map_base: Pose of the chassis, shape (4, 4).
+        leave_m: Straight way up from the start before anything else [m]; 0 for none.
+        arrive_m: Straight way down to the goal at the end [m]; 0 for none.
+        obstacles: What must not be hit, in the map: ground and stones, without the one that is held.
+        held_gripper: Surface of a held stone in the gripper's frame [m], shape (N, 3), or None.
+        jaw_rad: Opening of the jaws during the motion [rad].
+    """
+
+    start: Float
+    T_map_gripper: Float
+    T_map_base: Float
+    leave_m: float
+    arrive_m: float
+    obstacles: Cloud
+    held_gripper: Float | None
+    jaw_rad: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "start", checked("start", self.start, None))
+        object.__setattr__(self, "T_map_gripper", checked("T_map_gripper", self.T_map_gripper, 4, 4))
+        object.__setattr__(self, "T_map_base", checked("T_map_base", self.T_map_base, 4, 4))
+        if self.held_gripper is not None:
+            object.__setattr__(self, "held_gripper", checked("held_gripper", self.held_gripper, None, 3))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MotionPlan:
+    """A trajectory, or the reason why there is none.
+
+    Attributes:
+        trajectory: The motion, or None.
+        reason: Why there is none; empty otherwise.
+        path_map: Positions of the gripper along it [m], shape (m, 3), for viewers.
+    """
+
+    trajectory: JointTrajectory | None
+    reason: str
+    path_map: Float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "path_map", checked("path_map", self.path_map, None, 3))

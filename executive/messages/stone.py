@@ -1,0 +1,42 @@
+"""A stone that the machine keeps track of."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from executive.arrays import Float, checked
+
+
+class StoneState(StrEnum):
+    """Where a known stone is."""
+
+    ON_GROUND = "on_ground"
+    HELD = "held"
+    PLACED = "placed"
+    SET_ASIDE = "set_aside"  # left where it lies: it cannot be grasped
+    LOST = "lost"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stone:
+    """An object of the database (Mascaro 2020, Sec. 4.5): a globally referenced cloud with an identity.
+
+    Attributes:
+        id: Stable number, from 1.
+        state: Where it is.
+        points_map: Its known surface in the map at its present pose [m], shape (N, 3).
+        centroid_map: Mean of the points, in the map [m], shape (3,).
+        T_map_object: Pose of the object's frame; at first sight: the centroid, axes along the map, shape (4, 4).
+        seen_from_above: Whether a drone survey's points are part of the model.
+    """
+
+    id: int
+    state: StoneState
+    points_map: Float
+    centroid_map: Float
+    T_map_object: Float
+    seen_from_above: bool
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points_map", checked("points_map", self.points_map, None, 3))
+        object.__setattr__(self, "centroid_map", checked("centroid_map", self.centroid_map, 3))
+        object.__setattr__(self, "T_map_object", checked("T_map_object", self.T_map_object, 4, 4))

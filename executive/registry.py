@@ -1,0 +1,90 @@
+"""Installed plugins by capability and name; only what is selected is imported."""
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+from executive.config import Settings
+from executive.errors import ConfigError, UnknownPluginError
+from executive.interfaces.plugin import Plugin
+
+# In the order in which data flows (DESIGN: the way of the data).
+CAPABILITIES = (
+    "robot",
+    "estimation",
+    "odometry",
+    "mapping",
+    "segmentation",
+    "surveying",
+    "alignment",
+    "registration",
+    "objects",
+    "motion",
+    "grasping",
+    "placing",
+    "monitoring",
+    "viewing",
+)
+BEHAVIOURS = "behaviour"
+ORACLES = "oracle"
+
+
+class BrokenPluginError(ConfigError):
+    """A plugin is installed but cannot be imported or is no plugin."""
+
+
+@dataclass(frozen=True, slots=True)
+class Installed:
+    """A plugin as its package announces it; nothing of it is imported yet."""
+
+    capability: str
+    name: str
+    target: str
+    distribution: str
+
+
+@cache
+def _entry_points(capability: str) -> Mapping[str, EntryPoint]:
+    return {point.name: point for point in entry_points(group=f"executive.{capability}.v1")}
+
+
+def installed(capability: str) -> tuple[Installed, ...]:
+    """List the plugins of a capability by name, without importing any."""
+    return tuple(
+        Installed(capability, name, point.value, point.dist.name if point.dist else "?")
+        for name, point in sorted(_entry_points(capability).items())
+    )
+
+
+def load(capability: str, name: str) -> type[Any]:
+    """Import one class: a plugin, a behaviour or an oracle.
+
+    Raises:
+        UnknownPluginError: If none of that name is installed; it says the nearest.
+        BrokenPluginError: If its import fails; the message holds the reason.
+    """
+    points = _entry_points(capability)
+    if name not in points:
+        raise UnknownPluginError(capability, name, points)
+    try:
+        loaded = points[name].load()
+    except (ImportError, AttributeError, SyntaxError, OSError) as error:
+        raise BrokenPluginError(
+            f"{capability} plugin '{name}' ({points[name].value}) cannot be loaded: {error}"
+        ) from error
+    if not inspect.isclass(loaded):
+        raise BrokenPluginError(f"{capability} plugin '{name}' ({points[name].value}) is no class")
+    return loaded
+
+
+def settings_of(capability: str, name: str) -> type[Settings]:
+    """Return the settings class of a plugin; imports it."""
+    return load(capability, name).Settings  # type: ignore[no-any-return]
+
+
+def dependencies_of(plugin: type[Plugin]) -> tuple[str, ...]:
+    """Return the names of a plugin's constructor parameters after `settings`: services and capabilities."""
+    return tuple(inspect.signature(plugin).parameters)[1:]

@@ -1,0 +1,1 @@
+"""The shipped plugins: one folder a capability, in the order of the data."""

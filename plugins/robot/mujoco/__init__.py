@@ -1,0 +1,1 @@
+"""The simulated world: MuJoCo physics, ray-cast lidars, noisy sensors."""

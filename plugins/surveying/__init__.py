@@ -1,0 +1,1 @@
+"""surveying plugins."""
