@@ -1,0 +1,1 @@
+"""Leaves of the tree: read the mission's store, call one interface, write the store."""

@@ -1,0 +1,60 @@
+"""What a leaf may touch: plugins, snapshots, jobs, the journal; never the loop, the simulator or the wall clock."""
+
+from abc import ABC, abstractmethod
+from typing import Any
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.behaviours.job import Job
+from executive.messages.base_state import BaseState
+from executive.messages.joints import JointSample
+from executive.messages.verdict import Verdict
+
+
+class Context(ABC):
+    """One leaf's view of the mission."""
+
+    @abstractmethod
+    def now_s(self) -> float:
+        """Return the mission's time [s]."""
+
+    @abstractmethod
+    def plugin(self, capability: str) -> Any:
+        """Return the selected plugin of a capability that the leaf's `needs` names, to call a short verb at once."""
+
+    @abstractmethod
+    def job(self, capability: str, verb: str, *args: Any) -> Job:
+        """Start a long verb; the leaf yields the job and is resumed with its result."""
+
+    @abstractmethod
+    def rng(self) -> np.random.Generator:
+        """Return a fresh generator, seeded by the mission's seed, the node's path and the number of such calls."""
+
+    @abstractmethod
+    def state(self) -> BaseState:
+        """Return the newest state estimate."""
+
+    @abstractmethod
+    def joints(self) -> JointSample:
+        """Return the newest joint sample."""
+
+    @abstractmethod
+    def gripper(self) -> Float:
+        """Return T_map_gripper from the newest state and joints, shape (4, 4)."""
+
+    @abstractmethod
+    def machine(self) -> Any:
+        """Return the machine's description (robot_models.machine.Machine)."""
+
+    @abstractmethod
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """Return what monitors have said since the last `begin_hold`, oldest first."""
+
+    @abstractmethod
+    def note(self, kind: str, **payload: Any) -> None:
+        """Write a line into the journal, under this node."""
+
+    @abstractmethod
+    def show(self, entity: str, value: object) -> None:
+        """Hand a value to the viewer."""
