@@ -40,6 +40,10 @@ class Context(ABC):
         """Return the newest joint sample."""
 
     @abstractmethod
+    def arm(self) -> Float:
+        """Return the arm's joint positions [rad] or [m] in the machine's order, shape (n,)."""
+
+    @abstractmethod
     def gripper(self) -> Float:
         """Return T_map_gripper from the newest state and joints, shape (4, 4)."""
 
@@ -48,8 +52,16 @@ class Context(ABC):
         """Return the machine's description (robot_models.machine.Machine)."""
 
     @abstractmethod
+    def begin_hold(self) -> None:
+        """Tell the monitors that the jaws have closed on a stone; earlier verdicts are forgotten."""
+
+    @abstractmethod
+    def end_hold(self) -> None:
+        """Tell the monitors that the stone is let go on purpose."""
+
+    @abstractmethod
     def verdicts(self) -> tuple[Verdict, ...]:
-        """Return what monitors have said since the last `begin_hold`, oldest first."""
+        """Return what monitors have said since `begin_hold`, oldest first."""
 
     @abstractmethod
     def note(self, kind: str, **payload: Any) -> None:

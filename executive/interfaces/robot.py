@@ -40,6 +40,10 @@ class Robot(Plugin, ABC):
         """
 
     @abstractmethod
+    def resume(self) -> None:
+        """Go on along the path that `stop` interrupted; nothing if it interrupted none."""
+
+    @abstractmethod
     def stop(self) -> None:
         """Slow down along the path under way, within the acceleration limits, and hold; the jaws keep pressing."""
 

@@ -1,0 +1,1 @@
+"""A mission as it runs: plugins assembled, the tick loop, jobs, the safe stop, the report."""

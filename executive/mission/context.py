@@ -1,0 +1,111 @@
+"""One leaf's view of a running mission."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.behaviours.context import Context
+from executive.behaviours.job import Job
+from executive.clock import Clock
+from executive.errors import ConfigError, RobotError
+from executive.messages.base_state import BaseState
+from executive.messages.joints import JointSample
+from executive.messages.verdict import Verdict
+from executive.mission.assembly import seeded
+from executive.mission.jobs import Jobs
+from executive.mission.streams import Streams
+from robot_models.kinematics import Kinematics
+from robot_models.machine import Machine
+
+
+@dataclass(slots=True)
+class Services:
+    """What the leaves of one mission share."""
+
+    clock: Clock
+    seed: int
+    machine: Machine
+    kinematics: Kinematics
+    plugins: Mapping[str, Any]
+    jobs: Jobs
+    streams: Streams
+    record: Callable[[str, str, Mapping[str, Any]], None]
+    show: Callable[[str, object], None]
+    verdicts: list[Verdict] = field(default_factory=list)
+
+    def arm(self) -> Float:
+        """Return the newest positions of the arm's joints, in the machine's order, shape (n,)."""
+        sample = self.joints()
+        return np.array([sample.of(name)[0] for name in self.machine.arm_names])
+
+    def joints(self) -> JointSample:
+        """Return the newest joint sample."""
+        if self.streams.joints is None:
+            raise RobotError("the robot has sent no joint sample yet")
+        return self.streams.joints
+
+    def gripper(self) -> Float:
+        """Return T_map_gripper now, shape (4, 4)."""
+        return np.asarray(self.streams.state().T_map_base @ self.kinematics.gripper(self.arm()))
+
+
+class NodeContext(Context):
+    """Hands a leaf snapshots, plugins and jobs, under its node's path."""
+
+    def __init__(self, services: Services, node: str) -> None:
+        self._services = services
+        self._node = node
+        self._draws = 0
+
+    def now_s(self) -> float:
+        return self._services.clock.now_s()
+
+    def plugin(self, capability: str) -> Any:
+        try:
+            return self._services.plugins[capability]
+        except KeyError:
+            raise ConfigError(f"{self._node} calls a {capability} plugin, and the mission selects none") from None
+
+    def job(self, capability: str, verb: str, *args: Any) -> Job:
+        self.plugin(capability)
+        return self._services.jobs.start(capability, verb, args)
+
+    def rng(self) -> np.random.Generator:
+        self._draws += 1
+        return seeded(self._services.seed, self._node, self._draws)
+
+    def state(self) -> BaseState:
+        return self._services.streams.state()
+
+    def joints(self) -> JointSample:
+        return self._services.joints()
+
+    def arm(self) -> Float:
+        return self._services.arm()
+
+    def gripper(self) -> Float:
+        return self._services.gripper()
+
+    def machine(self) -> Any:
+        return self._services.machine
+
+    def begin_hold(self) -> None:
+        self._services.verdicts.clear()
+        for monitor in self.plugin("monitoring"):
+            monitor.begin_hold()
+
+    def end_hold(self) -> None:
+        for monitor in self.plugin("monitoring"):
+            monitor.end_hold()
+
+    def verdicts(self) -> tuple[Verdict, ...]:
+        return tuple(self._services.verdicts)
+
+    def note(self, kind: str, **payload: Any) -> None:
+        self._services.record(kind, self._node, payload)
+
+    def show(self, entity: str, value: object) -> None:
+        self._services.show(entity, value)

@@ -1,0 +1,125 @@
+"""Long verbs beside the tick: inline, in a thread, or in a long-lived worker process per plugin.
+
+In lock-step a job is charged its declared latency on the mission's clock, and its result is awaited when that has
+passed; so the three runners give the same journal, byte for byte.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any
+
+from executive.behaviours.job import Job
+from executive.clock import Clock, wall_s
+from executive.interfaces.plugin import Plugin
+from executive.mission.assembly import Selection
+from executive.mission.worker import Worker
+
+_EPSILON_S = 1e-9
+
+
+class Runner(ABC):
+    """Decides where a verb is computed."""
+
+    @abstractmethod
+    def submit(self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]) -> Future[Any]:
+        """Begin a computation."""
+
+    def close(self) -> None:  # noqa: B027 - optional
+        """End what was begun."""
+
+
+class InlineRunner(Runner):
+    """Computes at once, in the tick."""
+
+    def submit(self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]) -> Future[Any]:
+        future: Future[Any] = Future()
+        try:
+            future.set_result(getattr(plugin, verb)(*args))
+        except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
+            future.set_exception(error)
+        return future
+
+
+class ThreadRunner(Runner):
+    """One thread a capability: a plugin never sees two calls at once."""
+
+    def __init__(self) -> None:
+        self._pools: dict[str, ThreadPoolExecutor] = {}
+
+    def submit(self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]) -> Future[Any]:
+        pool = self._pools.setdefault(capability, ThreadPoolExecutor(1, thread_name_prefix=capability))
+        return pool.submit(getattr(plugin, verb), *args)
+
+    def close(self) -> None:
+        for pool in self._pools.values():
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+class ProcessRunner(Runner):
+    """One worker process a stateless plugin; plugins with state are computed in a thread of this one."""
+
+    def __init__(self, selections: Sequence[Selection], model: str, seed: int) -> None:
+        self._workers: dict[str, Worker] = {}
+        self._threads = ThreadRunner()
+        self._make: Callable[[str], Worker] = lambda capability: Worker(capability, selections, model, seed)
+
+    def submit(self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]) -> Future[Any]:
+        if not plugin.is_stateless:
+            return self._threads.submit(capability, plugin, verb, args)
+        if capability not in self._workers:
+            self._workers[capability] = self._make(capability)
+        return self._workers[capability].submit(verb, args)
+
+    def close(self) -> None:
+        self._threads.close()
+        for worker in self._workers.values():
+            worker.close()
+
+
+class PluginJob(Job):
+    """One verb under way."""
+
+    def __init__(self, future: Future[Any], clock: Clock, ready_s: float | None) -> None:
+        self._future = future
+        self._clock = clock
+        self._ready_s = ready_s  # None: against the wall clock, ready when done
+
+    def is_ready(self) -> bool:
+        if self._ready_s is None:
+            return self._future.done()
+        return self._clock.now_s() >= self._ready_s - _EPSILON_S
+
+    def result(self) -> Any:
+        return self._future.result()
+
+    def cancel(self) -> None:
+        self._future.cancel()
+
+
+class Jobs:
+    """Starts jobs, charges their latency, and measures their wall time for the report."""
+
+    def __init__(self, plugins: Mapping[str, Any], runner: Runner, clock: Clock, *, is_lock_step: bool) -> None:
+        self._plugins = plugins
+        self._runner = runner
+        self._clock = clock
+        self._is_lock_step = is_lock_step
+        self.durations_ms: dict[str, list[float]] = {}
+
+    def start(self, capability: str, verb: str, args: Sequence[Any]) -> PluginJob:
+        """Start a verb of the selected plugin."""
+        plugin: Plugin = self._plugins[capability]
+        started_s = wall_s()
+        future = self._runner.submit(capability, plugin, verb, args)
+        future.add_done_callback(lambda _: self._measure(f"{capability}.{verb}", started_s))
+        latency_s = plugin.latency_s.get(verb, 0.0)
+        ready_s = self._clock.now_s() + latency_s if self._is_lock_step else None
+        return PluginJob(future, self._clock, ready_s)
+
+    def _measure(self, stage: str, started_s: float) -> None:
+        self.durations_ms.setdefault(stage, []).append(1e3 * (wall_s() - started_s))
+
+    def close(self) -> None:
+        """End all runners."""
+        self._runner.close()
