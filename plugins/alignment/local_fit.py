@@ -1,0 +1,114 @@
+"""One local fit of a cloud to another, its measure, and the gate that both aligners share."""
+
+import numpy as np
+import small_gicp
+from pydantic import Field
+from scipy.spatial import cKDTree
+
+from executive.arrays import Float
+from executive.clock import wall_s
+from executive.config import Meters, Settings
+from executive.errors import DataError
+from executive.geometry.pose import inverse, transform
+from executive.messages.alignment import Alignment
+from executive.messages.cloud import Cloud
+
+
+class AlignmentSettings(Settings):
+    """How finely to look, and what to believe."""
+
+    voxel_m: Meters = Field(0.05, gt=0, le=1, description="Grid to which both clouds are thinned [m].")
+    neighbours: int = Field(12, ge=5, le=50, description="Points that shape a surface's normal or covariance.")
+    max_iterations: int = Field(40, ge=1, description="Most steps of the optimisation.")
+    min_points: int = Field(20, ge=6, description="Fewer points of either cloud are refused.")
+    gate_distance_m: Meters = Field(0.10, gt=0, description="Distance up to which points count as overlapping [m].")
+    max_rmse_m: Meters = Field(0.04, gt=0, description="Largest accepted distance of overlapping points [m].")
+    min_overlap: float = Field(0.4, ge=0, le=1, description="Smallest accepted share of source points that overlap.")
+
+
+def fit(
+    kind: str, settings: AlignmentSettings, target: Cloud, source: Cloud, T_guess: Float, max_distance_m: float
+) -> Alignment:
+    """Thin both clouds, optimise, measure on the source's points, pass the gate.
+
+    Coordinates are taken about the target's centroid, so that a map in national coordinates keeps its digits.
+
+    Args:
+        kind: `GICP` or `PLANE_ICP`.
+        settings: Resolution and gate.
+        target: Where to.
+        source: What is moved.
+        T_guess: T_target_source to begin with, shape (4, 4).
+        max_distance_m: Reach of correspondences [m].
+
+    Returns:
+        The motion; refused, with the guess, if a cloud is too small.
+
+    Raises:
+        DataError: If the distance is not positive or the guess is no rigid pose.
+    """
+    _check(T_guess, max_distance_m)
+    begun_s = wall_s()
+    if min(len(target), len(source)) < settings.min_points:
+        reason = f"too few points: target {len(target)}, source {len(source)}, need {settings.min_points} each"
+        return Alignment(T_guess, False, reason, 0.0, 0.0)
+    centre = target.points.mean(axis=0)
+    T_centre = np.eye(4)
+    T_centre[:3, 3] = -centre
+    near = target.points[_within_reach(target.points, transform(T_guess, source.points), max_distance_m)] - centre
+    moved = transform(T_centre @ T_guess, source.points)
+    if len(near) < settings.min_points:
+        return Alignment(T_guess, False, "no target within reach of the source at the guess", 0.0, 0.0)
+    step = _optimise(kind, settings, near, moved, max_distance_m)
+    T = inverse(T_centre) @ step @ T_centre @ T_guess
+    rmse_m, overlap = measure(near, transform(step, moved), settings)
+    accepted, reason = _judge(settings, rmse_m, overlap)
+    return Alignment(T, accepted, reason, rmse_m, overlap, timings_ms={"total": (wall_s() - begun_s) * 1e3})
+
+
+def _check(T_guess: Float, max_distance_m: float) -> None:
+    if not max_distance_m > 0:
+        raise DataError(f"correspondences need a positive reach, got {max_distance_m} m")
+    R = np.asarray(T_guess)[:3, :3]
+    if np.shape(T_guess) != (4, 4) or not np.allclose(R @ R.T, np.eye(3), atol=1e-4) or np.linalg.det(R) < 0:
+        raise DataError("the guess is no rigid pose: a 4×4 matrix with an orthonormal, right-handed rotation")
+
+
+def _within_reach(points: Float, others: Float, distance_m: float) -> Float:
+    low, high = others.min(axis=0) - distance_m, others.max(axis=0) + distance_m
+    return np.asarray(((points >= low) & (points <= high)).all(axis=1))
+
+
+def _optimise(kind: str, settings: AlignmentSettings, target: Float, source: Float, max_distance_m: float) -> Float:
+    prepared, tree = small_gicp.preprocess_points(target, settings.voxel_m, settings.neighbours, 1)
+    moving, _ = small_gicp.preprocess_points(source, settings.voxel_m, settings.neighbours, 1)
+    result = small_gicp.align(
+        prepared,
+        moving,
+        tree,
+        registration_type=kind,
+        max_correspondence_distance=max_distance_m,
+        num_threads=1,  # sums in one order: the same bits each time
+        max_iterations=settings.max_iterations,
+        rotation_epsilon=1e-4,
+        translation_epsilon=1e-4,
+    )
+    return np.asarray(result.T_target_source, dtype=np.float64)
+
+
+def measure(target: Float, source: Float, settings: AlignmentSettings) -> tuple[float, float]:
+    """Return the RMSE [m] of thinned source points that have a target within the gate's distance, and their share."""
+    thinned = small_gicp.voxelgrid_sampling(source, settings.voxel_m, 1).points()[:, :3]
+    distances = cKDTree(target).query(thinned, distance_upper_bound=settings.gate_distance_m)[0]
+    inliers = distances[np.isfinite(distances)]
+    rmse_m = float(np.sqrt(np.mean(inliers**2))) if len(inliers) else settings.gate_distance_m
+    return rmse_m, len(inliers) / len(distances)
+
+
+def _judge(settings: AlignmentSettings, rmse_m: float, overlap: float) -> tuple[bool, str]:
+    faults = []
+    if overlap < settings.min_overlap:
+        faults.append(f"overlap {overlap:.2f} below {settings.min_overlap}")
+    if rmse_m > settings.max_rmse_m:
+        faults.append(f"rmse {rmse_m * 100:.1f} cm above {settings.max_rmse_m * 100:.1f} cm")
+    return not faults, "; ".join(faults) or f"rmse {rmse_m * 100:.1f} cm, overlap {overlap:.2f}"
