@@ -3,7 +3,7 @@
 from xml.etree import ElementTree as Xml
 
 from robot_models.gripper import SIDES
-from robot_models.joint import Joint
+from robot_models.joint import Joint, Limits
 from robot_models.link import Link
 from robot_models.machine import Machine
 from robot_models.origin import Origin
@@ -53,9 +53,13 @@ def _add_joint(robot: Xml.Element, joint: Joint) -> None:
     element = _element(robot, joint.name, joint.kind, joint.parent, joint.child)
     _add_origin(element, joint)
     Xml.SubElement(element, "axis", xyz=_text(*joint.axis))
-    speed, effort = _text(joint.max_velocity), _text(joint.max_effort)
-    limit = {} if joint.range is None else {"lower": _text(joint.lower), "upper": _text(joint.upper)}
-    Xml.SubElement(element, "limit", velocity=speed, effort=effort, **limit)
+    ends = {} if joint.range is None else {"lower": _text(joint.lower), "upper": _text(joint.upper)}
+    _add_limit(element, joint, ends)
+
+
+def _add_limit(element: Xml.Element, limits: Limits, ends: dict[str, str]) -> None:
+    speed, effort = _text(limits.max_velocity), _text(limits.max_effort)
+    Xml.SubElement(element, "limit", {"velocity": speed, "effort": effort, **ends})
 
 
 def _add_jaw(robot: Xml.Element, machine: Machine, name: str) -> None:
@@ -65,7 +69,6 @@ def _add_jaw(robot: Xml.Element, machine: Machine, name: str) -> None:
     x, y = machine.gripper.pivot_m
     Xml.SubElement(element, "origin", xyz=_text(x, side * y, 0))
     Xml.SubElement(element, "axis", xyz=_text(0, 0, side))
-    limit = {"lower": _text(jaw.lower), "upper": _text(jaw.upper)}
-    Xml.SubElement(element, "limit", velocity=_text(jaw.max_velocity), effort=_text(jaw.max_effort), **limit)
+    _add_limit(element, jaw, {"lower": _text(jaw.lower), "upper": _text(jaw.upper)})
     if side < 0:
         Xml.SubElement(element, "mimic", joint=jaw.name)

@@ -1,0 +1,75 @@
+"""The arm's servos: position loops with velocity fed forward and a slow integral, limited in effort."""
+
+import mujoco
+import numpy as np
+
+from executive.arrays import Float
+from plugins.robot.mujoco.physics import PhysicsSettings
+from robot_models.kinematics import Kinematics
+from robot_models.machine import Machine
+
+_TYPICAL_LOAD = 0.4  # share of the payload that the gains are tuned for
+_INTEGRAL_S = 0.4  # time constant that takes up the sag under a stone [s]
+
+
+def make_servos(spec: mujoco.MjSpec, machine: Machine, settings: PhysicsSettings) -> None:
+    """Turn the arm's motors into critically damped position servos.
+
+    Damping is part of the actuator, where MuJoCo integrates it implicitly: an explicit one is unstable at wrists.
+    """
+    omega = settings.servo_rad_s
+    for joint, inertia in zip(machine.joints, _reflected_inertia(spec, machine), strict=True):
+        servo = spec.actuator(joint.name)
+        servo.set_to_position(kp=inertia * omega**2, kv=2 * inertia * omega)
+        servo.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
+        servo.forcerange = [-joint.max_effort, joint.max_effort]
+
+
+def _reflected_inertia(spec: mujoco.MjSpec, machine: Machine) -> Float:
+    """Return each joint's inertia in the carrying posture with a typical load between the jaws, shape (n,)."""
+    model = spec.copy().compile()
+    data = mujoco.MjData(model)
+    q = machine.posture("carry")
+    for name, value in zip(machine.arm_names, q, strict=True):
+        data.joint(name).qpos = value
+    mujoco.mj_forward(model, data)
+    M = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, M)
+    dofs = [model.joint(name).dofadr[0] for name in machine.arm_names]
+    kinematics = Kinematics(machine)
+    J, T = kinematics.jacobian(q), kinematics.gripper(q)
+    J_load = J[:3] + np.cross(J[3:].T, T[:3, :3] @ machine.gripper.grasp_centre).T
+    return np.asarray(M.diagonal()[dofs] + _TYPICAL_LOAD * machine.payload_kg * (J_load**2).sum(axis=0))
+
+
+class ArmServos:
+    """Feeds references to the servos, once a physics step."""
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, machine: Machine) -> None:
+        self._data, self._dt_s = data, float(model.opt.timestep)
+        self._ids = np.array([model.actuator(name).id for name in machine.arm_names])
+        joints = [model.joint(name) for name in machine.arm_names]
+        self._qpos = np.array([joint.qposadr[0] for joint in joints])
+        self._dofs = np.array([joint.dofadr[0] for joint in joints])
+        kp, kv = model.actuator_gainprm[self._ids, 0], -model.actuator_biasprm[self._ids, 2]
+        self._lead_s = kv / kp
+        self._sag = np.zeros(len(self._ids))
+        self._max_sag = np.array([joint.max_effort for joint in machine.joints]) / kp
+
+    def position(self) -> Float:
+        """Return the arm's true joint positions, shape (n,)."""
+        return np.array(self._data.qpos[self._qpos])
+
+    def velocity(self) -> Float:
+        """Return the arm's true joint velocities, shape (n,)."""
+        return np.array(self._data.qvel[self._dofs])
+
+    def effort(self) -> Float:
+        """Return the torques and forces that the actuators exert, the links' own weights included, shape (n,)."""
+        return np.array(self._data.qfrc_actuator[self._dofs])
+
+    def drive(self, position: Float, velocity: Float) -> None:
+        """Set this step's reference, position and velocity of every arm joint, each shape (n,)."""
+        error = position - self.position()
+        self._sag = np.clip(self._sag + error * self._dt_s / _INTEGRAL_S, -self._max_sag, self._max_sag)
+        self._data.ctrl[self._ids] = position + self._sag + self._lead_s * velocity

@@ -1,0 +1,57 @@
+"""The jaws' drive: one force-limited velocity actuator; the other jaw is tied to it."""
+
+import mujoco
+
+from plugins.robot.mujoco.physics import PhysicsSettings
+from robot_models.machine import Machine
+
+_YIELD = 0.1  # share of the top speed by which a jaw must lag for the full force
+
+
+def make_jaw_drive(spec: mujoco.MjSpec, machine: Machine) -> None:
+    """Turn the jaw's motor into a velocity servo."""
+    jaw = machine.jaw
+    drive = spec.actuator(jaw.name)
+    drive.set_to_velocity(kv=jaw.max_effort / (_YIELD * jaw.max_velocity))
+    drive.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
+    drive.forcerange = [-jaw.max_effort, jaw.max_effort]
+
+
+class JawDrive:
+    """Moves the jaws towards an angle and keeps pressing."""
+
+    def __init__(
+        self, model: mujoco.MjModel, data: mujoco.MjData, machine: Machine, settings: PhysicsSettings
+    ) -> None:
+        self._model, self._data, self._machine, self._settings = model, data, machine, settings
+        self._id = model.actuator(machine.jaw.name).id
+        self._joint = data.joint(machine.jaw.name)
+        self._target_rad = self.position_rad
+        self.press(self._target_rad, settings.grip_force_n)
+
+    @property
+    def position_rad(self) -> float:
+        """Angle of the jaws [rad]."""
+        return float(self._joint.qpos[0])
+
+    @property
+    def velocity_rad_s(self) -> float:
+        """Opening speed of the jaws [rad/s]."""
+        return float(self._joint.qvel[0])
+
+    @property
+    def effort_nm(self) -> float:
+        """Torque of the drive about the jaw's pivot, both jaws together [N·m]; negative closes."""
+        return float(self._data.actuator_force[self._id])
+
+    def press(self, target_rad: float, force_n: float) -> None:
+        """Head for an angle [rad] with at most a force [N] at each tip."""
+        self._target_rad = target_rad
+        torque = 2 * force_n * self._machine.gripper.tip_radius_m  # one drive moves both tips
+        self._model.actuator_forcerange[self._id] = (-torque, torque)
+
+    def drive(self) -> None:
+        """Set this step's speed."""
+        top = self._machine.jaw.max_velocity
+        speed = self._settings.jaw_stiffness * (self._target_rad - self.position_rad)
+        self._data.ctrl[self._id] = min(max(speed, -top), top)
