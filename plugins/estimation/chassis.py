@@ -1,0 +1,93 @@
+"""The chassis below the cabin: where the turn joint puts it, and whether it stands."""
+
+from collections import deque
+
+import numpy as np
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.config import RadiansPerSecond, Settings
+from executive.geometry.pose import inverse, pose
+from executive.geometry.rotation import about_axis
+from executive.messages.joints import JointSample
+from robot_models.machine import Machine
+
+
+class TurnJoint:
+    """The joint that ties the cabin to the chassis, at its newest sample."""
+
+    def __init__(self, machine: Machine) -> None:
+        joint = machine.joints[machine.arm_names.index(machine.turn_joint)]
+        self._name = joint.name
+        self._T_base_joint = joint.T_parent_joint
+        self._axis = np.asarray(joint.axis, dtype=float)
+        self._stamp_s: float | None = None
+        self._position_rad = 0.0
+        self._velocity_rad_s = 0.0
+
+    @property
+    def is_known(self) -> bool:
+        """Whether a sample has arrived."""
+        return self._stamp_s is not None
+
+    @property
+    def velocity_rad_s(self) -> float:
+        """Measured turn rate [rad/s]."""
+        return self._velocity_rad_s
+
+    @property
+    def rate_cabin(self) -> Float:
+        """Angular velocity of the cabin against the chassis, cabin axes [rad/s], shape (3,)."""
+        return self._axis * self._velocity_rad_s
+
+    def update(self, sample: JointSample) -> None:
+        """Take one joint sample."""
+        self._position_rad, self._velocity_rad_s, _ = sample.of(self._name)
+        self._stamp_s = sample.stamp_s
+
+    def T_cabin_base(self, stamp_s: float) -> Float:
+        """Return the chassis in the cabin at a time near the sample's, by its measured speed, shape (4, 4)."""
+        ahead_s = float(np.clip(stamp_s - (self._stamp_s or stamp_s), -0.1, 0.1))
+        turn = about_axis(self._axis, self._position_rad + ahead_s * self._velocity_rad_s)
+        return inverse(self._T_base_joint @ pose(turn))
+
+
+class StandingSettings(Settings):
+    """When the chassis counts as standing, and what that is worth.
+
+    A chassis that no inertial sensor watches never counts as standing.
+    """
+
+    is_used: bool = Field(True, description="Whether to correct by a standing chassis; nothing else assumes one.")
+    max_rate_std_rad_s: RadiansPerSecond = Field(
+        0.01, gt=0, le=0.2, description="Largest spread of the chassis' angular velocity [rad/s]."
+    )
+    max_force_std_m_s2: float = Field(0.1, gt=0, le=5, description="Largest spread of its specific force [m/s²].")
+    velocity_std_m_s: float = Field(0.01, gt=0, le=1, description="Speed that a standing chassis may have [m/s].")
+    rate_std_rad_s: RadiansPerSecond = Field(0.005, gt=0, le=1, description="Turn that it may have [rad/s].")
+
+
+class StandingDetector:
+    """Judges from the chassis' own inertial sensor over half a second whether it stands."""
+
+    _WINDOW = 50
+
+    def __init__(self, settings: StandingSettings) -> None:
+        self._settings = settings
+        self._window: deque[Float] = deque(maxlen=self._WINDOW)
+        self._newest_s = -np.inf
+
+    def add(self, stamp_s: float, rate: Float, force: Float) -> None:
+        """Take one inertial sample of the chassis."""
+        if stamp_s - self._newest_s > 0.1:
+            self._window.clear()
+        self._newest_s = stamp_s
+        self._window.append(np.concatenate([rate, force]))
+
+    def stands(self, stamp_s: float) -> bool:
+        """Return whether the chassis is seen to stand around a time."""
+        if not self._settings.is_used or len(self._window) < self._WINDOW or abs(stamp_s - self._newest_s) > 0.1:
+            return False
+        spread = np.std(self._window, axis=0)
+        is_quiet = spread[:3].max() < self._settings.max_rate_std_rad_s
+        return bool(is_quiet and spread[3:].max() < self._settings.max_force_std_m_s2)

@@ -1,0 +1,87 @@
+"""An error-state Kalman filter over a strapdown state: predict by inertial samples, correct by linearised residuals."""
+
+import numpy as np
+
+from executive.arrays import Float
+from plugins.estimation.inertial_noise import InertialNoise
+from plugins.estimation.inertial_state import (
+    ACCEL_BIAS,
+    DIMENSION,
+    GYRO_BIAS,
+    POSITION,
+    ROTATION,
+    VELOCITY,
+    Inertial,
+    InertialState,
+    error_transition,
+    propagate,
+    retract,
+)
+
+_LONG_STEP_S = 0.1  # samples further apart than this say little about what happened between them
+_GAP_ACCELERATION_M_S2 = 1.0  # what the machine may do unseen in such a gap
+_GAP_RATE_RAD_S = 0.5
+
+
+class ErrorStateFilter:
+    """A state and the covariance of its error, moved on in time (Solà 2017, Sec. 5–6; error on the right)."""
+
+    def __init__(self, state: InertialState, covariance: Float, noise: InertialNoise) -> None:
+        self.state = state
+        self.covariance = covariance
+        self._noise = noise
+
+    def predict(self, sample: Inertial) -> None:
+        """Propagate to a later sample; a gap in the samples is paid for with covariance."""
+        dt_s = sample.stamp_s - self.state.stamp_s
+        if dt_s <= 0:
+            return
+        self.covariance = self.covariance_after(dt_s)
+        if dt_s > _LONG_STEP_S:
+            self.doubt(_GAP_ACCELERATION_M_S2 * dt_s**2, _GAP_ACCELERATION_M_S2 * dt_s, _GAP_RATE_RAD_S * dt_s)
+        self.state = propagate(self.state, sample, self._noise.gravity_m_s2)
+
+    def covariance_after(self, dt_s: float) -> Float:
+        """Return the covariance a step later, by the state's present rate and force, shape (15, 15)."""
+        F = error_transition(self.state, dt_s)
+        P = F @ self.covariance @ F.T
+        P[np.diag_indices(DIMENSION)] += self._process_noise(dt_s)
+        return np.asarray(P)
+
+    def correct(self, residual: Float, H: Float, noise: Float, gate: float) -> bool:
+        """Correct by measured − predicted = H · error + noise.
+
+        Args:
+            residual: Shape (m,).
+            H: Shape (m, 15).
+            noise: Covariance of the measurement, shape (m, m).
+            gate: Largest squared Mahalanobis distance that is believed.
+
+        Returns:
+            Whether the measurement passed the gate and was used.
+        """
+        PHt = self.covariance @ H.T
+        S = H @ PHt + noise
+        if float(residual @ np.linalg.solve(S, residual)) > gate:
+            return False
+        K = np.linalg.solve(S, PHt.T).T
+        IKH = np.eye(DIMENSION) - K @ H
+        P = IKH @ self.covariance @ IKH.T + K @ noise @ K.T  # Joseph: stays positive definite
+        self.covariance = 0.5 * (P + P.T)
+        self.state = retract(self.state, K @ residual)
+        return True
+
+    def doubt(self, position_m: float, velocity_m_s: float, rotation_rad: float) -> None:
+        """Forget how well the state is known: add these standard deviations to it."""
+        for block, std in ((POSITION, position_m), (VELOCITY, velocity_m_s), (ROTATION, rotation_rad)):
+            self.covariance[block, block] += std**2 * np.eye(3)
+
+    def _process_noise(self, dt_s: float) -> Float:
+        noise = self._noise
+        q = np.zeros(DIMENSION)
+        q[ROTATION] = noise.gyro_density**2 * dt_s
+        q[VELOCITY] = noise.accel_density**2 * dt_s
+        q[POSITION] = q[VELOCITY] * dt_s**2 / 3
+        q[GYRO_BIAS] = noise.gyro_bias_walk**2 * dt_s
+        q[ACCEL_BIAS] = noise.accel_bias_walk**2 * dt_s
+        return q

@@ -1,0 +1,129 @@
+"""The strapdown state of one inertial sensor, and how a pair of its samples carries it on."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from executive.arrays import Float
+
+# Blocks of the error state: rotation [rad] in IMU axes, velocity, position in map axes, gyro bias, accelerometer bias.
+ROTATION, VELOCITY, POSITION, GYRO_BIAS, ACCEL_BIAS = (slice(i, i + 3) for i in range(0, 15, 3))
+DIMENSION = 15
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inertial:
+    """One inertial measurement as the filter keeps it: bias not removed, IMU axes.
+
+    Attributes:
+        stamp_s: Time of measurement [s].
+        rate: Angular velocity [rad/s], shape (3,).
+        force: Specific force [m/s²], shape (3,).
+    """
+
+    stamp_s: float
+    rate: Float
+    force: Float
+
+    def towards(self, later: "Inertial", stamp_s: float) -> "Inertial":
+        """Interpolate linearly between this sample and a later one."""
+        u = (stamp_s - self.stamp_s) / (later.stamp_s - self.stamp_s)
+        return Inertial(stamp_s, (1 - u) * self.rate + u * later.rate, (1 - u) * self.force + u * later.force)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class InertialState:
+    """Where an IMU is, how fast, and how wrong it measures, at the time of its newest sample.
+
+    Attributes:
+        sample: The measurement at the state's time.
+        R_map_imu: Orientation, shape (3, 3).
+        p_map_imu: Position in the map [m], shape (3,).
+        v_map_imu: Velocity against the map, map axes [m/s], shape (3,).
+        gyro_bias: [rad/s], IMU axes, shape (3,).
+        accel_bias: [m/s²], IMU axes, shape (3,).
+    """
+
+    sample: Inertial
+    R_map_imu: Float
+    p_map_imu: Float
+    v_map_imu: Float
+    gyro_bias: Float
+    accel_bias: Float
+
+    @property
+    def stamp_s(self) -> float:
+        """Time of validity [s]."""
+        return self.sample.stamp_s
+
+    @property
+    def rate(self) -> Float:
+        """Angular velocity in IMU axes, bias removed [rad/s], shape (3,)."""
+        return self.sample.rate - self.gyro_bias
+
+
+def propagate(state: InertialState, sample: Inertial, gravity_m_s2: float) -> InertialState:
+    """Carry the state on to a later sample by the trapezoidal rule; the map turns with nothing (no earth rate)."""
+    dt = sample.stamp_s - state.sample.stamp_s
+    R = state.R_map_imu @ rotation_step(0.5 * dt * (state.sample.rate + sample.rate) - dt * state.gyro_bias)
+    acceleration = 0.5 * (
+        state.R_map_imu @ (state.sample.force - state.accel_bias) + R @ (sample.force - state.accel_bias)
+    )
+    acceleration[2] -= gravity_m_s2
+    v = state.v_map_imu + dt * acceleration
+    p = state.p_map_imu + 0.5 * dt * (state.v_map_imu + v)
+    return InertialState(sample, R, p, v, state.gyro_bias, state.accel_bias)
+
+
+def error_transition(state: InertialState, dt_s: float) -> Float:
+    """Return ∂(error after)/∂(error before) over a step, to first order in it, shape (15, 15).
+
+    The rotation's error is on the right, R = R̂ exp(θ), so that θ̇ = −ω×θ − b_g and v̇ = −R [f]× θ − R b_a.
+    """
+    R, force = state.R_map_imu, state.sample.force - state.accel_bias
+    F = np.eye(DIMENSION)
+    F[ROTATION, ROTATION] = rotation_step(-dt_s * state.rate)
+    F[ROTATION, GYRO_BIAS] = -dt_s * np.eye(3)
+    F[VELOCITY, ROTATION] = -dt_s * (R @ skew(force))
+    F[VELOCITY, ACCEL_BIAS] = -dt_s * R
+    F[POSITION, VELOCITY] = dt_s * np.eye(3)
+    F[POSITION, ROTATION] = 0.5 * dt_s * F[VELOCITY, ROTATION]
+    F[POSITION, ACCEL_BIAS] = 0.5 * dt_s * F[VELOCITY, ACCEL_BIAS]
+    return F
+
+
+def retract(state: InertialState, error: Float) -> InertialState:
+    """Apply an error-state correction, shape (15,)."""
+    return InertialState(
+        state.sample,
+        state.R_map_imu @ rotation_step(error[ROTATION]),
+        state.p_map_imu + error[POSITION],
+        state.v_map_imu + error[VELOCITY],
+        state.gyro_bias + error[GYRO_BIAS],
+        state.accel_bias + error[ACCEL_BIAS],
+    )
+
+
+def skew(v: Float) -> Float:
+    """Return [v]×; as executive.geometry's, on plain floats, which is what a hundred calls a tick ask for."""
+    x, y, z = v.tolist()
+    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+
+
+def rotation_step(rotation_vector: Float) -> Float:
+    """Map a rotation vector [rad] to its matrix (Rodrigues), on plain floats for speed, shape (3,) → (3, 3)."""
+    x, y, z = rotation_vector.tolist()
+    angle2 = x * x + y * y + z * z
+    if angle2 < 1e-10:  # the next terms of both series are below 1e-11
+        a, b = 1.0 - angle2 / 6, 0.5 - angle2 / 24
+    else:
+        angle = math.sqrt(angle2)
+        a, b = math.sin(angle) / angle, (1 - math.cos(angle)) / angle2
+    return np.array(
+        (
+            (1 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y),
+            (b * x * y + a * z, 1 - b * (x * x + z * z), b * y * z - a * x),
+            (b * x * z - a * y, b * y * z + a * x, 1 - b * (x * x + y * y)),
+        )
+    )

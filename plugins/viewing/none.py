@@ -1,0 +1,13 @@
+"""The viewer that shows nothing."""
+
+from executive.interfaces.viewing import Viewer
+
+
+class NoViewer(Viewer):
+    """Takes every value and forgets it."""
+
+    def open(self, path: str) -> None:
+        """Write nothing."""
+
+    def show(self, stamp_s: float, entity: str, value: object) -> None:
+        """Show nothing."""
