@@ -36,7 +36,7 @@ class InlineRunner(Runner):
         future: Future[Any] = Future()
         try:
             future.set_result(getattr(plugin, verb)(*args))
-        except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
+        except Exception as error:
             future.set_exception(error)
         return future
 

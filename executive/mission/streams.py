@@ -26,7 +26,9 @@ _HISTORY_S = 1.0  # a scan pair spans at most two revolutions of 0.1 s, plus the
 class Streams:
     """Feeds the stream plugins and keeps the newest values for snapshots."""
 
-    def __init__(self, plugins: Mapping[str, Any], lidars: Sequence[str], on_verdict: Callable[[Verdict], None]) -> None:
+    def __init__(
+        self, plugins: Mapping[str, Any], lidars: Sequence[str], on_verdict: Callable[[Verdict], None]
+    ) -> None:
         self._estimator: Estimator = plugins["estimation"]
         self._odometry: LidarOdometry | None = plugins.get("odometry")
         self._mapper: Mapper | None = plugins.get("mapping")

@@ -62,7 +62,9 @@ class Worker:
         except (EOFError, OSError) as error:
             self._connection = None
             code = self._process.exitcode if self._process else None
-            future.set_exception(WorkerDiedError(f"the {self._capability} worker died in '{verb}' (exit {code}): {error}"))
+            future.set_exception(
+                WorkerDiedError(f"the {self._capability} worker died in '{verb}' (exit {code}): {error}")
+            )
             return
         if is_error:
             future.set_exception(value)
@@ -88,7 +90,7 @@ def _work(connection: Connection, capability: str, selections: Sequence[Selectio
             verb, args = connection.recv()
             try:
                 answer = (False, getattr(plugin, verb)(*args))
-            except Exception as error:  # noqa: BLE001 - handed back to the caller
+            except Exception as error:
                 answer = (True, error)
             connection.send(answer)
     except (EOFError, OSError, KeyboardInterrupt):

@@ -1,0 +1,50 @@
+"""Close the jaws on a stone."""
+
+from typing import Any
+
+from pydantic import Field
+
+from executive.behaviours.action import Action, Steps
+from executive.behaviours.jaws import drive_jaws
+from executive.behaviours.outcome import failed, succeeded
+from executive.behaviours.port import Port
+from executive.config import Meters, Newtons, Radians, Settings
+from executive.messages.hold import Hold
+
+
+class CloseGripperSettings(Settings):
+    force: Newtons = Field(35e3, gt=0, le=200e3, description="Force at each tip, kept while the stone is held [N].")
+    empty_below: Radians = Field(0.08, ge=0, le=1, description="Jaws that close further hold nothing [rad].")
+    removal_radius: Meters = Field(1.0, gt=0, le=3, description="R_obj: radius of what the map forgets [m].")
+
+
+class CloseGripper(Action):
+    """Close the jaws, and if they hold something, say so to the database, the map and the monitors.
+
+    Mascaro 2020, Sec. 4.5: the gripper's pose is stored with the stone, and the map forgets a sphere of R_obj = 1 m.
+    """
+
+    Settings = CloseGripperSettings
+    needs = ("robot", "objects", "mapping", "monitoring")
+    inputs = {"stone": Port(int, "id of the stone")}
+    outputs = {"hold": Port(Hold, "which stone is held, and how")}
+
+    def run(self, **inputs: Any) -> Steps:
+        angle = yield from drive_jaws(self.context, 0.0, self.settings.force)
+        if angle < self.settings.empty_below:
+            reason = f"the jaws closed to {angle:.2f} rad: nothing is between them"
+            self.context.note("closed_on_nothing", stone=inputs["stone"], reason=reason)
+            return failed(reason)
+        hold = Hold(inputs["stone"], self.context.gripper(), angle)
+        stone = self.context.plugin("objects").grasp(hold.stone_id, hold.T_map_gripper, self.context.now_s())
+        mapping = self.context.plugin("mapping")
+        removed = mapping.remove_sphere(stone.centroid_map, self.settings.removal_radius)
+        mapping.mask_held(_reach_of(stone.points_map, stone.centroid_map))
+        self.context.begin_hold()
+        self.context.note("grasped", stone=stone.id, jaw_rad=angle, removed_points=removed)
+        return succeeded(hold=hold)
+
+
+def _reach_of(points: Any, centre: Any) -> float:
+    """Return the distance [m] of the farthest point from the centre, and a hand's breadth more."""
+    return float((((points - centre) ** 2).sum(axis=1) ** 0.5).max()) + 0.1

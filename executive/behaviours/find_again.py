@@ -1,0 +1,46 @@
+"""Look for a stone that is no longer where it was."""
+
+from typing import Any
+
+import numpy as np
+from pydantic import Field
+
+from executive.behaviours.action import Action, Steps
+from executive.behaviours.outcome import failed, succeeded
+from executive.behaviours.port import Port
+from executive.config import Meters, Settings
+from executive.messages.cloud import Cloud
+from executive.messages.segment import Segmentation
+from executive.messages.stone import StoneState
+
+
+class FindAgainSettings(Settings):
+    radius: Meters = Field(4.0, gt=0, le=20, description="How far from its last known place to look [m].")
+
+
+class FindAgain(Action):
+    """Segment the fresh map around a dropped or missed stone and update what the database knows of it."""
+
+    Settings = FindAgainSettings
+    needs = ("mapping", "segmentation", "objects")
+    inputs = {"stone": Port(int, "id of the stone")}
+
+    def run(self, **inputs: Any) -> Steps:
+        objects = self.context.plugin("objects")
+        stone = objects.stone(inputs["stone"])
+        points = self.context.plugin("mapping").cloud().points
+        near = points[np.hypot(*(points[:, :2] - stone.centroid_map[:2]).T) < self.settings.radius]
+        if not len(near):
+            return failed(f"the map shows nothing around stone {stone.id}")
+        segmentation: Segmentation = yield self.context.job("segmentation", "segment", Cloud("map", near))
+        seen = objects.observe(self._not_placed(segmentation), self.context.now_s(), False)
+        self.context.note("looked_again", stone=stone.id, seen=[s.id for s in seen])
+        if stone.id not in [s.id for s in seen]:
+            return failed(f"stone {stone.id} was not found within {self.settings.radius:.1f} m of its last place")
+        return succeeded()
+
+    def _not_placed(self, segmentation: Segmentation) -> list[Any]:
+        """Leave out segments that are stones which stand in their slots: those are not looked for."""
+        stones = self.context.plugin("objects").stones()
+        placed = [s.centroid_map[:2] for s in stones if s.state in (StoneState.PLACED, StoneState.SET_ASIDE)]
+        return [s for s in segmentation.segments if all(np.hypot(*(s.centroid[:2] - p)) > 0.6 for p in placed)]

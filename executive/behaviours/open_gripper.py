@@ -1,0 +1,31 @@
+"""Open the jaws."""
+
+from typing import Any
+
+from pydantic import Field
+
+from executive.behaviours.action import Action, Steps
+from executive.behaviours.jaws import drive_jaws
+from executive.behaviours.outcome import failed, succeeded
+from executive.config import Newtons, Radians, Settings
+
+
+class OpenGripperSettings(Settings):
+    force: Newtons = Field(35e3, gt=0, le=200e3, description="Largest force at each tip [N].")
+    tolerance: Radians = Field(
+        0.1, gt=0, le=1, description="Standing wider than this off fully open is a failure [rad]."
+    )
+
+
+class OpenGripper(Action):
+    """Open the jaws fully."""
+
+    Settings = OpenGripperSettings
+    needs = ("robot",)
+
+    def run(self, **inputs: Any) -> Steps:
+        wanted = self.context.machine().gripper.open_rad
+        angle = yield from drive_jaws(self.context, wanted, self.settings.force)
+        if abs(angle - wanted) > self.settings.tolerance:
+            return failed(f"the jaws stand at {angle:.2f} rad and do not open to {wanted:.2f} rad")
+        return succeeded()

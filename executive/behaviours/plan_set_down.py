@@ -1,0 +1,57 @@
+"""Plan to lower a held stone to the ground below it."""
+
+from typing import Any
+
+import numpy as np
+
+from executive.behaviours.action import Action, Steps
+from executive.behaviours.outcome import failed, succeeded
+from executive.behaviours.port import Port
+from executive.behaviours.surroundings import held_surface, surroundings
+from executive.geometry.pose import transform
+from executive.messages.hold import Hold
+from executive.messages.request import MotionPlan, MoveRequest
+from executive.messages.trajectory import JointTrajectory
+
+_CLEARANCE_M = 0.05  # left between the stone and the ground: the model is a few centimetres off
+_LEAST_WAY_M = 0.05
+
+
+class PlanSetDown(Action):
+    """Plan the way straight down, for a stone that slips: it falls less far."""
+
+    needs = ("motion", "mapping", "objects")
+    inputs = {"hold": Port(Hold, "which stone is held, and how")}
+    outputs = {"trajectory": Port(JointTrajectory, "the way down")}
+
+    def run(self, **inputs: Any) -> Steps:
+        hold: Hold = inputs["hold"]
+        cloud = surroundings(self.context, without=hold.stone_id)
+        surface = held_surface(self.context, hold)
+        goal = self.context.gripper()
+        way_m = _gap_below(transform(goal, surface), cloud.points) - _CLEARANCE_M
+        if way_m < _LEAST_WAY_M:
+            return failed("the stone is at the ground already")
+        goal[2, 3] -= way_m
+        request = MoveRequest(
+            start=self.context.arm(),
+            T_map_gripper=goal,
+            T_map_base=self.context.state().T_map_base,
+            leave_m=0.0,
+            arrive_m=way_m,
+            obstacles=cloud,
+            held_gripper=surface,
+            jaw_rad=hold.jaw_rad,
+        )
+        plan: MotionPlan = yield self.context.job("motion", "move", request)
+        if plan.trajectory is None:
+            return failed(f"no way down: {plan.reason}")
+        return succeeded(f"{way_m:.2f} m down", trajectory=plan.trajectory)
+
+
+def _gap_below(stone: np.ndarray, ground: np.ndarray) -> float:
+    """Return the height [m] of the stone's lowest point above the highest ground under it."""
+    low, high = stone.min(axis=0), stone.max(axis=0)
+    under = ground[((ground[:, :2] >= low[:2]) & (ground[:, :2] <= high[:2])).all(axis=1)]
+    under = under[under[:, 2] < high[2]]
+    return float(low[2] - under[:, 2].max()) if len(under) else 0.0

@@ -1,0 +1,73 @@
+"""Bring a moved stone's model and the map together again."""
+
+from typing import Any
+
+import numpy as np
+from pydantic import Field
+
+from executive.behaviours.action import Action, Steps
+from executive.behaviours.outcome import succeeded
+from executive.behaviours.port import Port
+from executive.config import Meters, Settings
+from executive.messages.alignment import Alignment
+from executive.messages.cloud import Cloud
+from executive.messages.stone import Stone
+
+
+class RelocateAndRealignSettings(Settings):
+    margin: Meters = Field(0.5, gt=0, le=2, description="Map around the model that the alignment sees [m].")
+    max_distance: Meters = Field(0.3, gt=0, le=2, description="Farthest correspondence [m].")
+    max_shift: Meters = Field(0.5, gt=0, le=2, description="A larger correction is not believed [m].")
+
+
+class RelocateAndRealign(Action):
+    """Correct a relocated stone's pose by aligning its model with the fresh map (Mascaro 2020, Sec. 4.5).
+
+    It needs a scan of the stone's new place. A correction that the aligner refuses is noted and not made: the pose
+    from the gripper's motion (Eq. 3) stands.
+    """
+
+    Settings = RelocateAndRealignSettings
+    needs = ("mapping", "alignment", "objects")
+    inputs = {"stone": Port(int, "id of the stone")}
+
+    def run(self, **inputs: Any) -> Steps:
+        objects = self.context.plugin("objects")
+        stone: Stone = objects.stone(inputs["stone"])
+        target = self._map_around(stone)
+        alignment: Alignment | None = None
+        refusal = "the map shows nothing there"
+        if len(target):
+            source = Cloud("map", stone.points_map)
+            alignment = yield self.context.job(
+                "alignment", "align", target, source, np.eye(4), self.settings.max_distance
+            )
+            refusal = self._refusal(alignment, stone)
+        if alignment is not None and not refusal:
+            stone = objects.realign(stone.id, alignment.T_target_source, self.context.now_s())
+        self.context.note(
+            "realigned",
+            stone=stone.id,
+            accepted=not refusal,
+            reason=refusal,
+            rmse_m=alignment.rmse_m if alignment else None,
+            overlap=alignment.overlap if alignment else None,
+            estimated_pose=stone.T_map_object,
+        )
+        self.context.show(f"stones/{stone.id}", stone)
+        return succeeded(f"kept the gripper's estimate: {refusal}" if refusal else "realigned")
+
+    def _map_around(self, stone: Stone) -> Cloud:
+        points = self.context.plugin("mapping").cloud().points
+        low = stone.points_map.min(axis=0) - self.settings.margin
+        high = stone.points_map.max(axis=0) + self.settings.margin
+        return Cloud("map", points[((points >= low) & (points <= high)).all(axis=1)])
+
+    def _refusal(self, alignment: Alignment, stone: Stone) -> str:
+        if not alignment.accepted:
+            return alignment.reason
+        centroid = stone.centroid_map
+        shift_m = float(np.linalg.norm(alignment.apply(centroid[None])[0] - centroid))
+        if shift_m > self.settings.max_shift:
+            return f"a correction of {shift_m:.2f} m is more than {self.settings.max_shift:.2f} m"
+        return ""

@@ -1,0 +1,28 @@
+"""Give a stone up."""
+
+from typing import Any
+
+from pydantic import Field
+
+from executive.behaviours.action import Condition
+from executive.behaviours.outcome import Outcome, succeeded
+from executive.behaviours.port import Port
+from executive.config import Settings
+from executive.messages.stone import StoneState
+
+
+class SetAsideSettings(Settings):
+    reason: str = Field("no attempt succeeded", min_length=1, description="What the report says.")
+
+
+class SetAside(Condition):
+    """Leave a stone where it lies and say so: it is not tried again."""
+
+    Settings = SetAsideSettings
+    needs = ("objects",)
+    inputs = {"stone": Port(int, "id of the stone")}
+
+    def check(self, **inputs: Any) -> Outcome:
+        self.context.plugin("objects").set_state(inputs["stone"], StoneState.SET_ASIDE, self.context.now_s())
+        self.context.note("set_aside", stone=inputs["stone"], reason=self.settings.reason)
+        return succeeded(f"stone {inputs['stone']} is set aside")

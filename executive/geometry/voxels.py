@@ -1,0 +1,22 @@
+"""Clouds on a grid."""
+
+import numpy as np
+
+from executive.arrays import Float
+
+
+def voxel_means(points: Float, size_m: float) -> Float:
+    """Return the mean of the points in each occupied cell of a cubic grid, shape (N, 3) → (M, 3).
+
+    The order is that of the cells (x, then y, then z), so it does not depend on the order of the points but for
+    rounding in the sums.
+    """
+    if not len(points):
+        return points
+    cells = np.floor(points / size_m).astype(np.int64)
+    cells -= cells.min(axis=0)
+    spans = cells.max(axis=0) + 1
+    keys = (cells[:, 0] * spans[1] + cells[:, 1]) * spans[2] + cells[:, 2]
+    _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
+    sums = np.stack([np.bincount(inverse, weights=points[:, i]) for i in range(3)], axis=1)
+    return np.asarray(sums / counts[:, None])

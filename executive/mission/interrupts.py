@@ -1,0 +1,37 @@
+"""Signals of the operator: Ctrl-C once stops along the path, twice at once; SIGUSR1 pauses and resumes."""
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from executive.errors import ExecutiveError
+from executive.mission.mission import Mission
+
+
+class AbortedError(ExecutiveError):
+    """The operator asked twice: the run ends at once."""
+
+
+@contextmanager
+def stop_on_interrupt(mission: Mission) -> Iterator[None]:
+    """Turn signals into requests while the mission runs; in another thread than the main one, do nothing."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    asked = 0
+
+    def stop(_signal: int, _frame: object) -> None:
+        nonlocal asked
+        asked += 1
+        if asked > 1:
+            raise AbortedError("stopped at once by the operator")
+        mission.request_stop()
+
+    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    before[signal.SIGUSR1] = signal.signal(signal.SIGUSR1, lambda *_: mission.toggle_pause())
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

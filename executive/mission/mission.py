@@ -1,0 +1,214 @@
+"""A running mission: reads the robot, feeds the streams, ticks the tree, and brings the machine to a safe stop."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from executive.behaviours.runtime import Question, Runtime
+from executive.behaviours.store import Store
+from executive.clock import Clock, wall_s
+from executive.errors import RobotError
+from executive.interfaces.robot import Robot
+from executive.interfaces.viewing import Viewer
+from executive.journal import Journal
+from executive.messages.base_state import BaseState
+from executive.messages.verdict import Verdict
+from executive.mission.assembly import Assembly
+from executive.mission.context import NodeContext, Services
+from executive.mission.jobs import Jobs
+from executive.mission.operator import Operator
+from executive.mission.phase import Phase, checked_change
+from executive.mission.report import Ending
+from executive.mission.streams import Streams
+from robot_models.kinematics import Kinematics
+
+_AT_REST_RAD_S = 0.01  # every joint slower than this: the machine stands (m/s for the telescope)
+_STOP_LIMIT_S = 10.0  # a machine that has not come to rest by then is faulted
+_STATE_PERIOD_S = 1.0  # of the estimates kept for the report
+_VIEW_PERIOD_S = 0.2  # of poses and tree states handed to the viewer
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What a mission is made of."""
+
+    clock: Clock
+    tick_s: float
+    time_limit_s: float
+    seed: int
+    assembly: Assembly
+    jobs: Jobs
+    journal: Journal
+    operator: Operator
+
+
+class Mission(Runtime):
+    """The tick loop, as DESIGN tells it: read → streams → tree → commands → journal, viewer."""
+
+    def __init__(self, setup: Setup, build: Callable[[Runtime], Any], halt: Callable[[Any], None]) -> None:
+        self.clock = setup.clock
+        self.store = Store()
+        self.phase = Phase.IDLE
+        self.states: list[BaseState] = []
+        self._setup = setup
+        self.journal = setup.journal
+        self._tick = 0
+        self._ending: Ending | None = None
+        self._stop_requested = False
+        self._pause_requested = False
+        self._questions: list[Question] = []
+        self._robot: Robot = setup.assembly.plugins["robot"]
+        self._viewer: Viewer | None = setup.assembly.plugins.get("viewing")
+        machine = setup.assembly.machine
+        lidars = [name for name, sensor in machine.sensors.items() if sensor.kind == "lidar"]
+        self.services = Services(
+            clock=setup.clock,
+            seed=setup.seed,
+            machine=machine,
+            kinematics=Kinematics(machine),
+            plugins=setup.assembly.plugins,
+            jobs=setup.jobs,
+            streams=Streams(setup.assembly.plugins, lidars, self._take_verdict),
+            record=self.record,
+            show=self.show,
+        )
+        self._halt = halt
+        self.root = build(self)
+
+    # --- what the nodes see
+
+    def context(self, node: str) -> NodeContext:
+        return NodeContext(self.services, node)
+
+    def record(self, kind: str, node: str, payload: Mapping[str, Any]) -> None:
+        self.journal.append(self._tick, self.clock.now_s(), kind, node, payload)
+
+    def show(self, entity: str, value: object) -> None:
+        if self._viewer is not None:
+            self._viewer.show(self.clock.now_s(), entity, value)
+
+    def ask(self, node: str, question: str, default: bool | None) -> Question:
+        asked = self._setup.operator.ask(question, default)
+        self._questions.append(asked)
+        return asked
+
+    def fail(self, error: BaseException, node: str) -> None:
+        if isinstance(error, RobotError):
+            self._ending = Ending("fault", f"{node}: {error}")
+
+    # --- what people do
+
+    def request_stop(self) -> None:
+        """Stop along the path at the next tick, then end."""
+        self._stop_requested = True
+
+    def toggle_pause(self) -> None:
+        """Pause at the next tick, or go on."""
+        self._pause_requested = not self._pause_requested
+
+    # --- the loop
+
+    def run(self, after_tick: Callable[["Mission"], None]) -> Ending:
+        """Tick until the tree has ended or the mission is stopped, and leave the machine at rest."""
+        self._change(Phase.RUNNING, "")
+        while self._ending is None:
+            self._guarded_tick()
+            after_tick(self)
+        self._halt(self.root)
+        if self._ending.outcome != "fault":
+            self._change(Phase.STOPPING, self._ending.reason)
+            self._come_to_rest(after_tick)
+        self._change(Phase.FAULTED if self._ending.outcome == "fault" else Phase.DONE, self._ending.reason)
+        self.record("ended", "", {"outcome": self._ending.outcome, "reason": self._ending.reason})
+        return self._ending
+
+    def _guarded_tick(self) -> None:
+        try:
+            self._read()
+            self._follow_requests()
+            if self.phase in (Phase.RUNNING, Phase.AWAITING_OPERATOR):
+                self._tick_tree()
+        except RobotError as error:
+            self._ending = Ending("fault", str(error))
+            self._emergency_stop()
+        self._end_tick()
+
+    def _read(self) -> None:
+        started_s = wall_s()
+        observations = self._robot.read(self.clock.now_s())
+        read_s = wall_s()
+        self.services.streams.process(observations)
+        durations = self._setup.jobs.durations_ms
+        durations.setdefault("robot.read", []).append(1e3 * (read_s - started_s))
+        durations.setdefault("streams", []).append(1e3 * (wall_s() - read_s))
+
+    def _tick_tree(self) -> None:
+        self.root.tick_once()
+        open_questions = [q for q in self._questions if q.answer() is None]
+        self._questions = open_questions
+        wanted = Phase.AWAITING_OPERATOR if open_questions else Phase.RUNNING
+        if wanted != self.phase:
+            self._change(wanted, "")
+        if self._ending is None and self.root.status.value in ("SUCCESS", "FAILURE"):
+            succeeded = self.root.status.value == "SUCCESS"
+            self._ending = Ending(
+                "success" if succeeded else "failure", "" if succeeded else self.root.feedback_message
+            )
+        if self._ending is None and self.clock.now_s() >= self._setup.time_limit_s:
+            self._ending = Ending("failure", f"the time limit of {self._setup.time_limit_s:.0f} s has passed")
+
+    def _follow_requests(self) -> None:
+        if self._stop_requested:
+            self._ending = Ending("stopped", "stopped by the operator")
+        elif self._pause_requested and self.phase != Phase.PAUSED:
+            self._robot.stop()
+            self._change(Phase.PAUSED, "paused by the operator")
+        elif not self._pause_requested and self.phase == Phase.PAUSED:
+            self._robot.resume()
+            self._change(Phase.RUNNING, "resumed by the operator")
+
+    def _come_to_rest(self, after_tick: Callable[["Mission"], None]) -> None:
+        try:
+            self._robot.stop()
+            limit_s = self.clock.now_s() + _STOP_LIMIT_S
+            while not self._is_at_rest() and self.clock.now_s() < limit_s:
+                self._read()
+                self._end_tick()
+                after_tick(self)
+            if not self._is_at_rest():
+                raise RobotError(f"the machine still moves {_STOP_LIMIT_S:.0f} s after the stop")
+        except RobotError as error:
+            self._ending = Ending("fault", str(error))
+
+    def _emergency_stop(self) -> None:
+        try:
+            self._robot.stop()
+        except RobotError as error:
+            self.record("stop_failed", "", {"reason": str(error)})
+
+    def _is_at_rest(self) -> bool:
+        sample = self.services.streams.joints
+        return sample is None or bool((abs(sample.velocity) < _AT_REST_RAD_S).all())
+
+    def _end_tick(self) -> None:
+        now_s = self.clock.now_s()
+        state = self.services.streams.state()
+        if state.is_ready and self._is_due(_STATE_PERIOD_S):
+            self.states.append(state)
+        if self._viewer is not None and self._is_due(_VIEW_PERIOD_S):
+            self._viewer.show(now_s, "state", state)
+            if self.services.streams.joints is not None:
+                self._viewer.show(now_s, "joints", self.services.streams.joints)
+        self._tick += 1
+        self.clock.advance(self._setup.tick_s)
+
+    def _is_due(self, period_s: float) -> bool:
+        return self._tick % max(1, round(period_s / self._setup.tick_s)) == 0
+
+    def _take_verdict(self, verdict: Verdict) -> None:
+        self.services.verdicts.append(verdict)
+        self.record("verdict", "", {"monitor": verdict.monitor, "trouble": verdict.trouble, "detail": verdict.detail})
+
+    def _change(self, phase: Phase, reason: str) -> None:
+        self.record("phase", "", {"from": self.phase, "to": phase, "reason": reason})
+        self.phase = checked_change(self.phase, phase)

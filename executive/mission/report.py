@@ -1,0 +1,115 @@
+"""The report of one run: what was asked, what happened, how long it took, and, in simulation, the truth."""
+
+import json
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from executive.journal import Entry, plain
+from executive.mission.picks import Pick
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """How a run ended.
+
+    Attributes:
+        outcome: success, failure, stopped or fault.
+        reason: Why, for a person.
+    """
+
+    outcome: str
+    reason: str
+
+    @property
+    def exit_status(self) -> int:
+        """Return the process's exit status (DESIGN: command line); a stopped mission did not do its job: 1."""
+        return {"success": 0, "failure": 1, "stopped": 1, "fault": 3}[self.outcome]
+
+
+def counts_from(entries: Sequence[Entry], picks: Sequence[Pick]) -> dict[str, int]:
+    """Count what a person asks for first."""
+    kinds = Counter(entry.kind for entry in entries)
+    troubles = Counter(entry.payload["trouble"] for entry in entries if entry.kind == "verdict")
+    placed = [pick for pick in picks if pick.released is not None and not pick.set_aside]
+    return {
+        "picks": len(picks),
+        "placed": len(placed),
+        "attempts": sum(len(pick.tries) for pick in picks),
+        "first_attempt": sum(len(pick.tries) == 1 for pick in placed),
+        "slips": troubles["slip"],
+        "drops": troubles["drop"],
+        "empty": kinds["closed_on_nothing"],
+        "set_aside": sum(bool(pick.set_aside) for pick in picks),
+        "registrations": kinds["registration"],
+        "registrations_accepted": sum(e.kind == "registration" and e.payload["accepted"] for e in entries),
+        "scans": kinds["scanned"],
+    }
+
+
+def timings_from(durations_ms: Mapping[str, Sequence[float]]) -> dict[str, dict[str, float]]:
+    """Return median, 95th percentile and number of each stage's wall times [ms]."""
+    return {
+        stage: {
+            "median": round(float(np.median(values)), 3),
+            "p95": round(float(np.percentile(values, 95)), 3),
+            "n": len(values),
+        }
+        for stage, values in sorted(durations_ms.items())
+        if values
+    }
+
+
+def write_report(path: Path, report: Mapping[str, Any]) -> None:
+    """Write the report as JSON, whole or not at all."""
+    partial = path.with_suffix(".partial")
+    partial.write_text(json.dumps(plain(report), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    partial.replace(path)
+
+
+def summary(report: Mapping[str, Any]) -> str:
+    """Say in a few lines what came of the run."""
+    counts = report["counts"]
+    lines = [
+        f"{report['mission']} (seed {report['seed']}): {report['outcome']}"
+        + (f" – {report['reason']}" if report["reason"] else ""),
+        f"  time       {_minutes(report['ended_s'])} on the mission's clock, {_minutes(report['wall_s'])} on the wall"
+        f" ({report['real_time_factor']:.1f} times real time)",
+    ]
+    if counts["picks"]:
+        lines.append(
+            f"  stones     {counts['placed']} of {counts['picks']} placed, {counts['first_attempt']} at the first attempt"
+            f" ({counts['attempts']} attempts, {counts['slips']} slips, {counts['drops']} drops,"
+            f" {counts['set_aside']} set aside)"
+        )
+    if counts["registrations"]:
+        lines.append(
+            f"  drone map  {counts['registrations_accepted']} of {counts['registrations']} registrations accepted"
+        )
+    lines += _truth_lines(report.get("truth"))
+    return "\n".join(lines)
+
+
+def _truth_lines(truth: Mapping[str, Any] | None) -> list[str]:
+    if not truth:
+        return []
+    lines = []
+    errors = [s["slot_error_m"] for s in truth["stones"] if s.get("slot_error_m") is not None]
+    if errors:
+        near = sum(error <= 0.30 for error in errors)
+        lines.append(
+            f"  truth      {near} of {len(errors)} within 0.30 m of their slot"
+            f" (median {np.median(errors):.2f} m, worst {max(errors):.2f} m), {len(truth['collisions'])} collisions"
+        )
+    if truth.get("estimate"):
+        error = truth["estimate"]["error_m"]
+        lines.append(f"  estimate   {1e3 * error['mean']:.0f} mm off on average, {1e3 * error['max']:.0f} mm at worst")
+    return lines
+
+
+def _minutes(seconds: float) -> str:
+    return f"{int(seconds // 60)}:{seconds % 60:04.1f} min"

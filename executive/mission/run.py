@@ -1,0 +1,161 @@
+"""One run from description to report."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from executive.clock import SimulatedClock, WallClock, wall_s
+from executive.errors import RobotError
+from executive.journal import Journal
+from executive.mission.assembly import Assembly, Selection, assemble
+from executive.mission.interrupts import AbortedError, stop_on_interrupt
+from executive.mission.jobs import InlineRunner, Jobs, ProcessRunner, Runner, ThreadRunner
+from executive.mission.mission import Mission, Setup
+from executive.mission.operator import Operator
+from executive.mission.picks import picks_from
+from executive.mission.ply import write_ply
+from executive.mission.report import Ending, counts_from, summary, timings_from, write_report
+from executive.mission.run_folder import RunFolder
+from executive.mission.run_log import run_log
+from executive.mission.truth import truth_of
+from executive.tree.build import build_tree, halt
+from executive.tree.language import MissionFile
+from executive.tree.resolved import resolved_yaml
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What the command line adds to a mission file."""
+
+    seed: int = 1
+    run_dir: Path | None = None
+    record: bool = False
+    real_time: bool = False
+    runner: str | None = None
+    answer: bool | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What a run leaves to its caller."""
+
+    report: dict[str, Any]
+    folder: RunFolder
+    exit_status: int
+
+    @property
+    def summary(self) -> str:
+        """Say in a few lines what came of it."""
+        return summary(self.report)
+
+
+class Run:
+    """One run of a checked mission; whatever happens, its folder holds what there is."""
+
+    def __init__(self, description: MissionFile, options: Options) -> None:
+        """Make the plugins and the folder; nothing moves yet.
+
+        Raises:
+            ConfigError: If the folder, the machine's model or a plugin's settings are refused.
+        """
+        self._description = description
+        self._options = options
+        self._selections = _selections(description, options)
+        self._model: str = description.plugins["robot"][0].settings.model
+        self._assembly: Assembly = assemble(self._selections, self._model, options.seed)
+        self.folder = RunFolder.create(options.run_dir, description.name)
+        self.folder.mission.write_text(resolved_yaml(description), encoding="utf-8")
+        clock = WallClock() if options.real_time else SimulatedClock()
+        runner = self._runner(options.runner or description.loop.runner)
+        self._setup = Setup(
+            clock=clock,
+            tick_s=description.loop.tick,
+            time_limit_s=description.loop.time_limit,
+            seed=options.seed,
+            assembly=self._assembly,
+            jobs=Jobs(self._assembly.plugins, runner, clock, is_lock_step=not options.real_time),
+            journal=Journal(self.folder.journal),
+            operator=Operator(options.answer),
+        )
+        self._mission: Mission | None = None
+
+    def execute(self, after_tick: Callable[[Mission], None]) -> Result:
+        """Run to the end and write the report.
+
+        Raises:
+            ConfigError: If a plugin cannot start with its settings; nothing has moved then.
+        """
+        started_s = wall_s()
+        with run_log(self.folder.log):
+            try:
+                ending = self._run(after_tick)
+                report = self._report(ending, wall_s() - started_s)
+                write_report(self.folder.report, report)
+                self._save_map()
+            finally:
+                self._setup.journal.close()
+                self._setup.jobs.close()
+                self._assembly.close()
+        return Result(report, self.folder, ending.exit_status)
+
+    def _run(self, after_tick: Callable[[Mission], None]) -> Ending:
+        self._assembly.start()
+        plugins = self._assembly.plugins
+        if "objects" in plugins:
+            plugins["objects"].open(str(self.folder.objects))
+        if "viewing" in plugins:
+            plugins["viewing"].open(str(self.folder.recording))
+        try:
+            self._mission = Mission(self._setup, lambda runtime: build_tree(self._description, runtime), halt)
+            with stop_on_interrupt(self._mission):
+                return self._mission.run(after_tick)
+        except AbortedError as error:
+            return Ending("stopped", str(error))
+        except RobotError as error:
+            return Ending("fault", str(error))
+
+    def _runner(self, name: str) -> Runner:
+        runners: dict[str, Callable[[], Runner]] = {
+            "inline": InlineRunner,
+            "thread": ThreadRunner,
+            "process": lambda: ProcessRunner(self._selections, self._model, self._options.seed),
+        }
+        return runners[name]()
+
+    def _report(self, ending: Ending, wall: float) -> dict[str, Any]:
+        entries = self._setup.journal.entries
+        picks = picks_from(entries)
+        ended_s = entries[-1].time_s if entries else 0.0
+        durations = dict(self._setup.jobs.durations_ms)
+        if self._mission is not None:
+            durations |= self._mission.services.streams.durations_ms
+        report: dict[str, Any] = {
+            "mission": self._description.name,
+            "seed": self._options.seed,
+            "outcome": ending.outcome,
+            "reason": ending.reason,
+            "started_s": 0.0,
+            "ended_s": ended_s,
+            "wall_s": round(wall, 3),
+            "real_time_factor": round(ended_s / wall, 3),
+            "picks": [pick.as_report() for pick in picks],
+            "counts": counts_from(entries, picks),
+            "timings_ms": timings_from(durations),
+        }
+        if self._mission is not None:
+            report |= truth_of(self._description.plugins["robot"][0].name, self._mission, picks)
+        return report
+
+    def _save_map(self) -> None:
+        if "mapping" in self._assembly.plugins:
+            write_ply(self.folder.map, self._assembly.plugins["mapping"].cloud())
+
+
+def _selections(description: MissionFile, options: Options) -> tuple[Selection, ...]:
+    return tuple(
+        Selection(capability, one.name, one.settings)
+        for capability, several in description.plugins.items()
+        for one in several
+        if capability != "viewing" or options.record
+    )

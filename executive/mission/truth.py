@@ -1,0 +1,34 @@
+"""The report's `truth` section: the only place where a mission's beliefs meet what the simulator knows."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from executive import registry
+from executive.interfaces.oracle import MissionView, Oracle
+from executive.messages.placement import Slot
+from executive.mission.mission import Mission
+from executive.mission.picks import Pick, attempts_from
+
+
+def truth_of(robot_name: str, mission: Mission, picks: Sequence[Pick]) -> dict[str, Any]:
+    """Return {"truth": …} of a run on a robot that has an oracle, else nothing."""
+    if robot_name not in {one.name for one in registry.installed(registry.ORACLES)}:
+        return {}
+    plugins = mission.services.plugins
+    oracle: Oracle = registry.load(registry.ORACLES, robot_name)(plugins["robot"])
+    view = MissionView(
+        states=mission.states,
+        stones=plugins["objects"].stones() if "objects" in plugins else (),
+        first_stones=mission.store.get("stones") if "stones" in mission.store else (),
+        slots={pick.stone: slot for pick in picks if (slot := _slot(pick)) is not None},
+        attempts=attempts_from(picks),
+    )
+    return {"truth": oracle.truth(view)}
+
+
+def _slot(pick: Pick) -> Slot | None:
+    if pick.released is None or pick.set_aside:
+        return None
+    return Slot(pick.released["slot"], np.array(pick.released["slot_position"]))
