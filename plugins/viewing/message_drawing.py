@@ -1,0 +1,113 @@
+"""Messages as what a recording holds: one function a kind, chosen by type."""
+
+from collections.abc import Iterator, Mapping
+from functools import singledispatch
+
+import numpy as np
+import rerun as rr
+
+from executive.messages.alignment import Alignment
+from executive.messages.cloud import Cloud
+from executive.messages.grasp import Grasp
+from executive.messages.placement import Slot
+from executive.messages.request import MotionPlan
+from executive.messages.segment import Segmentation
+from executive.messages.stone import Stone, StoneState
+from executive.messages.verdict import Verdict
+from plugins.viewing.palette import DRONE, GRASP, GROUND, PATH, SLOT, of_heights, of_number
+from plugins.viewing.solids import mesh
+from robot_models.gripper import Gripper
+
+# What is to be logged: an entity path and its components.
+Drawing = Iterator[tuple[str, rr.AsComponents]]
+
+_POINT_M = 0.015
+_FRAME = "map"
+
+
+@singledispatch
+def draw(value: object, entity: str, gripper: Gripper, max_points: int) -> Drawing:
+    """Draw one message under an entity; nothing for kinds that are not known."""
+    yield from ()
+
+
+@draw.register
+def _cloud(value: Cloud, entity: str, gripper: Gripper, max_points: int) -> Drawing:
+    """A cloud in the map is drawn in the world; one in a frame of its own stands apart, for its pose is not known."""
+    points = value.points[:: 1 + len(value) // max_points]
+    colours = np.array(DRONE) if "drone" in entity else of_heights(points[:, 2])
+    root = "world" if value.frame == _FRAME else "survey"
+    yield f"{root}/{entity}", rr.Points3D(points, colors=colours, radii=_POINT_M)
+
+
+@draw.register
+def _segmentation(value: Segmentation, entity: str, gripper: Gripper, max_points: int) -> Drawing:
+    root = "world" if value.frame == _FRAME else "survey"
+    yield f"{root}/{entity}", rr.Clear(recursive=True)
+    for segment in value.segments:
+        colour = of_number(segment.id)
+        yield f"{root}/{entity}/{segment.id}", rr.Points3D(segment.points, colors=colour, radii=2 * _POINT_M)
+    ground = value.ground.points[:: 1 + len(value.ground) // max_points]
+    yield f"{root}/{entity}/ground", rr.Points3D(ground, colors=GROUND, radii=_POINT_M / 2)
+
+
+@draw.register
+def _stone(value: Stone, entity: str, gripper: Gripper, max_points: int) -> Drawing:
+    if value.state is StoneState.LOST:
+        yield f"world/{entity}", rr.Clear(recursive=True)
+        return
+    colour = of_number(value.id)
+    points = value.points_map[:: 1 + len(value.points_map) // max_points]
+    yield f"world/{entity}", rr.Points3D(points, colors=colour, radii=2 * _POINT_M)
+    label = f"{value.id} {value.state.replace('_', ' ')}"
+    yield f"world/{entity}/name", rr.Points3D([value.centroid_map], colors=colour, radii=0.05, labels=[label])
+    yield f"log/{entity}", rr.TextLog(f"stone {label}", color=colour)
+
+
+@draw.register
+def _grasp(value: Grasp, entity: str, gripper: Gripper, max_points: int) -> Drawing:
+    """Draw the open gripper around the stone, and the way it comes."""
+    opening_m = float(np.clip(value.opening_m, gripper.opening_m(0.0), gripper.max_opening_m))
+    hulls = [hull for part in gripper.hulls(gripper.jaw_rad(opening_m)).values() for hull in part]
+    T = value.T_map_gripper
+    yield f"world/{entity}", rr.Transform3D(translation=T[:3, 3], mat3x3=T[:3, :3])
+    yield f"world/{entity}/gripper", mesh(hulls, (*GRASP, 110))
+    approach = rr.Arrows3D(vectors=[[1.0, 0, 0]], origins=[[-1.2, 0, 0]], colors=GRASP, radii=0.03)
+    yield f"world/{entity}/approach", approach
+    costs = ", ".join(f"{name} {cost:.3g}" for name, cost in value.costs.items())
+    yield f"log/{entity}", rr.TextLog(f"{entity}: score {value.score:.3g}; {costs}", color=GRASP)
+
+
+@draw.register
+def _plan(value: MotionPlan, entity: str, gripper: Gripper, max_points: int) -> Drawing:
+    if value.trajectory is None:
+        yield f"world/{entity}", rr.Clear(recursive=True)
+        yield f"log/{entity}", rr.TextLog(f"{entity}: no motion: {value.reason}", level="WARN")
+    else:
+        yield f"world/{entity}", rr.LineStrips3D([value.path_map], colors=PATH, radii=0.02)
+
+
+@draw.register
+def _slot(value: Slot, entity: str, gripper: Gripper, max_points: int) -> Drawing:
+    label = f"slot {value.id}"
+    yield f"world/{entity}", rr.Points3D([value.position_map], colors=SLOT, radii=0.12, labels=[label])
+
+
+@draw.register
+def _alignment(value: Alignment, entity: str, gripper: Gripper, max_points: int) -> Drawing:
+    text = f"{entity}: {'accepted' if value.accepted else 'refused'}, overlap {value.overlap:.2f}, "
+    text += f"rmse {1000 * value.rmse_m:.0f} mm; {value.reason}"
+    yield f"log/{entity}", rr.TextLog(text, level="INFO" if value.accepted else "WARN")
+
+
+@draw.register
+def _verdict(value: Verdict, entity: str, gripper: Gripper, max_points: int) -> Drawing:
+    yield f"log/{entity}", rr.TextLog(f"{value.monitor}: {value.trouble}: {value.detail}", level="ERROR")
+
+
+def draw_tree(states: Mapping[str, object], changed: Mapping[str, object]) -> Drawing:
+    """Draw the tree as a document, and each changed node on its lane of the state timeline."""
+    lines = [f"{'  ' * path.count('/')}{path.rsplit('/', 1)[-1]}: {status}" for path, status in states.items()]
+    yield "tree", rr.TextDocument("\n".join(lines))
+    for path, status in changed.items():
+        yield f"states/{path}", rr.StateChange(state=str(status))

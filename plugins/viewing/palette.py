@@ -1,0 +1,32 @@
+"""Colours that stay with what they stand for."""
+
+import colorsys
+
+import numpy as np
+from numpy.typing import NDArray
+
+GROUND = (150, 140, 125)
+DRONE = (120, 170, 220)
+MACHINE = (235, 180, 40)
+GRASP = (60, 200, 90)
+PATH = (230, 60, 150)
+SLOT = (90, 90, 230)
+
+_LOW = np.array([70.0, 60.0, 50.0])  # earth
+_HIGH = np.array([235.0, 225.0, 205.0])  # limestone in the sun
+_GOLDEN = 0.6180339887  # neighbouring numbers land far apart on the circle of hues
+
+
+def of_number(number: int) -> tuple[int, int, int]:
+    """Return a vivid colour that is always the same for a number."""
+    r, g, b = colorsys.hsv_to_rgb((0.1 + number * _GOLDEN) % 1.0, 0.75, 0.95)
+    return round(255 * r), round(255 * g), round(255 * b)
+
+
+def of_heights(heights_m: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """Return earth tones by height, from the 1st to the 99th percentile, shape (N,) → (N, 3)."""
+    if not len(heights_m):
+        return np.zeros((0, 3), dtype=np.uint8)
+    low, high = np.percentile(heights_m, [1, 99])
+    share = np.clip((heights_m - low) / max(high - low, 1e-6), 0, 1)[:, None]
+    return np.asarray(_LOW + share * (_HIGH - _LOW)).astype(np.uint8)

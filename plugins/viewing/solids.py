@@ -1,0 +1,34 @@
+"""Convex solids as triangle meshes."""
+
+from collections.abc import Iterable
+
+import numpy as np
+import rerun as rr
+from scipy.spatial import ConvexHull
+
+from executive.arrays import Float
+
+Colour = tuple[int, ...]
+
+
+def mesh(hulls: Iterable[Float], colour: Colour) -> rr.Mesh3D:
+    """Return one flat-shaded mesh of several convex hulls, each given by its corners (V, 3)."""
+    triangles = np.vstack([_triangles(corners) for corners in hulls])
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    return rr.Mesh3D(
+        vertex_positions=triangles.reshape(-1, 3),
+        triangle_indices=np.arange(3 * len(triangles)).reshape(-1, 3),
+        vertex_normals=np.repeat(normals, 3, axis=0),
+        albedo_factor=colour,
+    )
+
+
+def _triangles(corners: Float) -> Float:
+    """Return the triangles of a hull's surface, counter-clockwise from outside, shape (T, 3, 3)."""
+    hull = ConvexHull(corners)
+    triangles = corners[hull.simplices]
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    is_inward = np.einsum("ij,ij->i", normals, hull.equations[:, :3]) < 0
+    triangles[is_inward] = triangles[is_inward][:, ::-1]
+    return np.asarray(triangles)
