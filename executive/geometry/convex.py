@@ -1,0 +1,47 @@
+"""Convex polyhedra as half-spaces: what points are held against."""
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from executive.arrays import Float
+from executive.errors import DataError
+
+
+def half_spaces(vertices: Float) -> Float:
+    """Return the faces (n, d) of the convex hull of points (V, 3): inside is n·p ≤ d, n a unit vector, shape (F, 4).
+
+    Raises:
+        DataError: If the points span no volume.
+    """
+    return _faces(_hull(vertices))
+
+
+def depth_inside(faces: Float, points: Float) -> Float:
+    """Return how deep each point (N, 3) is in a polyhedron [m]; negative outside, shape (N,)."""
+    return np.asarray((faces[:, 3] - points @ faces[:, :3].T).min(axis=1))
+
+
+def volume_and_centroid(vertices: Float) -> tuple[float, Float]:
+    """Return the volume [m³] and the centre of volume (3,) of the convex hull of points (V, 3).
+
+    Raises:
+        DataError: If the points span no volume.
+    """
+    hull = _hull(vertices)
+    middle = vertices[hull.vertices].mean(axis=0)
+    corners = vertices[hull.simplices] - middle  # each face and the middle make a tetrahedron
+    volumes = np.abs(np.linalg.det(corners)) / 6
+    centres = corners.sum(axis=1) / 4
+    return float(volumes.sum()), np.asarray(middle + volumes @ centres / volumes.sum())
+
+
+def _hull(vertices: Float) -> ConvexHull:
+    try:
+        return ConvexHull(vertices)
+    except (QhullError, ValueError) as error:
+        raise DataError(f"{len(vertices)} points span no volume; a convex hull needs four that are not flat") from error
+
+
+def _faces(hull: ConvexHull) -> Float:
+    faces = hull.equations * (1.0, 1.0, 1.0, -1.0)
+    return np.asarray(np.unique(faces.round(12), axis=0))  # triangles of one face share its plane

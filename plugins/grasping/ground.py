@@ -1,0 +1,92 @@
+"""The ground about a stone: a plane, the heights on it, and what a stone hid."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from executive.arrays import Float
+
+_CELL_M = 0.2  # the lowest point of each cell may be ground
+_BAND_M = 0.2  # rough ground strays this far from its plane
+_TRIALS = 100
+_STEEPEST = np.cos(np.radians(30.0))
+_NEIGHBOURS = 6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ground:
+    """A plane and samples of the heights about it.
+
+    Attributes:
+        normal: Unit normal of the plane, pointing up, shape (3,).
+        offset_m: d of n·p = d [m].
+        samples: Ground points, one a cell, shape (S, 3); empty if only the plane is known.
+    """
+
+    normal: Float
+    offset_m: float
+    samples: Float
+
+    def height(self, xy: Float) -> Float:
+        """Return the ground's height [m] at places (N, 2): the plane and, on it, the nearest samples, shape (N,)."""
+        plane = (self.offset_m - xy @ self.normal[:2]) / self.normal[2]
+        if not len(self.samples):
+            return np.asarray(plane)
+        above = self.samples[:, 2] - (self.offset_m - self.samples[:, :2] @ self.normal[:2]) / self.normal[2]
+        k = min(_NEIGHBOURS, len(self.samples))
+        distance, index = cKDTree(self.samples[:, :2]).query(xy, k=list(range(1, k + 1)))
+        weight = 1.0 / (distance**2 + (_CELL_M / 2) ** 2)
+        return np.asarray(plane + (weight * above[index]).sum(axis=1) / weight.sum(axis=1))
+
+
+def fit_ground(around: Float, stone: Float, rng: np.random.Generator) -> Ground:
+    """Fit the ground to the points about a stone; with too few, it is a level plane at the stone's lowest point.
+
+    RANSAC on the lowest points of cells (Mascaro 2020, Sec. 5.2 takes all points; the tops of neighbours mislead that).
+    """
+    low = _lowest_of_cells(around)
+    normal, offset = np.array([0.0, 0.0, 1.0]), float(stone[:, 2].min())
+    if len(low) < 3:
+        return Ground(normal, offset, np.empty((0, 3)))
+    best = 0.0
+    for corners in (low[rng.choice(len(low), 3, replace=False)] for _ in range(_TRIALS)):
+        n = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+        length = np.linalg.norm(n)
+        if length < 1e-6 or abs(n[2]) < _STEEPEST * length:
+            continue
+        n = n * np.sign(n[2]) / length
+        score = float(np.maximum(0.0, 1 - ((low - corners[0]) @ n / (_BAND_M / 2)) ** 2).sum())
+        if score > best:
+            best, normal, offset = score, n, float(corners[0] @ n)
+    normal, offset = _refined(low, normal, offset)
+    return Ground(normal, offset, low[np.abs(low @ normal - offset) < _BAND_M])
+
+
+def fill_ground(ground: Ground, stone: Float, low_xy: Float, high_xy: Float, spacing_m: float) -> Float:
+    """Return ground points on a grid over a rectangle, without those above a part of the stone, shape (G, 3)."""
+    x, y = (np.arange(low, high, spacing_m) for low, high in zip(low_xy, high_xy, strict=True))
+    xy = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+    filled = np.column_stack([xy, ground.height(xy)])
+    beneath = cKDTree(stone[:, :2]).query_ball_point(xy, 1.5 * spacing_m)
+    through = np.array(
+        [bool(i) and stone[i, 2].min() < z for i, z in zip(beneath, filled[:, 2], strict=True)], dtype=bool
+    )
+    return np.asarray(filled[~through])
+
+
+def _refined(low: Float, normal: Float, offset: float) -> tuple[Float, float]:
+    inliers = low[np.abs(low @ normal - offset) < _BAND_M / 2]
+    if len(inliers) < 3:
+        return normal, offset
+    middle = inliers.mean(axis=0)
+    n = np.linalg.eigh((inliers - middle).T @ (inliers - middle))[1][:, 0]
+    n = n if n[2] > 0 else -n
+    return (n, float(n @ middle)) if n[2] > _STEEPEST else (normal, offset)
+
+
+def _lowest_of_cells(points: Float) -> Float:
+    order = np.argsort(points[:, 2], kind="stable")
+    cells = np.floor(points[order, :2] / _CELL_M).astype(np.int64)
+    _, first = np.unique(cells, axis=0, return_index=True)
+    return np.asarray(points[order[np.sort(first)]])

@@ -1,0 +1,112 @@
+"""The gripper as two tables: how far its front reaches as the jaws close, and which jaw sweeps which cell when.
+
+A point at gripper coordinates (a, b, c), a along the approach, is touched when the gripper has come to the depth
+a − H(b, c), with H the front height map of palm and jaws; the least over the points is the depth of the push. Closing
+is the same with the map of all places that the jaws have swept so far.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from executive.arrays import Float
+from executive.geometry.convex import half_spaces
+from robot_models.gripper import Gripper
+
+NEVER = 255  # progress of a cell that a jaw does not sweep
+_FAR_M = 1e3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JawField:
+    """Tables over cells of the gripper's frame; progress k = 0 is open, k = K − 1 is closed.
+
+    Attributes:
+        cell_m: Edge of a cell [m].
+        origin: Corner of the first cell in the gripper's frame [m], shape (3,).
+        front: H_k(b, c): the frontmost place of the palm and of all jaw positions 0 … k, grown by the skin [m]; −1000
+            where there is none; shape (K, B, C), float32.
+        sweep: Progress at which the left and the right jaw first touch a cell, or NEVER, shape (2, A, B, C), uint8.
+        tip_a: Place of the tips along the approach at each progress [m], shape (K,).
+        tip_b: Half the distance of the tips at each progress [m], shape (K,).
+        jaw_rad: Jaw angle at each progress [rad], shape (K,).
+    """
+
+    cell_m: float
+    origin: Float
+    front: NDArray[np.float32]
+    sweep: NDArray[np.uint8]
+    tip_a: Float
+    tip_b: Float
+    jaw_rad: Float
+
+
+def build_jaw_field(gripper: Gripper, cell_m: float, skin_m: float, steps: int = 33) -> JawField:
+    """Tabulate a gripper at `steps` jaw angles from open to closed; the skin [m] grows only the front map."""
+    jaw_rad = np.linspace(gripper.open_rad, 0.0, steps)
+    shapes = [gripper.hulls(float(angle)) for angle in jaw_rad]
+    corners = np.concatenate([hull for parts in shapes for hulls in parts.values() for hull in hulls])
+    low, high = corners.min(axis=0) - skin_m - cell_m, corners.max(axis=0) + skin_m + cell_m
+    size = np.ceil((high - low) / cell_m).astype(int)
+    grid = _Grid(low, size, cell_m)
+
+    front = np.full((steps, size[1], size[2]), -_FAR_M, dtype=np.float32)
+    sweep = np.full((2, *size), NEVER, dtype=np.uint8)
+    for k, parts in enumerate(shapes):
+        for side, name in enumerate(("jaw_left", "jaw_right")):
+            grid.sweep(parts[name], k, sweep[side])
+        front[k] = np.maximum(front[max(k - 1, 0)], grid.front(sum(parts.values(), ()), skin_m))
+    tips = np.array([gripper.tips(float(angle)) for angle in jaw_rad])
+    return JawField(
+        cell_m=cell_m,
+        origin=low,
+        front=front,
+        sweep=sweep,
+        tip_a=tips[:, :, 0].mean(axis=1),
+        tip_b=np.abs(tips[:, 0, 1] - tips[:, 1, 1]) / 2,
+        jaw_rad=jaw_rad,
+    )
+
+
+class _Grid:
+    """Cells of the gripper's frame, and the stretch of each column (b, c) that a convex polyhedron fills."""
+
+    def __init__(self, low: Float, size: NDArray[Any], cell_m: float) -> None:
+        self._cell_m = cell_m
+        self._a = low[0] + cell_m * (np.arange(size[0]) + 0.5)
+        b = low[1] + cell_m * (np.arange(size[1]) + 0.5)
+        c = low[2] + cell_m * (np.arange(size[2]) + 0.5)
+        self._bc = np.stack(np.meshgrid(b, c, indexing="ij"), axis=-1)
+
+    def column(self, vertices: Float, skin_m: float) -> tuple[Float, Float]:
+        """Return the polyhedron's ends along a within each column's square, (B, C) each; low > high if none."""
+        faces = half_spaces(vertices)
+        n, d = faces[:, :3], faces[:, 3] + skin_m
+        d = d + self._cell_m / 2 * np.abs(n[:, 1:]).sum(axis=1)  # the square's reach along each normal
+        room = d - self._bc @ n[:, 1:].T  # n_a · a ≤ room
+        with np.errstate(divide="ignore", invalid="ignore"):
+            bound = room / n[:, 0]
+        along = np.abs(n[:, 0]) > 1e-9
+        high = np.where(along & (n[:, 0] > 0), bound, np.inf).min(axis=-1)
+        low = np.where(along & (n[:, 0] < 0), bound, -np.inf).max(axis=-1)
+        beside = (np.where(along, 0.0, room) < 0).any(axis=-1)
+        return np.where(beside, np.inf, low), high
+
+    def front(self, hulls: Iterable[Float], skin_m: float) -> Float:
+        """Return the frontmost place in each column over some polyhedra, −1000 where there is none."""
+        height = np.full(self._bc.shape[:2], -_FAR_M)
+        for hull in hulls:
+            low, high = self.column(hull, skin_m)
+            height = np.maximum(height, np.where(low <= high, high, -_FAR_M))
+        return height
+
+    def sweep(self, hulls: Iterable[Float], progress: int, field: NDArray[np.uint8]) -> None:
+        """Note the progress in every cell that one of the polyhedra touches first now."""
+        for hull in hulls:
+            low, high = (end[None] for end in self.column(hull, 0.0))
+            a, half = self._a[:, None, None], self._cell_m / 2
+            touched = (a + half >= low) & (a - half <= high)
+            np.minimum(field, np.where(touched, progress, NEVER).astype(np.uint8), out=field)

@@ -1,0 +1,119 @@
+"""The planning cloud: a stone, its neighbours and the ground under them, at one density (Mascaro 2020, Sec. 5.2).
+
+It is built in a frame of the stone's own: origin at the mean of its points, z up, x along its longer side. The same
+scene turned or shifted in the map hence gives the same numbers, and the same grasp.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from executive.arrays import Bool, Float
+from executive.geometry.convex import volume_and_centroid
+from executive.geometry.pose import inverse, pose, transform
+from executive.geometry.rotation import about_axis
+from plugins.grasping.frames import outward_normals
+from plugins.grasping.ground import Ground, fill_ground, fit_ground
+
+_FOOT_M = 0.15  # a stone's foot that segmentation left with the ground is at most this high …
+_REACH_M = 0.10  # … and this far from the stone's known points
+_LEVEL_M = 0.03  # what is lower than this above the ground is ground
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanningCloud:
+    """What the gripper is tried on; all coordinates in the frame `plan` of the stone.
+
+    Attributes:
+        T_map_plan: Pose of that frame, shape (4, 4).
+        points: The stone's points, then neighbours and ground [m], shape (N, 3).
+        is_target: Which are the stone's, shape (N,).
+        normals: Outward normals of the stone's points, shape (T, 3).
+        centre: Centre of volume of the stone's convex hull [m], shape (3,).
+        volume_m3: Volume of that hull.
+        ground: The ground.
+    """
+
+    T_map_plan: Float
+    points: Float
+    is_target: Bool
+    normals: Float
+    centre: Float
+    volume_m3: float
+    ground: Ground
+
+    @property
+    def stone(self) -> Float:
+        """The stone's points, shape (T, 3)."""
+        return self.points[self.is_target]
+
+
+def build_planning_cloud(
+    stone_map: Float, cloud_map: Float, margin_m: float, spacing_m: float, rng: np.random.Generator
+) -> PlanningCloud:
+    """Crop, merge, thin and fill.
+
+    Args:
+        stone_map: Best known surface of the stone: lidar, drone and earlier sights merged [m], shape (T, 3).
+        cloud_map: The map, the stone included [m], shape (N, 3).
+        margin_m: How far around the stone to look: the full width of the open gripper.
+        spacing_m: Density of the result.
+        rng: For the ground's RANSAC.
+
+    Raises:
+        DataError: If the stone's points span no volume.
+    """
+    T_map_plan = _stone_frame(stone_map)
+    T_plan_map = inverse(T_map_plan)
+    stone = thinned(transform(T_plan_map, stone_map), spacing_m)
+    low, high = stone.min(axis=0) - margin_m, stone.max(axis=0) + margin_m
+    cloud = transform(T_plan_map, cloud_map)
+    cloud = cloud[((cloud > low) & (cloud < high)).all(axis=1)]
+    distance, _ = cKDTree(stone).query(cloud, distance_upper_bound=_REACH_M) if len(cloud) else (np.empty(0), None)
+    around = thinned(cloud[distance > 1.5 * spacing_m], spacing_m)
+    ground = fit_ground(around, stone, rng)
+    stone, around = _with_foot(stone, around, ground)
+    filled = fill_ground(ground, stone, low[:2], high[:2], spacing_m)
+    volume_m3, centre = volume_and_centroid(stone)
+    return PlanningCloud(
+        T_map_plan=T_map_plan,
+        points=np.concatenate([stone, around, filled]),
+        is_target=np.arange(len(stone) + len(around) + len(filled)) < len(stone),
+        normals=outward_normals(stone, centre),
+        centre=centre,
+        volume_m3=volume_m3,
+        ground=ground,
+    )
+
+
+def thinned(points: Float, spacing_m: float) -> Float:
+    """Return the mean of the points in each cell of a grid, in the grid's order, shape (M, 3)."""
+    if not len(points):
+        return points
+    cells = np.floor(points / spacing_m).astype(np.int64)
+    cells -= cells.min(axis=0)
+    size = cells.max(axis=0) + 1
+    key = (cells[:, 0] * size[1] + cells[:, 1]) * size[2] + cells[:, 2]
+    _, index, count = np.unique(key, return_inverse=True, return_counts=True)
+    sums = np.column_stack([np.bincount(index, weights=points[:, i]) for i in range(3)])
+    return np.asarray(sums / count[:, None])
+
+
+def _stone_frame(stone_map: Float) -> Float:
+    """Return T_map_plan: at the mean, x along the horizontal direction of most spread, toward its longer tail."""
+    middle = stone_map.mean(axis=0)
+    flat = (stone_map - middle)[:, :2]
+    x = np.linalg.eigh(flat.T @ flat)[1][:, 1]
+    x = x if ((flat @ x) ** 3).sum() >= 0 else -x
+    return pose(about_axis(np.array([0.0, 0.0, 1.0]), float(np.arctan2(x[1], x[0]))), middle)
+
+
+def _with_foot(stone: Float, around: Float, ground: Ground) -> tuple[Float, Float]:
+    """Give the stone its foot: low points close by, above the ground, that segmentation took for ground."""
+    if not len(around):
+        return stone, around
+    height = around[:, 2] - ground.height(around[:, :2])
+    distance, _ = cKDTree(stone).query(around)
+    foot = (height > _LEVEL_M) & (height < _FOOT_M) & (distance < _REACH_M)
+    return np.concatenate([stone, around[foot]]), around[~foot]

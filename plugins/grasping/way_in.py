@@ -1,0 +1,47 @@
+"""The way of one grasp: the open gripper held exactly against the cloud, from above to its pose."""
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.geometry.convex import depth_inside, half_spaces
+from executive.geometry.pose import inverse, transform
+from robot_models.gripper import Gripper
+
+_STEP_M = 0.12  # along the way in
+_STRAIGHT_RAD = 0.05  # an approach this near to the way in has been pushed along it already
+
+
+class WayIn:
+    """The polyhedra of the open gripper, tried in poses along a straight way."""
+
+    def __init__(self, gripper: Gripper) -> None:
+        hulls = [hull for parts in gripper.hulls(gripper.open_rad).values() for hull in parts]
+        self._faces = [half_spaces(hull) for hull in hulls]
+        self._reach_m = max(float(np.linalg.norm(hull, axis=1).max()) for hull in hulls)
+
+    def depth_m(self, points: Float, T_points_gripper: Float) -> float:
+        """Return how deep the deepest of the points is in palm or open jaws [m]; negative if all are outside."""
+        near = points[np.linalg.norm(points - T_points_gripper[:3, 3], axis=1) < self._reach_m]
+        if not len(near):
+            return -np.inf
+        local = transform(inverse(T_points_gripper), near)
+        return max(float(depth_inside(faces, local).max()) for faces in self._faces)
+
+    def is_free(self, points: Float, T_points_gripper: Float, up: Float, length_m: float, depth_m: float) -> bool:
+        """Return whether the open gripper, coming down a straight way against `up`, stays out of the points.
+
+        Args:
+            points: The cloud [m], shape (N, 3).
+            T_points_gripper: The pose at the end, shape (4, 4).
+            up: Unit vector, shape (3,).
+            length_m: Length of the way [m].
+            depth_m: How deep a point may be, for its noise [m].
+        """
+        is_straight = float(-up @ T_points_gripper[:3, 0]) > np.cos(_STRAIGHT_RAD)
+        steps = 0 if is_straight else int(np.ceil(length_m / _STEP_M))
+        for height in np.linspace(0.0, length_m, steps + 1) if steps else (0.0,):
+            T = T_points_gripper.copy()
+            T[:3, 3] += height * up
+            if self.depth_m(points, T) > depth_m:
+                return False
+        return True

@@ -1,0 +1,52 @@
+"""Ground that is known, near-flat and clear of segments."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from executive.arrays import Float
+from executive.messages.segment import Segmentation
+
+_RADIUS_M = 0.7  # of the ground under a stone
+_CELL_M = 0.28
+_KNOWN = 0.7  # part of the cells that hold a point
+
+
+@dataclass(frozen=True, slots=True)
+class GroundNeeds:
+    """What a place must be like: distance to segments [m], slope [rad], standard deviation about its plane [m]."""
+
+    clearance_m: float
+    max_slope_rad: float
+    max_roughness_m: float
+
+
+class FreeGround:
+    """Answers how high the ground of a place is, if a stone may stand there."""
+
+    def __init__(self, segmentation: Segmentation, needs: GroundNeeds) -> None:
+        self._needs = needs
+        self._ground = segmentation.ground.points
+        self._ground_tree = cKDTree(self._ground[:, :2])
+        taken = [segment.points[:, :2] for segment in segmentation.segments]
+        self._taken_tree = cKDTree(np.concatenate(taken)) if taken else None
+
+    def height_m(self, xy: Float) -> float | None:
+        """Return the ground's height at a place (2,) [m], or None if it is taken, unknown, steep or rough."""
+        if self._taken_tree is not None and self._taken_tree.query(xy)[0] < self._needs.clearance_m:
+            return None
+        points = self._ground[np.sort(self._ground_tree.query_ball_point(xy, _RADIUS_M))]
+        if not _covers(points[:, :2] - xy):
+            return None
+        A = np.column_stack([points[:, :2] - xy, np.ones(len(points))])
+        (slope_x, slope_y, height), *_ = np.linalg.lstsq(A, points[:, 2], rcond=None)
+        roughness = float(np.std(points[:, 2] - A @ (slope_x, slope_y, height)))
+        is_flat = np.arctan(np.hypot(slope_x, slope_y)) <= self._needs.max_slope_rad
+        return float(height) if is_flat and roughness <= self._needs.max_roughness_m else None
+
+
+def _covers(offsets: Float) -> bool:
+    """Return whether most cells of the disc hold a point: no slot where the ground was never seen."""
+    cells = int(np.pi * (_RADIUS_M / _CELL_M) ** 2)
+    return len(np.unique(np.floor(offsets / _CELL_M).astype(int), axis=0)) >= _KNOWN * cells

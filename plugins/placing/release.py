@@ -1,0 +1,64 @@
+"""A held stone, and the motions that bring it over a slot."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.geometry.convex import volume_and_centroid
+from executive.geometry.pose import pose
+from executive.geometry.rotation import about_axis
+
+_UP = np.array([0.0, 0.0, 1.0])
+_RING_M = 0.5  # width of the ground around the stone's foot that tells how high it stood
+_SUNK_M = 0.3  # a model's lowest point is at most this far above the stone's: survey and segmentation miss the foot
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HeldStone:
+    """What is set down, in the map, at the pose of the grasp.
+
+    Attributes:
+        points: The stone's model [m], shape (N, 3).
+        centre: Centre of volume of its hull [m], shape (3,).
+        bottom_m: Height of its lowest part in the map, the ground that it stood on if that was seen [m].
+        radius_m: Of the circle about the centre that holds it, from above [m].
+    """
+
+    points: Float
+    centre: Float
+    bottom_m: float
+    radius_m: float
+
+    @classmethod
+    def of(cls, points: Float, around: Float) -> "HeldStone":
+        """Describe a stone by its model (N, 3) and the cloud around (M, 3), in one frame with z up.
+
+        Raises:
+            DataError: If the model spans no volume.
+        """
+        _, centre = volume_and_centroid(points)
+        radius_m = float(np.linalg.norm(points[:, :2] - centre[:2], axis=1).max())
+        lowest = float(points[:, 2].min())
+        distance = np.linalg.norm(around[:, :2] - centre[:2], axis=1)
+        ring = around[(distance < radius_m + _RING_M) & (np.abs(around[:, 2] - lowest) < _SUNK_M), 2]
+        bottom = min(lowest, float(np.median(ring))) if len(ring) else lowest
+        return cls(points, centre, bottom, radius_m)
+
+
+def release_poses(
+    held: HeldStone, position_map: Float, bottom_m: float, T_map_base: Float, turns: int
+) -> Iterator[Float]:
+    """Yield motions T_map_map of the stone that put its centre over a place and its bottom at a height.
+
+    They turn it about the vertical only: its attitude to gravity stays. First as the cabin turns it, then in growing
+    turns of the wrist to either side.
+    """
+    azimuth = [np.arctan2(*(p - T_map_base[:3, 3])[1::-1]) for p in (held.centre, position_map)]
+    steps = np.arange(turns) * 2 * np.pi / turns
+    wrist = (steps + np.pi) % (2 * np.pi) - np.pi
+    for turn in wrist[np.lexsort((wrist, np.abs(wrist).round(9)))]:
+        R = about_axis(_UP, azimuth[1] - azimuth[0] + float(turn))
+        target = np.array([position_map[0], position_map[1], bottom_m + held.centre[2] - held.bottom_m])
+        yield pose(R, target - R @ held.centre)

@@ -1,0 +1,119 @@
+"""Equally spaced places on free ground, and how to set a stone down on one (Mascaro 2020, Sec. 6.1)."""
+
+from typing import ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from executive.arrays import Float, checked
+from executive.config import Meters, Radians, Settings
+from executive.errors import DataError
+from executive.geometry.pose import inverse, pose, transform
+from executive.interfaces.motion import MotionPlanner
+from executive.interfaces.placing import PlacementPlanner
+from executive.messages.cloud import Cloud
+from executive.messages.placement import Placement, Slot
+from executive.messages.segment import Segmentation
+from executive.messages.stone import Stone
+from plugins.placing.free_ground import FreeGround, GroundNeeds
+from plugins.placing.release import HeldStone, release_poses
+from plugins.placing.slot_surroundings import SlotSurroundings
+from plugins.placing.spaced_row import spaced_row
+from robot_models.machine import Machine
+
+
+class SlotsSettings(Settings):
+    """Where slots lie, what ground they need, and how a stone is let go."""
+
+    radii_m: tuple[Meters, ...] = Field(
+        (6.0, 4.6, 7.4),
+        min_length=1,
+        description="Distances of rows of slots from the machine, in order of choice [m].",
+    )
+    spacing_m: Meters = Field(1.9, gt=0, description="Distance between slots of a row; open jaws fit between [m].")
+    sector_rad: Radians = Field(
+        6.28, gt=0, le=6.2832, description="Sector about the machine's front that is used [rad]."
+    )
+    clearance_m: Meters = Field(1.2, gt=0, description="Distance of a slot's centre from any segment [m].")
+    max_slope_rad: Radians = Field(0.2, gt=0, lt=1.5, description="Slope of a slot's ground [rad].")
+    max_roughness_m: Meters = Field(0.08, gt=0, description="Standard deviation of its heights about their plane [m].")
+    drop_m: Meters = Field(0.05, ge=0, description="Height of the stone's bottom above the ground at the release [m].")
+    way_in_m: Meters = Field(0.8, ge=0, description="Straight way down to a slot that must be in reach [m].")
+    turns: int = Field(24, ge=1, le=360, description="Yaws of a stone over its slot that are tried.")
+    max_ways: int = Field(4, ge=1, description="Most ways to set a stone down that are returned.")
+
+
+class Slots(PlacementPlanner):
+    """Rows of slots on arcs about the machine; a stone keeps its attitude to gravity and turns with the cabin."""
+
+    Settings: ClassVar[type[Settings]] = SlotsSettings
+    latency_s: ClassVar[dict[str, float]] = {"slots": 0.5, "plan": 0.5}
+
+    def __init__(self, settings: SlotsSettings, machine: Machine, motion: MotionPlanner) -> None:
+        self._settings = settings
+        self._machine = machine
+        self._motion = motion
+
+    def slots(self, segmentation: Segmentation, T_map_base: Float, count: int) -> tuple[Slot, ...]:
+        """Return up to `count` places on free, known, near-flat ground in reach, those that need the least swing first.
+
+        The first row with room for all is taken; if none has, the rows are filled one after the other.
+        """
+        T_map_base = checked("T_map_base", T_map_base, 4, 4)
+        s = self._settings
+        ground = FreeGround(segmentation, GroundNeeds(s.clearance_m, s.max_slope_rad, s.max_roughness_m))
+        rows: list[Float] = []
+        for radius_m in s.radii_m:
+            rows.append(self._row(radius_m, ground, T_map_base)[:count])
+            if len(rows[-1]) == count:
+                rows = rows[-1:]
+                break
+        places = np.concatenate(rows)[:count]
+        return tuple(Slot(i, place) for i, place in enumerate(places, start=1))
+
+    def plan(
+        self, stone: Stone, slot: Slot, T_map_gripper: Float, cloud: Cloud, T_map_base: Float
+    ) -> tuple[Placement, ...]:
+        """Return ways to set the stone down, those that turn it against the cabin the least first.
+
+        The centre of volume of the model's hull goes over the slot: the mean of the seen points is drawn to the sensor
+        by some 0.2 m. Height: the stone's bottom just above the highest ground under it.
+
+        Raises:
+            DataError: If the cloud is not in the map, or the stone's points span no volume.
+        """
+        if cloud.frame != "map":
+            raise DataError(f"the placement planner needs a cloud in the frame 'map', got '{cloud.frame}'")
+        s = self._settings
+        T_map_gripper = checked("T_map_gripper", T_map_gripper, 4, 4)
+        held = HeldStone.of(stone.points_map, cloud.points)
+        around = SlotSurroundings(self._machine.gripper, cloud.points, slot.position_map, held.radius_m)
+        ways: list[Placement] = []
+        for T_map_map in release_poses(held, slot.position_map, around.ground_m + s.drop_m, T_map_base, s.turns):
+            T = T_map_map @ T_map_gripper
+            if around.is_free(T, transform(T_map_map, held.points)) and self._reaches(T, T_map_base):
+                ways.append(Placement(slot, T, T_map_map @ stone.T_map_object))
+            if len(ways) == s.max_ways:
+                break
+        return tuple(ways)
+
+    def _row(self, radius_m: float, ground: FreeGround, T_map_base: Float) -> Float:
+        s = self._settings
+
+        def height_m(xy: Float) -> float | None:
+            height = ground.height_m(xy)
+            return height if height is not None and self._reaches(self._over(xy, height), T_map_base) else None
+
+        return spaced_row(radius_m, s.spacing_m, s.sector_rad, T_map_base, height_m)
+
+    def _over(self, xy: Float, height_m: float) -> Float:
+        """Return the pose of a gripper that hangs over a place, its tips near the ground, jaws along the map's x."""
+        above = height_m + float(self._machine.gripper.tips(0.0)[:, 0].max())
+        return pose(np.array([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]]), np.array([*xy, above]))
+
+    def _reaches(self, T_map_gripper: Float, T_map_base: Float) -> bool:
+        """Return whether the arm comes to the pose, and to the one from which it goes straight down."""
+        T_base_gripper = inverse(T_map_base) @ T_map_gripper
+        above = inverse(T_map_base) @ pose(t=np.array([0.0, 0.0, self._settings.way_in_m])) @ T_map_gripper
+        seed = self._machine.posture("carry")
+        return all(self._motion.reach(T, seed) is not None for T in (T_base_gripper, above))
