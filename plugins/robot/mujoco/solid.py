@@ -1,0 +1,23 @@
+"""Mass properties of a closed triangle mesh."""
+
+import numpy as np
+
+from executive.arrays import Float, Int
+
+# Second moments ∫ x xᵀ dV of the tetrahedron with corners 0, e₁, e₂, e₃ are this over 120 (Blow & Binstock 2004).
+_UNIT_MOMENTS = np.ones((3, 3)) + np.eye(3)
+
+
+def volume_and_centroid(vertices: Float, triangles: Int) -> tuple[float, Float]:
+    """Return the volume [m³] (negative if the mesh is inside out) and its centroid [m], shape (3,)."""
+    corners = vertices[triangles]
+    six_volumes = np.linalg.det(corners)
+    volume = six_volumes.sum() / 6
+    return float(volume), (six_volumes[:, None] * corners.sum(axis=1)).sum(axis=0) / (24 * volume)
+
+
+def inertia_about_origin(vertices: Float, triangles: Int, density_kg_m3: float) -> Float:
+    """Return the inertia about the origin of a homogeneous solid [kg·m²], shape (3, 3)."""
+    corners = vertices[triangles]
+    moments = np.einsum("n,nia,ij,njb->ab", np.linalg.det(corners), corners, _UNIT_MOMENTS, corners) / 120
+    return density_kg_m3 * np.asarray(np.trace(moments) * np.eye(3) - moments)

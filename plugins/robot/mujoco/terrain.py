@@ -1,0 +1,103 @@
+"""Rough ground: a height field that undulates, with a flat pad under the machine."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from pydantic import Field
+from scipy.ndimage import gaussian_filter, map_coordinates
+
+from executive.arrays import Float, Int, checked
+from executive.config import Meters, Settings
+
+TERRAIN = "terrain"
+_LEAST_ELEVATION_M = 1e-3  # MuJoCo wants a height field of some height, even where the ground is level
+_BEDROCK_M = 2.0  # thickness below the lowest point: nothing falls through
+
+
+class TerrainSettings(Settings):
+    """The shape of the ground."""
+
+    half_size_m: Meters = Field(20.0, gt=2, le=100, description="Half the side of the square of ground [m].")
+    cell_m: Meters = Field(0.2, ge=0.1, le=1, description="Cell of the height field [m]; 0.1 m runs 8 times slower.")
+    undulation_m: Meters = Field(0.04, ge=0, le=1, description="Standard deviation of the gentle waves [m].")
+    wavelength_m: Meters = Field(6.0, ge=1, le=50, description="Typical length of the gentle waves [m].")
+    roughness_m: Meters = Field(0.012, ge=0, le=0.3, description="Standard deviation of ruts and clods [m].")
+    pad_radius_m: Meters = Field(2.8, ge=0, le=20, description="Radius of the level pad about the machine [m].")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Terrain:
+    """Heights on a square grid about the origin of the world.
+
+    Attributes:
+        coordinates_m: Rising x (and y) coordinates of the grid [m], shape (n,).
+        heights_m: Height at (x[i], y[j]) [m], shape (n, n).
+    """
+
+    coordinates_m: Float
+    heights_m: Float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "coordinates_m", checked("coordinates_m", self.coordinates_m, None))
+        n = len(self.coordinates_m)
+        object.__setattr__(self, "heights_m", checked("heights_m", self.heights_m, n, n))
+
+    def height_at(self, points_xy: Float) -> Float:
+        """Return the bilinear height [m] at points (N, 2), shape (N,); beyond the edge, that of the edge."""
+        cell = self.coordinates_m[1] - self.coordinates_m[0]
+        indices = (np.asarray(points_xy) - self.coordinates_m[0]) / cell
+        return np.asarray(map_coordinates(self.heights_m, indices.T, order=1, mode="nearest"))
+
+    def mesh(self) -> tuple[Float, Int]:
+        """Return vertices (V, 3) [m] and triangles (F, 3), counter-clockwise from above, as MuJoCo splits the cells."""
+        n = len(self.coordinates_m)
+        x, y = np.meshgrid(self.coordinates_m, self.coordinates_m, indexing="ij")
+        index = np.arange(n * n).reshape(n, n)
+        a, b, c, d = (part.ravel() for part in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))
+        triangles = np.vstack([np.c_[a, b, c], np.c_[a, c, d]])
+        return np.c_[x.ravel(), y.ravel(), self.heights_m.ravel()], triangles
+
+    def add_to(self, spec: mujoco.MjSpec) -> None:
+        """Add the height field to a world, as the geometry `terrain`."""
+        half, n = float(self.coordinates_m[-1]), len(self.coordinates_m)
+        lowest = float(self.heights_m.min())
+        elevation = max(float(np.ptp(self.heights_m)), _LEAST_ELEVATION_M)
+        spec.add_hfield(
+            name=TERRAIN,
+            nrow=n,
+            ncol=n,
+            size=[half, half, elevation, _BEDROCK_M],
+            userdata=((self.heights_m - lowest) / elevation).T.ravel(),  # rows run along y
+        )
+        spec.worldbody.add_geom(
+            name=TERRAIN,
+            type=mujoco.mjtGeom.mjGEOM_HFIELD,
+            hfieldname=TERRAIN,
+            pos=[0.0, 0.0, lowest],
+            rgba=[0.55, 0.47, 0.36, 1.0],
+        )
+
+
+def make_terrain(settings: TerrainSettings, rng: np.random.Generator) -> Terrain:
+    """Draw a terrain: long waves plus roughness, both Gaussian fields, faded out towards the machine's pad."""
+    n = 2 * round(settings.half_size_m / settings.cell_m) + 1
+    coordinates = np.linspace(-settings.half_size_m, settings.half_size_m, n)
+    waves = _field(n, settings.wavelength_m / 4 / settings.cell_m, rng)  # a wave is about four kernel widths long
+    clods = _field(n, 1.0, rng)
+    fade = _fade(coordinates, settings.pad_radius_m)
+    heights = settings.undulation_m * fade * waves + settings.roughness_m * fade * clods
+    return Terrain(coordinates, heights)
+
+
+def _field(n: int, kernel_cells: float, rng: np.random.Generator) -> Float:
+    noise = gaussian_filter(rng.standard_normal((n, n)), kernel_cells, mode="wrap")
+    noise -= noise.mean()
+    return np.asarray(noise / noise.std())
+
+
+def _fade(coordinates_m: Float, pad_radius_m: float) -> Float:
+    """Return 0 on the pad, 1 from a metre and a half beyond it, smooth between (3u² − 2u³)."""
+    radius = np.hypot(coordinates_m[:, None], coordinates_m[None, :])
+    u = np.clip((radius - pad_radius_m) / 1.5, 0, 1)
+    return np.asarray(u * u * (3 - 2 * u))
