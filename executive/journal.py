@@ -68,7 +68,7 @@ def read_journal(path: Path) -> Iterator[Entry]:
             fields = json.loads(line)
             stated = fields.pop("checksum")
             entry = Entry(*(fields[k] for k in ("sequence", "tick", "time_s", "kind", "node", "payload")))
-        except (ValueError, KeyError, AttributeError) as error:
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise DataError(f"{path}:{number}: not a line of a journal: {error}") from error
         checksum = _chain(checksum, _body(entry))
         if stated != checksum or entry.sequence != number - 1:

@@ -88,3 +88,40 @@ def settings_of(capability: str, name: str) -> type[Settings]:
 def dependencies_of(plugin: type[Plugin]) -> tuple[str, ...]:
     """Return the names of a plugin's constructor parameters after `settings`: services and capabilities."""
     return tuple(inspect.signature(plugin).parameters)[1:]
+
+
+def describe(capability: str, name: str) -> dict[str, Any]:
+    """Return what a person wants to know of one plugin; imports it."""
+    plugin = load(capability, name)
+    fields = plugin.Settings.model_fields
+    return {
+        "capability": capability,
+        "name": name,
+        "target": _entry_points(capability)[name].value,
+        "distribution": next(one.distribution for one in installed(capability) if one.name == name),
+        "summary": (inspect.getdoc(plugin) or "").partition("\n")[0],
+        "needs": list(dependencies_of(plugin)),
+        "settings": [
+            {"name": key, "default": _plain(field), "description": field.description or ""}
+            for key, field in fields.items()
+        ],
+    }
+
+
+def diagnose() -> list[dict[str, str]]:
+    """Import every installed plugin and behaviour, and say which are broken and why."""
+    findings = []
+    for capability in (*CAPABILITIES, BEHAVIOURS, ORACLES):
+        for one in installed(capability):
+            try:
+                load(capability, one.name)
+                problem = ""
+            except BrokenPluginError as error:
+                problem = str(error)
+            findings.append({"capability": capability, "name": one.name, "target": one.target, "problem": problem})
+    return findings
+
+
+def _plain(field: Any) -> Any:
+    default = field.get_default(call_default_factory=True)
+    return default.model_dump(mode="json") if isinstance(default, Settings) else str(default)

@@ -28,7 +28,7 @@ class Leaf:
 
 
 class Action(Leaf, ABC):
-    """A leaf that takes time, told as a generator: it yields where it waits, and a `finally` cleans up when cancelled."""
+    """A leaf that takes time, told as a generator: it yields where it waits; a `finally` cleans up when cancelled."""
 
     @abstractmethod
     def run(self, **inputs: Any) -> Steps:

@@ -10,7 +10,7 @@ _WINDOW_S = 0.5
 
 
 def drive_jaws(context: Context, position_rad: float, force_n: float) -> Generator[None, None, float]:
-    """Command the jaws and wait until they have stopped, at the position or against something; return their angle [rad]."""
+    """Command the jaws, wait until they stand, at the position or against something; return their angle [rad]."""
     context.plugin("robot").command(MoveJaws(position_rad, force_n))
     jaw = context.machine().jaw.name
     before, before_s = context.joints().of(jaw)[0], context.now_s()

@@ -21,4 +21,4 @@ class Job(ABC):
 
     @abstractmethod
     def cancel(self) -> None:
-        """Give the result up. A worker process that has not ended by its deadline is replaced; a thread is left to end."""
+        """Give the result up; what is computed already is thrown away when it ends."""

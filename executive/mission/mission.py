@@ -1,5 +1,6 @@
 """A running mission: reads the robot, feeds the streams, ticks the tree, and brings the machine to a safe stop."""
 
+import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -129,8 +130,10 @@ class Mission(Runtime):
             if self.phase in (Phase.RUNNING, Phase.AWAITING_OPERATOR):
                 self._tick_tree()
         except RobotError as error:
-            self._ending = Ending("fault", str(error))
-            self._emergency_stop()
+            self._fault(str(error))
+        except Exception as error:  # a broken plugin: the machine is stopped whatever it was
+            logging.getLogger(__name__).exception("a plugin failed")
+            self._fault(f"a plugin failed: {type(error).__name__}: {error}")
         self._end_tick()
 
     def _read(self) -> None:
@@ -180,7 +183,8 @@ class Mission(Runtime):
         except RobotError as error:
             self._ending = Ending("fault", str(error))
 
-    def _emergency_stop(self) -> None:
+    def _fault(self, reason: str) -> None:
+        self._ending = Ending("fault", reason)
         try:
             self._robot.stop()
         except RobotError as error:

@@ -82,9 +82,9 @@ def summary(report: Mapping[str, Any]) -> str:
     ]
     if counts["picks"]:
         lines.append(
-            f"  stones     {counts['placed']} of {counts['picks']} placed, {counts['first_attempt']} at the first attempt"
-            f" ({counts['attempts']} attempts, {counts['slips']} slips, {counts['drops']} drops,"
-            f" {counts['set_aside']} set aside)"
+            f"  stones     {counts['placed']} of {counts['picks']} placed,"
+            f" {counts['first_attempt']} at the first attempt ({counts['attempts']} attempts,"
+            f" {counts['slips']} slips, {counts['drops']} drops, {counts['set_aside']} set aside)"
         )
     if counts["registrations"]:
         lines.append(

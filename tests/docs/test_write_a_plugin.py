@@ -1,0 +1,69 @@
+"""The page on writing a plugin is true: its files, installed as it says, work with its commands."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PAGE = Path(__file__).parents[2] / "docs" / "write_a_plugin.md"
+MISSION = """\
+api: 1
+mission: my_mission
+extends: map_site
+plugins:
+  monitoring: [jaw_slip, {plugin: boom_watch, fall: 0.5}]
+"""
+
+
+def block(language, containing):
+    found = [b for b in re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(), re.S) if containing in b]
+    assert len(found) == 1, f"one {language} block with '{containing}'"
+    return found[0]
+
+
+def command(*words, site, cwd):
+    environment = {**os.environ, "PYTHONPATH": str(site)}
+    executive = Path(sys.executable).with_name("executive")
+    return subprocess.run([executive, *words], env=environment, cwd=cwd, capture_output=True, text=True, timeout=120)
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """A folder into which the page's package is installed."""
+    source = tmp_path_factory.mktemp("boom-watch")
+    (source / "boom_watch.py").write_text(block("python", "class BoomWatch"))
+    (source / "pyproject.toml").write_text(block("toml", "boom_watch:BoomWatch"))
+    target = tmp_path_factory.mktemp("site")
+    install = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", str(target), str(source)]
+    subprocess.run(install, check=True, timeout=120)
+    return target
+
+
+def test_the_plugin_is_listed(site, tmp_path):
+    listed = command("plugins", "list", site=site, cwd=tmp_path)
+    assert re.search(r"monitoring .*boom_watch", listed.stdout)
+
+
+def test_the_plugin_shows_its_settings(site, tmp_path):
+    shown = command("plugins", "show", "monitoring", "boom_watch", site=site, cwd=tmp_path)
+    assert "Lost share of the torque" in shown.stdout
+
+
+def test_the_doctor_finds_nothing_wrong(site, tmp_path):
+    assert command("plugins", "doctor", site=site, cwd=tmp_path).returncode == 0
+
+
+def test_a_mission_selects_it(site, tmp_path):
+    (tmp_path / "my_mission.yaml").write_text(MISSION)
+    assert "{plugin: boom_watch, fall: 0.5}" in PAGE.read_text()
+    assert command("check", "my_mission.yaml", site=site, cwd=tmp_path).returncode == 0
+
+
+def test_its_settings_are_checked_with_their_place(site, tmp_path):
+    (tmp_path / "my_mission.yaml").write_text(MISSION.replace("fall: 0.5", "fall: 5"))
+    refused = command("check", "my_mission.yaml", site=site, cwd=tmp_path)
+    assert refused.returncode == 2
+    assert "my_mission.yaml:5:" in refused.stderr

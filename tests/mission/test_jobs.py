@@ -1,0 +1,123 @@
+"""Long verbs give the same answers wherever they are computed, at the same time on the mission's clock."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from executive.clock import SimulatedClock, WallClock
+from executive.interfaces.plugin import Plugin
+from executive.mission.assembly import Selection
+from executive.mission.jobs import InlineRunner, Jobs, ProcessRunner, ThreadRunner
+from executive.registry import settings_of
+
+
+class Calculator(Plugin):
+    latency_s = {"square": 0.3}
+
+    def square(self, x):
+        return x * x
+
+    def fail(self):
+        raise ValueError("no")
+
+
+def jobs_with(runner, *, is_lock_step=True, clock=None):
+    clock = clock or SimulatedClock()
+    return Jobs({"motion": Calculator()}, runner, clock, is_lock_step=is_lock_step), clock
+
+
+@pytest.mark.parametrize("runner", [InlineRunner, ThreadRunner])
+def test_a_job_is_ready_when_its_latency_has_passed(runner):
+    jobs, clock = jobs_with(runner())
+    job = jobs.start("motion", "square", [7])
+    ready_at = None
+    for tick in range(10):
+        if job.is_ready():
+            ready_at = tick
+            break
+        clock.advance(0.05)
+    assert ready_at == 6
+    assert job.result() == 49
+    jobs.close()
+
+
+@pytest.mark.parametrize("runner", [InlineRunner, ThreadRunner])
+def test_a_jobs_error_is_raised_where_its_result_is_asked_for(runner):
+    jobs, _ = jobs_with(runner())
+    job = jobs.start("motion", "fail", [])
+    with pytest.raises(ValueError, match="no"):
+        job.result()
+    jobs.close()
+
+
+def test_against_the_wall_clock_a_job_is_ready_when_it_is_done():
+    jobs, _ = jobs_with(InlineRunner(), is_lock_step=False, clock=WallClock())
+    assert jobs.start("motion", "square", [3]).is_ready()
+
+
+def test_wall_times_are_kept_for_the_report():
+    jobs, _ = jobs_with(InlineRunner())
+    for _ in range(3):
+        jobs.start("motion", "square", [3])
+    assert len(jobs.durations_ms["motion.square"]) == 3
+
+
+def segmentation():
+    settings = settings_of("segmentation", "ground_and_clusters")()
+    return Selection("segmentation", "ground_and_clusters", settings)
+
+
+def stones_on_a_plane():
+    from executive.messages.cloud import Cloud
+
+    rng = np.random.default_rng(3)
+    ground = np.column_stack([rng.uniform(-5, 5, (20000, 2)), rng.normal(0, 0.01, 20000)])
+    stone = rng.normal(size=(3000, 3))
+    stone *= 0.5 / np.linalg.norm(stone, axis=1)[:, None]
+    return Cloud("map", np.concatenate([ground, stone + [2, 1, 0.4], stone + [-2, 2, 0.4]]))
+
+
+def test_a_worker_process_computes_what_the_inline_runner_computes():
+    from executive.mission.assembly import assemble
+
+    selections = (segmentation(),)
+    assembly = assemble(selections, "m545", 1)
+    assembly.start()
+    results = []
+    for runner in (InlineRunner(), ThreadRunner(), ProcessRunner(selections, "m545", 1)):
+        jobs = Jobs(assembly.plugins, runner, SimulatedClock(), is_lock_step=True)
+        results.append(jobs.start("segmentation", "segment", [stones_on_a_plane()]).result())
+        jobs.close()
+    assembly.close()
+    first = results[0]
+    assert len(first.segments) == 2
+    for other in results[1:]:
+        assert [s.points.tobytes() for s in other.segments] == [s.points.tobytes() for s in first.segments]
+
+
+def test_a_worker_that_dies_fails_its_call_and_serves_the_next():
+    from executive.mission.worker import Worker, WorkerDiedError
+
+    worker = Worker("segmentation", (segmentation(),), "m545", 1)
+    try:
+        assert worker.submit("segment", [stones_on_a_plane()]).result(60).segments
+        worker._process.kill()
+        worker._process.join()
+        with pytest.raises(WorkerDiedError, match="segmentation worker died"):
+            worker.submit("segment", [stones_on_a_plane()]).result(60)
+        assert worker.submit("segment", [stones_on_a_plane()]).result(60).segments
+    finally:
+        worker.close()
+
+
+def test_an_error_in_a_worker_comes_back_as_it_is():
+    from executive.errors import ExecutiveError
+    from executive.mission.worker import Worker
+
+    worker = Worker("segmentation", (segmentation(),), "m545", 1)
+    try:
+        with pytest.raises((ExecutiveError, AttributeError, TypeError)):
+            worker.submit("segment", [SimpleNamespace(points="nonsense")]).result(60)
+    finally:
+        worker.close()

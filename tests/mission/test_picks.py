@@ -1,0 +1,58 @@
+"""The report's picks are read from the journal."""
+
+from executive.journal import Journal
+from executive.mission.picks import attempts_from, picks_from
+from executive.mission.report import counts_from
+
+
+def journal_of(*entries):
+    journal = Journal()
+    for time_s, kind, payload in entries:
+        journal.append(int(time_s * 20), time_s, kind, "main", payload)
+    return journal.entries
+
+
+def attempt(stone):
+    return {"stone": stone, "grasp": {"score": 1.0}, "centroid_map": [1.0, 2.0, 0.5]}
+
+
+RELEASED = {"stone": 1, "slot": 4, "slot_position": [5, 0, 0], "planned_pose": [[1]], "estimated_pose": [[2]]}
+STORY = journal_of(
+    (10, "attempt", attempt(1)),
+    (14, "closed_on_nothing", {"stone": 1, "reason": "nothing there"}),
+    (20, "attempt", attempt(1)),
+    (25, "grasped", {"stone": 1}),
+    (40, "released", RELEASED),
+    (50, "realigned", {"stone": 1, "accepted": True, "estimated_pose": [[3]]}),
+    (60, "attempt", attempt(2)),
+    (70, "verdict", {"trouble": "drop", "detail": "900 kg gone", "monitor": "payload_drop"}),
+    (71, "verdict", {"trouble": "slip", "detail": "jaws closed further", "monitor": "jaw_slip"}),
+    (80, "set_aside", {"stone": 2, "reason": "three attempts failed"}),
+)
+
+
+def test_tells_each_stones_attempts_and_their_outcomes():
+    first, second = picks_from(STORY)
+    assert [t.outcome for t in first.tries] == ["empty", "placed"]
+    assert [(t.outcome, t.reason) for t in second.tries] == [("drop", "900 kg gone")]
+
+
+def test_a_realigned_pose_replaces_the_grippers_estimate():
+    report = picks_from(STORY)[0].as_report()
+    assert (report["slot"], report["placed"], report["estimated_pose"]) == (4, True, [[3]])
+
+
+def test_a_stone_that_was_set_aside_is_not_placed():
+    report = picks_from(STORY)[1].as_report()
+    assert (report["placed"], report["set_aside"]) == (False, "three attempts failed")
+
+
+def test_attempts_come_in_order_of_time():
+    assert [a.started_s for a in attempts_from(picks_from(STORY))] == [10, 20, 60]
+
+
+def test_counts_what_a_person_asks_for():
+    counts = counts_from(STORY, picks_from(STORY))
+    assert counts["picks"] == 2
+    assert (counts["placed"], counts["first_attempt"], counts["attempts"]) == (1, 0, 3)
+    assert (counts["drops"], counts["slips"], counts["empty"], counts["set_aside"]) == (1, 1, 1, 1)
