@@ -1,8 +1,8 @@
 """The ground's slow undulation above its mean plane, as a stiff height grid.
 
-Deviation from Mascaro 2020, Sec. 4.3: there one plane with a margin of 10 cm is the ground. On rough terrain slopes then
-stay in the cloud as false segments, and stones in hollows are cut too high. Here the margin is measured from a grid that
-follows the ground over metres but is too stiff to climb onto a stone.
+Deviation from Mascaro 2020, Sec. 4.3: there one plane with a margin of 10 cm is the ground. On rough terrain slopes
+then stay in the cloud as false segments, and stones in hollows are cut too high. Here the margin is measured from a
+grid that follows the ground over metres but is too stiff to climb onto a stone.
 """
 
 from dataclasses import dataclass
@@ -48,7 +48,7 @@ class Terrain:
         flat, k = self.heights_m.ravel(), i * ny + j
         low = flat[k] * (1 - fv) + flat[k + 1] * fv
         high = flat[k + ny] * (1 - fv) + flat[k + ny + 1] * fv
-        return plane_heights(points, self.plane) - (low * (1 - fu) + high * fu)
+        return np.asarray(plane_heights(points, self.plane) - (low * (1 - fu) + high * fu))
 
 
 def _axes(normal: Float) -> Float:
