@@ -1,0 +1,116 @@
+"""Follows a trajectory in time, and stops along its path: by slowing the path's own clock."""
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.errors import RobotError
+from executive.messages.trajectory import JointTrajectory
+from robot_models.machine import Machine
+
+START_TOLERANCE = 0.05  # largest distance of a trajectory's start from the arm's position [rad] or [m]
+_POSITION_TOLERANCE = 1e-3  # beyond a range [rad] or [m]: below what an encoder resolves
+_SPEED_TOLERANCE = 1.05  # cubic pieces overshoot the samples of a good timing a little
+_PROBE_S = 1e-3  # step of the difference that gives the path's acceleration [s]
+_QUICKEST_STOP_S = 0.1  # where joints hardly move, the clock still takes this long to stop [s]
+
+
+class Follower:
+    """Gives the arm's reference at each step.
+
+    The reference is a point s of a trajectory's own time. While following, ds/dt = 1. While stopping, ds/dt falls to
+    0 as fast as the acceleration limits of all joints allow, so that the arm stays on the path that was checked for
+    collisions: with q(s), the joints' acceleration is q″ (ds/dt)² + q′ d²s/dt².
+    """
+
+    def __init__(self, machine: Machine, position: Float) -> None:
+        self._machine = machine
+        self._index = {name: i for i, name in enumerate(machine.arm_names)}
+        self._held = np.array(position)
+        self._trajectory: JointTrajectory | None = None
+        self._columns = np.zeros(0, dtype=np.int64)
+        self._s, self._rate, self._is_stopping = 0.0, 1.0, False
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether a trajectory is under way."""
+        return self._trajectory is not None
+
+    def follow(self, trajectory: JointTrajectory, position: Float) -> None:
+        """Follow a trajectory from now on.
+
+        Args:
+            trajectory: Of some or all of the arm's joints; the others hold.
+            position: The arm's present positions, shape (n,).
+
+        Raises:
+            RobotError: If it names an unknown joint, starts elsewhere, or leaves a joint's range or speed.
+        """
+        unknown = [name for name in trajectory.names if name not in self._index]
+        if unknown:
+            raise RobotError(f"trajectory moves {', '.join(unknown)}; the arm has {', '.join(self._index)}")
+        columns = np.array([self._index[name] for name in trajectory.names], dtype=np.int64)
+        self._check_start(trajectory, position[columns])
+        self._check_limits(trajectory, columns)
+        self._held = self._reference()[0]
+        self._trajectory, self._columns = trajectory, columns
+        self._s, self._rate, self._is_stopping = 0.0, 1.0, False
+
+    def stop(self) -> None:
+        """Slow down along the path and hold."""
+        self._is_stopping = True
+
+    def advance(self, dt_s: float) -> tuple[Float, Float]:
+        """Move on by one step and return the arm's reference: position and velocity, each shape (n,)."""
+        if self._trajectory is None:
+            return self._held, np.zeros_like(self._held)
+        if self._is_stopping:
+            self._rate = max(self._rate + self._slowing() * dt_s, 0.0)
+        self._s += self._rate * dt_s
+        position, velocity = self._reference()
+        if self._rate == 0.0 or self._s >= self._trajectory.duration_s:
+            self._held, self._trajectory = position, None
+            velocity = np.zeros_like(velocity)
+        return position, velocity
+
+    def _reference(self) -> tuple[Float, Float]:
+        position, velocity = self._held.copy(), np.zeros_like(self._held)
+        if self._trajectory is not None:
+            position[self._columns], slope = self._trajectory.at(self._s)
+            velocity[self._columns] = slope * self._rate
+        return position, velocity
+
+    def _slowing(self) -> float:
+        """Return the lowest d²s/dt² ≤ 0 that keeps each joint within its acceleration limit."""
+        if self._trajectory is None:
+            return 0.0
+        limit = self._machine.max_acceleration[self._columns]
+        slope = self._trajectory.at(self._s)[1]
+        curve = (self._trajectory.at(self._s + _PROBE_S)[1] - slope) / _PROBE_S * self._rate**2
+        moves = np.abs(slope) > 1e-9
+        room = (np.sign(slope) * curve + limit)[moves] / np.abs(slope[moves])
+        return -float(np.clip(np.min(room, initial=1 / _QUICKEST_STOP_S), 0.0, 1 / _QUICKEST_STOP_S))
+
+    def _check_start(self, trajectory: JointTrajectory, position: Float) -> None:
+        for name, have, start in zip(trajectory.names, position, trajectory.position[0], strict=True):
+            if abs(start - have) > START_TOLERANCE:
+                raise RobotError(
+                    f"trajectory starts {name} at {start:.3f}, the joint is at {have:.3f}: plan from the present position"
+                )
+
+    def _check_limits(self, trajectory: JointTrajectory, columns: Float) -> None:
+        machine = self._machine
+        times = trajectory.times_s
+        halves = [trajectory.at(time)[0] for time in (times[:-1] + times[1:]) / 2]
+        positions = np.vstack([trajectory.position, *halves])
+        lower, upper = machine.lower[columns], machine.upper[columns]
+        beyond = np.maximum(lower - positions, positions - upper).max(axis=0) > _POSITION_TOLERANCE
+        speed = np.abs(trajectory.velocity).max(axis=0)
+        for i, name in enumerate(trajectory.names):
+            if beyond[i]:
+                worst = positions[:, i].min(), positions[:, i].max()
+                raise RobotError(
+                    f"trajectory takes {name} to {worst[0]:.3f} … {worst[1]:.3f}, beyond {lower[i]} … {upper[i]}"
+                )
+            top = machine.max_velocity[columns[i]]
+            if speed[i] > top * _SPEED_TOLERANCE:
+                raise RobotError(f"trajectory moves {name} at {speed[i]:.3f} per second; its limit is {top}")

@@ -1,0 +1,122 @@
+"""The simulated world: machine and site in one MuJoCo model, stepped at the controller's pace."""
+
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+
+from executive.arrays import Float
+from executive.errors import ConfigError, RobotError
+from executive.geometry.pose import pose
+from executive.messages.command import Follow, MoveJaws
+from plugins.robot.mujoco.arm import ArmServos, make_servos
+from plugins.robot.mujoco.follower import Follower
+from plugins.robot.mujoco.jaws import JawDrive, make_jaw_drive
+from plugins.robot.mujoco.physics import PhysicsSettings, apply_physics
+from plugins.robot.mujoco.site import Site
+from robot_models.machine import Machine
+from robot_models.mjcf import machine_spec
+
+CONTROL_STEP_S = 0.01  # period of the controllers, of the fastest sensors, and of observers
+
+_START_POSTURE = "scan"
+
+
+class World:
+    """Truth: what only the simulator, its sensors and the oracle may read.
+
+    Attributes:
+        machine: The machine's description.
+        site: What surrounds it.
+        model: Compiled MuJoCo model; bodies and joints have the names of the description.
+        data: State of the model.
+        T_world_base: Pose of the welded base, shape (4, 4).
+    """
+
+    def __init__(self, machine: Machine, site: Site, settings: PhysicsSettings) -> None:
+        self.machine, self.site = machine, site
+        self.T_world_base = pose(t=np.array([0.0, 0.0, machine.stance.base_height_m]))
+        self._substeps = _substeps(settings)
+        self.model = self._build(settings)
+        self.data = mujoco.MjData(self.model)
+        self._set_arm(machine.posture(_START_POSTURE))
+        self.arm = ArmServos(self.model, self.data, machine)
+        self.jaws = JawDrive(self.model, self.data, machine, settings)
+        self._follower = Follower(machine, self.arm.position())
+        self._control_steps = 0
+        self._observers: list[Callable[[World], None]] = []
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time [s]."""
+        return self._control_steps * CONTROL_STEP_S
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether a trajectory is under way."""
+        return self._follower.is_moving
+
+    def observe(self, observer: Callable[["World"], None]) -> None:
+        """Call an observer after each control step."""
+        self._observers.append(observer)
+
+    def follow(self, command: Follow) -> None:
+        """Follow a trajectory; raises RobotError if it is refused."""
+        self._follower.follow(command.trajectory, self.arm.position())
+
+    def move_jaws(self, command: MoveJaws) -> None:
+        """Drive the jaws; raises RobotError if the angle or the force is impossible."""
+        jaw, gripper = self.machine.jaw, self.machine.gripper
+        if not jaw.lower <= command.position_rad <= jaw.upper:
+            raise RobotError(f"jaws to {command.position_rad:.3f} rad; possible is {jaw.lower} to {jaw.upper} rad")
+        if not 0 < command.force_n <= gripper.tip_force_n:
+            raise RobotError(f"tip force {command.force_n:.0f} N; possible is up to {gripper.tip_force_n:.0f} N")
+        self.jaws.press(command.position_rad, command.force_n)
+
+    def stop(self) -> None:
+        """Slow the arm down along its path; the jaws keep pressing."""
+        self._follower.stop()
+
+    def step(self) -> None:
+        """Advance by one control step.
+
+        Raises:
+            RobotError: If the integration diverged.
+        """
+        dt_s = float(self.model.opt.timestep)
+        for _ in range(self._substeps):
+            self.arm.drive(*self._follower.advance(dt_s))
+            self.jaws.drive()
+            mujoco.mj_step(self.model, self.data)
+        mujoco.mj_kinematics(self.model, self.data)  # mj_step leaves poses one substep behind positions
+        self._control_steps += 1
+        if self.data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number or not np.isfinite(self.data.qpos).all():
+            raise RobotError(f"the simulated world diverged at {self.time_s:.2f} s; use a smaller physics.timestep_s")
+        for observer in self._observers:
+            observer(self)
+
+    def T_world_body(self, name: str) -> Float:
+        """Return the pose of a link or a stone by its name, shape (4, 4)."""
+        body = self.data.body(name)
+        return pose(body.xmat.reshape(3, 3).copy(), body.xpos.copy())
+
+    def _build(self, settings: PhysicsSettings) -> mujoco.MjModel:
+        spec = machine_spec(self.machine)
+        spec.body(self.machine.base_link).pos = self.T_world_base[:3, 3]
+        make_servos(spec, self.machine, settings)
+        make_jaw_drive(spec, self.machine)
+        self.site.add_to(spec)
+        apply_physics(spec, settings)
+        return spec.compile()
+
+    def _set_arm(self, position: Float) -> None:
+        for name, value in zip(self.machine.arm_names, position, strict=True):
+            self.data.joint(name).qpos = value
+        mujoco.mj_forward(self.model, self.data)
+
+
+def _substeps(settings: PhysicsSettings) -> int:
+    substeps = round(CONTROL_STEP_S / settings.timestep_s)
+    if abs(substeps * settings.timestep_s - CONTROL_STEP_S) > 1e-9:
+        raise ConfigError(f"physics.timestep_s must divide {CONTROL_STEP_S} s, such as 0.002 or 0.0025 s")
+    return substeps
