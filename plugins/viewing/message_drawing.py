@@ -14,7 +14,7 @@ from executive.messages.request import MotionPlan
 from executive.messages.segment import Segmentation
 from executive.messages.stone import Stone, StoneState
 from executive.messages.verdict import Verdict
-from plugins.viewing.palette import DRONE, GRASP, GROUND, PATH, SLOT, of_heights, of_number
+from plugins.viewing.palette import DRONE, GRASP, GROUND, PATH, SLOT, STATES, of_heights, of_number
 from plugins.viewing.solids import mesh
 from robot_models.gripper import Gripper
 
@@ -110,4 +110,5 @@ def draw_tree(states: Mapping[str, object], changed: Mapping[str, object]) -> Dr
     lines = [f"{'  ' * path.count('/')}{path.rsplit('/', 1)[-1]}: {status}" for path, status in states.items()]
     yield "tree", rr.TextDocument("\n".join(lines))
     for path, status in changed.items():
+        yield f"states/{path}", rr.StateConfiguration(values=list(STATES), colors=list(STATES.values()))
         yield f"states/{path}", rr.StateChange(state=str(status))

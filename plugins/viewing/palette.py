@@ -11,6 +11,7 @@ MACHINE = (235, 180, 40)
 GRASP = (60, 200, 90)
 PATH = (230, 60, 150)
 SLOT = (90, 90, 230)
+STATES = {"RUNNING": (240, 180, 40), "SUCCESS": (70, 180, 90), "FAILURE": (220, 70, 60), "INVALID": (110, 110, 110)}
 
 _LOW = np.array([70.0, 60.0, 50.0])  # earth
 _HIGH = np.array([235.0, 225.0, 205.0])  # limestone in the sun
