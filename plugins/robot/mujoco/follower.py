@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from executive.arrays import Float
+from executive.arrays import Float, Int
 from executive.errors import RobotError
 from executive.messages.trajectory import JointTrajectory
 from robot_models.machine import Machine
@@ -32,8 +32,8 @@ class Follower:
 
     @property
     def is_moving(self) -> bool:
-        """Whether a trajectory is under way."""
-        return self._trajectory is not None
+        """Whether a trajectory is under way and not stopped."""
+        return self._trajectory is not None and not (self._is_stopping and self._rate == 0.0)
 
     def follow(self, trajectory: JointTrajectory, position: Float) -> None:
         """Follow a trajectory from now on.
@@ -56,18 +56,24 @@ class Follower:
         self._s, self._rate, self._is_stopping = 0.0, 1.0, False
 
     def stop(self) -> None:
-        """Slow down along the path and hold."""
+        """Slow down along the path and hold; the path is kept for `resume`."""
         self._is_stopping = True
+
+    def resume(self) -> None:
+        """Take up speed again along a path that `stop` has interrupted."""
+        self._is_stopping = False
 
     def advance(self, dt_s: float) -> tuple[Float, Float]:
         """Move on by one step and return the arm's reference: position and velocity, each shape (n,)."""
         if self._trajectory is None:
             return self._held, np.zeros_like(self._held)
         if self._is_stopping:
-            self._rate = max(self._rate + self._slowing() * dt_s, 0.0)
+            self._rate = max(self._rate - self._room(-1.0) * dt_s, 0.0)
+        elif self._rate < 1.0:
+            self._rate = min(self._rate + self._room(1.0) * dt_s, 1.0)
         self._s += self._rate * dt_s
         position, velocity = self._reference()
-        if self._rate == 0.0 or self._s >= self._trajectory.duration_s:
+        if self._s >= self._trajectory.duration_s:
             self._held, self._trajectory = position, None
             velocity = np.zeros_like(velocity)
         return position, velocity
@@ -79,25 +85,25 @@ class Follower:
             velocity[self._columns] = slope * self._rate
         return position, velocity
 
-    def _slowing(self) -> float:
-        """Return the lowest d²s/dt² ≤ 0 that keeps each joint within its acceleration limit."""
+    def _room(self, direction: float) -> float:
+        """Return the largest |d²s/dt²|, speeding up (1) or slowing down (-1), within each joint's acceleration."""
         if self._trajectory is None:
             return 0.0
         limit = self._machine.max_acceleration[self._columns]
         slope = self._trajectory.at(self._s)[1]
         curve = (self._trajectory.at(self._s + _PROBE_S)[1] - slope) / _PROBE_S * self._rate**2
         moves = np.abs(slope) > 1e-9
-        room = (np.sign(slope) * curve + limit)[moves] / np.abs(slope[moves])
-        return -float(np.clip(np.min(room, initial=1 / _QUICKEST_STOP_S), 0.0, 1 / _QUICKEST_STOP_S))
+        room = (limit - direction * np.sign(slope) * curve)[moves] / np.abs(slope[moves])
+        return float(np.clip(np.min(room, initial=1 / _QUICKEST_STOP_S), 0.0, 1 / _QUICKEST_STOP_S))
 
     def _check_start(self, trajectory: JointTrajectory, position: Float) -> None:
         for name, have, start in zip(trajectory.names, position, trajectory.position[0], strict=True):
             if abs(start - have) > START_TOLERANCE:
                 raise RobotError(
-                    f"trajectory starts {name} at {start:.3f}, the joint is at {have:.3f}: plan from the present position"
+                    f"trajectory starts {name} at {start:.3f}, the joint is at {have:.3f}; plan from where the arm is"
                 )
 
-    def _check_limits(self, trajectory: JointTrajectory, columns: Float) -> None:
+    def _check_limits(self, trajectory: JointTrajectory, columns: Int) -> None:
         machine = self._machine
         times = trajectory.times_s
         halves = [trajectory.at(time)[0] for time in (times[:-1] + times[1:]) / 2]

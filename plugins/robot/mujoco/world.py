@@ -77,6 +77,10 @@ class World:
         """Slow the arm down along its path; the jaws keep pressing."""
         self._follower.stop()
 
+    def resume(self) -> None:
+        """Go on along the path that `stop` interrupted."""
+        self._follower.resume()
+
     def step(self) -> None:
         """Advance by one control step.
 

@@ -1,0 +1,115 @@
+"""A machine without a world: joints follow exactly, sensors are ideal, lidars see nothing. For dry runs of trees."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.config import Radians
+from executive.errors import RobotError
+from executive.geometry.geodesy import geodetic_from_enu
+from executive.geometry.pose import pose
+from executive.geometry.rotation import log_so3
+from executive.interfaces.robot import Robot, RobotSettings
+from executive.messages.command import Command, Follow, MoveJaws
+from executive.messages.gnss import GnssFix
+from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
+from executive.messages.observation import Observation
+from plugins.robot.mujoco.follower import Follower
+from robot_models.kinematics import Kinematics
+from robot_models.machine import Machine
+
+_STEP_S = 0.01  # 100 Hz: the rate of the IMUs and the encoders
+_GNSS_EVERY = 5  # steps: 20 Hz
+_GRAVITY_M_S2 = 9.81
+
+
+class KinematicSettings(RobotSettings):
+    """Settings of the machine without a world."""
+
+    jaws_stop_at: Radians = Field(
+        0.4, ge=0, le=2, description="Angle at which closing jaws meet a stone [rad]."
+    )
+    fails_at_s: float | None = Field(None, ge=0, description="Mission time at which the machine stops answering [s].")
+    datum: tuple[float, float, float] = Field(
+        (47.4084, 8.5106, 440.0), description="Latitude [deg], longitude [deg], altitude [m] of the map's origin."
+    )
+
+
+class KinematicRobot(Robot):
+    """Moves exactly as commanded; its base stands at the map's origin."""
+
+    Settings = KinematicSettings
+
+    def __init__(self, settings: KinematicSettings, machine: Machine) -> None:
+        self._settings = settings
+        self._machine = machine
+        self._kinematics = Kinematics(machine)
+        self._q = np.array([machine.postures["scan"][name] for name in machine.arm_names])
+        self._dq = np.zeros_like(self._q)
+        self._jaw = self._jaw_goal = machine.gripper.open_rad
+        self._follower = Follower(machine, self._q)
+        self._steps = 0
+        self._T_map_base = pose(t=np.array([0.0, 0.0, machine.stance.base_height_m]))
+        self._sensors = {n: s for n, s in machine.sensors.items() if s.kind in ("imu", "gnss")}
+        self._poses = [self._sensor_poses()] * 3  # of the last three steps: second differences give accelerations
+
+    def read(self, until_s: float) -> Sequence[Observation]:
+        fails_at_s = self._settings.fails_at_s
+        if fails_at_s is not None and until_s >= fails_at_s:
+            raise RobotError(f"the machine has not answered since {fails_at_s:.2f} s")
+        observations: list[Observation] = []
+        while (self._steps + 1) * _STEP_S <= until_s + 1e-9:
+            observations += self._step()
+        return observations
+
+    def command(self, command: Command) -> None:
+        if isinstance(command, Follow):
+            self._follower.follow(command.trajectory, self._q)
+        elif isinstance(command, MoveJaws):
+            closing = command.position_rad < self._jaw
+            self._jaw_goal = max(command.position_rad, self._settings.jaws_stop_at) if closing else command.position_rad
+
+    def stop(self) -> None:
+        self._follower.stop()
+
+    def resume(self) -> None:
+        self._follower.resume()
+
+    def _step(self) -> list[Observation]:
+        self._steps += 1
+        self._q, self._dq = self._follower.advance(_STEP_S)
+        way = self._machine.jaw.max_velocity * _STEP_S
+        jaw_step = float(np.clip(self._jaw_goal - self._jaw, -way, way))
+        self._jaw += jaw_step
+        self._poses = [*self._poses[1:], self._sensor_poses()]
+        stamp_s = self._steps * _STEP_S
+        joints = JointSample(
+            stamp_s,
+            self._machine.joint_names,
+            np.append(self._q, self._jaw),
+            np.append(self._dq, jaw_step / _STEP_S),
+            np.zeros(len(self._q) + 1),
+        )
+        imus = [self._imu(stamp_s, name) for name, sensor in self._sensors.items() if sensor.kind == "imu"]
+        fixes: list[Observation] = []
+        if self._steps % _GNSS_EVERY == 0:
+            fixes = [self._fix(stamp_s, name) for name, sensor in self._sensors.items() if sensor.kind == "gnss"]
+        return [*imus, *fixes, joints]
+
+    def _sensor_poses(self) -> dict[str, Float]:
+        frames = self._kinematics.frames(self._q)
+        return {name: self._T_map_base @ frames[name] for name in self._sensors}
+
+    def _imu(self, stamp_s: float, name: str) -> ImuSample:
+        before, middle, now = (poses[name] for poses in self._poses)
+        angular = log_so3(middle[:3, :3].T @ now[:3, :3]) / _STEP_S
+        acceleration = (now[:3, 3] - 2 * middle[:3, 3] + before[:3, 3]) / _STEP_S**2
+        force = now[:3, :3].T @ (acceleration + np.array([0.0, 0.0, _GRAVITY_M_S2]))
+        return ImuSample(stamp_s, name, angular, force)
+
+    def _fix(self, stamp_s: float, name: str) -> GnssFix:
+        geodetic = geodetic_from_enu(self._poses[-1][name][:3, 3], np.array(self._settings.datum))
+        return GnssFix(stamp_s, name, geodetic, np.diag([1e-4, 1e-4, 4e-4]), True)

@@ -1,0 +1,79 @@
+"""The machine without a world moves exactly as it is told and measures what follows from it."""
+
+import numpy as np
+import pytest
+
+from executive.errors import RobotError
+from executive.messages.command import Follow, MoveJaws
+from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
+from executive.messages.trajectory import JointTrajectory
+from plugins.robot.kinematic import KinematicRobot, KinematicSettings
+from robot_models.machine import load_machine
+
+
+@pytest.fixture
+def machine():
+    return load_machine("m545")
+
+
+@pytest.fixture
+def robot(machine):
+    return KinematicRobot(KinematicSettings(), machine)
+
+
+def turn(machine, angle, duration):
+    """A smooth turn of the cabin from its posture."""
+    times = np.linspace(0, duration, 60)
+    start = machine.postures["scan"][machine.turn_joint]
+    u = times / duration
+    position = start + angle * (3 * u**2 - 2 * u**3)
+    velocity = angle * (6 * u - 6 * u**2) / duration
+    return JointTrajectory((machine.turn_joint,), times, position[:, None], velocity[:, None])
+
+
+def test_arrives_at_the_trajectorys_end(robot, machine):
+    robot.command(Follow(turn(machine, 1.0, 5.0)))
+    samples = [o for o in robot.read(6.0) if isinstance(o, JointSample)]
+    assert samples[-1].of(machine.turn_joint)[0] == pytest.approx(machine.postures["scan"][machine.turn_joint] + 1.0)
+
+
+def test_at_rest_the_imu_measures_gravity_only(robot):
+    sample = next(o for o in reversed(robot.read(1.0)) if isinstance(o, ImuSample))
+    np.testing.assert_allclose(np.linalg.norm(sample.specific_force_m_s2), 9.81, atol=1e-6)
+    np.testing.assert_allclose(sample.angular_velocity_rad_s, 0, atol=1e-9)
+
+
+def test_the_cabins_imu_measures_the_turn(robot, machine):
+    robot.command(Follow(turn(machine, 1.0, 5.0)))
+    cabin = [o for o in robot.read(5.0) if isinstance(o, ImuSample) and o.frame == "imu_cabin"]
+    assert sum(o.angular_velocity_rad_s[2] for o in cabin) * 0.01 == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_stop_is_on_the_path_and_resume_goes_on_to_its_end(robot, machine):
+    goal = machine.postures["scan"][machine.turn_joint] + 1.0
+    robot.command(Follow(turn(machine, 1.0, 5.0)))
+    robot.read(2.0)
+    robot.stop()
+    stopped = [o for o in robot.read(8.0) if isinstance(o, JointSample)][-1].of(machine.turn_joint)
+    assert stopped[1] == 0.0
+    assert 0.2 < goal - stopped[0] < 0.8
+    robot.resume()
+    end = [o for o in robot.read(16.0) if isinstance(o, JointSample)]
+    assert end[-1].of(machine.turn_joint)[0] == pytest.approx(goal)
+    speeds = np.array([o.of(machine.turn_joint)[1] for o in end])
+    limit = machine.max_acceleration[machine.arm_names.index(machine.turn_joint)]
+    assert np.abs(np.diff(speeds)).max() / 0.01 < 1.1 * limit
+
+
+def test_closing_jaws_meet_the_pretended_stone(machine):
+    robot = KinematicRobot(KinematicSettings(jaws_stop_at=0.3), machine)
+    robot.command(MoveJaws(0.0, 1e4))
+    assert [o for o in robot.read(5.0) if isinstance(o, JointSample)][-1].of(machine.jaw.name)[0] == pytest.approx(0.3)
+
+
+def test_can_be_told_to_fail(machine):
+    robot = KinematicRobot(KinematicSettings(fails_at_s=1.0), machine)
+    robot.read(0.9)
+    with pytest.raises(RobotError, match="has not answered since 1.00 s"):
+        robot.read(1.0)
