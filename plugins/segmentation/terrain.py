@@ -54,7 +54,7 @@ class Terrain:
 def _axes(normal: Float) -> Float:
     x = np.cross([0.0, 1.0, 0.0], normal)
     x /= np.linalg.norm(x)
-    return np.vstack([x, np.cross(normal, x), normal])
+    return np.asarray(np.vstack([x, np.cross(normal, x), normal]))
 
 
 def _second_differences(nx: int, ny: int) -> sparse.csr_matrix:

@@ -1,0 +1,72 @@
+"""From raw scans to points in the map: without the machine, and with its motion undone (Mascaro 2020, Sec. 4.2)."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.errors import ConfigError, DataError, did_you_mean
+from executive.geometry.pose import inverse
+from executive.messages.lidar import LidarScan
+from executive.messages.motion import Motion
+from plugins.mapping.deskew import cabin_poses, place, time_slices
+from plugins.mapping.self_filter import SelfFilter
+from robot_models.kinematics import Kinematics
+from robot_models.machine import Machine
+
+
+class ScanFront:
+    """Self-filter and motion correction of one machine's lidars."""
+
+    def __init__(self, machine: Machine, padding_m: float, nearest_m: float, slice_s: float) -> None:
+        """Prepare the shapes, and compile the inner loops.
+
+        Raises:
+            ConfigError: If the machine has no lidar.
+        """
+        self._machine = machine
+        self._lidars = tuple(sensor.name for sensor in machine.sensors_of("lidar"))
+        if not self._lidars:
+            raise ConfigError(f"machine {machine.name} has no lidar to map with: add one to its robot.yaml")
+        self._kinematics = Kinematics(machine)
+        self._filter = SelfFilter(machine, padding_m)
+        self._nearest_m = nearest_m
+        self._slice_s = slice_s
+        names = machine.joint_names
+        scan = LidarScan(0.0, self._lidars[0], np.full((1, 3), 3.0), np.zeros(1))
+        self.place(scan, Motion(np.zeros(1), np.eye(4)[None], names, np.zeros((1, len(names)))), 0.0)
+
+    def place(self, scan: LidarScan, motion: Motion, held_radius_m: float) -> Float:
+        """Return the returns that are not the machine's, in the map [m], shape (K, 3).
+
+        Args:
+            scan: One revolution.
+            motion: Cabin poses and joints during it.
+            held_radius_m: Returns this near to the space between the jaws are what the gripper holds [m].
+
+        Raises:
+            DataError: If the sensor is no lidar of the machine, or the motion lacks a joint.
+        """
+        if scan.frame not in self._lidars:
+            wrong = f"a scan comes from '{scan.frame}', which is no lidar of {self._machine.name}"
+            raise DataError(wrong + did_you_mean(scan.frame, self._lidars))
+        if not len(scan.points_lidar):
+            return np.empty((0, 3))
+        ends_s, slices, fractions = time_slices(scan, self._slice_s)
+        frames = [self._frames(motion, float(stamp)) for stamp in ends_s]
+        near = (scan.points_lidar**2).sum(axis=1) < self._nearest_m**2
+        nearest_end = slices + (fractions > 0.5)
+        own = self._filter.inside(scan.points_lidar, nearest_end, scan.frame, frames, held_radius_m)
+        kept = ~(near | own)
+        cabin = self._machine.cabin_link
+        T_cabin_lidar = np.array([inverse(frame[cabin]) @ frame[scan.frame] for frame in frames])
+        T_map_lidar = cabin_poses(motion, ends_s) @ T_cabin_lidar
+        return np.asarray(place(scan.points_lidar[kept], slices[kept], fractions[kept], T_map_lidar))
+
+    def _frames(self, motion: Motion, stamp_s: float) -> Mapping[str, Float]:
+        q = dict(zip(motion.joint_names, motion.joints_at(stamp_s), strict=True))
+        missing = [name for name in self._machine.joint_names if name not in q]
+        if missing:
+            raise DataError(f"the motion lacks joint {', '.join(missing)}; it has {', '.join(motion.joint_names)}")
+        arm = np.array([q[name] for name in self._machine.arm_names])
+        return self._kinematics.frames(arm, float(q[self._machine.jaw.name]))
