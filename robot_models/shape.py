@@ -44,7 +44,7 @@ class Shape(Origin):
         if self.kind == "hull":
             return np.array(self.points_m)
         if self.kind == "box":
-            return np.array(list(product((-0.5, 0.5), repeat=3))) * np.array(self.size)
+            return np.asarray(np.array(list(product((-0.5, 0.5), repeat=3))) * np.array(self.size))
         radius, length = self.size
         angle = np.arange(_SIDES) * 2 * np.pi / _SIDES
         ring = np.c_[np.cos(angle), np.sin(angle)] * radius / np.cos(np.pi / _SIDES)

@@ -20,9 +20,7 @@ def make_jaw_drive(spec: mujoco.MjSpec, machine: Machine) -> None:
 class JawDrive:
     """Moves the jaws towards an angle and keeps pressing."""
 
-    def __init__(
-        self, model: mujoco.MjModel, data: mujoco.MjData, machine: Machine, settings: PhysicsSettings
-    ) -> None:
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, machine: Machine, settings: PhysicsSettings) -> None:
         self._model, self._data, self._machine, self._settings = model, data, machine, settings
         self._id = model.actuator(machine.jaw.name).id
         self._joint = data.joint(machine.jaw.name)
