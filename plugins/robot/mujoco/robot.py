@@ -1,0 +1,88 @@
+"""The machine in a MuJoCo world: the robot that a mission drives when there is no real one."""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.config import Settings
+from executive.errors import RobotError
+from executive.interfaces.robot import Robot, Scene
+from executive.messages.command import Command, Follow, MoveJaws, SwitchLidars
+from executive.messages.observation import Observation
+from plugins.robot.mujoco.sensors import SensorSuite
+from plugins.robot.mujoco.settings import MujocoSettings
+from plugins.robot.mujoco.site import make_site
+from plugins.robot.mujoco.world import CONTROL_STEP_S, World
+from robot_models.machine import Machine
+
+
+class MujocoRobot(Robot, Scene):
+    """Simulates the machine on a random site, with its sensors; deterministic by the generator's seed.
+
+    `world` is the truth: only sensors and the oracle read it.
+    """
+
+    Settings: ClassVar[type[Settings]] = MujocoSettings
+
+    def __init__(self, settings: MujocoSettings, machine: Machine, rng: np.random.Generator) -> None:
+        self.settings, self._machine, self._rng = settings, machine, rng
+        self._world: World | None = None
+
+    def start(self) -> None:
+        """Lay out the site and set the machine on it; takes some seconds.
+
+        Raises:
+            ConfigError: If the site cannot be made, such as stones that do not fit or cannot be read.
+        """
+        site_rng, sensor_rng = self._rng.spawn(2)
+        site = make_site(self.settings.site, self._machine, self.settings.physics, site_rng)
+        self._world = World(self._machine, site, self.settings.physics)
+        self._sensors = SensorSuite(self._machine, site, self.settings.sensors, self._world.model, sensor_rng)
+
+    def close(self) -> None:
+        """Let the world go."""
+        self._world = None
+
+    @property
+    def world(self) -> World:
+        """The simulated world.
+
+        Raises:
+            RobotError: If the robot has not been started.
+        """
+        if self._world is None:
+            raise RobotError("the simulated robot is not started: call start() first")
+        return self._world
+
+    def read(self, until_s: float) -> Sequence[Observation]:
+        """Advance the world to a mission time [s] and return what its sensors sent since the last call."""
+        observations: list[Observation] = []
+        # Half a step of slack: until_s is a rounded multiple of the tick.
+        while self.world.time_s + CONTROL_STEP_S / 2 < until_s:
+            self.world.step()
+            observations.extend(self._sensors.step(self.world.time_s, self.world.model, self.world.data))
+        return sorted(observations, key=lambda observation: observation.stamp_s)
+
+    def command(self, command: Command) -> None:
+        """Take a command; see World for what it refuses."""
+        match command:
+            case Follow():
+                self.world.follow(command)
+            case MoveJaws():
+                self.world.move_jaws(command)
+            case SwitchLidars():
+                self._sensors.lidars_on = command.on
+
+    def stop(self) -> None:
+        """Slow down along the path within the acceleration limits and hold; the jaws keep pressing."""
+        self.world.stop()
+
+    def resume(self) -> None:
+        """Go on along the path that `stop` interrupted."""
+        self.world.resume()
+
+    def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
+        """Return the range [m] along unit directions to the ground or a stone, inf for none, shape (N,)."""
+        return self._sensors.cast_rays(self.world.data, origins_world, directions_world)
