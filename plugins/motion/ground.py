@@ -1,0 +1,40 @@
+"""The ground under a place: a plane through the lowest points around it."""
+
+import numpy as np
+
+from executive.arrays import Float
+
+_RADIUS_M = 2.5
+_CELL_M = 0.3
+_LEAST_CELLS = 12
+_STEEPEST_RAD = 0.6  # beyond it the fit is not ground
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+def ground_normal(points: Float, place: Float) -> Float:
+    """Return the unit normal, pointing up, of the ground around a place; straight up where the points do not tell.
+
+    The lowest point of each cell is fitted by a plane; cells that lie above it (stones) are left out, three times over.
+
+    Args:
+        points: Ground and what stands on it, z up [m], shape (N, 3).
+        place: Where, shape (3,).
+    """
+    low = _lowest(points[np.linalg.norm(points[:, :2] - place[:2], axis=1) < _RADIUS_M])
+    for _ in range(3):
+        if len(low) < _LEAST_CELLS:
+            return _UP
+        plane = np.linalg.lstsq(np.c_[low[:, :2] - place[:2], np.ones(len(low))], low[:, 2], rcond=None)[0]
+        above = low[:, 2] - np.c_[low[:, :2] - place[:2], np.ones(len(low))] @ plane
+        low = low[above <= max(0.08, float(np.median(np.abs(above))))]
+    normal = np.array([-plane[0], -plane[1], 1.0])
+    normal /= np.linalg.norm(normal)
+    return normal if normal[2] > np.cos(_STEEPEST_RAD) else _UP
+
+
+def _lowest(points: Float) -> Float:
+    if not len(points):
+        return points
+    order = np.argsort(points[:, 2], kind="stable")
+    _, first = np.unique(np.floor(points[order, :2] / _CELL_M), axis=0, return_index=True)
+    return np.asarray(points[order][first])

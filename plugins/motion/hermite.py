@@ -1,0 +1,167 @@
+"""The heuristic planner of the paper: way points that rise and fall along the ground's normal, Hermite curves between."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.config import Meters, Settings
+from executive.errors import ShapeError
+from executive.geometry.pose import inverse, transform
+from executive.interfaces.motion import MotionPlanner
+from executive.messages.cloud import Cloud
+from executive.messages.request import MotionPlan, MoveRequest
+from executive.messages.trajectory import JointTrajectory
+from plugins.motion.chain import link_frames
+from plugins.motion.collision import CollisionCheck
+from plugins.motion.convex import Convex
+from plugins.motion.ground import ground_normal
+from plugins.motion.inverse_kinematics import InverseKinematics, InverseKinematicsSettings
+from plugins.motion.move import Move, NoWay
+from plugins.motion.obstacles import Obstacles
+from plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
+from plugins.motion.sweep import sweep
+from plugins.motion.timing import Limits, time_path
+from plugins.motion.waypoints import Waypoints
+from robot_models.kinematics import Kinematics
+from robot_models.machine import Machine
+
+_BEYOND_REACH_M = 2.0  # obstacles farther out do not matter
+_PATH_POINTS = 100  # of the path that is shown
+
+
+class HermiteSettings(Settings):
+    """How the arm moves."""
+
+    speed: float = Field(0.9, gt=0, le=1, description="Share of the joints' velocity and acceleration limits to use.")
+    clearance: Meters = Field(0.3, ge=0, le=3, description="Height kept above obstacles while travelling [m].")
+    contact_tolerance: Meters = Field(
+        0.05, ge=0, le=0.3, description="Depth of map points inside the arm or stone that is not yet a collision [m]."
+    )
+    machine_clearance: Meters = Field(0.05, ge=0, le=0.5, description="Distance kept between parts of the machine [m].")
+    least_arrival: float = Field(0.5, gt=0, le=1, description="Share of the straight arrival that must be in reach.")
+    inverse_kinematics: InverseKinematicsSettings = InverseKinematicsSettings()
+
+
+class Hermite(MotionPlanner):
+    """Plans moves and sweeps (Mascaro 2020, Sec. 6.1). Deterministic; it keeps nothing from call to call."""
+
+    Settings = HermiteSettings
+    latency_s: ClassVar[Mapping[str, float]] = {"move": 0.3, "swing": 0.1}
+    is_stateless = True
+
+    def __init__(self, settings: HermiteSettings, machine: Machine) -> None:
+        self._settings = settings
+        self._machine = machine
+
+    def start(self) -> None:
+        machine, settings = self._machine, self._settings
+        self._kinematics = Kinematics(machine)
+        self._ik = InverseKinematics(settings.inverse_kinematics, machine, self._kinematics)
+        self._waypoints = Waypoints(machine, self._kinematics, self._ik)
+        self._bodies = machine_bodies(machine)
+        self._machine_check = SelfCollision(machine, self._bodies, settings.machine_clearance)
+
+    def reach(self, T_base_gripper: Float, seed: Float) -> Float | None:
+        return self._ik.solve(T_base_gripper, self._checked(seed), self._is_free)
+
+    def move(self, request: MoveRequest) -> MotionPlan:
+        start = self._checked(request.start)
+        goal = inverse(request.T_map_base) @ request.T_map_gripper
+        obstacles = self._obstacles(request.obstacles, request.T_map_base)
+        move = self._move(request, obstacles)
+        leave = move.leave(start, self._normal(obstacles, self._kinematics.gripper(start)), request.leave_m)
+        if isinstance(leave, NoWay):
+            return _refused(leave.reason)
+        arrive = move.arrive(goal, start, self._normal(obstacles, goal), request.arrive_m)
+        if isinstance(arrive, NoWay):
+            return _refused(arrive.reason)
+        path = move.travel(leave, arrive)
+        if isinstance(path, NoWay):
+            return _refused(path.reason)
+        return self._planned(time_path(self._machine.arm_names, path, move.limits), request.T_map_base)
+
+    def swing(self, start: Float, angle_rad: float, duration_s: float) -> MotionPlan:
+        start = self._checked(start)
+        trajectory = sweep(self._machine, self._limits(False), self._fold(start), angle_rad, duration_s)
+        frames = link_frames(self._machine, trajectory.position, self._machine.gripper.open_rad)
+        hit = self._machine_check.first_hit(frames)
+        if hit is not None:
+            return _refused(
+                f"sweeping: collision of {hit[1]} with {hit[2]} at fraction {hit[0] / len(frames[hit[1]]):.2f}"
+            )
+        return self._planned(trajectory, np.eye(4))
+
+    def _move(self, request: MoveRequest, obstacles: Obstacles) -> Move:
+        held = None if request.held_gripper is None else held_body(self._machine, request.held_gripper)
+        settings = self._settings
+        return Move(
+            machine=self._machine,
+            waypoints=self._waypoints,
+            inverse_kinematics=self._ik,
+            check=CollisionCheck(
+                self._machine,
+                self._bodies,
+                obstacles,
+                request.start,
+                request.jaw_rad,
+                held,
+                settings.contact_tolerance,
+                settings.machine_clearance,
+            ),
+            obstacles=obstacles,
+            reaching_gripper=self._reaching(request.jaw_rad, held),
+            limits=self._limits(held is not None),
+            clearance_m=settings.clearance,
+            least_arrival=settings.least_arrival,
+        )
+
+    def _obstacles(self, cloud: Cloud, T_map_base: Float) -> Obstacles:
+        return Obstacles(transform(inverse(T_map_base), cloud.points), self._machine.reach_m + _BEYOND_REACH_M)
+
+    def _normal(self, obstacles: Obstacles, T_base_gripper: Float) -> Float:
+        return ground_normal(obstacles.points, T_base_gripper[:3, 3])
+
+    def _reaching(self, jaw_rad: float, held: Convex | None) -> Float:
+        parts = [hull for hulls in self._machine.gripper.hulls(jaw_rad).values() for hull in hulls]
+        return np.vstack(parts if held is None else [*parts, held.corners])
+
+    def _limits(self, is_loaded: bool) -> Limits:
+        machine, share = self._machine, self._settings.speed
+        if is_loaded:
+            return Limits(
+                machine.loaded_max_velocity * share, machine.loaded_max_acceleration * share, machine.max_jerk
+            )
+        return Limits(machine.max_velocity * share, machine.max_acceleration * share, machine.max_jerk)
+
+    def _fold(self, start: Float) -> list[Float]:
+        """Return postures from the present one to `scan`, over `carry` where that is higher than the present one."""
+        turn = self._machine.arm_names.index(self._machine.turn_joint)
+        postures = [start]
+        for name in ("carry", "scan"):
+            posture = self._ik.nearest_turn(self._machine.posture(name), start)
+            posture[turn] = start[turn]
+            if name == "scan" or self._kinematics.gripper(posture)[2, 3] > self._kinematics.gripper(start)[2, 3]:
+                postures.append(posture)
+        return postures
+
+    def _is_free(self, q: Float) -> bool:
+        return (
+            self._machine_check.first_hit(link_frames(self._machine, q[None], self._machine.gripper.open_rad)) is None
+        )
+
+    def _planned(self, trajectory: JointTrajectory, T_map_base: Float) -> MotionPlan:
+        every = max(1, len(trajectory.times_s) // _PATH_POINTS)
+        frames = link_frames(self._machine, trajectory.position[::every], 0.0)
+        return MotionPlan(trajectory, "", transform(T_map_base, frames[self._machine.gripper_link][:, :3, 3]))
+
+    def _checked(self, q: Float) -> Float:
+        if np.shape(q) != (len(self._machine.joints),):
+            raise ShapeError(f"arm positions have shape {np.shape(q)}, expected ({len(self._machine.joints)},)")
+        return np.asarray(q, dtype=float)
+
+
+def _refused(reason: str) -> MotionPlan:
+    return MotionPlan(None, reason, np.zeros((0, 3)))

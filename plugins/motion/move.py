@@ -1,0 +1,151 @@
+"""One move: its straight ends, its travel, and what stands in their way."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.geometry.pose import pose
+from plugins.motion.chain import link_frames
+from plugins.motion.collision import CollisionCheck
+from plugins.motion.inverse_kinematics import InverseKinematics
+from plugins.motion.obstacles import Obstacles
+from plugins.motion.path import HermitePath, path_through
+from plugins.motion.timing import Limits
+from plugins.motion.waypoints import Line, Waypoints, hang_m, join
+from robot_models.machine import Machine
+
+_CHECK_STEP = 0.02  # of the path's parameter, near 20 ms of motion: at full swing 13 cm of the tips
+_HIGHER_M = (0.0, 0.6, 1.2)  # added to the travelling height when the way is not free
+_BESIDE_M = 1.5  # of the gripper's radii: what the sector to be cleared is wider than them
+_BESIDE_RAD = 0.2
+_ALIKE_COS = 0.9994  # 2 deg: directions that need no second try
+
+
+@dataclass(frozen=True, slots=True)
+class NoWay:
+    """Why a part of a move does not exist."""
+
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Move:
+    """The parts of one move, in the base frame.
+
+    Attributes:
+        machine: Whose arm.
+        waypoints: Finds straight lines and lifts.
+        inverse_kinematics: Finds the goal's posture.
+        check: Tells collisions.
+        obstacles: The surroundings.
+        reaching_gripper: Corners of the gripper and points of what it holds, in its frame, shape (N, 3).
+        limits: Of the joints.
+        clearance_m: Height kept above obstacles while travelling.
+        least_arrival: Share of the arrival that must be within reach.
+    """
+
+    machine: Machine
+    waypoints: Waypoints
+    inverse_kinematics: InverseKinematics
+    check: CollisionCheck
+    obstacles: Obstacles
+    reaching_gripper: Float
+    limits: Limits
+    clearance_m: float
+    least_arrival: float
+
+    def leave(self, start: Float, normal: Float, length_m: float) -> Line | NoWay:
+        """Go up from the start as far as the arm reaches; only a collision forbids it."""
+        first: NoWay | None = None
+        for direction in self._directions(self._frame(start), normal):
+            line = self.waypoints.line_up(start, direction, length_m)
+            hit = self.check.first_hit(line.nodes)
+            if hit is None:
+                return line
+            first = first or NoWay(
+                f"leaving: collision of {hit.what} at {hit.posture / len(line.nodes):.0%} of the way up"
+            )
+        return first or NoWay("leaving: no direction")
+
+    def arrive(self, T_base_goal: Float, seed: Float, normal: Float, length_m: float) -> Line | NoWay:
+        """Come straight down to the goal."""
+        first: NoWay | None = None
+        for direction in self._directions(T_base_goal, normal):
+            for line in self._arrivals(T_base_goal, seed, direction, length_m):
+                refusal = self._refusal(line, length_m)
+                if refusal is None:
+                    return line
+                first = first or refusal
+        return first or NoWay("goal out of reach")
+
+    def travel(self, leave: Line, arrive: Line) -> HermitePath | NoWay:
+        """Connect the two tops: at the least height, the shorter way round first."""
+        first: NoWay | None = None
+        for higher_m in _HIGHER_M:
+            for shift_rad in self.waypoints.ways_round(leave.nodes[-1], arrive.nodes[-1]):
+                turned = Line(self.waypoints.shifted(arrive.nodes, shift_rad), arrive.length_m)
+                path = self._path(leave, turned, higher_m)
+                hit = self.check.first_hit(path.position(self._grid(path)))
+                if hit is None:
+                    return path
+                share = hit.posture / len(self._grid(path))
+                first = first or NoWay(f"travelling: collision of {hit.what} at fraction {share:.2f}")
+        return first or NoWay("travelling: no way")
+
+    def _path(self, leave: Line, arrive: Line, higher_m: float) -> HermitePath:
+        low_a, low_b = leave.nodes[-1], arrive.nodes[-1]
+        top_m = self._highest_between(low_a, low_b) + self.clearance_m + higher_m
+        lifts = (self.waypoints.lift(q, top_m + hang_m(self._frame(q), self.reaching_gripper)) for q in (low_a, low_b))
+        nodes, is_dense = join(leave, [q for q in lifts if q is not None], arrive)
+        return path_through(nodes, is_dense, self.limits.velocity, self.limits.acceleration)
+
+    def _highest_between(self, q_from: Float, q_to: Float) -> float:
+        p, p_to = self._frame(q_from)[:2, 3], self._frame(q_to)[:2, 3]
+        radii = (np.hypot(*p), np.hypot(*p_to))
+        turn = self.machine.arm_names.index(self.machine.turn_joint)
+        azimuth, azimuth_to = np.arctan2(p[1], p[0]), np.arctan2(p_to[1], p_to[0])
+        swung = q_to[turn] - q_from[turn]
+        swung += (azimuth_to - azimuth - swung + np.pi) % (2 * np.pi) - np.pi
+        low, high = sorted((azimuth, azimuth + swung))
+        sector = (low - _BESIDE_RAD, min(high + _BESIDE_RAD, low - _BESIDE_RAD + 2 * np.pi - 1e-6))
+        return self.obstacles.highest(sector, (min(radii) - _BESIDE_M, max(radii) + _BESIDE_M))
+
+    def _directions(self, T_base_gripper: Float, normal: Float) -> Iterator[Float]:
+        """Yield the ground's normal (Mascaro 2020, Sec. 6.1), then, our own, back along the approach and straight up."""
+        given: list[Float] = []
+        for direction in (normal, -T_base_gripper[:3, 0], np.array([0.0, 0.0, 1.0])):
+            if all(direction @ other < _ALIKE_COS for other in given) and direction[2] > 0.5:
+                given.append(direction)
+                yield direction
+
+    def _arrivals(self, T_base_goal: Float, seed: Float, direction: Float, length_m: float) -> Iterator[Line]:
+        """Yield lines from the goal upwards, then from the top downwards: the arm's spare freedom differs."""
+        q = self.inverse_kinematics.solve(T_base_goal, seed, self._is_free)
+        if q is not None:
+            yield self.waypoints.line_up(q, direction, length_m)
+        top = self.inverse_kinematics.solve(pose(t=direction * length_m) @ T_base_goal, seed, self._is_free)
+        if top is not None:
+            down = self.waypoints.line_up(top, -direction, length_m)
+            if down.length_m >= length_m - 1e-9:
+                yield self.waypoints.line_up(down.nodes[-1], direction, length_m)
+
+    def _is_free(self, q: Float) -> bool:
+        return self.check.machine_hit(q[None]) is None
+
+    def _refusal(self, line: Line, length_m: float) -> NoWay | None:
+        if line.length_m < self.least_arrival * length_m:
+            return NoWay(f"arriving: only {line.length_m:.2f} m of {length_m:.2f} m above the goal are in reach")
+        hit = self.check.first_hit(line.nodes)
+        if hit is None:
+            return None
+        above = line.length_m * hit.posture / len(line.nodes)
+        return NoWay(f"arriving: collision of {hit.what}, {above:.2f} m above the goal")
+
+    def _grid(self, path: HermitePath) -> Float:
+        return np.linspace(0.0, path.length, max(2, int(np.ceil(path.length / _CHECK_STEP)) + 1))
+
+    def _frame(self, q: Float) -> Float:
+        frames = link_frames(self.machine, q[None], 0.0)
+        return np.asarray(frames[self.machine.gripper_link][0])

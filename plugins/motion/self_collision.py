@@ -1,0 +1,76 @@
+"""Collision of the machine with itself, and of a held stone with the machine, on FCL."""
+
+from collections.abc import Mapping, Sequence
+
+import fcl
+import numpy as np
+
+from executive.arrays import Float
+from plugins.motion.convex import Convex
+from robot_models.gripper import SIDES
+from robot_models.machine import Machine
+
+
+class SelfCollision:
+    """All pairs of convex bodies that must keep a clearance; spheres around them sort out most."""
+
+    def __init__(
+        self, machine: Machine, bodies: Sequence[Convex], clearance_m: float, held: Convex | None = None
+    ) -> None:
+        self._clearance_m = clearance_m
+        self._bodies = list(bodies)
+        pairs = set(machine.collision_pairs)
+        if held is not None:
+            self._bodies.append(held)
+            holders = {machine.gripper_link, *SIDES}
+            pairs |= {(link, held.name) for link in machine.links if link not in holders}
+        owners = [body.name for body in self._bodies]
+        pairs |= {(b, a) for a, b in pairs}
+        indices = [(i, j) for i, a in enumerate(owners) for j, b in enumerate(owners[:i]) if (a, b) in pairs]
+        self._pairs = np.array(indices, dtype=np.int64).reshape(-1, 2)
+        self._objects = [fcl.CollisionObject(body.geometry) for body in self._bodies]
+
+    def first_hit(self, frames: Mapping[str, Float]) -> tuple[int, str, str] | None:
+        """Return the first posture with two bodies closer than the clearance, and the names of the two, or None.
+
+        Args:
+            frames: T_base_link of every link for each posture, shape (K, 4, 4) each.
+        """
+        for k, pair in self._near_pairs(frames):
+            i, j = self._pairs[pair]
+            for index in (i, j):
+                T = frames[self._bodies[index].link][k]
+                self._objects[index].setTransform(fcl.Transform(T[:3, :3], T[:3, 3]))
+            if fcl.distance(self._objects[i], self._objects[j], fcl.DistanceRequest(), fcl.DistanceResult()) < (
+                self._clearance_m
+            ):
+                return k, self._bodies[i].name, self._bodies[j].name
+        return None
+
+    def _near_pairs(self, frames: Mapping[str, Float]) -> list[tuple[int, int]]:
+        spheres = [body.sphere for body in self._bodies]
+        centres = np.stack(
+            [
+                frames[b.link][:, :3, :3] @ c + frames[b.link][:, :3, 3]
+                for b, (c, _) in zip(self._bodies, spheres, strict=True)
+            ]
+        )
+        radii = np.array([radius for _, radius in spheres])
+        i, j = self._pairs.T
+        gaps = np.linalg.norm(centres[i] - centres[j], axis=2) - (radii[i] + radii[j])[:, None]
+        postures, pairs = np.nonzero(self._clearance_m > gaps.T)
+        return list(zip(postures.tolist(), pairs.tolist(), strict=True))
+
+
+def machine_bodies(machine: Machine) -> list[Convex]:
+    """Return the convex parts of all links, in the machine's order."""
+    return [Convex(name, shape.vertices, name) for name, link in machine.links.items() for shape in link.shapes]
+
+
+def held_body(machine: Machine, held_gripper: Sequence[Sequence[float]] | Float) -> Convex:
+    """Return the hull of a held stone's surface points (N, 3) in the gripper's frame [m].
+
+    Raises:
+        ShapeError: If the points span no volume.
+    """
+    return Convex(machine.gripper_link, np.asarray(held_gripper, dtype=float), "held_stone")

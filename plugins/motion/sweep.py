@@ -1,0 +1,54 @@
+"""Sweeps of the cabin for scanning: arm folded, to +angle/2, to −angle/2 and back."""
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.messages.trajectory import JointTrajectory
+from plugins.motion.path import path_through
+from plugins.motion.timing import Limits, time_path
+from robot_models.machine import Machine
+
+_STILL = 1e-3  # [rad] or [m]: no need to move for less
+
+
+def sweep(machine: Machine, limits: Limits, fold: list[Float], angle_rad: float, duration_s: float) -> JointTrajectory:
+    """Fold the arm, then sweep the cabin about where it stands; the sweep alone lasts the duration, or longer.
+
+    Args:
+        machine: Whose arm.
+        limits: Of the joints.
+        fold: Postures from the present one to the folded one, without turning the cabin, each (n,).
+        angle_rad: Whole angle of the sweep.
+        duration_s: Wanted duration of the sweep [s].
+    """
+    turn = np.zeros(len(machine.joints))
+    turn[machine.arm_names.index(machine.turn_joint)] = angle_rad / 2
+    folded = fold[-1]
+    legs = [(folded, folded + turn), (folded + turn, folded - turn), (folded - turn, folded)]
+    turning = chain([_leg(machine, limits, list(leg)) for leg in legs])
+    turning = slowed(turning, max(1.0, duration_s / turning.duration_s))
+    if np.abs(fold[-1] - fold[0]).max() < _STILL:
+        return turning
+    return chain([_leg(machine, limits, fold), turning])
+
+
+def chain(parts: list[JointTrajectory]) -> JointTrajectory:
+    """Run trajectories one after the other; each starts at rest where the one before ends."""
+    starts = np.cumsum([0.0, *(part.duration_s for part in parts)])
+    return JointTrajectory(
+        parts[0].names,
+        np.concatenate([p.times_s[i > 0 :] + start for i, (p, start) in enumerate(zip(parts, starts, strict=False))]),
+        np.concatenate([p.position[i > 0 :] for i, p in enumerate(parts)]),
+        np.concatenate([p.velocity[i > 0 :] for i, p in enumerate(parts)]),
+    )
+
+
+def slowed(trajectory: JointTrajectory, factor: float) -> JointTrajectory:
+    """Run along the same path, slower by a factor."""
+    t = trajectory
+    return JointTrajectory(t.names, t.times_s * factor, t.position, t.velocity / factor)
+
+
+def _leg(machine: Machine, limits: Limits, nodes: list[Float]) -> JointTrajectory:
+    path = path_through(np.array(nodes), np.zeros(len(nodes) - 1, dtype=bool), limits.velocity, limits.acceleration)
+    return time_path(machine.arm_names, path, limits)

@@ -1,0 +1,101 @@
+"""Way points of a move: straight up from the start, over what stands between, straight down to the goal."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from executive.arrays import Bool, Float
+from executive.geometry.pose import pose, transform
+from plugins.motion.inverse_kinematics import InverseKinematics
+from robot_models.kinematics import Kinematics
+from robot_models.machine import Machine
+
+_STEP_M = 0.05  # of a straight line's nodes
+_STRAIGHT = 0.75  # share of a line, from the low end, that has nodes; the rest bends into the travel
+_PULLS = (0.0, 0.25, 0.5, 0.75, 1.0)  # how far towards the carrying radius a lifted gripper may be drawn in
+_LOWER_M = 0.25  # when the wanted height is out of reach
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Line:
+    """A straight motion between a low end and a top: joint positions, low end first, shape (K, n)."""
+
+    nodes: Float
+    length_m: float
+
+
+class Waypoints:
+    """Finds joint positions for the parts of a move."""
+
+    def __init__(self, machine: Machine, kinematics: Kinematics, inverse_kinematics: InverseKinematics) -> None:
+        self._machine = machine
+        self._kinematics = kinematics
+        self._ik = inverse_kinematics
+        self._turn = machine.arm_names.index(machine.turn_joint)
+        carry = kinematics.gripper(machine.posture("carry"))
+        self._carry_radius_m = float(np.hypot(*carry[:2, 3]))
+
+    def line_up(self, q_low: Float, direction: Float, length_m: float) -> Line:
+        """Go straight along a unit direction with the orientation kept, as far as the arm reaches."""
+        T_low = self._kinematics.gripper(q_low)
+        q, nodes = q_low, [q_low]
+        count = int(np.ceil(length_m / _STEP_M))
+        for i in range(1, count + 1):
+            found = self._ik.track(pose(t=direction * length_m * i / count) @ T_low, q)
+            if found is None:
+                count = i - 1
+                break
+            q = found
+            nodes.append(q)
+        reached_m = length_m * count / max(int(np.ceil(length_m / _STEP_M)), 1)
+        straight = int(np.ceil(_STRAIGHT * count))
+        return Line(np.array([*nodes[: straight + 1], *nodes[count:]] if straight < count else nodes), reached_m)
+
+    def lift(self, q_top: Float, height_m: float) -> Float | None:
+        """Return positions with the gripper at a height (of its origin, base frame), on the same azimuth.
+
+        Where the height is out of reach, the gripper is drawn towards the carrying radius, then lowered; None if it would
+        end lower than it is, or if it is high enough already.
+        """
+        T = self._kinematics.gripper(q_top)
+        while height_m > T[2, 3] + 0.05:
+            for pull in _PULLS:
+                q = self._ik.solve(self._drawn_in(T, height_m, pull), q_top)
+                if q is not None and abs(q[self._turn] - q_top[self._turn]) < 0.5:
+                    return q
+            height_m -= _LOWER_M
+        return None
+
+    def ways_round(self, q_from: Float, q_to: Float) -> list[float]:
+        """Return shifts of the turning joint at the far end, the shorter way first [rad]; one if it cannot turn round."""
+        if np.isfinite(self._machine.lower[self._turn]):
+            return [0.0]
+        turn = q_to[self._turn] - q_from[self._turn]
+        return [0.0, -2 * np.pi if turn > 0 else 2 * np.pi]
+
+    def shifted(self, nodes: Float, shift_rad: float) -> Float:
+        """Shift the turning joint of nodes (K, n)."""
+        nodes = nodes.copy()
+        nodes[:, self._turn] += shift_rad
+        return nodes
+
+    def _drawn_in(self, T: Float, height_m: float, pull: float) -> Float:
+        radius = float(np.hypot(*T[:2, 3]))
+        drawn = T.copy()
+        drawn[:2, 3] *= (1 + pull * (self._carry_radius_m / radius - 1)) if radius > 0 else 1.0
+        drawn[2, 3] = height_m
+        return drawn
+
+
+def join(leave: Line, travel: list[Float], arrive: Line) -> tuple[Float, Bool]:
+    """Return all nodes in order, and for each interval whether it is a piece of a straight line."""
+    nodes = [*leave.nodes, *travel, *arrive.nodes[::-1]]
+    is_dense = np.zeros(len(nodes) - 1, dtype=bool)
+    is_dense[: len(leave.nodes) - 1] = True
+    is_dense[len(nodes) - len(arrive.nodes) :] = True
+    return np.array(nodes), is_dense
+
+
+def hang_m(T_base_gripper: Float, points_gripper: Float) -> float:
+    """Return how far points (N, 3), fixed to the gripper, reach below its origin [m]."""
+    return float(T_base_gripper[2, 3] - transform(T_base_gripper, points_gripper)[:, 2].min())
