@@ -1,0 +1,110 @@
+"""A context without a mission: scripted plugins, a clock that steps, everything noted."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from executive.behaviours.context import Context
+from executive.behaviours.job import Job
+from executive.messages.base_state import BaseState
+from executive.messages.joints import JointSample
+from robot_models.machine import load_machine
+
+TICK_S = 0.05
+
+
+class ReadyJob(Job):
+    def __init__(self, value):
+        self._value = value
+
+    def is_ready(self):
+        return True
+
+    def result(self):
+        if isinstance(self._value, Exception):
+            raise self._value
+        return self._value
+
+    def cancel(self):
+        pass
+
+
+class FakeContext(Context):
+    """Plugins are plain objects; joints follow a function of time that a test may set."""
+
+    def __init__(self, **plugins):
+        self.plugins = plugins
+        self.time_s = 0.0
+        self.notes = []
+        self.shown = {}
+        self.holds = []
+        self.troubles = []
+        self._machine = load_machine("m545")
+        self.positions = lambda time_s: [self._machine.postures["scan"][n] for n in self._machine.arm_names]
+        self.jaw = lambda time_s: 0.9
+
+    def now_s(self):
+        return self.time_s
+
+    def plugin(self, capability):
+        return self.plugins[capability]
+
+    def job(self, capability, verb, *args):
+        return ReadyJob(getattr(self.plugins[capability], verb)(*args))
+
+    def rng(self):
+        return np.random.default_rng(0)
+
+    def state(self):
+        eye = np.eye(4)
+        return BaseState(self.time_s, eye, eye, eye, np.zeros(3), np.zeros(3), np.eye(6), "GLOBAL")
+
+    def joints(self):
+        position = np.array([*self.positions(self.time_s), self.jaw(self.time_s)])
+        zeros = np.zeros(len(position))
+        return JointSample(self.time_s, self._machine.joint_names, position, zeros, zeros)
+
+    def arm(self):
+        return np.array(self.positions(self.time_s))
+
+    def gripper(self):
+        T = np.eye(4)
+        T[:3, 3] = [5.0, 0.0, 2.0]
+        return T
+
+    def machine(self):
+        return self._machine
+
+    def begin_hold(self):
+        self.holds.append("begin")
+
+    def end_hold(self):
+        self.holds.append("end")
+
+    def verdicts(self):
+        return tuple(self.troubles)
+
+    def note(self, kind, **payload):
+        self.notes.append((kind, payload))
+
+    def show(self, entity, value):
+        self.shown[entity] = value
+
+
+def finish(leaf, limit_s=60.0, **inputs):
+    """Drive an action to its end on a stepping clock."""
+    steps, answer = leaf.run(**inputs), None
+    try:
+        while leaf.context.time_s < limit_s:
+            waiting = steps.send(answer)
+            answer = waiting.result() if waiting is not None else None
+            leaf.context.time_s += TICK_S
+    except StopIteration as end:
+        return end.value
+    raise AssertionError(f"not over after {limit_s} s")
+
+
+@pytest.fixture
+def fakes():
+    return SimpleNamespace(Context=FakeContext, finish=finish, TICK_S=TICK_S)

@@ -1,0 +1,171 @@
+"""Leaves that move the machine wait for it, notice when it is stuck, and stop it when they are given up."""
+
+import numpy as np
+import pytest
+
+from executive.behaviours.close_gripper import CloseGripper, CloseGripperSettings
+from executive.behaviours.execute_trajectory import ExecuteTrajectory
+from executive.behaviours.open_gripper import OpenGripper, OpenGripperSettings
+from executive.behaviours.scan_swing import ScanSwing, ScanSwingSettings
+from executive.config import NoSettings
+from executive.messages.cloud import Cloud
+from executive.messages.command import Follow, MoveJaws, SwitchLidars
+from executive.messages.request import MotionPlan
+from executive.messages.stone import Stone, StoneState
+from executive.messages.trajectory import JointTrajectory
+
+
+class Robot:
+    def __init__(self):
+        self.commands = []
+        self.stops = 0
+
+    def command(self, command):
+        self.commands.append(command)
+
+    def stop(self):
+        self.stops += 1
+
+
+class Mapper:
+    def __init__(self):
+        self.removed = []
+        self.masks = []
+
+    def cloud(self):
+        return Cloud("map", np.zeros((5, 3)))
+
+    def remove_sphere(self, centre, radius_m):
+        self.removed.append((tuple(centre), radius_m))
+        return 12
+
+    def mask_held(self, radius_m):
+        self.masks.append(radius_m)
+
+
+def turn_by(context, angle, duration=2.0):
+    start = context.arm()
+    position = np.stack([start, start + [angle, *[0] * (len(start) - 1)]])
+    return JointTrajectory(context.machine().arm_names, np.array([0.0, duration]), position, np.zeros_like(position))
+
+
+def moving(context, trajectory, reaches=1.0):
+    """Let the arm go a share of the way, linearly in time."""
+    first, last = trajectory.position[0], trajectory.position[-1]
+    context.positions = lambda t: first + (last - first) * min(t / trajectory.duration_s, reaches)
+
+
+def test_ends_when_the_arm_has_arrived(fakes):
+    context = fakes.Context(robot=Robot())
+    trajectory = turn_by(context, 0.5)
+    moving(context, trajectory)
+    outcome = fakes.finish(ExecuteTrajectory(NoSettings(), context), trajectory=trajectory)
+    assert outcome.success
+    assert context.time_s == pytest.approx(2.0, abs=2 * fakes.TICK_S)
+    assert context.plugins["robot"].stops == 0
+
+
+def test_an_arm_that_is_stuck_is_noticed_and_stopped(fakes):
+    context = fakes.Context(robot=Robot())
+    trajectory = turn_by(context, 0.5)
+    moving(context, trajectory, reaches=0.7)
+    outcome = fakes.finish(ExecuteTrajectory(NoSettings(), context), trajectory=trajectory)
+    assert not outcome.success
+    assert "J_TURN stands 0.150 off its goal" in outcome.reason
+    assert context.plugins["robot"].stops == 1
+
+
+def test_given_up_it_stops_the_machine(fakes):
+    context = fakes.Context(robot=Robot())
+    trajectory = turn_by(context, 0.5)
+    steps = ExecuteTrajectory(NoSettings(), context).run(trajectory=trajectory)
+    next(steps)
+    steps.close()
+    assert isinstance(context.plugins["robot"].commands[0], Follow)
+    assert context.plugins["robot"].stops == 1
+
+
+class Planner:
+    def __init__(self, context=None, reason=""):
+        self.context, self.reason = context, reason
+
+    def swing(self, start, angle_rad, duration_s):
+        trajectory = None if self.reason else turn_by(self.context, 0.0, duration_s)
+        return MotionPlan(trajectory, self.reason, np.zeros((0, 3)))
+
+
+def test_a_scan_switches_the_lidars_on_and_off_again(fakes):
+    context = fakes.Context(robot=Robot(), mapping=Mapper())
+    context.plugins["motion"] = Planner(context)
+    outcome = fakes.finish(ScanSwing(ScanSwingSettings(duration=3.0), context))
+    switches = [c.on for c in context.plugins["robot"].commands if isinstance(c, SwitchLidars)]
+    assert outcome.success
+    assert switches == [True, False]
+    assert context.notes == [("scanned", {"points": 5})]
+
+
+def test_a_scan_that_is_given_up_leaves_the_lidars_off(fakes):
+    context = fakes.Context(robot=Robot(), mapping=Mapper())
+    context.plugins["motion"] = Planner(context)
+    steps = ScanSwing(ScanSwingSettings(), context).run()
+    steps.send(None)
+    steps.send(context.plugins["motion"].swing(None, 1.0, 20.0))
+    steps.close()
+    assert [c.on for c in context.plugins["robot"].commands if isinstance(c, SwitchLidars)] == [True, False]
+
+
+def test_no_swing_is_a_failure_with_its_reason(fakes):
+    context = fakes.Context(robot=Robot(), mapping=Mapper(), motion=Planner(reason="boom beyond its range"))
+    outcome = fakes.finish(ScanSwing(ScanSwingSettings(), context))
+    assert (outcome.success, outcome.reason) == (False, "no swing: boom beyond its range")
+    assert context.plugins["robot"].commands == []
+
+
+def test_jaws_that_do_not_open_are_a_failure(fakes):
+    context = fakes.Context(robot=Robot())
+    context.jaw = lambda t: 0.4
+    assert not fakes.finish(OpenGripper(OpenGripperSettings(), context)).success
+
+
+def test_jaws_that_open_are_a_success(fakes):
+    context = fakes.Context(robot=Robot())
+    full = context.machine().gripper.open_rad
+    context.jaw = lambda t: min(0.3 + 0.4 * t, full)
+    assert fakes.finish(OpenGripper(OpenGripperSettings(), context)).success
+    assert context.time_s > (full - 0.3) / 0.4
+
+
+class Objects:
+    def __init__(self, stone):
+        self.calls = []
+        self._stone = stone
+
+    def grasp(self, stone_id, T_map_gripper, stamp_s):
+        self.calls.append(("grasp", stone_id))
+        return self._stone
+
+
+STONE = Stone(3, StoneState.HELD, np.array([[5.0, 0, 0], [5.0, 0, 1]]), np.array([5, 0, 0.5]), np.eye(4), True)
+
+
+def test_closing_on_a_stone_tells_database_map_and_monitors(fakes):
+    context = fakes.Context(robot=Robot(), objects=Objects(STONE), mapping=Mapper(), monitoring=())
+    context.jaw = lambda t: max(0.9 - 0.4 * t, 0.35)
+    outcome = fakes.finish(CloseGripper(CloseGripperSettings(), context), stone=3)
+    assert outcome.success
+    assert (outcome.outputs["hold"].stone_id, outcome.outputs["hold"].jaw_rad) == (3, 0.35)
+    assert context.plugins["objects"].calls == [("grasp", 3)]
+    assert context.plugins["mapping"].removed == [((5, 0, 0.5), 1.0)]
+    assert context.plugins["mapping"].masks == [pytest.approx(0.6)]
+    assert context.holds == ["begin"]
+    assert isinstance(context.plugins["robot"].commands[0], MoveJaws)
+
+
+def test_closing_on_nothing_is_a_failure_that_holds_nothing(fakes):
+    context = fakes.Context(robot=Robot(), objects=Objects(STONE), mapping=Mapper(), monitoring=())
+    context.jaw = lambda t: max(0.9 - 0.4 * t, 0.01)
+    outcome = fakes.finish(CloseGripper(CloseGripperSettings(), context), stone=3)
+    assert not outcome.success
+    assert context.notes[0][0] == "closed_on_nothing"
+    assert context.plugins["objects"].calls == []
+    assert context.holds == []
