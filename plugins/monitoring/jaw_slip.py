@@ -1,0 +1,103 @@
+"""Slip of a held stone, seen by the jaws' encoder: they press on, so what gives way lets them close further."""
+
+from collections import deque
+from dataclasses import dataclass, field
+
+from pydantic import Field
+
+from executive.config import Meters, Seconds, Settings
+from executive.interfaces.monitoring import Monitor
+from executive.messages.joints import JointSample
+from executive.messages.verdict import Trouble, Verdict
+from plugins.monitoring.smoothing import RunningMedian
+from robot_models.machine import Machine
+
+_SMOOTHING_S = 0.2
+_MOVING = 0.02  # [rad/s] or [m/s]: ten times the noise of a measured velocity
+
+
+class JawSlipSettings(Settings):
+    """How far jaws may close before a stone counts as slipping. All lengths are of the opening between the tips."""
+
+    slip: Meters = Field(0.015, gt=0, le=0.5, description="Closing within the window that is slip [m].")
+    window: Seconds = Field(5.0, gt=0, le=60, description="Window of the closing; slower creep is settling [s].")
+    creep: Meters = Field(0.06, gt=0, le=0.5, description="Closing since the hold began that is slip however slow [m].")
+    lift_settle: Seconds = Field(3.0, ge=0, le=30, description="The stone settles for so long after the arm moves [s].")
+    lift_slip: Meters = Field(0.03, gt=0, le=0.5, description="Closing within the window that is slip meanwhile [m].")
+    empty: Meters = Field(0.1, ge=0, le=1, description="Jaws closer than this hold nothing [m].")
+    confirm: Seconds = Field(0.25, ge=0, le=5, description="How long trouble must last before it is told [s].")
+
+
+@dataclass(eq=False)
+class _Hold:
+    """What is remembered of one hold."""
+
+    median: RunningMedian = field(default_factory=lambda: RunningMedian(_SMOOTHING_S))
+    openings: deque[tuple[float, float]] = field(default_factory=deque)  # (stamp, smoothed opening) over the window
+    first_m: float | None = None
+    settled_s: float | None = None  # when the stone will have settled in the lift
+    trouble_s: float | None = None  # since when something is wrong
+
+
+class JawSlip(Monitor):
+    """Compares the jaws' opening with what it was a few seconds ago and at first (Mascaro 2020, Sec. 6.3).
+
+    The paper gives no figures. Ours: the encoder's noise is half a millimetre of opening, a stone that leaves the
+    ground settles between the jaws by up to some centimetres, and one that slips lets them close by more than one.
+    """
+
+    Settings = JawSlipSettings
+
+    def __init__(self, settings: JawSlipSettings, machine: Machine) -> None:
+        self._settings = settings
+        self._machine = machine
+        self._hold: _Hold | None = None
+
+    def begin_hold(self) -> None:
+        self._hold = _Hold()
+
+    def end_hold(self) -> None:
+        self._hold = None
+
+    def update(self, sample: JointSample) -> Verdict | None:
+        hold = self._hold
+        if hold is None:
+            return None
+        opening_m = hold.median.add(sample.stamp_s, self._opening_m(sample))
+        if opening_m is None:
+            return None
+        self._follow_lift(hold, sample)
+        trouble = self._judge(hold, sample.stamp_s, opening_m)
+        if trouble is None:
+            hold.trouble_s = None
+            return None
+        hold.trouble_s = sample.stamp_s if hold.trouble_s is None else hold.trouble_s
+        if sample.stamp_s - hold.trouble_s < self._settings.confirm:
+            return None
+        self._hold = None
+        detail = f"jaws {opening_m:.3f} m open, {hold.first_m:.3f} m when the hold began"
+        return Verdict(sample.stamp_s, "jaw_slip", trouble, detail)
+
+    def _opening_m(self, sample: JointSample) -> float:
+        return self._machine.gripper.opening_m(sample.of(self._machine.jaw.name)[0])
+
+    def _follow_lift(self, hold: _Hold, sample: JointSample) -> None:
+        """Note when the arm first moves."""
+        if hold.settled_s is None and any(abs(sample.of(name)[1]) > _MOVING for name in self._machine.arm_names):
+            hold.settled_s = sample.stamp_s + self._settings.lift_settle
+
+    def _judge(self, hold: _Hold, now_s: float, opening_m: float) -> Trouble | None:
+        settings = self._settings
+        if hold.settled_s is not None and now_s - settings.window < hold.settled_s:
+            slip_m = settings.lift_slip  # the window reaches back into the settling
+        else:
+            slip_m = settings.slip
+        hold.first_m = opening_m if hold.first_m is None else hold.first_m
+        hold.openings.append((now_s, opening_m))
+        while now_s - hold.openings[0][0] > settings.window:
+            hold.openings.popleft()
+        if opening_m < settings.empty:
+            return Trouble.EMPTY
+        closed_m = max(opening for _, opening in hold.openings) - opening_m
+        is_slip = closed_m > slip_m or hold.first_m - opening_m > settings.creep
+        return Trouble.SLIP if is_slip else None

@@ -1,0 +1,71 @@
+"""What the gripper carries, weighed by the efforts of the arm's joints, on Pinocchio."""
+
+import numpy as np
+import pinocchio as pin
+
+from executive.arrays import Float
+from executive.messages.joints import JointSample
+from robot_models.kinematics import Kinematics
+from robot_models.machine import Machine
+from robot_models.urdf import urdf
+
+_GRAVITY_M_S2 = 9.81
+
+
+class PayloadScale:
+    """Weighs by comparing measured efforts with the gravity of the empty machine; valid while the arm is steady."""
+
+    def __init__(self, machine: Machine) -> None:
+        self._machine = machine
+        self._kinematics = Kinematics(machine)
+        self._model = pin.buildModelFromXML(urdf(machine))
+        self._model.gravity.linear = np.array([0.0, 0.0, -_GRAVITY_M_S2])
+        self._data = self._model.createData()
+        self._joints = [self._model.joints[self._model.getJointId(name)] for name in machine.joint_names]
+        self._mirror = self._model.joints[self._model.getJointId(machine.jaw.mirror_name)]
+
+    def weigh(self, sample: JointSample) -> float:
+        """Return the mass in the gripper [kg] that explains the efforts best; noise may make it negative.
+
+        The least-squares fit leaves the effort unscaled, so that the joints of the longest levers decide: to them it
+        matters least where between the jaws the stone sits.
+        """
+        q, effort = self._arranged(sample)
+        lever = self.lever(q[:-1])
+        missing = effort[:-1] - self.empty_effort(q)
+        return float(lever @ missing / max(float(lever @ lever), 1e-9))
+
+    def lever(self, q_arm: Float) -> Float:
+        """Return what a kilogram at the grasp's centre asks of each arm joint [N·m/kg] or [N/kg], shape (n,)."""
+        J = self._kinematics.jacobian(q_arm)
+        arm = self._kinematics.gripper(q_arm)[:3, :3] @ self._machine.gripper.grasp_centre
+        vertical = J[2] + J[3] * arm[1] - J[4] * arm[0]  # z row of v + ω × arm
+        return np.asarray(_GRAVITY_M_S2 * vertical)
+
+    def empty_effort(self, q: Float) -> Float:
+        """Return the efforts that hold the empty machine still, of the arm's joints, shape (n,).
+
+        Args:
+            q: Positions of the arm's joints, then of the jaw, shape (n + 1,).
+        """
+        gravity = pin.computeGeneralizedGravity(self._model, self._data, self._configuration(q))
+        return np.array([gravity[joint.idx_v] for joint in self._joints[:-1]])
+
+    def rise_m_s(self, sample: JointSample) -> float:
+        """Return the vertical speed of the grasp's centre [m/s]."""
+        q, _ = self._arranged(sample)
+        velocity = np.array([sample.of(name)[1] for name in self._machine.arm_names])
+        return float(self.lever(q[:-1]) @ velocity / _GRAVITY_M_S2)
+
+    def _arranged(self, sample: JointSample) -> tuple[Float, Float]:
+        states = np.array([sample.of(name) for name in self._machine.joint_names])
+        return states[:, 0], states[:, 2]
+
+    def _configuration(self, q: Float) -> Float:
+        full = pin.neutral(self._model)
+        for joint, value in zip([*self._joints, self._mirror], [*q, q[-1]], strict=True):
+            if joint.nq == 2:  # Pinocchio holds a continuous joint as (cos, sin)
+                full[joint.idx_q], full[joint.idx_q + 1] = np.cos(value), np.sin(value)
+            else:
+                full[joint.idx_q] = value
+        return np.asarray(full)

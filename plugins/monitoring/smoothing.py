@@ -1,0 +1,43 @@
+"""Smoothing of sampled signals over time."""
+
+import math
+from collections import deque
+
+import numpy as np
+
+from executive.arrays import Float
+
+
+class RunningMedian:
+    """Median over the last moments: a spike does not move it."""
+
+    def __init__(self, span_s: float) -> None:
+        self._span_s = span_s
+        self._samples: deque[tuple[float, float]] = deque()
+
+    def add(self, stamp_s: float, value: float) -> float | None:
+        """Take a sample; return the median, or None until the span is covered."""
+        self._samples.append((stamp_s, value))
+        is_covered = stamp_s - self._samples[0][0] >= self._span_s
+        while stamp_s - self._samples[0][0] > self._span_s:
+            self._samples.popleft()
+        return float(np.median([value for _, value in self._samples])) if is_covered else None
+
+
+class LowPass:
+    """First-order low-pass of a vector signal with uneven sampling."""
+
+    def __init__(self, time_constant_s: float) -> None:
+        self._time_constant_s = time_constant_s
+        self._stamp_s = 0.0
+        self._value: Float | None = None
+
+    def add(self, stamp_s: float, value: Float) -> tuple[Float, Float]:
+        """Take a sample; return the smoothed signal and its rate of change."""
+        if self._value is None:
+            self._stamp_s, self._value = stamp_s, np.array(value)
+            return self._value, np.zeros_like(self._value)
+        share = 1.0 - math.exp(-max(stamp_s - self._stamp_s, 0.0) / self._time_constant_s)
+        rate = (value - self._value) / self._time_constant_s
+        self._stamp_s, self._value = stamp_s, self._value + share * (value - self._value)
+        return self._value, rate
