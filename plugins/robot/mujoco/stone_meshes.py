@@ -37,7 +37,7 @@ def read_skin(path: Path, scale: float) -> Skin:
         ConfigError: If it cannot be read, has a hole, or has an absurd size; the message names the file and the cure.
     """
     with o3d.utility.VerbosityContextManager(o3d.utility.VerbosityLevel.Error):
-        mesh = o3d.io.read_triangle_mesh(str(path))
+        mesh = o3d.io.read_triangle_mesh(path)
     mesh.remove_duplicated_vertices()  # an STL repeats each corner in each triangle
     mesh.remove_degenerate_triangles()
     vertices, triangles = np.asarray(mesh.vertices) * scale, np.asarray(mesh.triangles).astype(np.int64)

@@ -81,7 +81,7 @@ def rough_skin(corners: Float, roughness_m: float, edge_m: float, rng: np.random
     vertices, triangles = np.asarray(mesh.vertices), np.asarray(mesh.triangles).astype(np.int64)
     outward = vertices / np.linalg.norm(vertices, axis=1, keepdims=True)
     bumps = rng.normal(0.0, roughness_m, len(vertices))
-    return vertices + bumps[:, None] * outward, triangles
+    return np.asarray(vertices + bumps[:, None] * outward), triangles
 
 
 def _longest_edge_m(mesh: o3d.geometry.TriangleMesh) -> float:

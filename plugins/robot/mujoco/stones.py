@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import Field, model_validator
 
-from executive.config import KilogramsPerCubicMeter, Kilograms, Meters, Radians, Settings
+from executive.config import Kilograms, KilogramsPerCubicMeter, Meters, Radians, Settings
 from executive.errors import ConfigError
 from plugins.robot.mujoco.solid import volume_and_centroid
 from plugins.robot.mujoco.stone_meshes import mesh_files, read_skin

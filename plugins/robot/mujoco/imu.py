@@ -1,0 +1,57 @@
+"""An inertial measurement unit: what it feels, with white noise and biases that walk."""
+
+import mujoco
+import numpy as np
+
+from executive.arrays import Float
+from executive.geometry.rotation import exp_so3, log_so3
+from executive.messages.imu import ImuSample
+from robot_models.sensor import Imu
+
+
+class MountedImu:
+    """One IMU of the machine.
+
+    A sample is the mean over the time since the last one, as after an anti-aliasing filter: rate from the change of
+    orientation, specific force from the change of the mount's velocity. Integrating samples gives back the motion.
+    """
+
+    def __init__(self, imu: Imu, model: mujoco.MjModel, rng: np.random.Generator) -> None:
+        self.imu = imu
+        self._model = model
+        self._body = model.body(imu.link).id
+        self._rng = rng
+        self._gyro_bias = rng.normal(0.0, imu.gyro_bias_rad_s, 3)
+        self._accel_bias = rng.normal(0.0, imu.accel_bias_m_s2, 3)
+        self._last: tuple[float, Float, Float] | None = None
+
+    def sample(self, time_s: float, data: mujoco.MjData) -> ImuSample | None:
+        """Measure; None at the first call, when there is no time to average over."""
+        R, v = self._motion(data)
+        last, self._last = self._last, (time_s, R, v)
+        if last is None:
+            return None
+        dt = time_s - last[0]
+        turn = log_so3(last[1].T @ R)
+        R_middle = last[1] @ exp_so3(turn / 2)
+        force = R_middle.T @ ((v - last[2]) / dt - self._model.opt.gravity)
+        self._walk(dt)
+        return ImuSample(
+            time_s,
+            self.imu.name,
+            turn / dt + self._gyro_bias + self._rng.normal(0.0, self.imu.gyro_noise_rad_s, 3),
+            force + self._accel_bias + self._rng.normal(0.0, self.imu.accel_noise_m_s2, 3),
+        )
+
+    def _motion(self, data: mujoco.MjData) -> tuple[Float, Float]:
+        """Return R_world_imu and the velocity of the mount in the world [m/s]."""
+        twist = np.zeros(6)  # angular, then linear, of the body's frame, in world axes
+        mujoco.mj_objectVelocity(self._model, data, mujoco.mjtObj.mjOBJ_XBODY, self._body, twist, 0)
+        R_world_link = data.xmat[self._body].reshape(3, 3)
+        T_link_imu = self.imu.T_link_sensor
+        arm = R_world_link @ T_link_imu[:3, 3]
+        return R_world_link @ T_link_imu[:3, :3], twist[3:] + np.cross(twist[:3], arm)
+
+    def _walk(self, dt: float) -> None:
+        self._gyro_bias = self._gyro_bias + self._rng.normal(0.0, self.imu.gyro_walk_rad_s * np.sqrt(dt), 3)
+        self._accel_bias = self._accel_bias + self._rng.normal(0.0, self.imu.accel_walk_m_s2 * np.sqrt(dt), 3)
