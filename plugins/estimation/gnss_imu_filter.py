@@ -81,8 +81,10 @@ class GnssImuFilter(Estimator):
         self._samples: deque[Inertial] = deque()
         self._corrections.clear()
         self._newest: Inertial | None = None
-        self._used_fix_s = -np.inf
+        self._begin_s = self._used_fix_s = -np.inf
         self._gated = 0
+        self._predicted: InertialState | None = None
+        self._is_corrected = False
 
     def _cabin_imu(self) -> Imu:
         sensor = self._machine.sensors.get(self._settings.imu)
@@ -131,7 +133,8 @@ class GnssImuFilter(Estimator):
         if self._datum is None:
             self._datum = np.array(fix.geodetic)
         p_map = enu_from_geodetic(fix.geodetic, self._datum)
-        self._rest.add_fix(fix.stamp_s, fix.antenna, p_map)
+        if self._filter is None:
+            self._rest.add_fix(fix.stamp_s, fix.antenna, p_map)
         self._queue(fix.antenna, fix.stamp_s, lambda: self._correct_by_fix(fix.antenna, fix.stamp_s, p_map, noise))
 
     def add_odometry(self, increment: LidarIncrement) -> None:
@@ -147,7 +150,7 @@ class GnssImuFilter(Estimator):
             self._queue("joints", sample.stamp_s, lambda: self._correct_by_standing(rate_cabin))
 
     def _queue(self, stream: str, stamp_s: float, apply: Callable[[], None]) -> None:
-        if self._filter is None:
+        if self._filter is None or stamp_s <= self._begin_s:
             return
         if stamp_s < self._filter.state.stamp_s:
             self._door.refuse(stream, "too late")
@@ -167,7 +170,7 @@ class GnssImuFilter(Estimator):
         first = self._rest.state() if abs(self._turn.velocity_rad_s) < self._settings.rest.max_rate_rad_s else None
         if first is not None:
             self._filter = ErrorStateFilter(*first, self._noise)
-            self._used_fix_s = sample.stamp_s
+            self._begin_s = self._used_fix_s = sample.stamp_s
 
     def _advance(self, until_s: float) -> None:
         """Predict up to a time, correcting on the way by all that was measured until then."""
@@ -175,6 +178,7 @@ class GnssImuFilter(Estimator):
             correction = self._corrections.pop(0)
             self._predict(correction.stamp_s)
             correction.apply()
+            self._is_corrected = True
         self._predict(until_s)
 
     def _predict(self, until_s: float) -> None:
@@ -182,7 +186,7 @@ class GnssImuFilter(Estimator):
         while self._samples and self._samples[0].stamp_s <= until_s:
             kalman.predict(self._samples.popleft())
         if self._samples and kalman.state.stamp_s < until_s:
-            kalman.predict(kalman.state.sample.towards(self._samples[0], until_s))
+            kalman.predict(self._samples[0].until(until_s))
 
     def _running(self) -> ErrorStateFilter:
         if self._filter is None:
@@ -213,10 +217,9 @@ class GnssImuFilter(Estimator):
     def state(self) -> BaseState:
         if self._filter is None or not self._turn.is_known:
             return self._unknown()
-        previous_s = self._last.stamp_s if self._last else np.inf
-        head, at_previous = self._head(previous_s)
+        head, at_last = self._head()
         T_map_cabin = pose(head.R_map_imu, head.p_map_imu) @ self._T_imu_cabin
-        T_odom_cabin = self._T_odom(T_map_cabin, at_previous)
+        T_odom_cabin = self._T_odom(T_map_cabin, at_last)
         T_cabin_base = self._turn.T_cabin_base(head.stamp_s)
         self._T_odom_cabin = T_odom_cabin
         rate, arm = head.rate, self._T_imu_cabin[:3, 3]
@@ -238,24 +241,30 @@ class GnssImuFilter(Estimator):
         nowhere = np.eye(4)
         return BaseState(stamp_s, nowhere, nowhere, nowhere, np.zeros(3), np.zeros(3), 1e6 * np.eye(6), INITIALISING)
 
-    def _head(self, previous_s: float) -> tuple[InertialState, InertialState | None]:
-        """Predict over the lag to the newest sample; also give the state at an earlier time on the way."""
-        state = self._running().state
-        at_previous = state if state.stamp_s == previous_s else None
-        for sample in self._samples:
-            state = propagate(state, sample, self._noise.gravity_m_s2)
-            if state.stamp_s == previous_s:
-                at_previous = state
-        return state, at_previous
+    def _head(self) -> tuple[InertialState, InertialState | None]:
+        """Predict to the newest sample; also give the newest estimate of the state that was returned last.
 
-    def _T_odom(self, T_map_cabin: Float, at_previous: InertialState | None) -> Float:
+        Without a correction since, the last prediction goes on; with one, it begins again `lag_s` ago.
+        """
+        last = self._predicted
+        head = self._running().state if last is None or self._is_corrected else last
+        at_last = head if last is not None and head.stamp_s == last.stamp_s else None
+        for sample in self._samples:
+            if sample.stamp_s > head.stamp_s:
+                head = propagate(head, sample, self._noise.gravity_m_s2)
+                if last is not None and head.stamp_s == last.stamp_s:
+                    at_last = head
+        self._predicted, self._is_corrected = head, False
+        return head, at_last
+
+    def _T_odom(self, T_map_cabin: Float, at_last: InertialState | None) -> Float:
         """Chain increments of the newest estimate, so that corrections of the past never step the odometry frame."""
         if self._T_odom_cabin is None or self._last is None:
             return T_map_cabin
-        T_map_previous = self._last.T_map_cabin
-        if at_previous is not None:
-            T_map_previous = pose(at_previous.R_map_imu, at_previous.p_map_imu) @ self._T_imu_cabin
-        return self._T_odom_cabin @ inverse(T_map_previous) @ T_map_cabin
+        T_map_last = self._last.T_map_cabin
+        if at_last is not None:
+            T_map_last = pose(at_last.R_map_imu, at_last.p_map_imu) @ self._T_imu_cabin
+        return self._T_odom_cabin @ inverse(T_map_last) @ T_map_cabin
 
     def _cabin_covariance(self, head: InertialState) -> Float:
         """Move the covariance from the IMU, in its axes and the map's, to the cabin's origin and axes."""

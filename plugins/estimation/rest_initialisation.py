@@ -71,7 +71,7 @@ class RestInitialisation:
         R = self._attitude(forces.mean(axis=0), means)
         position = np.mean([p - R @ self._antennas_imu[name] for name, p in means.items()], axis=0)
         state = InertialState(self._samples[-1], R, position, np.zeros(3), rates.mean(axis=0), np.zeros(3))
-        return state, self._covariance(rates, positions)
+        return state, self._covariance(R, rates, positions)
 
     def _is_long_enough(self) -> bool:
         start_s = self._samples[-1].stamp_s - 0.9 * self._settings.duration_s
@@ -95,18 +95,21 @@ class RestInitialisation:
         baseline_imu = self._antennas_imu[second] - self._antennas_imu[first]
         return _triad(np.array([0.0, 0.0, 1.0]), baseline_map) @ _triad(force, baseline_imu).T
 
-    def _covariance(self, rates: Float, positions: Mapping[str, Float]) -> Float:
+    def _covariance(self, R: Float, rates: Float, positions: Mapping[str, Float]) -> Float:
         noise = self._noise
         first, second = (self._antennas_imu[name] for name in tuple(positions)[:2])
-        fix_std_m = max(p.std(axis=0).max() for p in positions.values())
+        # Twice the standard error of a mean, for neighbouring fixes err alike.
+        fix_m = 2 * max(p.std(axis=0).max() / np.sqrt(len(p)) for p in positions.values())
+        level = noise.accel_bias_m_s2 / noise.gravity_m_s2  # as good as the accelerometer's bias
+        heading = np.sqrt(2) * fix_m / np.linalg.norm(second - first)  # as good as the fixes over their baseline
         std = np.zeros(DIMENSION)
-        # Level is as good as the accelerometer's bias, heading as the antennas' fixes over their baseline.
-        std[ROTATION] = noise.accel_bias_m_s2 / noise.gravity_m_s2 + fix_std_m / np.linalg.norm(second - first)
         std[VELOCITY] = 0.01
-        std[POSITION] = fix_std_m + 0.005
-        std[GYRO_BIAS] = max(float(rates.std()) / np.sqrt(len(rates)), 1e-5) * 3
+        std[POSITION] = fix_m + level * np.linalg.norm(first)
+        std[GYRO_BIAS] = max(3 * float(rates.std()) / np.sqrt(len(rates)), 1e-5)
         std[ACCEL_BIAS] = noise.accel_bias_m_s2
-        return np.asarray(np.diag(std**2))
+        P = np.diag(std**2)
+        P[ROTATION, ROTATION] = R.T @ np.diag([level**2, level**2, heading**2]) @ R
+        return P
 
 
 def _triad(first: Float, second: Float) -> Float:
