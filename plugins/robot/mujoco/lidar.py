@@ -22,8 +22,9 @@ class SpinningLidar:
     """One lidar of the machine.
 
     What stands still on the site is cast with the pose of each firing column. What moves against it (other links,
-    stones under way) is cast in the lidar's own frame, a slice of the revolution at a time. The carrying link never moves in that frame: it is cast once and for all, and taken to be in front of
-    everything else. All lasers of a column fire at once: the 55 µs from first to last turn the beam by 0.2 deg.
+    stones under way) is cast in the lidar's own frame, a slice of the revolution at a time. The carrying link never
+    moves in that frame: it is cast once and for all, and taken to be in front of everything else. All lasers of a
+    column fire at once: the 55 µs from first to last would turn the beam by 0.2 deg.
     """
 
     def __init__(

@@ -2,9 +2,11 @@
 
 from collections import deque
 from collections.abc import Sequence
+from typing import Any
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from executive.arrays import Float
 from executive.geometry.pose import pose
@@ -59,6 +61,6 @@ class PoseHistory:
         return _mix(positions, i, fraction), _mix(rotations, i, fraction)
 
 
-def _mix(samples: Float, i: Float, fraction: Float) -> Float:
+def _mix(samples: Float, i: NDArray[np.integer[Any]], fraction: Float) -> Float:
     weight = fraction.reshape(-1, *(1,) * (samples.ndim - 1))
     return np.asarray((1 - weight) * samples[i] + weight * samples[i + 1])

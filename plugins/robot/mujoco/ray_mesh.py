@@ -21,7 +21,8 @@ class RayMesh:
         if meshes:
             vertices, triangles = joined(meshes)
             self._scene.add_triangles(
-                o3d.core.Tensor(vertices.astype(np.float32)), o3d.core.Tensor(triangles.astype(np.uint32))
+                o3d.core.Tensor.from_numpy(vertices.astype(np.float32)),
+                o3d.core.Tensor.from_numpy(triangles.astype(np.uint32)),
             )
 
     def cast(self, rays: Rays) -> NDArray[np.float32]:
@@ -32,7 +33,7 @@ class RayMesh:
         """
         if self._is_empty:
             return np.full(len(rays), np.inf, dtype=np.float32)
-        hits = self._scene.cast_rays(o3d.core.Tensor(np.ascontiguousarray(rays)), nthreads=1)
+        hits = self._scene.cast_rays(o3d.core.Tensor.from_numpy(np.ascontiguousarray(rays)), nthreads=1)
         return np.asarray(hits["t_hit"].numpy())
 
 

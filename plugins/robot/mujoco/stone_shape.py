@@ -62,7 +62,7 @@ def _blows(rng: np.random.Generator) -> Float:
     normals = towards + rng.normal(0.0, 0.25, (n, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     support = np.abs(normals).sum(axis=1)  # of the box of half side 1
-    return np.c_[normals, -rng.uniform(*_CUT_DEPTH, n) * support]
+    return np.asarray(np.c_[normals, -rng.uniform(*_CUT_DEPTH, n) * support])
 
 
 def rough_skin(corners: Float, roughness_m: float, edge_m: float, rng: np.random.Generator) -> tuple[Float, Int]:
