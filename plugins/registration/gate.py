@@ -3,7 +3,6 @@
 Centroid votes and inlier counts are no gate: wrong motions were seen to match four to seven stones. Surfaces are.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,49 +13,67 @@ from executive.arrays import Float
 
 
 @dataclass(frozen=True, slots=True)
-class Agreement:
-    """How a source surface lies on a target surface.
+class Nearness:
+    """How near one surface's points are to another surface.
 
     Attributes:
-        rmse_m: Root mean square of distances below the truncation, both ways [m].
-        overlap: Share of the source's points with a target point within the truncation.
-        coverage: Share of the target's points with a source point within the truncation.
-        points: Number of points that were measured, both ways.
+        points: Number of points.
+        near: Number of those nearer than the truncation.
+        squares_m2: Sum of their squared distances [m²].
     """
 
-    rmse_m: float
-    overlap: float
-    coverage: float
-    points: tuple[int, int]
+    points: int
+    near: int
+    squares_m2: float
+
+    def __add__(self, other: "Nearness") -> "Nearness":
+        return Nearness(self.points + other.points, self.near + other.near, self.squares_m2 + other.squares_m2)
 
     @property
-    def overlap_of_smaller(self) -> float:
-        """The larger of both shares: a stone seen from one side only lies wholly on the whole stone, not vice versa."""
-        return max(self.overlap, self.coverage)
+    def share(self) -> float:
+        """Share of the points that are near, 0 … 1."""
+        return self.near / self.points if self.points else 0.0
+
+    @property
+    def rmse_m(self) -> float:
+        """Root mean square distance of the near points [m]; 0 if there is none."""
+        return float(np.sqrt(self.squares_m2 / self.near)) if self.near else 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """How a source surface lies on a target surface, and the target on the source."""
+
+    source: Nearness
+    target: Nearness
+
+    @property
+    def better(self) -> Nearness:
+        """The way with the larger share.
+
+        A half-seen or thinly seen stone lies wholly on the whole, dense one, but not vice versa; a wrong stone does
+        neither.
+        """
+        return max(self.source, self.target, key=lambda way: way.share)
+
+    def __add__(self, other: "Agreement") -> "Agreement":
+        return Agreement(self.source + other.source, self.target + other.target)
 
     def __str__(self) -> str:
-        return f"rmse {self.rmse_m * 100:.1f} cm, overlap {self.overlap:.2f}, coverage {self.coverage:.2f}"
+        best = self.better
+        return f"rmse {best.rmse_m * 100:.1f} cm, overlap {self.source.share:.2f}, coverage {self.target.share:.2f}"
+
+
+NOTHING = Agreement(Nearness(0, 0, 0.0), Nearness(0, 0, 0.0))
 
 
 def measure(target: Float, moved: Float, truncation_m: float, voxel_m: float) -> Agreement:
     """Measure both ways between points in one frame, each thinned to an even density."""
     a, b = (small_gicp.voxelgrid_sampling(p, voxel_m, 1).points()[:, :3] for p in (target, moved))
-    to_target = cKDTree(a).query(b, distance_upper_bound=truncation_m)[0]
-    to_source = cKDTree(b).query(a, distance_upper_bound=truncation_m)[0]
-    near = np.concatenate([d[np.isfinite(d)] for d in (to_target, to_source)])
-    rmse_m = float(np.sqrt(np.mean(near**2))) if len(near) else truncation_m
-    overlap, coverage = (float(np.isfinite(d).mean()) for d in (to_target, to_source))
-    return Agreement(rmse_m, overlap, coverage, (len(b), len(a)))
+    return Agreement(_near(b, a, truncation_m), _near(a, b, truncation_m))
 
 
-def pooled(agreements: Sequence[Agreement], truncation_m: float) -> Agreement:
-    """Return the agreement of several surfaces taken as one."""
-    sources, targets = (np.array([a.points[k] for a in agreements], dtype=float) for k in (0, 1))
-    near_s = sources * [a.overlap for a in agreements]
-    near_t = targets * [a.coverage for a in agreements]
-    near = float((near_s + near_t).sum())
-    if near == 0.0:
-        return Agreement(truncation_m, 0.0, 0.0, (int(sources.sum()), int(targets.sum())))
-    squares = float(((near_s + near_t) * [a.rmse_m**2 for a in agreements]).sum())
-    shares = float(near_s.sum() / sources.sum()), float(near_t.sum() / targets.sum())
-    return Agreement(float(np.sqrt(squares / near)), *shares, (int(sources.sum()), int(targets.sum())))
+def _near(points: Float, surface: Float, truncation_m: float) -> Nearness:
+    distances = cKDTree(surface).query(points, distance_upper_bound=truncation_m)[0]
+    near = distances[np.isfinite(distances)]
+    return Nearness(len(points), len(near), float(near @ near))

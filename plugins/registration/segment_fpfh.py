@@ -19,7 +19,7 @@ from executive.messages.segment import Segment, Segmentation
 from plugins.registration.consistency import consistent_transforms
 from plugins.registration.constellation import constellation_transforms
 from plugins.registration.features import describe, match
-from plugins.registration.gate import Agreement, measure, pooled
+from plugins.registration.gate import NOTHING, Agreement, measure
 from plugins.registration.similarity import Similarity, Surface, refine
 from plugins.registration.stopwatch import Stopwatch
 from plugins.registration.vote import matched_centroids
@@ -150,16 +150,16 @@ class SegmentFpfh(Registrar):
             (i, j): measure(target.segments[j].points, fine.apply(source.segments[i].points), s.truncation_m, s.voxel_m)
             for i, j in pairs
         }
-        agreeing = tuple(pair for pair, a in agreements.items() if a.overlap_of_smaller >= s.min_overlap)
-        whole = pooled(tuple(agreements.values()), s.truncation_m)
+        agreeing = tuple(pair for pair, a in agreements.items() if a.better.share >= s.min_overlap)
+        whole = sum(agreements.values(), NOTHING)
         faults = self._faults(whole, len(agreeing))
         reason = "; ".join(faults) or f"{len(agreeing)} stones agree, {whole}"
         return Alignment(
             T_target_source=fine.T_target_source,
             accepted=not faults,
             reason=reason,
-            rmse_m=whole.rmse_m,
-            overlap=whole.overlap,
+            rmse_m=whole.better.rmse_m,
+            overlap=whole.source.share,
             matched_segments=agreeing,
             scale=fine.scale,
         )
@@ -169,10 +169,11 @@ class SegmentFpfh(Registrar):
         faults = []
         if stones < s.min_matched:
             faults.append(f"{stones} stones agree, need {s.min_matched}")
-        if agreement.rmse_m > s.max_rmse_m:
-            faults.append(f"rmse {agreement.rmse_m * 100:.1f} cm above {s.max_rmse_m * 100:.1f} cm")
-        if agreement.overlap_of_smaller < s.min_overlap:
-            faults.append(f"overlap {agreement.overlap_of_smaller:.2f} below {s.min_overlap}")
+        best = agreement.better
+        if best.rmse_m > s.max_rmse_m:
+            faults.append(f"rmse {best.rmse_m * 100:.1f} cm above {s.max_rmse_m * 100:.1f} cm")
+        if best.share < s.min_overlap:
+            faults.append(f"overlap {best.share:.2f} below {s.min_overlap}")
         return faults
 
 
