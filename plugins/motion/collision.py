@@ -1,17 +1,17 @@
 """Whether postures of the arm hit the machine, the surroundings, or both with what is held."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from executive.arrays import Bool, Float
+from executive.arrays import Bool, Float, Int
 from executive.geometry.pose import inverse, transform
 from plugins.motion.chain import link_frames
 from plugins.motion.convex import Convex
 from plugins.motion.obstacles import Obstacles
 from plugins.motion.self_collision import SelfCollision
-from robot_models.machine import Machine
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,30 +26,21 @@ class CollisionCheck:
     """One arm, one opening of the jaws, one held stone or none, one set of obstacles.
 
     The chassis and the cabin are not tested against the surroundings: the former stands in them and the latter turns
-    above them. A body may go into the points by a tolerance: a map is noisy, and a stone rests on the ground. Points that
-    are inside a body in the first posture of all (`start`) are excused: the machine is there already.
+    above them. A body may go into the points by a tolerance: a map is noisy, and a stone rests on the ground. Points
+    that are inside a body in the first posture of all (`start`) are excused: the machine is there already.
     """
 
     def __init__(
-        self,
-        machine: Machine,
-        bodies: Sequence[Convex],
-        obstacles: Obstacles,
-        start: Float,
-        jaw_rad: float,
-        held: Convex | None,
-        tolerance_m: float,
-        clearance_m: float,
+        self, machine_check: SelfCollision, obstacles: Obstacles, start: Float, jaw_rad: float, tolerance_m: float
     ) -> None:
-        self._machine = machine
+        self._machine = machine_check.machine
+        self._machine_check = machine_check
         self._obstacles = obstacles
         self._jaw_rad = jaw_rad
         self._tolerance_m = tolerance_m
-        self._machine_check = SelfCollision(machine, bodies, clearance_m, held)
-        fixed = {machine.base_link, machine.cabin_link}
-        self._bodies = [body for body in bodies if body.link not in fixed]
-        self._bodies += [held] if held is not None else []
-        self._excused = self._inside(link_frames(machine, start[None], jaw_rad))
+        fixed = {self._machine.base_link, self._machine.cabin_link}
+        self._bodies = [body for body in machine_check.bodies if body.link not in fixed]
+        self._excused = self._inside_now(link_frames(self._machine, start[None], jaw_rad))
 
     def first_hit(self, q: Float) -> Hit | None:
         """Return the first collision along postures (K, n), or None."""
@@ -60,25 +51,35 @@ class CollisionCheck:
         return outside
 
     def machine_hit(self, q: Float) -> Hit | None:
-        """Return the first collision along postures (K, n) of the machine with itself or with what it holds, or None."""
+        """Return the first collision along postures (K, n) of the machine with itself or its load, or None."""
         hit = self._machine_check.first_hit(link_frames(self._machine, q, self._jaw_rad))
         return None if hit is None else Hit(hit[0], f"{hit[1]} with {hit[2]}")
 
     def _surroundings_hit(self, frames: dict[str, Float]) -> Hit | None:
-        close = self._close_postures(frames)
-        if not close.any():
-            return None
-        low, high = self._box(frames, close)
-        near = self._obstacles.near(low, high, self._excused)
-        for k, b in np.argwhere(close):
-            body = self._bodies[b]
-            T = frames[body.link][k]
-            centre, radius = body.sphere
-            points = near.around(transform(T, centre), radius)
-            depth = float(body.depths(transform(inverse(T), points)).max(initial=-np.inf))
+        for k, body, points, depths in self._depths(frames):
+            depth = float(depths[~np.isin(points, self._excused)].max(initial=-np.inf))
             if depth > self._tolerance_m:
-                return Hit(int(k), f"{body.name} with the surroundings ({depth:.2f} m deep)")
+                return Hit(k, f"{body.name} with the surroundings ({depth:.2f} m deep)")
         return None
+
+    def _inside_now(self, frames: dict[str, Float]) -> Int:
+        inside = [points[depths > 0] for _, _, points, depths in self._depths(frames)]
+        return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *inside]))
+
+    def _depths(self, frames: dict[str, Float]) -> Iterator[tuple[int, Convex, Int, Float]]:
+        """Yield posture, body, indices of points near it and their depths in it, where the height map is not clear."""
+        close = np.argwhere(self._close_postures(frames))
+        if not len(close):
+            return
+        centres = np.array([transform(frames[self._bodies[b].link][k], self._bodies[b].sphere[0]) for k, b in close])
+        radii = np.array([[self._bodies[b].sphere[1]] for _, b in close])
+        near = self._obstacles.in_box((centres - radii).min(axis=0), (centres + radii).max(axis=0))
+        tree = cKDTree(self._obstacles.points[near])
+        for (k, b), centre, radius in zip(close.tolist(), centres, radii[:, 0], strict=True):
+            body = self._bodies[b]
+            points = near[np.sort(tree.query_ball_point(centre, radius)).astype(np.int64)]
+            T_link_base = inverse(frames[body.link][k])
+            yield k, body, points, body.depths(transform(T_link_base, self._obstacles.points[points]))
 
     def _close_postures(self, frames: dict[str, Float]) -> Bool:
         """Tell which body comes low over the height map in which posture, shape (K, bodies)."""
@@ -88,20 +89,3 @@ class CollisionCheck:
             points = body.samples @ T[:, :3, :3].transpose(0, 2, 1) + T[:, None, :3, 3]
             close[:, b] = self._obstacles.clearances(points).min(axis=1) < -self._tolerance_m
         return close
-
-    def _box(self, frames: dict[str, Float], close: Bool) -> tuple[Float, Float]:
-        spheres = [
-            (transform(frames[self._bodies[b].link][k], self._bodies[b].sphere[0]), self._bodies[b].sphere[1])
-            for k, b in np.argwhere(close)
-        ]
-        low = np.min([centre - radius for centre, radius in spheres], axis=0)
-        return low, np.max([centre + radius for centre, radius in spheres], axis=0)
-
-    def _inside(self, frames: dict[str, Float]) -> Bool:
-        inside = np.zeros(len(self._obstacles.points), dtype=bool)
-        for body in self._bodies:
-            T = frames[body.link][0]
-            centre, radius = body.sphere
-            near = np.nonzero((np.abs(self._obstacles.points - transform(T, centre)) < radius).all(axis=1))[0]
-            inside[near] |= body.depths(transform(inverse(T), self._obstacles.points[near])) > 0
-        return inside

@@ -41,7 +41,7 @@ class Convex:
         a, b, c = (self.points[triangles[:, i]] for i in range(3))
         is_inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), self._hull.equations[:, :3]) < 0
         triangles[is_inward] = triangles[is_inward][:, ::-1]
-        return triangles
+        return np.asarray(triangles)
 
     @cached_property
     def corners(self) -> Float:
@@ -75,14 +75,16 @@ class Convex:
     @cached_property
     def samples(self) -> Float:
         """Points that cover the surface, at most 12 cm apart, shape (N, 3)."""
-        a, b, c = (self.points[self.faces[:, i]] for i in range(3))
-        longest = np.max([np.linalg.norm(e, axis=1) for e in (b - a, c - b, a - c)], axis=0)
-        samples = []
-        for corners, length in zip(np.stack([a, b, c], axis=1), longest, strict=True):
-            n = max(1, int(np.ceil(length / _SPACING_M)))
-            i, j = np.mgrid[: n + 1, : n + 1]
-            weights = np.stack([i, j, n - i - j], axis=-1)[i + j <= n] / n
-            samples.append(weights @ corners)
-        cells = np.round(np.vstack(samples) / (_SPACING_M / 2)).astype(np.int64)
-        _, first = np.unique(cells, axis=0, return_index=True)
-        return np.vstack(samples)[np.sort(first)]
+        triangles = self.points[self.faces]
+        sides = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).max(axis=1)
+        splits = np.ceil(sides / _SPACING_M).astype(np.int64)
+        samples = [np.einsum("wc,fcx->fwx", _weights(n), triangles[splits == n]) for n in np.unique(splits)]
+        points = np.vstack([part.reshape(-1, 3) for part in samples])
+        _, first = np.unique(np.round(points / (_SPACING_M / 2)), axis=0, return_index=True)
+        return np.asarray(points[np.sort(first)])
+
+
+def _weights(splits: int) -> Float:
+    """Return barycentric weights of the grid that splits each side of a triangle evenly, shape (W, 3)."""
+    i, j = np.mgrid[: splits + 1, : splits + 1]
+    return np.asarray(np.stack([i, j, splits - i - j], axis=-1)[i + j <= splits] / splits)

@@ -20,7 +20,8 @@ def ground_normal(points: Float, place: Float) -> Float:
         points: Ground and what stands on it, z up [m], shape (N, 3).
         place: Where, shape (3,).
     """
-    low = _lowest(points[np.linalg.norm(points[:, :2] - place[:2], axis=1) < _RADIUS_M])
+    x, y = points[:, 0] - place[0], points[:, 1] - place[1]
+    low = _lowest(points[(np.abs(x) < _RADIUS_M) & (np.abs(y) < _RADIUS_M)])
     for _ in range(3):
         if len(low) < _LEAST_CELLS:
             return _UP
@@ -35,6 +36,8 @@ def ground_normal(points: Float, place: Float) -> Float:
 def _lowest(points: Float) -> Float:
     if not len(points):
         return points
-    order = np.argsort(points[:, 2], kind="stable")
-    _, first = np.unique(np.floor(points[order, :2] / _CELL_M), axis=0, return_index=True)
+    cells = np.floor((points[:, :2] - points[:, :2].min(axis=0)) / _CELL_M).astype(np.int64)
+    key = cells[:, 0] * (cells[:, 1].max() + 1) + cells[:, 1]
+    order = np.lexsort((points[:, 2], key))
+    _, first = np.unique(key[order], return_index=True)
     return np.asarray(points[order][first])

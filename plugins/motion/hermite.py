@@ -1,4 +1,4 @@
-"""The heuristic planner of the paper: way points that rise and fall along the ground's normal, Hermite curves between."""
+"""The paper's heuristic planner: way points that rise and fall along the ground's normal, Hermite curves between."""
 
 from collections.abc import Mapping
 from typing import ClassVar
@@ -72,10 +72,12 @@ class Hermite(MotionPlanner):
         goal = inverse(request.T_map_base) @ request.T_map_gripper
         obstacles = self._obstacles(request.obstacles, request.T_map_base)
         move = self._move(request, obstacles)
+        if (hit := move.check.machine_hit(start[None])) is not None:
+            return _refused(f"start: collision of {hit.what}")
         leave = move.leave(start, self._normal(obstacles, self._kinematics.gripper(start)), request.leave_m)
         if isinstance(leave, NoWay):
             return _refused(leave.reason)
-        arrive = move.arrive(goal, start, self._normal(obstacles, goal), request.arrive_m)
+        arrive = move.arrive(goal, leave.nodes[-1], self._normal(obstacles, goal), request.arrive_m)
         if isinstance(arrive, NoWay):
             return _refused(arrive.reason)
         path = move.travel(leave, arrive)
@@ -84,39 +86,41 @@ class Hermite(MotionPlanner):
         return self._planned(time_path(self._machine.arm_names, path, move.limits), request.T_map_base)
 
     def swing(self, start: Float, angle_rad: float, duration_s: float) -> MotionPlan:
-        start = self._checked(start)
+        start, turn = self._checked(start), self._machine.arm_names.index(self._machine.turn_joint)
+        lower, upper = self._machine.lower[turn], self._machine.upper[turn]
+        if not lower <= start[turn] - angle_rad / 2 <= start[turn] + angle_rad / 2 <= upper:
+            return _refused(f"sweeping: {self._machine.turn_joint} turns from {lower:.2f} to {upper:.2f} rad only")
         trajectory = sweep(self._machine, self._limits(False), self._fold(start), angle_rad, duration_s)
-        frames = link_frames(self._machine, trajectory.position, self._machine.gripper.open_rad)
-        hit = self._machine_check.first_hit(frames)
+        hit = self._machine_check.first_hit(
+            link_frames(self._machine, trajectory.position, self._machine.gripper.open_rad)
+        )
         if hit is not None:
-            return _refused(
-                f"sweeping: collision of {hit[1]} with {hit[2]} at fraction {hit[0] / len(frames[hit[1]]):.2f}"
-            )
+            share = hit[0] / (len(trajectory.times_s) - 1)
+            return _refused(f"sweeping: collision of {hit[1]} with {hit[2]} at fraction {share:.2f}")
         return self._planned(trajectory, np.eye(4))
 
     def _move(self, request: MoveRequest, obstacles: Obstacles) -> Move:
-        held = None if request.held_gripper is None else held_body(self._machine, request.held_gripper)
         settings = self._settings
+        held = None if request.held_gripper is None else held_body(self._machine, request.held_gripper)
+        machine_check = self._machine_check_for(request, held)
         return Move(
             machine=self._machine,
             waypoints=self._waypoints,
             inverse_kinematics=self._ik,
-            check=CollisionCheck(
-                self._machine,
-                self._bodies,
-                obstacles,
-                request.start,
-                request.jaw_rad,
-                held,
-                settings.contact_tolerance,
-                settings.machine_clearance,
-            ),
+            check=CollisionCheck(machine_check, obstacles, request.start, request.jaw_rad, settings.contact_tolerance),
             obstacles=obstacles,
             reaching_gripper=self._reaching(request.jaw_rad, held),
             limits=self._limits(held is not None),
             clearance_m=settings.clearance,
             least_arrival=settings.least_arrival,
         )
+
+    def _machine_check_for(self, request: MoveRequest, held: Convex | None) -> SelfCollision:
+        """Return a check that keeps the clearance; one that forbids contact only, where the start is closer already."""
+        check = SelfCollision(self._machine, self._bodies, self._settings.machine_clearance, held)
+        if check.first_hit(link_frames(self._machine, request.start[None], request.jaw_rad)) is None:
+            return check
+        return SelfCollision(self._machine, self._bodies, 0.0, held)
 
     def _obstacles(self, cloud: Cloud, T_map_base: Float) -> Obstacles:
         return Obstacles(transform(inverse(T_map_base), cloud.points), self._machine.reach_m + _BEYOND_REACH_M)

@@ -77,7 +77,7 @@ class InverseKinematics:
         return None
 
     def track(self, T_base_gripper: Float, q: Float) -> Float | None:
-        """Return the solution next to a posture that is almost there: the smallest step, no pull; None if there is none."""
+        """Return the solution next to a posture that is almost there, by the smallest step; None if there is none."""
         found, is_there = self._iterate(T_base_gripper, q, 8, pull=np.zeros_like(q))
         return found if is_there and np.abs(found - q).max() <= _MAX_STEP else None
 
@@ -87,7 +87,7 @@ class InverseKinematics:
         return np.asarray(q + 2 * np.pi * turns)
 
     def _seeds(self, T_base_gripper: Float, seed: Float) -> Iterator[Float]:
-        """Yield starts: the seed and the named postures, cabin turned to the place, the last joint to the orientation."""
+        """Yield the seed and the named postures, cabin turned to the place, the last joint to the orientation."""
         for posture in (seed, *map(self._machine.posture, sorted(self._machine.postures)), self._comfort):
             q = np.clip(posture, self._lower, self._upper)
             q[self._turn] += self._azimuth_error(T_base_gripper, q)
@@ -115,7 +115,10 @@ class InverseKinematics:
         return float(np.arctan2(sine, cosine))
 
     def _iterate(self, T_wanted: Float, q: Float, iterations: int, pull: Float) -> tuple[Float, bool]:
-        """Levenberg's method with the joints' ends as active set; the pull halves with each step. Says whether it arrived."""
+        """Return where Levenberg's method ends, with the joints' ends as active set, and whether that is the pose.
+
+        The pull halves with each step, so that it decides about spare freedom only.
+        """
         q, best, stale = q.copy(), np.inf, 0
         r = self._residual(T_wanted, q)
         for i in range(iterations):

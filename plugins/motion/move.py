@@ -16,8 +16,11 @@ from plugins.motion.timing import Limits
 from plugins.motion.waypoints import Line, Waypoints, hang_m, join
 from robot_models.machine import Machine
 
-_CHECK_STEP = 0.02  # of the path's parameter, near 20 ms of motion: at full swing 13 cm of the tips
+_FINE = 0.02  # of the path's parameter
+_CHECK_M = 0.12  # between checked postures: steps of the palm,
+_CHECK = 0.1  # and of the joints [rad] or [m]; both together
 _HIGHER_M = (0.0, 0.6, 1.2)  # added to the travelling height when the way is not free
+_BESIDE_EACH_OTHER_M = 0.6  # tops so close need no lift between them
 _BESIDE_M = 1.5  # of the gripper's radii: what the sector to be cleared is wider than them
 _BESIDE_RAD = 0.2
 _ALIKE_COS = 0.9994  # 2 deg: directions that need no second try
@@ -83,21 +86,29 @@ class Move:
     def travel(self, leave: Line, arrive: Line) -> HermitePath | NoWay:
         """Connect the two tops: at the least height, the shorter way round first."""
         first: NoWay | None = None
-        for higher_m in _HIGHER_M:
-            for shift_rad in self.waypoints.ways_round(leave.nodes[-1], arrive.nodes[-1]):
-                turned = Line(self.waypoints.shifted(arrive.nodes, shift_rad), arrive.length_m)
-                path = self._path(leave, turned, higher_m)
-                hit = self.check.first_hit(path.position(self._grid(path)))
-                if hit is None:
-                    return path
-                share = hit.posture / len(self._grid(path))
-                first = first or NoWay(f"travelling: collision of {hit.what} at fraction {share:.2f}")
+        for path in self._paths(leave, arrive):
+            dense = self._dense(path)
+            hit = self.check.first_hit(dense)
+            if hit is None:
+                return path
+            share = hit.posture / (len(dense) - 1)
+            first = first or NoWay(f"travelling: collision of {hit.what} at fraction {share:.2f}")
         return first or NoWay("travelling: no way")
 
-    def _path(self, leave: Line, arrive: Line, higher_m: float) -> HermitePath:
-        low_a, low_b = leave.nodes[-1], arrive.nodes[-1]
-        top_m = self._highest_between(low_a, low_b) + self.clearance_m + higher_m
-        lifts = (self.waypoints.lift(q, top_m + hang_m(self._frame(q), self.reaching_gripper)) for q in (low_a, low_b))
+    def _paths(self, leave: Line, arrive: Line) -> Iterator[HermitePath]:
+        a, b = leave.nodes[-1], arrive.nodes[-1]
+        if np.linalg.norm((self._frame(a) - self._frame(b))[:3, 3]) < _BESIDE_EACH_OTHER_M:
+            yield self._path(leave, [], arrive)
+        for higher_m in _HIGHER_M:
+            for shift_rad in self.waypoints.ways_round(a, b):
+                turned = Line(self.waypoints.shifted(arrive.nodes, shift_rad), arrive.length_m)
+                top_m = self._highest_between(a, turned.nodes[-1]) + self.clearance_m + higher_m
+                yield self._path(leave, [self._lift(q, top_m) for q in (a, turned.nodes[-1])], turned)
+
+    def _lift(self, q: Float, lowest_m: float) -> Float | None:
+        return self.waypoints.lift(q, lowest_m + hang_m(self._frame(q), self.reaching_gripper))
+
+    def _path(self, leave: Line, lifts: list[Float | None], arrive: Line) -> HermitePath:
         nodes, is_dense = join(leave, [q for q in lifts if q is not None], arrive)
         return path_through(nodes, is_dense, self.limits.velocity, self.limits.acceleration)
 
@@ -113,7 +124,7 @@ class Move:
         return self.obstacles.highest(sector, (min(radii) - _BESIDE_M, max(radii) + _BESIDE_M))
 
     def _directions(self, T_base_gripper: Float, normal: Float) -> Iterator[Float]:
-        """Yield the ground's normal (Mascaro 2020, Sec. 6.1), then, our own, back along the approach and straight up."""
+        """Yield the ground's normal (Mascaro 2020, Sec. 6.1); then, our own, back off the grasp and straight up."""
         given: list[Float] = []
         for direction in (normal, -T_base_gripper[:3, 0], np.array([0.0, 0.0, 1.0])):
             if all(direction @ other < _ALIKE_COS for other in given) and direction[2] > 0.5:
@@ -121,14 +132,17 @@ class Move:
                 yield direction
 
     def _arrivals(self, T_base_goal: Float, seed: Float, direction: Float, length_m: float) -> Iterator[Line]:
-        """Yield lines from the goal upwards, then from the top downwards: the arm's spare freedom differs."""
-        q = self.inverse_kinematics.solve(T_base_goal, seed, self._is_free)
-        if q is not None:
-            yield self.waypoints.line_up(q, direction, length_m)
-        top = self.inverse_kinematics.solve(pose(t=direction * length_m) @ T_base_goal, seed, self._is_free)
-        if top is not None:
-            down = self.waypoints.line_up(top, -direction, length_m)
-            if down.length_m >= length_m - 1e-9:
+        """Yield lines from the goal upwards, then from the top downwards: the arm's spare freedom differs.
+
+        Where the arm stands at the top or at the goal already, that comes first: it need not fold anew.
+        """
+        ik, T_top = self.inverse_kinematics, pose(t=direction * length_m) @ T_base_goal
+        for find in (ik.track, lambda T, q: ik.solve(T, q, self._is_free)):
+            q, top = find(T_base_goal, seed), find(T_top, seed)
+            if q is not None:
+                yield self.waypoints.line_up(q, direction, length_m)
+            down = None if top is None else self.waypoints.line_up(top, -direction, length_m)
+            if down is not None and down.length_m >= length_m - 1e-9:
                 yield self.waypoints.line_up(down.nodes[-1], direction, length_m)
 
     def _is_free(self, q: Float) -> bool:
@@ -143,8 +157,17 @@ class Move:
         above = line.length_m * hit.posture / len(line.nodes)
         return NoWay(f"arriving: collision of {hit.what}, {above:.2f} m above the goal")
 
-    def _grid(self, path: HermitePath) -> Float:
-        return np.linspace(0.0, path.length, max(2, int(np.ceil(path.length / _CHECK_STEP)) + 1))
+    def _dense(self, path: HermitePath) -> Float:
+        """Return postures along a path, close enough that nothing slips through between them, shape (K, n)."""
+        u = np.linspace(0.0, path.length, max(2, int(np.ceil(path.length / _FINE)) + 1))
+        q = path.position(u)
+        palm = link_frames(self.machine, q, 0.0)[self.machine.gripper_link][:, :3, 3]
+        steps = (
+            np.linalg.norm(np.diff(palm, axis=0), axis=1) / _CHECK_M + np.abs(np.diff(q, axis=0)).max(axis=1) / _CHECK
+        )
+        passed = np.concatenate([[0.0], np.cumsum(steps)])
+        wanted = np.linspace(0.0, passed[-1], max(2, int(np.ceil(passed[-1])) + 1))
+        return path.position(np.interp(wanted, passed, u))
 
     def _frame(self, q: Float) -> Float:
         frames = link_frames(self.machine, q[None], 0.0)

@@ -2,9 +2,8 @@
 
 import numpy as np
 from scipy.ndimage import maximum_filter
-from scipy.spatial import cKDTree
 
-from executive.arrays import Bool, Float
+from executive.arrays import Float, Int
 
 _CELL_M = 0.1
 _FREE = -1e3  # height of a cell without points [m]
@@ -14,8 +13,8 @@ class Obstacles:
     """Points around the machine, in the base frame; those farther than the radius do not matter."""
 
     def __init__(self, points_base: Float, radius_m: float) -> None:
-        near = np.abs(points_base[:, :2]).max(axis=1, initial=0.0) < radius_m if len(points_base) else np.zeros(0, bool)
-        self.points = points_base[near]
+        is_near = (np.abs(points_base[:, 0]) < radius_m) & (np.abs(points_base[:, 1]) < radius_m)
+        self.points = points_base[is_near]
         self._radius_m = radius_m
         self._cells = int(np.ceil(2 * radius_m / _CELL_M))
         self._heights = self._height_map()
@@ -41,12 +40,15 @@ class Obstacles:
         is_in = (radius >= radii_m[0]) & (radius <= radii_m[1]) & (turned <= end - start)
         return float(self._heights[is_in].max(initial=_FREE))
 
-    def near(self, low: Float, high: Float, excused: Bool | None = None) -> "Neighbourhood":
-        """Return the points in a box, for exact tests; without the excused ones."""
-        is_in = ((self.points >= low) & (self.points <= high)).all(axis=1)
-        return Neighbourhood(self.points[is_in if excused is None else is_in & ~excused])
+    def in_box(self, low: Float, high: Float) -> Int:
+        """Return the indices of the points in a box, rising."""
+        x, y, z = self.points.T
+        is_in = (x >= low[0]) & (x <= high[0])
+        is_in &= (y >= low[1]) & (y <= high[1])
+        is_in &= (z >= low[2]) & (z <= high[2])
+        return np.flatnonzero(is_in)
 
-    def _index(self, xy: Float) -> np.ndarray:
+    def _index(self, xy: Float) -> Int:
         cells = np.floor((xy + self._radius_m) / _CELL_M).astype(np.int64)
         return np.clip(cells, 0, self._cells - 1)
 
@@ -55,17 +57,3 @@ class Obstacles:
         column, row = self._index(self.points[:, :2]).T
         np.maximum.at(heights, (column, row), self.points[:, 2])
         return heights
-
-
-class Neighbourhood:
-    """Points near a body, to be asked which of them are close to a place."""
-
-    def __init__(self, points: Float) -> None:
-        self._points = points
-        self._tree = cKDTree(points) if len(points) else None
-
-    def around(self, centre: Float, radius_m: float) -> Float:
-        """Return the points within a radius of a centre, shape (M, 3)."""
-        if self._tree is None:
-            return self._points
-        return np.asarray(self._points[sorted(self._tree.query_ball_point(centre, radius_m))])

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from executive.arrays import Float
+from executive.arrays import Bool, Float
 
 _LEAST = 1e-3  # shortest interval of the parameter: nodes that coincide are no problem
 
@@ -11,9 +11,9 @@ _LEAST = 1e-3  # shortest interval of the parameter: nodes that coincide are no 
 class HermitePath:
     """Passes all nodes with a continuous tangent and without overshoot between them.
 
-    The tangents are those of monotone Hermite interpolation (Fritsch and Carlson 1980): a joint that turns round at a node
-    stands still there, and no joint leaves the range that its nodes span. The paper interpolates waypoints with Hermite
-    splines and does not say how tangents are chosen (Mascaro 2020, Sec. 6.1).
+    The tangents are those of monotone Hermite interpolation (Fritsch and Carlson 1980): a joint that turns round at a
+    node stands still there, and no joint leaves the range that its nodes span. The paper interpolates waypoints with
+    Hermite splines and does not say how tangents are chosen (Mascaro 2020, Sec. 6.1).
     """
 
     def __init__(self, nodes: Float, parameters: Float) -> None:
@@ -39,7 +39,7 @@ class HermitePath:
         return np.asarray(self._derivatives[1](u))
 
 
-def path_through(nodes: Float, is_dense: Float, max_velocity: Float, max_acceleration: Float) -> HermitePath:
+def path_through(nodes: Float, is_dense: Bool, max_velocity: Float, max_acceleration: Float) -> HermitePath:
     """Lay a path through nodes, each interval about as long as the slowest joint needs for it.
 
     Args:

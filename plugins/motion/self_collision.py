@@ -12,23 +12,27 @@ from robot_models.machine import Machine
 
 
 class SelfCollision:
-    """All pairs of convex bodies that must keep a clearance; spheres around them sort out most."""
+    """All pairs of convex bodies that must keep a clearance; spheres around them sort out most.
+
+    Attributes:
+        machine: Whose bodies.
+        bodies: The convex parts of all links, and the held stone if there is one.
+    """
 
     def __init__(
         self, machine: Machine, bodies: Sequence[Convex], clearance_m: float, held: Convex | None = None
     ) -> None:
+        self.machine = machine
+        self.bodies = tuple(bodies) if held is None else (*bodies, held)
         self._clearance_m = clearance_m
-        self._bodies = list(bodies)
-        pairs = set(machine.collision_pairs)
+        names = [body.name for body in self.bodies]
+        pairs = {frozenset(pair) for pair in machine.collision_pairs}
         if held is not None:
-            self._bodies.append(held)
             holders = {machine.gripper_link, *SIDES}
-            pairs |= {(link, held.name) for link in machine.links if link not in holders}
-        owners = [body.name for body in self._bodies]
-        pairs |= {(b, a) for a, b in pairs}
-        indices = [(i, j) for i, a in enumerate(owners) for j, b in enumerate(owners[:i]) if (a, b) in pairs]
+            pairs |= {frozenset((link, held.name)) for link in machine.links if link not in holders}
+        indices = [(i, j) for i, a in enumerate(names) for j, b in enumerate(names[:i]) if frozenset((a, b)) in pairs]
         self._pairs = np.array(indices, dtype=np.int64).reshape(-1, 2)
-        self._objects = [fcl.CollisionObject(body.geometry) for body in self._bodies]
+        self._objects = [fcl.CollisionObject(body.geometry) for body in self.bodies]
 
     def first_hit(self, frames: Mapping[str, Float]) -> tuple[int, str, str] | None:
         """Return the first posture with two bodies closer than the clearance, and the names of the two, or None.
@@ -39,20 +43,20 @@ class SelfCollision:
         for k, pair in self._near_pairs(frames):
             i, j = self._pairs[pair]
             for index in (i, j):
-                T = frames[self._bodies[index].link][k]
+                T = frames[self.bodies[index].link][k]
                 self._objects[index].setTransform(fcl.Transform(T[:3, :3], T[:3, 3]))
             if fcl.distance(self._objects[i], self._objects[j], fcl.DistanceRequest(), fcl.DistanceResult()) < (
                 self._clearance_m
             ):
-                return k, self._bodies[i].name, self._bodies[j].name
+                return k, self.bodies[i].name, self.bodies[j].name
         return None
 
     def _near_pairs(self, frames: Mapping[str, Float]) -> list[tuple[int, int]]:
-        spheres = [body.sphere for body in self._bodies]
+        spheres = [body.sphere for body in self.bodies]
         centres = np.stack(
             [
                 frames[b.link][:, :3, :3] @ c + frames[b.link][:, :3, 3]
-                for b, (c, _) in zip(self._bodies, spheres, strict=True)
+                for b, (c, _) in zip(self.bodies, spheres, strict=True)
             ]
         )
         radii = np.array([radius for _, radius in spheres])
@@ -67,10 +71,23 @@ def machine_bodies(machine: Machine) -> list[Convex]:
     return [Convex(name, shape.vertices, name) for name, link in machine.links.items() for shape in link.shapes]
 
 
-def held_body(machine: Machine, held_gripper: Sequence[Sequence[float]] | Float) -> Convex:
+def held_body(machine: Machine, held_gripper: Float) -> Convex:
     """Return the hull of a held stone's surface points (N, 3) in the gripper's frame [m].
+
+    The outermost points along 200 directions stand for all: a stone's hull loses a centimetre and most of its facets.
 
     Raises:
         ShapeError: If the points span no volume.
     """
-    return Convex(machine.gripper_link, np.asarray(held_gripper, dtype=float), "held_stone")
+    outermost = np.unique((held_gripper @ _DIRECTIONS.T).argmax(axis=0))
+    return Convex(machine.gripper_link, held_gripper[outermost], "held_stone")
+
+
+def _spiral(count: int) -> Float:
+    """Return directions that cover the sphere evenly, on a Fibonacci spiral, shape (count, 3)."""
+    z = 1 - (2 * np.arange(count) + 1) / count
+    angle = np.arange(count) * np.pi * (3 - np.sqrt(5))
+    return np.stack([np.sqrt(1 - z * z) * np.cos(angle), np.sqrt(1 - z * z) * np.sin(angle), z], axis=1)
+
+
+_DIRECTIONS = _spiral(200)

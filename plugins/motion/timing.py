@@ -1,6 +1,7 @@
 """Timing: how fast to run along a path, jerk-limited by Ruckig, within every joint's limits."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import ruckig
@@ -42,7 +43,8 @@ def time_path(names: tuple[str, ...], path: HermitePath, limits: Limits) -> Join
 
     The parameter's speed follows a chain of one-dimensional Ruckig profiles, one a stretch; the chained end speeds are
     lowered until each stretch is long enough to change between them (a pass backward and one forward). Last, time is
-    scaled evenly, so that the joint that comes nearest to its limit meets it: the limits hold whatever was estimated before.
+    scaled evenly, so that the joint that comes nearest to its limit meets it: velocity and acceleration limits hold
+    whatever was estimated before. The jerk limit shapes the profiles; it is not enforced on the joints.
     """
     stretches = _stretches(path, limits)
     times, u, rates = _profile(stretches, _end_speeds(stretches))
@@ -65,7 +67,7 @@ def _excess(times_s: Float, position: Float, velocity: Float, limits: Limits) ->
     """Return the factor on time that brings the joint nearest to its limit exactly to it."""
     too_fast = float((np.abs(velocity) / limits.velocity).max())
     too_hard = float((np.abs(accelerations(times_s, position, velocity)) / limits.acceleration).max())
-    return max(too_fast, np.sqrt(too_hard), 1e-3) * (1 + 1e-9)
+    return float(max(too_fast, np.sqrt(too_hard), 1e-3)) * (1 + 1e-9)
 
 
 def _stretches(path: HermitePath, limits: Limits) -> list[_Stretch]:
@@ -79,7 +81,7 @@ def _stretches(path: HermitePath, limits: Limits) -> list[_Stretch]:
     cuts = _cuts(speed, max(2, int(_STRETCH / _GRID)))
     return [
         _Stretch(float(u[i]), float(u[j]), *(float(v[i : j + 1].min()) for v in (speed, gain, jerk)))
-        for i, j in zip(cuts, cuts[1:], strict=False)
+        for i, j in pairwise(cuts)
     ]
 
 
@@ -99,7 +101,7 @@ def _cuts(speed: Float, window: int) -> list[int]:
 
 def _end_speeds(stretches: list[_Stretch]) -> list[float]:
     """Return the parameter's speed at the ends of all stretches, 0 at the first and the last."""
-    inner = [min(a.velocity, b.velocity) for a, b in zip(stretches, stretches[1:], strict=False)]
+    inner = [min(a.velocity, b.velocity) for a, b in pairwise(stretches)]
     speeds = [0.0, *inner, 0.0]
     for i in reversed(range(len(stretches))):
         speeds[i] = min(speeds[i], _fastest(speeds[i + 1], stretches[i]))

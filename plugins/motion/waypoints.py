@@ -54,8 +54,8 @@ class Waypoints:
     def lift(self, q_top: Float, height_m: float) -> Float | None:
         """Return positions with the gripper at a height (of its origin, base frame), on the same azimuth.
 
-        Where the height is out of reach, the gripper is drawn towards the carrying radius, then lowered; None if it would
-        end lower than it is, or if it is high enough already.
+        Where the height is out of reach, the gripper is drawn towards the carrying radius, then lowered; None if it
+        would end lower than it is, or if it is high enough already.
         """
         T = self._kinematics.gripper(q_top)
         while height_m > T[2, 3] + 0.05:
@@ -67,7 +67,7 @@ class Waypoints:
         return None
 
     def ways_round(self, q_from: Float, q_to: Float) -> list[float]:
-        """Return shifts of the turning joint at the far end, the shorter way first [rad]; one if it cannot turn round."""
+        """Return shifts of the turning joint at the far end, the shorter way first [rad]; one if it has ends."""
         if np.isfinite(self._machine.lower[self._turn]):
             return [0.0]
         turn = q_to[self._turn] - q_from[self._turn]
