@@ -1,0 +1,91 @@
+"""What a mission can choose from: plugins by capability, and behaviours; the installed ones, or a table of them."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any
+
+from executive import registry
+from executive.behaviours.action import Leaf
+from executive.errors import ConfigError, UnknownPluginError, did_you_mean
+from executive.interfaces.plugin import Plugin
+
+PLURAL = frozenset({"monitoring"})  # capabilities that may have several plugins side by side
+REQUIRED = ("robot", "estimation")  # what the loop itself calls
+SERVICES = frozenset({"machine", "rng"})  # what a plugin's constructor is given without a selection
+
+
+class Catalogue(ABC):
+    """Names, and the classes behind them; a class is imported when it is asked for."""
+
+    @abstractmethod
+    def plugin_names(self, capability: str) -> tuple[str, ...]:
+        """List the plugins of a capability."""
+
+    @abstractmethod
+    def behaviour_names(self) -> tuple[str, ...]:
+        """List the behaviours."""
+
+    @abstractmethod
+    def _load(self, capability: str, name: str) -> Any: ...
+
+    def capabilities(self) -> tuple[str, ...]:
+        """List the capabilities, in the order in which data flows."""
+        return registry.CAPABILITIES
+
+    def plugin(self, capability: str, name: str) -> type[Plugin]:
+        """Return a plugin's class.
+
+        Raises:
+            ConfigError: If there is none of that name, or it cannot be imported.
+        """
+        plugin: type[Plugin] = self._load(capability, name)
+        if not issubclass(plugin, Plugin):
+            raise ConfigError(f"{capability} plugin '{name}' ({plugin.__qualname__}) is no Plugin")
+        return plugin
+
+    def behaviour(self, name: str) -> type[Leaf]:
+        """Return a behaviour's class.
+
+        Raises:
+            ConfigError: If there is none of that name, or it cannot be imported.
+        """
+        if name not in self.behaviour_names():
+            raise ConfigError(f"no behaviour '{name}'{did_you_mean(name, self.behaviour_names())}")
+        leaf: type[Leaf] = self._load(registry.BEHAVIOURS, name)
+        if not issubclass(leaf, Leaf):
+            raise ConfigError(f"behaviour '{name}' ({leaf.__qualname__}) is neither an Action nor a Condition")
+        return leaf
+
+
+class InstalledCatalogue(Catalogue):
+    """What the entry points announce."""
+
+    def plugin_names(self, capability: str) -> tuple[str, ...]:
+        return tuple(one.name for one in registry.installed(capability))
+
+    def behaviour_names(self) -> tuple[str, ...]:
+        return self.plugin_names(registry.BEHAVIOURS)
+
+    def _load(self, capability: str, name: str) -> Any:
+        return registry.load(capability, name)
+
+
+class TableCatalogue(Catalogue):
+    """A table of classes, for tests and for programs that bring their own."""
+
+    def __init__(
+        self, behaviours: Mapping[str, type[Leaf]], plugins: Mapping[str, Mapping[str, type[Plugin]]] | None = None
+    ) -> None:
+        self._table: dict[str, Mapping[str, type]] = {**(plugins or {}), registry.BEHAVIOURS: behaviours}
+
+    def plugin_names(self, capability: str) -> tuple[str, ...]:
+        return tuple(sorted(self._table.get(capability, {})))
+
+    def behaviour_names(self) -> tuple[str, ...]:
+        return self.plugin_names(registry.BEHAVIOURS)
+
+    def _load(self, capability: str, name: str) -> Any:
+        known = self._table.get(capability, {})
+        if name not in known:
+            raise UnknownPluginError(capability, name, known)
+        return known[name]

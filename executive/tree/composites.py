@@ -1,0 +1,87 @@
+"""Sequences and fallbacks on py_trees' Sequence and Selector, and a parallel that needs any number of successes."""
+
+from collections.abc import Sequence
+
+from py_trees import composites
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from executive.behaviours.runtime import Runtime
+from executive.tree.nodes import Controller, Steps, TreeNode, Visits, stop_child
+
+
+class _Journalled(TreeNode):
+    """Lets a py_trees composite tick, and journals it under the reason of the child that decided."""
+
+    children: list[Behaviour]
+    current_child: Behaviour | None = None
+
+    def tick(self) -> Visits:
+        """Tick as py_trees does."""
+        yield from super().tick()
+        if self.status is Status.RUNNING:
+            self.tell_running()
+
+    def terminate(self, new_status: Status) -> None:
+        """End a round."""
+        decisive = self.decisive(new_status) if new_status is not Status.INVALID else None
+        if decisive is not None:
+            self.feedback_message = decisive.feedback_message
+        super().terminate(new_status)
+
+    def decisive(self, status: Status) -> Behaviour | None:
+        """Return the child that settled the status."""
+        raise NotImplementedError
+
+
+class SequenceNode(_Journalled, composites.Sequence):  # type: ignore[misc]
+    """Children in order until one fails; reactive, the earlier ones are asked again at each tick."""
+
+    def __init__(self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour], *, memory: bool) -> None:
+        TreeNode.__init__(self, name, path, runtime, children)
+        self.memory = memory
+
+    def decisive(self, status: Status) -> Behaviour | None:
+        return self.children[-1] if status is Status.SUCCESS else self.current_child
+
+
+class FallbackNode(_Journalled, composites.Selector):  # type: ignore[misc]
+    """Children in order until one succeeds; reactive, the earlier ones are tried again at each tick."""
+
+    def __init__(self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour], *, memory: bool) -> None:
+        TreeNode.__init__(self, name, path, runtime, children)
+        self.memory = memory
+
+    def begin(self) -> None:
+        for child in self.children:  # py_trees' Sequence forgets how a former round ended, its Selector does not
+            stop_child(child, everything=True)
+
+    def decisive(self, status: Status) -> Behaviour | None:
+        return self.current_child if status is Status.SUCCESS else self.children[-1]
+
+
+class ParallelNode(Controller):
+    """All children at once; ends as soon as enough have succeeded, or too many have failed for that.
+
+    py_trees' Parallel knows "all" and "one", fails at the first failure, and ticks ended children anew.
+    """
+
+    def __init__(self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour], succeed: int) -> None:
+        super().__init__(name, path, runtime, children)
+        self._succeed = succeed
+
+    def begin(self) -> None:
+        for child in self.children:
+            stop_child(child, everything=True)
+
+    def proceed(self) -> Steps:
+        for child in self.children:
+            if child.status in (Status.INVALID, Status.RUNNING):
+                yield from child.tick()
+        failed = [child for child in self.children if child.status is Status.FAILURE]
+        succeeded = [child for child in self.children if child.status is Status.SUCCESS]
+        if len(succeeded) >= self._succeed:
+            return Status.SUCCESS
+        if len(self.children) - len(failed) < self._succeed:
+            return self.adopt(failed[-1])
+        return Status.RUNNING

@@ -1,0 +1,66 @@
+"""Conditions at run time: `"{key}"`, checks, and their not, all and any; answered at once, with a reason."""
+
+from collections.abc import Callable
+
+from executive.behaviours.outcome import Outcome, failed, succeeded
+from executive.behaviours.runtime import Runtime
+from executive.tree.language import Combined, Condition, Holds, LeafUse
+from executive.tree.leaf_nodes import Asked
+from executive.tree.wiring import Scope
+
+Answer = Callable[[], Outcome]
+
+
+def build_condition(condition: Condition, path: str, runtime: Runtime, scope: Scope) -> Answer:
+    """Return a function that answers a condition; its leaves' paths begin with `path`."""
+    if isinstance(condition, LeafUse):
+        return Asked(condition, f"{path}:{condition.name}", runtime, scope)
+    if isinstance(condition, Holds):
+        return lambda: _holds(condition, scope)
+    parts = [build_condition(part, f"{path}/{index}", runtime, scope) for index, part in enumerate(condition.parts)]
+    combine = {"not": _not, "all": _all, "any": _any}[condition.how]
+    return lambda: combine(parts)
+
+
+def condition_text(condition: Condition) -> str:
+    """Return a condition as a person reads it."""
+    if isinstance(condition, LeafUse):
+        return condition.name
+    if isinstance(condition, Holds):
+        return f"{{{condition.key}}}"
+    return _combined_text(condition)
+
+
+def _combined_text(condition: Combined) -> str:
+    parts = [condition_text(part) for part in condition.parts]
+    if condition.how == "not":
+        return f"not {parts[0]}"
+    return "(" + {"all": " and ", "any": " or "}[condition.how].join(parts) + ")"
+
+
+def _holds(condition: Holds, scope: Scope) -> Outcome:
+    value = scope.store.get(condition.key)
+    return succeeded(f"{condition.key} is true") if value is True else failed(f"{condition.key} is {value!r}")
+
+
+def _not(parts: list[Answer]) -> Outcome:
+    answer = parts[0]()
+    return Outcome(not answer.success, answer.reason)
+
+
+def _all(parts: list[Answer]) -> Outcome:
+    answers: list[Outcome] = []
+    for part in parts:
+        answers.append(part())
+        if not answers[-1].success:
+            return answers[-1]
+    return succeeded("; ".join(a.reason for a in answers if a.reason))
+
+
+def _any(parts: list[Answer]) -> Outcome:
+    answers: list[Outcome] = []
+    for part in parts:
+        answers.append(part())
+        if answers[-1].success:
+            return answers[-1]
+    return failed("; ".join(a.reason for a in answers if a.reason))

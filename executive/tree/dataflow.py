@@ -1,0 +1,245 @@
+"""Follow every key through the trees in the order of execution: is it written before it is read, and of the right type.
+
+A key counts as written as soon as some path to its reader may have written it: what is reported is a read that must
+fail. A branch that may be left out (`if`, `optional`, a fallback's alternatives, a loop's body) adds its types to those
+that the key had before; a node that surely ran replaces them. A subtree is followed once for each combination of types
+that it is called with, so that ports need not be declared with types to be checked.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from executive.behaviours.port import Port
+from executive.errors import did_you_mean
+from executive.tree.language import (
+    Call,
+    Combined,
+    Composite,
+    Condition,
+    ForEach,
+    Group,
+    Holds,
+    Kind,
+    LeafUse,
+    Loop,
+    Node,
+    Ref,
+    Set,
+    Source,
+    Tree,
+    uses_of,
+)
+from executive.tree.port_types import fits, fits_name, item_type, names, type_name, type_of
+from executive.tree.problem import Mark, Problems
+
+Types = frozenset[Any]
+Keys = Mapping[str, Types]  # the types that each key may hold now
+
+
+class Dataflow:
+    """Checks the keys of all trees of a mission."""
+
+    def __init__(self, trees: Mapping[str, Tree], problems: Problems) -> None:
+        self._trees = trees
+        self._problems = problems
+        self._done: dict[tuple[str, frozenset[tuple[str, Types]]], Keys] = {}
+        self._writes: list[tuple[str, Types]] = []  # every write so far, to know what a failed node may have written
+        self._later: frozenset[str] = frozenset()  # every key that the present tree writes anywhere
+
+    def check(self) -> None:
+        """Follow `main`, and then every tree that nothing calls."""
+        called = {n.kind.tree for t in self._trees.values() for n in t.root.walk() if isinstance(n.kind, Call)}
+        for name, tree in self._trees.items():
+            if name == "main" or name not in called:
+                self._tree(tree, {port: frozenset({Any}) for port in tree.inputs})
+
+    def _tree(self, tree: Tree, keys: Keys) -> Keys:
+        signature = (tree.name, frozenset(keys.items()))
+        if signature not in self._done:
+            self._done[signature] = {}  # a tree that calls itself has been refused before
+            outer_later, outer_writes = self._later, self._writes
+            self._later, self._writes = _written_in(tree) | frozenset(keys), []
+            after = self._node(tree.root, keys)
+            after = _joined(after, self._spoiled(keys, 0))
+            self._later, self._writes = outer_later, outer_writes
+            self._promised(tree, after)
+            self._done[signature] = after
+        return self._done[signature]
+
+    def _promised(self, tree: Tree, after: Keys) -> None:
+        for port, wanted in tree.outputs.items():
+            if port not in after:
+                if not wanted.is_optional:
+                    self._problems.error(wanted.mark, f"nothing in '{tree.name}' writes its output '{port}'")
+            elif not any(fits_name(one, wanted.name) for one in after[port]):
+                self._problems.error(
+                    wanted.mark, f"output '{port}' is {wanted.name}, and {names(after[port])} is written"
+                )
+
+    # --- nodes
+
+    def _node(self, node: Node, keys: Keys) -> Keys:
+        modifiers = node.modifiers
+        for condition in (modifiers.if_, modifiers.while_):
+            keys = self._condition(condition, keys) if condition else keys
+        start = len(self._writes)
+        after = self._kind(node.kind, keys, node.mark)
+        if modifiers.on_failure:
+            self._node(modifiers.on_failure, self._spoiled(keys, start))
+        if modifiers.if_ or modifiers.optional:
+            return _joined(after, self._spoiled(keys, start))
+        return after
+
+    def _kind(self, kind: Kind, keys: Keys, mark: Mark) -> Keys:
+        if isinstance(kind, Composite):
+            return self._composite(kind, keys)
+        if isinstance(kind, Group):
+            return self._node(kind.child, keys)
+        if isinstance(kind, Loop):
+            return self._loop(kind, keys)
+        if isinstance(kind, ForEach):
+            return self._for_each(kind, keys, mark)
+        if isinstance(kind, Set):
+            return self._written(keys, {key: self._types(one, keys, "'set'") for key, one in kind.values.items()})
+        if isinstance(kind, Call):
+            return self._call(kind, keys)
+        use = getattr(kind, "use", None)
+        return self._use(use, keys) if use else keys
+
+    def _composite(self, kind: Composite, keys: Keys) -> Keys:
+        if kind.kind.endswith("fallback"):
+            return self._fallback(kind, keys)
+        after, start = keys, len(self._writes)
+        for child in kind.children:
+            after = self._node(child, after)
+        is_whole = kind.kind != "parallel" or kind.succeed == len(kind.children)
+        return after if is_whole else _joined(after, self._spoiled(keys, start))
+
+    def _fallback(self, kind: Composite, keys: Keys) -> Keys:
+        ends: Keys | None = None
+        for child in kind.children:
+            start = len(self._writes)
+            after = self._node(child, keys)
+            ends = after if ends is None else _joined(ends, after)
+            keys = self._spoiled(keys, start)
+        return ends or keys
+
+    def _loop(self, kind: Loop, keys: Keys) -> Keys:
+        if kind.until is None:
+            return self._node(kind.body, keys)
+        keys = self._condition(kind.until, keys)
+        start = len(self._writes)
+        self._node(kind.body, keys)
+        return self._spoiled(keys, start)
+
+    def _for_each(self, kind: ForEach, keys: Keys, mark: Mark) -> Keys:
+        types = self._types(kind.source, keys, "'for_each'")
+        items = frozenset(item for item in map(item_type, types) if item is not None)
+        if types and not items:
+            place = kind.source.mark if isinstance(kind.source, Ref) else mark
+            self._problems.error(
+                place, f"'for_each' goes through a list, and {_shown(kind.source)} holds {names(types)}"
+            )
+        if kind.item in keys:
+            self._problems.error(mark, f"item '{kind.item}' would overwrite the key of that name; take another name")
+        start = len(self._writes)
+        self._node(kind.body, {**keys, kind.item: items or frozenset({Any})})
+        return self._spoiled(keys, start)
+
+    def _call(self, kind: Call, keys: Keys) -> Keys:
+        tree = self._trees.get(kind.tree)
+        if tree is None:
+            return keys
+        inside: dict[str, Types] = {}
+        for port, source in kind.inputs.items():
+            wanted = tree.inputs[port]
+            types = self._input(port, source, keys, wanted.is_optional, kind.tree)
+            if types and not any(fits_name(one, wanted.name) for one in types):
+                place = source.mark if isinstance(source, Ref) else kind.mark
+                told = f"input '{port}' of {kind.tree} is {wanted.name}, and {_shown(source)} holds {names(types)}"
+                self._problems.error(place, told)
+            inside.update({port: types} if types else {})
+        after = self._tree(tree, inside)
+        return self._written(keys, {kind.outputs[port].key: after[port] for port in tree.outputs if port in after})
+
+    # --- leaves and conditions
+
+    def _condition(self, condition: Condition, keys: Keys) -> Keys:
+        if isinstance(condition, LeafUse):
+            start = len(self._writes)
+            return _joined(self._use(condition, keys), self._spoiled(keys, start))
+        if isinstance(condition, Combined):
+            for part in condition.parts:
+                keys = self._condition(part, keys)
+            return keys
+        return self._truth(condition, keys)
+
+    def _truth(self, condition: Holds, keys: Keys) -> Keys:
+        types = self._types(Ref(condition.key, condition.mark), keys, "the condition")
+        if types and not any(fits(one, bool) for one in types):
+            told = f"a condition needs true or false, and {{{condition.key}}} holds {names(types)}"
+            self._problems.error(condition.mark, told)
+        return keys
+
+    def _use(self, use: LeafUse, keys: Keys) -> Keys:
+        for port, spec in use.leaf.inputs.items():
+            types = self._input(port, use.inputs[port], keys, spec.optional, use.name)
+            if types and not any(fits(one, spec.type) for one in types):
+                ref = use.inputs[port]
+                told = f"input '{port}' of {use.name} is {type_name(spec.type)}, and {_shown(ref)} holds {names(types)}"
+                self._problems.error(ref.mark, told)
+        for port, ref in use.outputs.items():
+            wanted: Port = use.leaf.outputs[port]
+            types = frozenset({wanted.type})
+            written = self._written(keys, {ref.key: types})
+            keys = _joined(keys, written) if wanted.optional else written
+        return keys
+
+    def _input(self, port: str, source: Source, keys: Keys, is_optional: bool, owner: str) -> Types | None:
+        is_absent = isinstance(source, Ref) and source.key not in keys
+        if is_absent and is_optional and (not source.is_listed or source.key in self._later):  # type: ignore[union-attr]
+            return None
+        return self._types(source, keys, f"input '{port}' of {owner}")
+
+    def _types(self, source: Source, keys: Keys, reader: str) -> Types:
+        if not isinstance(source, Ref):
+            return frozenset({type_of(source.value)})
+        if source.key in keys:
+            return keys[source.key]
+        told = f"{reader} reads key '{source.key}' before it is written"
+        cure = "; it is written only later" if source.key in self._later else did_you_mean(source.key, keys)
+        self._problems.error(source.mark, told + cure)
+        return frozenset()
+
+    # --- keys
+
+    def _written(self, keys: Keys, new: Mapping[str, Types]) -> Keys:
+        self._writes.extend(new.items())
+        return {**keys, **{key: types or frozenset({Any}) for key, types in new.items()}}
+
+    def _spoiled(self, keys: Keys, start: int) -> Keys:
+        """Return what may hold if the nodes since `start` wrote any part of what they write."""
+        for key, types in self._writes[start:]:
+            keys = _joined(keys, {key: types or frozenset({Any})})
+        return keys
+
+
+def _joined(one: Keys, other: Keys) -> Keys:
+    return {key: one.get(key, frozenset()) | other.get(key, frozenset()) for key in {**one, **other}}
+
+
+def _shown(source: Source) -> str:
+    return f"key '{source.key}'" if isinstance(source, Ref) else repr(source.value)
+
+
+def _written_in(tree: Tree) -> frozenset[str]:
+    keys: set[str] = set()
+    for node in tree.root.walk():
+        keys.update(ref.key for use in uses_of(node) for ref in use.outputs.values())
+        if isinstance(node.kind, Call):
+            keys.update(ref.key for ref in node.kind.outputs.values())
+        elif isinstance(node.kind, Set):
+            keys.update(node.kind.values)
+        elif isinstance(node.kind, ForEach):
+            keys.add(node.kind.item)
+    return frozenset(keys)

@@ -1,0 +1,314 @@
+"""A checked mission: its settings, its plugins, its trees; frozen, and free of YAML."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from pydantic import Field
+
+from executive.behaviours.action import Leaf
+from executive.config import Seconds, Settings
+from executive.tree.problem import Mark, Problem
+
+
+class LoopSettings(Settings):
+    """Settings of the tick loop."""
+
+    tick: Seconds = Field(0.05, ge=0.001, le=1.0, description="Period of the loop [s].")
+    time_limit: Seconds = Field(7200.0, gt=0, description="The mission fails when it has taken this long [s].")
+    runner: Literal["inline", "thread", "process"] = Field("inline", description="Where long verbs are computed.")
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """A plugin that a mission has chosen, with its checked settings."""
+
+    name: str
+    settings: Settings
+
+
+@dataclass(frozen=True, slots=True)
+class Ref:
+    """A reference to a key of the store: `"{key}"`; `is_listed` if the file says so, else a port takes its own name."""
+
+    key: str
+    mark: Mark
+    is_listed: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Literally:
+    """A value written in the mission file itself."""
+
+    value: Any
+
+
+Source = Ref | Literally
+
+
+@dataclass(frozen=True, slots=True)
+class LeafUse:
+    """A leaf with its settings and its wiring; every port that is connected is listed.
+
+    Attributes:
+        name: Name of the behaviour, as installed.
+        leaf: Its class.
+        settings: Checked settings.
+        inputs: Key of the store by input port.
+        outputs: Key of the store by output port.
+        mark: Where it stands.
+    """
+
+    name: str
+    leaf: type[Leaf]
+    settings: Settings
+    inputs: Mapping[str, Ref]
+    outputs: Mapping[str, Ref]
+    mark: Mark
+
+
+@dataclass(frozen=True, slots=True)
+class Holds:
+    """A condition: a key of the store holds true."""
+
+    key: str
+    mark: Mark
+
+
+@dataclass(frozen=True, slots=True)
+class Combined:
+    """A condition made of others: `not` (of one), `all` or `any`."""
+
+    how: Literal["not", "all", "any"]
+    parts: tuple["Condition", ...]
+
+
+Condition = LeafUse | Holds | Combined
+
+
+@dataclass(frozen=True, slots=True)
+class Attempts:
+    """How often a node is tried in all, and the pause between two attempts [s]."""
+
+    count: int
+    pause_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Modifiers:
+    """What is laid around a node, outermost first."""
+
+    if_: Condition | None = None
+    while_: Condition | None = None
+    timeout_s: float | None = None
+    retry: Attempts | None = None
+    on_failure: "Node | None" = None
+    optional: bool = False
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Composite:
+    """`sequence`, `fallback`, `reactive_sequence`, `reactive_fallback` or `parallel`."""
+
+    kind: str
+    children: tuple["Node", ...]
+    succeed: int = 0  # of a parallel: how many children must succeed
+
+    @property
+    def label(self) -> str:
+        return self.kind
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """`do`: one node, given modifiers of its own."""
+
+    child: "Node"
+    label: str = "do"
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """`loop`: again and again, until a condition holds, or so many rounds."""
+
+    until: Condition | None
+    max_rounds: int | None
+    body: "Node"
+    label: str = "loop"
+
+
+@dataclass(frozen=True, slots=True)
+class ForEach:
+    """`for_each`: once for each item of a list, in order."""
+
+    item: str
+    source: Source
+    body: "Node"
+    label: str = "for_each"
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """`run`: an action."""
+
+    use: LeafUse
+
+    @property
+    def label(self) -> str:
+        return self.use.name
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """`check`: a condition as a node."""
+
+    use: LeafUse
+
+    @property
+    def label(self) -> str:
+        return self.use.name
+
+
+@dataclass(frozen=True, slots=True)
+class Wait:
+    """`wait`: let the mission's time pass."""
+
+    duration_s: float
+    label: str = "wait"
+
+
+@dataclass(frozen=True, slots=True)
+class Set:
+    """`set`: write literals, or copies of other keys, into the store."""
+
+    values: Mapping[str, Source]
+    label: str = "set"
+
+
+@dataclass(frozen=True, slots=True)
+class Ask:
+    """`ask`: put a question to the operator; yes is success."""
+
+    question: str
+    default: bool | None
+    label: str = "ask"
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """`call`: another tree, with a store of its own; ports carry values in and out."""
+
+    tree: str
+    inputs: Mapping[str, Source]
+    outputs: Mapping[str, Ref]
+    mark: Mark
+
+    @property
+    def label(self) -> str:
+        return self.tree
+
+
+Kind = Composite | Group | Loop | ForEach | Run | Check | Wait | Set | Ask | Call
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """One node of a tree: what it is, what is laid around it, and where it stands."""
+
+    kind: Kind
+    modifiers: Modifiers
+    mark: Mark
+
+    @property
+    def label(self) -> str:
+        """Return the name that people and paths call it by."""
+        label = "retry" if isinstance(self.kind, Group) and self.modifiers.retry else self.kind.label
+        return self.modifiers.name or label
+
+    def children(self) -> tuple["Node", ...]:
+        """Return the nodes directly below, without the recovery of `on_failure`."""
+        if isinstance(self.kind, Composite):
+            return self.kind.children
+        if isinstance(self.kind, Group):
+            return (self.kind.child,)
+        return (self.kind.body,) if isinstance(self.kind, Loop | ForEach) else ()
+
+    def walk(self) -> Iterator["Node"]:
+        """Yield this node and all below, recoveries included, in the order of the file."""
+        yield self
+        for child in self.children():
+            yield from child.walk()
+        if self.modifiers.on_failure:
+            yield from self.modifiers.on_failure.walk()
+
+
+@dataclass(frozen=True, slots=True)
+class TypeName:
+    """The type of a tree's port as the file says it: `Stone`, `list[Stone]`, and `Stone?` where it may be missing."""
+
+    text: str
+    mark: Mark
+
+    @property
+    def is_optional(self) -> bool:
+        return self.text.endswith("?")
+
+    @property
+    def name(self) -> str:
+        return self.text.removesuffix("?")
+
+
+@dataclass(frozen=True, slots=True)
+class Tree:
+    """A named tree; its ports say which values go in and out."""
+
+    name: str
+    root: Node
+    inputs: Mapping[str, TypeName]
+    outputs: Mapping[str, TypeName]
+    mark: Mark
+
+
+@dataclass(frozen=True, slots=True)
+class MissionFile:
+    """A mission without mistakes.
+
+    Attributes:
+        name: What `mission:` says.
+        description: One line for people.
+        loop: Settings of the tick loop.
+        plugins: Selections by capability, in the order in which data flows; only `monitoring` may have several.
+        trees: `main`, and every tree that it calls.
+        warnings: What works but was hardly meant.
+    """
+
+    name: str
+    description: str
+    loop: LoopSettings
+    plugins: Mapping[str, tuple[Selection, ...]]
+    trees: Mapping[str, Tree]
+    warnings: tuple[Problem, ...] = field(default=())
+
+
+def conditions_of(node: Node) -> tuple[Condition, ...]:
+    """Return the conditions that stand at a node itself."""
+    until = node.kind.until if isinstance(node.kind, Loop) else None
+    return tuple(c for c in (node.modifiers.if_, node.modifiers.while_, until) if c is not None)
+
+
+def leaves_of(condition: Condition) -> Iterator[LeafUse]:
+    """Yield the leaves in a condition."""
+    if isinstance(condition, LeafUse):
+        yield condition
+    elif isinstance(condition, Combined):
+        for part in condition.parts:
+            yield from leaves_of(part)
+
+
+def uses_of(node: Node) -> Iterator[LeafUse]:
+    """Yield the leaves at a node itself, those of its conditions included."""
+    for condition in conditions_of(node):
+        yield from leaves_of(condition)
+    if isinstance(node.kind, Run | Check):
+        yield node.kind.use

@@ -1,0 +1,103 @@
+"""A mission by path or name to its checked description; every mistake is told at once."""
+
+from collections.abc import Mapping, Sequence
+
+from executive.tree.catalogue import Catalogue, InstalledCatalogue
+from executive.tree.dataflow import Dataflow
+from executive.tree.language import LeafUse, LoopSettings, MissionFile, Selection, Tree, uses_of
+from executive.tree.override import apply_override
+from executive.tree.plugin_reader import PluginReader, layered
+from executive.tree.problem import Problems
+from executive.tree.reading import Reading
+from executive.tree.settings import check_settings
+from executive.tree.sources import Layer, layers, libraries
+from executive.tree.tree_reader import read_trees
+from executive.tree.value import Entry, Table, merged
+
+
+def load_mission(path_or_name: str, overrides: Sequence[str] = (), catalogue: Catalogue | None = None) -> MissionFile:
+    """Load a mission: a file, or the name of a shipped one, with settings laid over it.
+
+    Args:
+        path_or_name: A path that ends in `.yaml`, or a shipped mission's name.
+        overrides: `capability.field=value` or `loop.field=value`, later ones over earlier ones.
+        catalogue: What can be chosen; all that is installed by default.
+
+    Raises:
+        MissionFileError: If there is any mistake; it holds all of them, with their places.
+    """
+    reading = Reading(catalogue or InstalledCatalogue(), Problems())
+    found = layers(path_or_name, reading)
+    if not found:
+        reading.problems.raise_errors()
+    mission = found[-1]
+    loop_table, plugin_table = _settings(found, overrides, reading)
+    loop = check_settings(LoopSettings, loop_table, "loop", reading.problems)
+    plugins = PluginReader(reading)
+    selected = plugins.read(plugin_table)
+    own = _section(mission, "trees", reading, is_needed=True)
+    inherited = [_section(layer, "trees", reading) for layer in found[:-1]]
+    trees = read_trees(_laid([*inherited, own]), libraries(mission.path, reading), reading)
+    plugins.check_needs(selected, plugin_table, _uses(trees))
+    if "main" in trees:
+        Dataflow(trees, reading.problems).check()
+    name, description = _titles(mission, reading)
+    reading.problems.raise_errors()
+    return _mission(name, description, loop or LoopSettings(), selected, trees, reading)
+
+
+def _mission(
+    name: str,
+    description: str,
+    loop: LoopSettings,
+    selected: Mapping[str, tuple[Selection, ...]],
+    trees: Mapping[str, Tree],
+    reading: Reading,
+) -> MissionFile:
+    return MissionFile(name, description, loop, selected, trees, reading.problems.warnings())
+
+
+def _settings(found: Sequence[Layer], overrides: Sequence[str], reading: Reading) -> tuple[Table, Table]:
+    mark = found[-1].table.mark
+    loop, plugins = Table({}, mark), Table({}, mark)
+    for layer in found:
+        over_loop, over_plugins = (_section(layer, key, reading) for key in ("loop", "plugins"))
+        if over_loop:
+            laid = merged(loop, over_loop)
+            loop = laid if isinstance(laid, Table) else loop
+        if over_plugins:
+            plugins = layered(plugins, over_plugins)
+    for option in overrides:
+        loop, plugins = apply_override(option, loop, plugins, reading)
+    return loop, plugins
+
+
+def _section(layer: Layer, key: str, reading: Reading, *, is_needed: bool = False) -> Table | None:
+    value = layer.table.get(key)
+    if value is None:
+        if is_needed:
+            reading.fail(layer.table, f"'{key}' is missing")
+        return None
+    return reading.table(value, f"'{key}'")
+
+
+def _laid(tables: Sequence[Table | None]) -> Table | None:
+    """Lay the trees of a mission over those of its base; a tree is replaced as a whole."""
+    given = [table for table in tables if table is not None]
+    entries: dict[str, Entry] = {}
+    for table in given:
+        entries.update(table.entries)
+    return Table(entries, given[-1].mark) if given else None
+
+
+def _titles(mission: Layer, reading: Reading) -> tuple[str, str]:
+    name, description = mission.table.get("mission"), mission.table.get("description")
+    if name is None:
+        reading.fail(mission.table, "'mission' is missing: the mission's name")
+    title = reading.name(name, "'mission'") if name is not None else None
+    line = reading.text(description, "'description'") if description is not None else None
+    return title or "", line or ""
+
+
+def _uses(trees: Mapping[str, Tree]) -> list[LeafUse]:
+    return [use for tree in trees.values() for node in tree.root.walk() for use in uses_of(node)]

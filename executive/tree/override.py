@@ -1,0 +1,105 @@
+"""`--set capability.field.sub=value`: the last layer of settings, with the same rules for values as in a file."""
+
+from executive.errors import did_you_mean
+from executive.tree.document import read_text
+from executive.tree.plugin_reader import normal
+from executive.tree.problem import Mark, Problems
+from executive.tree.reading import Reading
+from executive.tree.value import Entry, Listing, Scalar, Table, Value, merged
+
+LOOP = "loop"
+
+
+def apply_override(option: str, loop: Table, plugins: Table, reading: Reading) -> tuple[Table, Table]:
+    """Lay one option over the settings of the loop and of the plugins; a mistake names the option."""
+    mark = Mark(f"--set {option}")
+    key, equals, text = option.partition("=")
+    path = key.strip().split(".")
+    if not equals or not all(path) or not path[0]:
+        reading.problems.error(mark, "expected capability.field=value")
+        return loop, plugins
+    value = _value(text, mark, reading)
+    if value is None:
+        return loop, plugins
+    if path[0] == LOOP:
+        return _laid(loop, path[1:], value, mark, reading), plugins
+    if path[0] not in reading.catalogue.capabilities():
+        near = did_you_mean(path[0], (LOOP, *reading.catalogue.capabilities()))
+        reading.problems.error(mark, f"no '{path[0]}' to set{near}")
+        return loop, plugins
+    return loop, _in_plugins(plugins, path, value, mark, reading)
+
+
+def _value(text: str, mark: Mark, reading: Reading) -> Value | None:
+    found = Problems()
+    value = read_text(text, mark.file, found) if text.strip() else Scalar(None, mark)
+    for problem in found.all():
+        reading.problems.error(mark, problem.message)
+    return None if value is None or found.all() else _moved(value, mark)
+
+
+def _moved(value: Value, mark: Mark) -> Value:
+    """Return the value with the option as the place of every part."""
+    if isinstance(value, Table):
+        return Table({k: Entry(mark, _moved(e.value, mark)) for k, e in value.entries.items()}, mark)
+    if isinstance(value, Listing):
+        return Listing(tuple(_moved(item, mark) for item in value.items), mark)
+    return Scalar(value.value, mark) if isinstance(value, Scalar) else value
+
+
+def _in_plugins(plugins: Table, path: list[str], value: Value, mark: Mark, reading: Reading) -> Table:
+    capability, rest = path[0], path[1:]
+    entry = plugins.entries.get(capability)
+    known = normal(entry.value) if entry else None
+    if not rest:
+        new: Value = normal(value)
+    elif isinstance(known, Listing):
+        new = _in_list(known, rest, value, mark, reading)
+    elif rest == ["plugin"] and isinstance(known, Table) and _differs(known, value):
+        new = Table({"plugin": Entry(mark, value)}, mark)
+    elif known is not None:
+        new = _laid(known, rest, value, mark, reading)
+    elif rest == ["plugin"]:
+        new = Table({"plugin": Entry(mark, value)}, mark)
+    else:
+        reading.problems.error(mark, f"the mission selects no {capability} plugin; set {capability}.plugin first")
+        return plugins
+    key_mark = entry.key_mark if entry else mark
+    return Table({**plugins.entries, capability: Entry(key_mark, new)}, plugins.mark)
+
+
+def _differs(known: Table, value: Value) -> bool:
+    chosen = known.get("plugin")
+    return not (isinstance(chosen, Scalar) and isinstance(value, Scalar) and chosen.value == value.value)
+
+
+def _in_list(known: Listing, path: list[str], value: Value, mark: Mark, reading: Reading) -> Value:
+    """Lay a value over the item whose plugin has the path's first name."""
+    items = {str(_plugin_of(item)): item for item in known.items}
+    if path[0] not in items or len(path) < 2:
+        near = did_you_mean(path[0], items)
+        reading.problems.error(mark, f"several plugins are selected: name one of them and a field{near}")
+        return known
+    items[path[0]] = _laid(items[path[0]], path[1:], value, mark, reading)
+    return Listing(tuple(items.values()), known.mark)
+
+
+def _plugin_of(item: Value) -> object:
+    chosen = item.get("plugin") if isinstance(item, Table) else None
+    return chosen.value if isinstance(chosen, Scalar) else None
+
+
+def _laid(base: Value, path: list[str], value: Value, mark: Mark, reading: Reading) -> Table:
+    if not isinstance(base, Table):
+        base = Table({}, mark)
+    if not path:
+        if not isinstance(value, Table):
+            reading.problems.error(mark, f"expected {LOOP}.field=value")
+            return base
+        new: Value = value
+    else:
+        new = value
+        for step in reversed(path):
+            new = Table({step: Entry(mark, new)}, mark)
+    laid = merged(base, new)
+    return Table(laid.entries, base.mark) if isinstance(laid, Table) else base

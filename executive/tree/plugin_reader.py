@@ -1,0 +1,129 @@
+"""The plugins of a mission: layers laid over each other, names and settings checked, all that is needed chosen."""
+
+from collections.abc import Iterable, Mapping
+
+from executive.errors import ConfigError
+from executive.registry import dependencies_of
+from executive.tree.catalogue import PLURAL, REQUIRED, SERVICES
+from executive.tree.language import LeafUse, Selection
+from executive.tree.problem import Mark
+from executive.tree.reading import Reading
+from executive.tree.settings import check_settings
+from executive.tree.value import Entry, Listing, Scalar, Table, Value, merged, without
+
+
+def layered(base: Table, over: Table) -> Table:
+    """Lay one `plugins:` over another: settings of the same plugin are merged, another plugin replaces all of them."""
+    entries = dict(base.entries)
+    for capability, entry in over.entries.items():
+        known = entries.get(capability)
+        new = normal(entry.value)
+        value = _laid(normal(known.value), new) if known else new
+        entries[capability] = Entry(entry.key_mark, value)
+    return Table(entries, over.mark)
+
+
+def normal(value: Value) -> Value:
+    """Write the short forms out: `gicp` is `{plugin: gicp}`, also within a list."""
+    if isinstance(value, Scalar):
+        return Table({"plugin": Entry(value.mark, value)}, value.mark)
+    if isinstance(value, Listing):
+        return Listing(tuple(normal(item) for item in value.items), value.mark)
+    return value
+
+
+def _laid(base: Value, new: Value) -> Value:
+    if not isinstance(base, Table) or not isinstance(new, Table):
+        return new
+    chosen = new.get("plugin")
+    same = chosen is None or _name(base) == _name(new)
+    return merged(base, new) if same else new
+
+
+def _name(table: Table) -> object:
+    value = table.get("plugin")
+    return value.value if isinstance(value, Scalar) else None
+
+
+class PluginReader:
+    """Reads `plugins:`."""
+
+    def __init__(self, reading: Reading) -> None:
+        self._reading = reading
+        self._marks: dict[str, Mark] = {}
+
+    def read(self, table: Table) -> dict[str, tuple[Selection, ...]]:
+        """Return the selections by capability, in the order in which data flows."""
+        capabilities = self._reading.catalogue.capabilities()
+        self._reading.known_keys(table, capabilities, "'plugins'")
+        found: dict[str, tuple[Selection, ...]] = {}
+        for capability in capabilities:
+            if capability in table.entries:
+                entry = table.entries[capability]
+                self._marks[capability] = entry.key_mark
+                found[capability] = self._several(capability, normal(entry.value))
+        return found
+
+    def _several(self, capability: str, value: Value) -> tuple[Selection, ...]:
+        if not isinstance(value, Listing):
+            one = self._one(capability, value)
+            return (one,) if one else ()
+        if capability not in PLURAL:
+            self._reading.fail(value, f"{capability} takes one plugin, not a list; only monitoring may have several")
+            return ()
+        chosen = [self._one(capability, item) for item in value.items]
+        names = [one.name for one in chosen if one]
+        if len(set(names)) < len(names):
+            self._reading.fail(value, f"a {capability} plugin is listed twice")
+        return tuple(one for one in chosen if one)
+
+    def _one(self, capability: str, value: Value) -> Selection | None:
+        table = self._reading.table(value, f"the {capability} plugin")
+        if table is None:
+            return None
+        chosen = table.get("plugin")
+        known = ", ".join(self._reading.catalogue.plugin_names(capability))
+        if chosen is None:
+            self._reading.fail(table, f"{capability} needs 'plugin: name'; there is: {known or 'none'}")
+            return None
+        name = self._reading.text(chosen, "'plugin'")
+        if name is None:
+            return None
+        try:
+            plugin = self._reading.catalogue.plugin(capability, name)
+        except ConfigError as error:
+            self._reading.fail(chosen, str(error))
+            return None
+        settings = check_settings(plugin.Settings, without(table, ["plugin"]), name, self._reading.problems)
+        return Selection(name, settings) if settings is not None else None
+
+    # --- what is needed
+
+    def check_needs(self, chosen: Mapping[str, tuple[Selection, ...]], table: Table, uses: Iterable[LeafUse]) -> None:
+        """Note what the loop, a leaf or a plugin needs and the mission does not select."""
+        for capability in REQUIRED:
+            if capability not in self._marks:
+                self._missing(table.mark, "a mission", capability)
+        for use in uses:
+            for capability in use.leaf.needs:
+                if capability not in self._marks:
+                    self._missing(use.mark, use.name, capability)
+        for capability, selections in chosen.items():
+            for one in selections:
+                self._check_dependencies(capability, one)
+
+    def _check_dependencies(self, capability: str, one: Selection) -> None:
+        mark = self._marks[capability]
+        for name in dependencies_of(self._reading.catalogue.plugin(capability, one.name)):
+            if name in SERVICES or name in self._marks:
+                continue
+            if name in self._reading.catalogue.capabilities():
+                self._missing(mark, f"the {capability} plugin '{one.name}'", name)
+            else:
+                told = f"the {capability} plugin '{one.name}' asks for '{name}', no capability and no service"
+                self._reading.problems.error(mark, told)
+
+    def _missing(self, mark: Mark, who: str, capability: str) -> None:
+        names = self._reading.catalogue.plugin_names(capability)
+        cure = f"; add '{capability}: {names[0]}' to 'plugins'" if names else ", and none is installed"
+        self._reading.problems.error(mark, f"{who} needs a {capability} plugin, and none is selected{cure}")

@@ -1,0 +1,70 @@
+"""Mistakes in a mission, each with its place; collected, so that all are told at once."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from executive.errors import ConfigError
+
+
+@dataclass(frozen=True, order=True, slots=True)
+class Mark:
+    """A place in a file, counted from 1; line 0 means the file or option as a whole."""
+
+    file: str
+    line: int = 0
+    column: int = 0
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+
+
+@dataclass(frozen=True, order=True, slots=True)
+class Problem:
+    """One mistake, or one thing worth a second look."""
+
+    mark: Mark
+    message: str
+    severity: str = "error"
+
+    def __str__(self) -> str:
+        return f"{self.mark}: {self.severity}: {self.message}"
+
+
+class MissionFileError(ConfigError):
+    """A mission has mistakes; `problems` lists all of them in the order of their places."""
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems = tuple(sorted(set(problems)))
+        super().__init__("\n".join(str(problem) for problem in self.problems))
+
+
+class Problems:
+    """Collects mistakes while a mission is read."""
+
+    def __init__(self) -> None:
+        self._found: list[Problem] = []
+
+    def error(self, mark: Mark, message: str) -> None:
+        """Take note of a mistake."""
+        self._found.append(Problem(mark, message))
+
+    def warning(self, mark: Mark, message: str) -> None:
+        """Take note of something that works but was hardly meant."""
+        self._found.append(Problem(mark, message, "warning"))
+
+    def all(self) -> tuple[Problem, ...]:
+        """Return everything, in the order of the places."""
+        return tuple(sorted(set(self._found)))
+
+    def warnings(self) -> tuple[Problem, ...]:
+        """Return the warnings in the order of their places."""
+        return tuple(p for p in self.all() if p.severity == "warning")
+
+    def raise_errors(self) -> None:
+        """Raise all mistakes, if there are any.
+
+        Raises:
+            MissionFileError: With every mistake and warning so far.
+        """
+        if any(p.severity == "error" for p in self._found):
+            raise MissionFileError(self._found)

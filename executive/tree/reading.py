@@ -1,0 +1,125 @@
+"""What every part of the reader asks of a value: a text, a number, a duration, a reference, known keys only."""
+
+import re
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from executive.config import parse_quantity
+from executive.errors import did_you_mean
+from executive.tree.catalogue import Catalogue
+from executive.tree.language import Literally, Ref, Source
+from executive.tree.problem import Mark, Problems
+from executive.tree.value import Broken, Listing, Scalar, Table, Value, describe, has_broken, plain
+
+_KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_REFERENCE = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What reading a mission needs; each method notes a mistake and then returns None."""
+
+    catalogue: Catalogue
+    problems: Problems
+
+    def fail(self, value: Value, message: str) -> None:
+        """Note a mistake, unless the value was refused already."""
+        if not isinstance(value, Broken):
+            self.problems.error(value.mark, message)
+
+    def table(self, value: Value, what: str) -> Table | None:
+        """Return a mapping."""
+        if isinstance(value, Table):
+            return value
+        self.fail(value, f"{what} is a mapping, not {describe(value)}")
+        return None
+
+    def listing(self, value: Value, what: str) -> Listing | None:
+        """Return a list that is not empty."""
+        if not isinstance(value, Listing):
+            self.fail(value, f"{what} takes a list, not {describe(value)}")
+            return None
+        if not value.items:
+            self.fail(value, f"{what} takes a list of at least one item")
+            return None
+        return value
+
+    def text(self, value: Value, what: str) -> str | None:
+        """Return a text that is not empty."""
+        if isinstance(value, Scalar) and isinstance(value.value, str) and value.value.strip():
+            return value.value
+        self.fail(value, f"{what} is a text, not {describe(value)}")
+        return None
+
+    def name(self, value: Value, what: str) -> str | None:
+        """Return a word of letters, digits and underscores."""
+        text = self.text(value, what)
+        return text if text is None else self.checked_name(text, value.mark, what)
+
+    def checked_name(self, text: str, mark: Mark, what: str) -> str | None:
+        """Return the text if it is a word of letters, digits and underscores."""
+        if _KEY.fullmatch(text):
+            return text
+        self.problems.error(mark, f"{what} is a word of letters, digits and _, not '{text}'")
+        return None
+
+    def whole(self, value: Value, what: str, least: int = 1) -> int | None:
+        """Return a whole number."""
+        got = value.value if isinstance(value, Scalar) else None
+        if isinstance(got, int) and not isinstance(got, bool) and got >= least:
+            return got
+        self.fail(value, f"{what} is a whole number of at least {least}, not {describe(value)}")
+        return None
+
+    def truth(self, value: Value, what: str) -> bool | None:
+        """Return true or false."""
+        if isinstance(value, Scalar) and isinstance(value.value, bool):
+            return value.value
+        self.fail(value, f"{what} is true or false, not {describe(value)}")
+        return None
+
+    def seconds(self, value: Value, what: str, *, allow_zero: bool = False) -> float | None:
+        """Return a duration [s]."""
+        try:
+            duration_s = parse_quantity(value.value if isinstance(value, Scalar) else describe(value), "time")
+        except ValueError as error:
+            self.fail(value, f"{what}: {error}")
+            return None
+        if 0 < duration_s < float("inf") or (allow_zero and duration_s == 0):
+            return duration_s
+        self.fail(value, f"{what} must be more than 0 s and finite, got {describe(value)}")
+        return None
+
+    def reference(self, value: Value, what: str) -> Ref | None:
+        """Return a reference to a key."""
+        match = _REFERENCE.fullmatch(value.value) if is_text(value) else None  # type: ignore[union-attr, arg-type]
+        if match:
+            return Ref(match.group(1), value.mark)
+        self.fail(value, f'{what} takes a reference such as "{{key}}", not {describe(value)}{_hint(value)}')
+        return None
+
+    def source(self, value: Value, what: str) -> Source | None:
+        """Return a reference, or the value itself if it is no text in braces."""
+        if isinstance(value, Table) or (is_text(value) and "{" in value.value):  # type: ignore[union-attr, operator]
+            return self.reference(value, what)
+        return None if has_broken(value) else Literally(plain(value))
+
+    def known_keys(self, table: Table, allowed: Collection[str], what: str) -> None:
+        """Note every key that is not allowed."""
+        for key, entry in table.entries.items():
+            if key not in allowed:
+                self.problems.error(entry.key_mark, f"{what} has no '{key}'{did_you_mean(key, allowed)}")
+
+
+def is_text(value: Value) -> bool:
+    """Whether a value is a text."""
+    return isinstance(value, Scalar) and isinstance(value.value, str)
+
+
+def _hint(value: Value) -> str:
+    if isinstance(value, Table) and len(value.entries) == 1:
+        key = next(iter(value.entries))
+        return f'; write "{{{key}}}" in quotes, without them YAML reads a mapping'
+    if is_text(value) and _KEY.fullmatch(value.value):  # type: ignore[union-attr, arg-type]
+        return f'; did you mean "{{{value.value}}}"?'  # type: ignore[union-attr]
+    return "; a literal belongs under 'with:' or into a 'set:' before" if not isinstance(value, Table) else ""

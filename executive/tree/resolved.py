@@ -1,0 +1,155 @@
+"""A mission written out: one file with every setting, every tree and every wire explicit, which loads again."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import yaml
+
+from executive.tree.catalogue import PLURAL
+from executive.tree.language import (
+    Ask,
+    Attempts,
+    Call,
+    Check,
+    Composite,
+    Condition,
+    ForEach,
+    Group,
+    Holds,
+    Kind,
+    LeafUse,
+    Literally,
+    Loop,
+    MissionFile,
+    Modifiers,
+    Node,
+    Ref,
+    Run,
+    Selection,
+    Set,
+    Source,
+    Tree,
+    TypeName,
+    Wait,
+)
+from executive.tree.scalar import SurpriseError, resolve
+from executive.tree.settings import settings_dump
+from executive.tree.sources import API
+
+
+def resolved_yaml(mission: MissionFile) -> str:
+    """Return a complete mission file; loading it gives the same mission."""
+    document: dict[str, Any] = {"api": API, "mission": mission.name}
+    if mission.description:
+        document["description"] = mission.description
+    document["loop"] = settings_dump(mission.loop)
+    document["plugins"] = {c: _selections(c, several) for c, several in mission.plugins.items()}
+    document["trees"] = {name: _tree(tree) for name, tree in mission.trees.items()}
+    return yaml.dump(document, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes for a reader of YAML 1.2: no aliases, and quotes wherever a plain text would be read as something else."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+    def text(self, text: str) -> yaml.ScalarNode:
+        """Represent a text."""
+        try:
+            is_plain = resolve(text) == text
+        except SurpriseError:
+            is_plain = False
+        return self.represent_scalar("tag:yaml.org,2002:str", text, style=None if is_plain else '"')
+
+
+_Dumper.add_representer(str, _Dumper.text)
+
+
+def _selections(capability: str, several: tuple[Selection, ...]) -> Any:
+    written = [{"plugin": one.name, **settings_dump(one.settings)} for one in several]
+    return written if capability in PLURAL else written[0]
+
+
+def _tree(tree: Tree) -> dict[str, Any]:
+    ports = {"in": _ports(tree.inputs), "out": _ports(tree.outputs)}
+    return {side: types for side, types in ports.items() if types} | node_dict(tree.root)
+
+
+def _ports(ports: Mapping[str, TypeName]) -> dict[str, str]:
+    return {port: wanted.text for port, wanted in ports.items()}
+
+
+def node_dict(node: Node) -> dict[str, Any]:
+    """Return a node as the mission language writes it."""
+    return _kind(node.kind) | _modifiers(node.modifiers)
+
+
+def _kind(kind: Kind) -> dict[str, Any]:  # noqa: C901 - one case a kind
+    match kind:
+        case Composite():
+            succeed = {"succeed": kind.succeed} if kind.kind == "parallel" else {}
+            return {kind.kind: [node_dict(child) for child in kind.children], **succeed}
+        case Group(child=child):
+            return {"do": node_dict(child)}
+        case Loop(until=until, max_rounds=rounds, body=body):
+            head = {"until": condition_value(until) if until else None, "max": rounds}
+            return {"loop": {k: v for k, v in head.items() if v is not None}, "do": node_dict(body)}
+        case ForEach(item=item, source=source, body=body):
+            return {"for_each": {"item": item, "in": source_value(source)}, "do": node_dict(body)}
+        case Run(use=use):
+            return {"run": use.name, **_use(use)}
+        case Check(use=use):
+            return {"check": use.name, **_use(use)}
+        case Wait(duration_s=duration_s):
+            return {"wait": duration_s}
+        case Set(values=values):
+            return {"set": {key: source_value(source) for key, source in values.items()}}
+        case Ask(question=question, default=default):
+            return {"ask": question, **({} if default is None else {"default": default})}
+        case Call():
+            wires = {"in": _wires(kind.inputs), "out": _wires(kind.outputs)}
+            return {"call": kind.tree, **{side: given for side, given in wires.items() if given}}
+
+
+def _use(use: LeafUse) -> dict[str, Any]:
+    parts = {"with": settings_dump(use.settings), "in": _wires(use.inputs), "out": _wires(use.outputs)}
+    return {key: part for key, part in parts.items() if part}
+
+
+def _wires(wires: Mapping[str, Source]) -> dict[str, Any]:
+    """Return the wires that the file lists; an optional port that is not listed may stay unconnected."""
+    return {port: source_value(one) for port, one in wires.items() if isinstance(one, Literally) or one.is_listed}
+
+
+def source_value(source: Source) -> Any:
+    """Return a reference or literal as the mission language writes it."""
+    return f"{{{source.key}}}" if isinstance(source, Ref) else source.value
+
+
+def condition_value(condition: Condition) -> Any:
+    """Return a condition as the mission language writes it."""
+    if isinstance(condition, LeafUse):
+        return {"check": condition.name, **_use(condition)}
+    if isinstance(condition, Holds):
+        return f"{{{condition.key}}}"
+    parts = [condition_value(part) for part in condition.parts]
+    return {condition.how: parts[0] if condition.how == "not" else parts}
+
+
+def _modifiers(modifiers: Modifiers) -> dict[str, Any]:
+    recovery = modifiers.on_failure
+    written = {
+        "if": condition_value(modifiers.if_) if modifiers.if_ else None,
+        "while": condition_value(modifiers.while_) if modifiers.while_ else None,
+        "timeout": modifiers.timeout_s,
+        "retry": _attempts(modifiers.retry) if modifiers.retry else None,
+        "on_failure": node_dict(recovery) if recovery else None,
+        "optional": modifiers.optional or None,
+        "name": modifiers.name or None,
+    }
+    return {key: value for key, value in written.items() if value is not None}
+
+
+def _attempts(attempts: Attempts) -> Any:
+    return {"attempts": attempts.count, "pause": attempts.pause_s} if attempts.pause_s else attempts.count

@@ -1,0 +1,136 @@
+"""Where missions and subtrees come from: a file, a shipped name, a base that is extended, a folder of subtrees."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+from executive.errors import did_you_mean
+from executive.tree.document import read_file
+from executive.tree.problem import Mark, MissionFileError, Problem
+from executive.tree.reading import Reading
+from executive.tree.value import Table, Value
+
+_SUFFIXES = (".yaml", ".yml")
+API = 1
+MISSION_KEYS = ("api", "mission", "description", "extends", "loop", "plugins", "trees")
+LIBRARY_KEYS = ("api", "trees")
+
+
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """One mission file, read but not yet understood."""
+
+    path: Path
+    table: Table
+
+
+def shipped_folder() -> Path:
+    """Return the folder of the missions that come with the package."""
+    return Path(str(files("trees")))
+
+
+def shipped_names() -> tuple[str, ...]:
+    """List the missions that come with the package; files of subtrees are not among them."""
+    return tuple(sorted(path.stem for path in shipped_folder().glob("*.yaml") if path.stem != "base"))
+
+
+def find(mission: str, beside: Path | None = None) -> Path | None:
+    """Return the path of a mission file: a path, relative to a folder if one is given, or a shipped name."""
+    path = (beside / mission) if beside else Path(mission)
+    if mission.endswith(_SUFFIXES) or (len(path.parts) > 1 and not beside and "/" in mission):
+        return path
+    if path.is_file():
+        return path
+    shipped = shipped_folder() / f"{mission}.yaml"
+    return shipped if _is_word(mission) and shipped.is_file() else None
+
+
+def _is_word(text: str) -> bool:
+    return text.replace("_", "").replace("-", "").isalnum()
+
+
+def layers(mission: str, reading: Reading) -> list[Layer]:
+    """Read a mission and what it extends, base first.
+
+    Raises:
+        MissionFileError: If there is no such mission.
+    """
+    path = find(mission)
+    if path is None:
+        told = f"no mission file and no shipped mission of that name{did_you_mean(mission, shipped_names())}"
+        raise MissionFileError([Problem(Mark(mission or "MISSION"), told)])
+    found: list[Layer] = []
+    seen: set[Path] = set()
+    while path is not None:
+        seen.add(path.resolve())
+        layer = _layer(path, reading)
+        if layer is None:
+            break
+        found.insert(0, layer)
+        path = _base(layer, seen, reading)
+    return found
+
+
+def _layer(path: Path, reading: Reading) -> Layer | None:
+    value = read_file(path, str(path), reading.problems)
+    table = reading.table(value, "a mission file") if value is not None else None
+    if table is None:
+        return None
+    reading.known_keys(table, MISSION_KEYS, "a mission file")
+    check_api(table, reading)
+    return Layer(path, table)
+
+
+def check_api(table: Table, reading: Reading) -> None:
+    """Note a version of the language that is missing or not known."""
+    api = table.get("api")
+    if api is None:
+        reading.problems.error(table.mark, f"'api' is missing; write 'api: {API}'")
+    elif getattr(api, "value", None) is not API:
+        reading.fail(api, f"this version reads 'api: {API}'")
+
+
+def _base(layer: Layer, seen: set[Path], reading: Reading) -> Path | None:
+    value = layer.table.get("extends")
+    name = reading.text(value, "'extends'") if value is not None else None
+    if value is None or name is None:
+        return None
+    path = find(name, layer.path.parent)
+    if path is None or not path.is_file():
+        known = [one.stem for one in layer.path.parent.glob("*.yaml")] + ["base", *shipped_names()]
+        reading.fail(value, f"no file '{name}' to extend{did_you_mean(name, known)}")
+        return None
+    if path.resolve() in seen:
+        reading.fail(value, f"files extend each other in a circle: {name}")
+        return None
+    return path
+
+
+def libraries(mission: Path, reading: Reading) -> Iterator[Table]:
+    """Read the `trees:` of every file under `subtrees/`: the shipped ones, then those beside the mission."""
+    folders = [shipped_folder() / "subtrees", mission.parent / "subtrees"]
+    for folder in dict.fromkeys(folder.resolve() for folder in folders):
+        for path in sorted(folder.glob("*.yaml")):
+            table = _library(path, reading)
+            if table is not None:
+                yield table
+
+
+def _library(path: Path, reading: Reading) -> Table | None:
+    value: Value | None = read_file(path, _shown(path), reading.problems)
+    table = reading.table(value, "a file of subtrees") if value is not None else None
+    if table is None:
+        return None
+    reading.known_keys(table, LIBRARY_KEYS, "a file of subtrees")
+    check_api(table, reading)
+    trees = table.get("trees")
+    if trees is None:
+        reading.fail(table, "a file of subtrees needs 'trees'")
+        return None
+    return reading.table(trees, "'trees'")
+
+
+def _shown(path: Path) -> str:
+    here = Path.cwd()
+    return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
