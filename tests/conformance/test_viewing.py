@@ -1,0 +1,87 @@
+"""What every viewer must do: take whatever it is shown, and never answer back."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from executive import registry
+from executive.interfaces.viewing import Viewer
+from executive.messages.alignment import Alignment
+from executive.messages.base_state import BaseState
+from executive.messages.cloud import Cloud
+from executive.messages.grasp import Grasp
+from executive.messages.joints import JointSample
+from executive.messages.placement import Slot
+from executive.messages.request import MotionPlan
+from executive.messages.segment import Segment, Segmentation
+from executive.messages.stone import Stone, StoneState
+from executive.messages.trajectory import JointTrajectory
+from executive.messages.verdict import Trouble, Verdict
+from robot_models.machine import Machine, load_machine
+
+
+@pytest.fixture(scope="module")
+def machine() -> Machine:
+    return load_machine("m545")
+
+
+@pytest.fixture(params=[plugin.name for plugin in registry.installed("viewing")])
+def viewer(request: pytest.FixtureRequest, machine: Machine) -> Iterator[Viewer]:
+    plugin = registry.load("viewing", request.param)
+    services = {"machine": machine, "rng": np.random.default_rng(0)}
+    viewer = plugin(plugin.Settings(), *(services[name] for name in registry.dependencies_of(plugin)))
+    viewer.start()
+    yield viewer
+    viewer.close()
+
+
+def messages(machine: Machine) -> list[tuple[str, object]]:
+    """One of each kind that a mission may show, and some that nobody knows."""
+    points = np.random.default_rng(1).normal(0, 1, (200, 3))
+    n = len(machine.joint_names)
+    segment = Segment(0, points, points.mean(axis=0), np.ones(3))
+    trajectory = JointTrajectory(("a",), np.array([0.0, 1.0]), np.zeros((2, 1)), np.zeros((2, 1)))
+    state = BaseState(0.0, np.eye(4), np.eye(4), np.eye(4), np.zeros(3), np.zeros(3), np.eye(6), "GLOBAL")
+    return [
+        ("state", state),
+        ("joints", JointSample(0.0, machine.joint_names, np.zeros(n), np.zeros(n), np.zeros(n))),
+        ("map", Cloud("map", points)),
+        ("survey", Cloud("survey", points)),
+        ("nothing", Cloud("map", np.zeros((0, 3)))),
+        ("segmentation", Segmentation("map", (segment,), Cloud("map", points), np.array([0, 0, 1.0, 0]))),
+        ("stones/1", Stone(1, StoneState.ON_GROUND, points, np.zeros(3), np.eye(4), False)),
+        ("stones/1", Stone(1, StoneState.LOST, points, np.zeros(3), np.eye(4), False)),
+        ("grasp", Grasp(np.eye(4), 1.5, 0.5, {"align_rad": 0.1})),
+        ("grasp", Grasp(np.eye(4), 99.0, 0.5, {})),
+        ("path", MotionPlan(trajectory, "", points[:5])),
+        ("path", MotionPlan(None, "out of reach", np.zeros((0, 3)))),
+        ("slots/1", Slot(1, np.zeros(3))),
+        ("alignment", Alignment(np.eye(4), False, "overlap 0.2 < 0.5", 0.1, 0.2)),
+        ("verdict", Verdict(1.0, "jaw_slip", Trouble.SLIP, "moved 0.1 rad")),
+        ("tree", {"main": "RUNNING", "main/0:ScanSwing": "RUNNING"}),
+        ("tree", {}),
+        ("number", 3.0),
+        ("none", None),
+    ]
+
+
+def test_it_is_a_viewer(viewer: Viewer) -> None:
+    assert isinstance(viewer, Viewer)
+
+
+def test_it_takes_every_kind_of_value(viewer: Viewer, machine: Machine, tmp_path: Path) -> None:
+    viewer.open(str(tmp_path / "recording.rrd"))
+    for k, (entity, value) in enumerate(messages(machine)):
+        viewer.show(k / 10, entity, value)
+
+
+def test_it_can_be_closed_without_having_been_opened(viewer: Viewer) -> None:
+    viewer.close()
+
+
+def test_it_can_be_closed_twice(viewer: Viewer, tmp_path: Path) -> None:
+    viewer.open(str(tmp_path / "recording.rrd"))
+    viewer.close()
+    viewer.close()
