@@ -14,6 +14,7 @@ from executive.messages.observation import Observation
 from plugins.robot.mujoco.sensors import SensorSuite
 from plugins.robot.mujoco.settings import MujocoSettings
 from plugins.robot.mujoco.site import make_site
+from plugins.robot.mujoco.truth_log import TruthLog
 from plugins.robot.mujoco.world import CONTROL_STEP_S, World
 from robot_models.machine import Machine
 
@@ -21,7 +22,7 @@ from robot_models.machine import Machine
 class MujocoRobot(Robot, Scene):
     """Simulates the machine on a random site, with its sensors; deterministic by the generator's seed.
 
-    `world` is the truth: only sensors and the oracle read it.
+    `world` and `truth_log` are the truth: only sensors and the oracle read them.
     """
 
     Settings: ClassVar[type[Settings]] = MujocoSettings
@@ -40,6 +41,8 @@ class MujocoRobot(Robot, Scene):
         site = make_site(self.settings.site, self._machine, self.settings.physics, site_rng)
         self._world = World(self._machine, site, self.settings.physics)
         self._sensors = SensorSuite(self._machine, site, self.settings.sensors, self._world.model, sensor_rng)
+        self.truth_log = TruthLog(self._machine, [stone.name for stone in site.stones], self._world.model)
+        self._world.observe(lambda world: self.truth_log.step(world.time_s, world.model, world.data))
 
     def close(self) -> None:
         """Let the world go."""

@@ -1,0 +1,146 @@
+"""The truth about a simulated run: where stones really are, what was hit, how far beliefs were off."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.geometry.pose import inverse
+from executive.geometry.rotation import angle_between
+from executive.interfaces.oracle import Attempt, MissionView, Oracle
+from executive.interfaces.robot import Robot
+from executive.messages.base_state import BaseState
+from executive.messages.stone import Stone
+from plugins.robot.mujoco.contact_log import Span
+from plugins.robot.mujoco.robot import MujocoRobot
+from plugins.robot.mujoco.terrain import TERRAIN
+from plugins.robot.mujoco.truth_log import TruthLog
+
+_SAME_STONE_M = 0.7  # a believed centroid within this of a true one at the start belongs to it
+_LIFTED_M = 0.15  # higher than before: off the ground
+_DROPPED_M = 0.15  # a longer fall than a release right above the ground
+_AFTERMATH_S = 1.0  # a fall may begin shortly after the mission has noticed it
+
+
+class MujocoOracle(Oracle):
+    """Reads the truth log of a simulated robot."""
+
+    def __init__(self, robot: Robot) -> None:
+        if not isinstance(robot, MujocoRobot):
+            raise TypeError(f"the oracle of the simulated robot was given a {type(robot).__name__}")
+        self._log = robot.truth_log
+        self._hand = {robot.world.machine.gripper_link, *robot.world.machine.gripper.links}
+
+    def truth(self, view: MissionView) -> dict[str, Any]:
+        """Return `stones`, `grasps`, `collisions`, `ground_contacts`, `estimate`.
+
+        `ground_contacts` counts touches of gripper or jaws with the ground, which are no collisions: jaws close
+        around a stone that lies on it.
+        """
+        targets = [(attempt.started_s, self._nearest(attempt)) for attempt in view.attempts]
+        spans = self._log.spans()
+        return {
+            "stones": self._stones(view),
+            "grasps": [self._grasp(view.attempts, i, target) for i, (_, target) in enumerate(targets)],
+            "collisions": [_as_report(span) for span in spans if self._is_collision(span, targets)],
+            "ground_contacts": sum(span.link in self._hand and span.other == TERRAIN for span in spans),
+            "estimate": _estimate(view.states, self._log),
+        }
+
+    def _nearest(self, attempt: Attempt) -> int:
+        """Return the index of the stone that an attempt was about, by its true centroid; −1 if there is none."""
+        distances = np.linalg.norm(self._log.centroids(attempt.started_s) - attempt.grasp_centroid_map, axis=1)
+        return int(np.argmin(distances)) if len(distances) else -1
+
+    def _stones(self, view: MissionView) -> list[dict[str, Any]]:
+        now = {stone.id: stone for stone in view.stones}
+        believed: dict[int, tuple[Stone, float]] = {}
+        for first in view.first_stones:
+            match = _match(self._log, first)
+            if match is not None:
+                believed.setdefault(match[0], (first, match[1]))
+        return [self._stone(i, believed.get(i), now, view) for i in range(len(self._log.stones))]
+
+    def _stone(
+        self, i: int, believed: tuple[Stone, float] | None, now: dict[int, Stone], view: MissionView
+    ) -> dict[str, Any]:
+        report: dict[str, Any] = {"id": i + 1, "held_object": None, "slot_error_m": None}
+        report |= {"database_error_m": None, "database_error_rad": None}
+        if believed is None:
+            return report
+        first, seen_s = believed
+        report["held_object"] = first.id
+        T_end = self._log.T_world_stone(i, self._log.end_s)
+        if first.id in view.slots:
+            report["slot_error_m"] = float(np.linalg.norm(T_end[:2, 3] - view.slots[first.id].position_map[:2]))
+        if first.id in now:
+            # The object's frame should have moved as the stone did: T_end T_seen⁻¹ carries it along.
+            T_expected = T_end @ inverse(self._log.T_world_stone(i, seen_s)) @ first.T_map_object
+            T_tracked = now[first.id].T_map_object
+            report["database_error_m"] = float(np.linalg.norm(T_tracked[:3, 3] - T_expected[:3, 3]))
+            report["database_error_rad"] = angle_between(T_expected[:3, :3], T_tracked[:3, :3])
+        return report
+
+    def _grasp(self, attempts: Sequence[Attempt], i: int, target: int) -> dict[str, Any]:
+        attempt = attempts[i]
+        until_s = attempt.ended_s + _AFTERMATH_S
+        if i + 1 < len(attempts):
+            until_s = min(until_s, attempts[i + 1].started_s)
+        heights = self._log.heights(target, attempt.started_s, attempt.ended_s) if target >= 0 else np.zeros(0)
+        falls = [f for f in self._log.flights if f.stone == target and attempt.started_s <= f.from_s <= until_s]
+        return {
+            "object": attempt.stone_id,
+            "lifted": bool(len(heights) and heights.max() - heights[0] > _LIFTED_M),
+            "dropped": any(fall.fall_m > _DROPPED_M for fall in falls),
+        }
+
+    def _is_collision(self, span: Span, targets: Sequence[tuple[float, int]]) -> bool:
+        """Say whether a contact was wrong: all are, but the hand's with the ground or with the stone it is after."""
+        if span.link not in self._hand:
+            return True
+        if span.other == TERRAIN:
+            return False
+        if span.other not in self._log.stones:
+            return True
+        begun = [target for started_s, target in targets if started_s <= span.to_s]
+        return not begun or self._log.stones[begun[-1]] != span.other
+
+
+def _match(log: TruthLog, first: Stone) -> tuple[int, float] | None:
+    """Return which stone a first sight was of, and when it lay there [s]."""
+    if not log.stones:
+        return None
+    distances = np.linalg.norm(log.centroids(0.0) - first.centroid_map, axis=1)
+    if distances.min() < _SAME_STONE_M:
+        return int(np.argmin(distances)), 0.0
+    times = np.arange(0.0, log.end_s, 1.0)
+    later: Float = np.array([np.linalg.norm(log.centroids(t) - first.centroid_map, axis=1) for t in times])
+    if not later.size or later.min() >= _SAME_STONE_M:
+        return None
+    k, stone = np.unravel_index(int(np.argmin(later)), later.shape)
+    return int(stone), float(times[k])
+
+
+def _as_report(span: Span) -> dict[str, Any]:
+    return {
+        "bodies": [span.link, span.other],
+        "from_s": round(span.from_s, 2),
+        "to_s": round(span.to_s, 2),
+        "max_force_n": round(span.max_force_n, 1),
+    }
+
+
+def _estimate(states: Sequence[BaseState], log: TruthLog) -> dict[str, Any]:
+    """Return how far the estimated cabin was from the true one; empty if there was no estimate."""
+    ready = [state for state in states if state.is_ready and state.stamp_s <= log.end_s]
+    if not ready:
+        return {}
+    true = [log.T_world_cabin(state.stamp_s) for state in ready]
+    offsets = [np.linalg.norm(s.T_map_cabin[:3, 3] - T[:3, 3]) for s, T in zip(ready, true, strict=True)]
+    turns = [angle_between(T[:3, :3], s.T_map_cabin[:3, :3]) for s, T in zip(ready, true, strict=True)]
+    return {"error_m": _statistics(np.array(offsets)), "error_rad": _statistics(np.array(turns))}
+
+
+def _statistics(values: Float) -> dict[str, float]:
+    return {"mean": float(values.mean()), "std": float(values.std()), "max": float(values.max())}

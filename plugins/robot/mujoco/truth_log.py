@@ -1,0 +1,106 @@
+"""What really happened, recorded while the world is stepped; only the oracle reads it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from executive.arrays import Float
+from executive.geometry.pose import interpolate, pose
+from plugins.robot.mujoco.contact_log import ContactLog, Span
+from robot_models.machine import Machine
+
+_PERIOD_S = 0.1  # between two recorded poses
+_EPSILON_S = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Flight:
+    """A stone that nothing held or carried for a while.
+
+    Attributes:
+        stone: Its index.
+        from_s: Begin [s].
+        fall_m: How much lower it ended than it began [m].
+    """
+
+    stone: int
+    from_s: float
+    fall_m: float
+
+
+class TruthLog:
+    """Poses of stones and cabin ten times a second; contacts and free falls at every control step."""
+
+    def __init__(self, machine: Machine, stones: Sequence[str], model: mujoco.MjModel) -> None:
+        self.stones = tuple(stones)
+        self._stone_ids = np.array([model.body(name).id for name in self.stones], dtype=int)
+        self._cabin_id = model.body(machine.cabin_link).id
+        self.contacts = ContactLog(machine, self.stones, model)
+        self._stamps_s: list[float] = []
+        self._T_stones: list[list[Float]] = []
+        self._T_cabin: list[Float] = []
+        self.flights: list[Flight] = []
+        self._aloft: dict[int, tuple[float, float]] = {}  # stone: since when [s], from which height [m]
+
+    def step(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Record the end of a control step; poses and contacts in `data` are up to date."""
+        carried = self.contacts.step(time_s, model, data)
+        self._follow_flights(time_s, data.xpos[self._stone_ids, 2], carried)
+        if not self._stamps_s or time_s - self._stamps_s[-1] > _PERIOD_S - _EPSILON_S:
+            self._stamps_s.append(time_s)
+            self._T_stones.append([_pose(data, i) for i in self._stone_ids])
+            self._T_cabin.append(_pose(data, self._cabin_id))
+
+    def _follow_flights(self, time_s: float, heights: Float, carried: frozenset[int]) -> None:
+        for stone, height in enumerate(heights.tolist()):
+            if stone not in carried:
+                self._aloft.setdefault(stone, (time_s, height))
+            elif stone in self._aloft:
+                since_s, from_height = self._aloft.pop(stone)
+                self.flights.append(Flight(stone, since_s, from_height - height))
+
+    @property
+    def end_s(self) -> float:
+        """Time of the last record [s]."""
+        return self._stamps_s[-1]
+
+    def T_world_stone(self, stone: int, time_s: float) -> Float:
+        """Return a stone's pose (origin at its volume's centroid) at a time, interpolated, shape (4, 4)."""
+        i, fraction = self._bracket(time_s)
+        return interpolate(self._T_stones[i][stone], self._T_stones[min(i + 1, self._last)][stone], fraction)
+
+    def T_world_cabin(self, time_s: float) -> Float:
+        """Return the cabin's pose at a time, interpolated, shape (4, 4)."""
+        i, fraction = self._bracket(time_s)
+        return interpolate(self._T_cabin[i], self._T_cabin[min(i + 1, self._last)], fraction)
+
+    def heights(self, stone: int, from_s: float, to_s: float) -> Float:
+        """Return the recorded heights of a stone's centroid in a span [m], shape (N,)."""
+        stamps = np.array(self._stamps_s)
+        inside = np.flatnonzero((stamps >= from_s - _EPSILON_S) & (stamps <= to_s + _EPSILON_S))
+        return np.array([self._T_stones[i][stone][2, 3] for i in inside])
+
+    def centroids(self, time_s: float) -> Float:
+        """Return where all stones are at a time [m], shape (S, 3)."""
+        return np.array([self.T_world_stone(i, time_s)[:3, 3] for i in range(len(self.stones))]).reshape(-1, 3)
+
+    def spans(self) -> tuple[Span, ...]:
+        """Return all contacts of the machine so far."""
+        return self.contacts.spans()
+
+    @property
+    def _last(self) -> int:
+        return len(self._stamps_s) - 1
+
+    def _bracket(self, time_s: float) -> tuple[int, float]:
+        i = int(np.clip(np.searchsorted(self._stamps_s, time_s, side="right") - 1, 0, self._last))
+        if i == self._last:
+            return i, 0.0
+        fraction = (time_s - self._stamps_s[i]) / (self._stamps_s[i + 1] - self._stamps_s[i])
+        return i, float(np.clip(fraction, 0.0, 1.0))
+
+
+def _pose(data: mujoco.MjData, body: int) -> Float:
+    return pose(data.xmat[body].reshape(3, 3), data.xpos[body])
