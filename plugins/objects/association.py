@@ -13,12 +13,16 @@ _FORBIDDEN = 1e6
 
 
 def associate(
-    segments: Sequence[Segment], stones: Sequence[Stone], max_distance_m: float, max_ratio: float
+    segments: Sequence[Segment], stones: Sequence[Stone], reaches_m: Sequence[float], max_ratio: float
 ) -> list[int]:
     """Pair segments with stones, one to one, of least distance in sum.
 
-    A pair needs its centroids near each other, and no side longer than the stone's longest by more than a ratio: two
-    merged stones are not one that has grown.
+    Args:
+        segments: What is seen.
+        stones: What may be seen.
+        reaches_m: How far each stone may be from where it is believed to be [m].
+        max_ratio: Largest ratio of the diagonals of a pair's boxes: two merged stones are not one that has grown. For a
+            stone out of reach of half its own diagonal the ratio holds both ways: a pebble is not the stone that fell.
 
     Returns:
         For each segment the row of its stone, or −1.
@@ -29,7 +33,9 @@ def associate(
     for i, segment in enumerate(segments):
         for j, stone in enumerate(stones):
             distance = _distance_m(segment, stone)
-            if distance <= max_distance_m and _longest(segment.points) <= max_ratio * _longest(stone.points_map):
+            ratio = _diagonal(segment.points) / _diagonal(stone.points_map)
+            least = 1 / max_ratio if distance > 0.5 * _diagonal(stone.points_map) else 0.0
+            if distance <= reaches_m[j] and least <= ratio <= max_ratio:
                 costs[i, j] = distance
     partners = [-1] * len(segments)
     for i, j in zip(*linear_sum_assignment(costs), strict=True):
@@ -45,5 +51,5 @@ def _distance_m(segment: Segment, stone: Stone) -> float:
     return float(min(means, np.linalg.norm(centres[0] - centres[1])))
 
 
-def _longest(points: Float) -> float:
+def _diagonal(points: Float) -> float:
     return float(np.linalg.norm(np.ptp(points, axis=0)))

@@ -12,20 +12,20 @@ from executive.arrays import Float, checked
 from executive.config import Meters, Settings
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import inverse, pose, transform
+from executive.geometry.voxels import voxel_means
 from executive.interfaces.objects import ObjectDatabase
 from executive.messages.segment import Segment
 from executive.messages.stone import Stone, StoneState
 from plugins.objects.association import associate
 from plugins.objects.schema import pack_pose, prepare, read_stone, unpack_pose
-from plugins.objects.surface import agreement, pack, thin, unpack
-
-_KEEPS_STILL = (StoneState.ON_GROUND, StoneState.PLACED, StoneState.SET_ASIDE, StoneState.LOST)
+from plugins.objects.surface import agreement, pack, unpack
 
 
 class SqliteObjectsSettings(Settings):
     """When a segment is a known stone, when its surface grows, and how finely its surface is kept."""
 
     max_distance_m: Meters = Field(0.6, gt=0, description="Largest distance of a segment from its stone [m].")
+    max_roll_m: Meters = Field(3.0, gt=0, description="The same for a stone that fell or was lost [m].")
     max_growth: float = Field(1.6, gt=1, description="Largest ratio of a segment's diagonal to its stone's.")
     voxel_m: Meters = Field(0.03, gt=0, description="Grid to which surfaces are thinned [m].")
     agreement_m: Meters = Field(0.10, gt=0, description="Distance up to which two surfaces agree [m].")
@@ -76,16 +76,18 @@ class SqliteObjects(ObjectDatabase):
     def observe(self, segments: Sequence[Segment], stamp_s: float, seen_from_above: bool) -> tuple[Stone, ...]:
         """Match segments with stones that are not held; see `association` for when they match.
 
-        A stone's object frame stays as it was at first sight; its surface grows by the segment's points if both
-        agree. A lost stone that is seen again lies on the ground.
+        A stone's surface grows by the segment's points if both agree. If they do not, the stone has moved by itself:
+        what is seen replaces what was known, and its frame follows the centroid, its rotation unknown. A stone that was
+        let go and not seen since may have rolled away. A lost stone that is seen again lies on the ground.
         """
-        known = [stone for stone in self.stones() if stone.state in _KEEPS_STILL]
-        partners = associate(segments, known, self._settings.max_distance_m, self._settings.max_growth)
+        known = [stone for stone in self.stones() if stone.state is not StoneState.HELD]
+        reaches_m = [self._reach_m(stone) for stone in known]
+        partners = associate(segments, known, reaches_m, self._settings.max_growth)
         with self._transaction() as db:
             ids = [
                 self._add(db, segment, stamp_s, seen_from_above)
                 if row < 0
-                else self._grow(db, known[row], segment, stamp_s, seen_from_above)
+                else self._update(db, known[row], segment, stamp_s, seen_from_above)
                 for segment, row in zip(segments, partners, strict=True)
             ]
         return tuple(self.stone(stone_id) for stone_id in ids)
@@ -185,7 +187,7 @@ class SqliteObjects(ObjectDatabase):
 
     def _add(self, db: sqlite3.Connection, segment: Segment, stamp_s: float, seen_from_above: bool) -> int:
         T = pose(None, segment.centroid)
-        surface = pack(thin(segment.points - segment.centroid, self._settings.voxel_m))
+        surface = pack(voxel_means(segment.points - segment.centroid, self._settings.voxel_m))
         cursor = db.execute(
             "INSERT INTO stones (state, seen_from_above, points_object, T_map_object) VALUES (?, ?, ?, ?)",
             (StoneState.ON_GROUND, seen_from_above, surface, pack_pose(T)),
@@ -195,19 +197,30 @@ class SqliteObjects(ObjectDatabase):
         self._note(db, stone_id, stamp_s, "observe", StoneState.ON_GROUND)
         return stone_id
 
-    def _grow(
+    def _reach_m(self, stone: Stone) -> float:
+        """Return how far a stone may be from where it is believed to be [m]."""
+        query = "SELECT source FROM poses WHERE stone_id = ? ORDER BY rowid DESC LIMIT 1"
+        source = self._connection().execute(query, (stone.id,)).fetchone()["source"]
+        was_let_go = stone.state is StoneState.ON_GROUND and source == "release"
+        is_uncertain = was_let_go or stone.state is StoneState.LOST
+        return self._settings.max_roll_m if is_uncertain else self._settings.max_distance_m
+
+    def _update(
         self, db: sqlite3.Connection, stone: Stone, segment: Segment, stamp_s: float, seen_from_above: bool
     ) -> int:
-        agreed = agreement(stone.points_map, segment.points, self._settings.agreement_m)
-        if agreed < self._settings.min_agreement:  # moved or settled: its surface would blur until it is realigned
-            self._note(db, stone.id, stamp_s, "observe", _found(stone.state))
-            return stone.id
-        seen_object = transform(inverse(stone.T_map_object), np.vstack([stone.points_map, segment.points]))
-        surface = pack(thin(seen_object, self._settings.voxel_m))
+        settings, T, seen = self._settings, stone.T_map_object, segment.points
+        agreed = agreement(stone.points_map, segment.points, settings.agreement_m) >= settings.min_agreement
+        if agreed:
+            seen = np.vstack([stone.points_map, segment.points])
+        else:
+            T = pose(T[:3, :3], T[:3, 3] + segment.centroid - stone.centroid_map)
+        surface = pack(voxel_means(transform(inverse(T), seen), settings.voxel_m))
+        from_above = seen_from_above or (agreed and stone.seen_from_above)
         db.execute(
-            "UPDATE stones SET points_object = ?, seen_from_above = ? WHERE id = ?",
-            (surface, stone.seen_from_above or seen_from_above, stone.id),
+            "UPDATE stones SET points_object = ?, seen_from_above = ?, T_map_object = ? WHERE id = ?",
+            (surface, from_above, pack_pose(T), stone.id),
         )
+        self._remember(db, stone.id, stamp_s, "observe", T)
         self._note(db, stone.id, stamp_s, "observe", _found(stone.state))
         return stone.id
 

@@ -26,14 +26,6 @@ def unpack(blob: bytes) -> Float:
         raise DataError(f"a stone's surface in the object database is damaged: {error}") from error
 
 
-def thin(points: Float, voxel_m: float) -> Float:
-    """Return the mean of the points in each voxel, in the order of the voxels."""
-    keys = np.floor(points / voxel_m).astype(np.int64)
-    _, inverse, counts = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
-    sums = [np.bincount(inverse.ravel(), points[:, axis]) for axis in range(3)]
-    return np.column_stack(sums) / counts[:, None]
-
-
 def agreement(a: Float, b: Float, distance_m: float) -> float:
     """Return the share of one surface's points that lie near the other, of the two shares the larger.
 
