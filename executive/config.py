@@ -53,7 +53,8 @@ def parse_quantity(value: Any, dimension: str) -> float:
 
 def _expected(dimension: str) -> str:
     units = list(UNITS[dimension])
-    return f"a {dimension} (a number in {units[0]}, or with a unit: {', '.join(units)})"
+    article = "an" if dimension.startswith("a") else "a"
+    return f"{article} {dimension} (a number in {units[0]}, or with a unit: {', '.join(units)})"
 
 
 def _quantity(dimension: str) -> Any:

@@ -1,0 +1,187 @@
+"""Every message checks its arrays at construction, names the wrong one, and is read-only afterwards."""
+
+from collections.abc import Callable
+from dataclasses import FrozenInstanceError, fields
+from importlib import import_module
+from pkgutil import iter_modules
+
+import numpy as np
+import pytest
+
+import executive.messages
+from executive.errors import DataError, ShapeError
+from executive.messages.alignment import Alignment
+from executive.messages.base_state import BaseState
+from executive.messages.cloud import Cloud
+from executive.messages.gnss import GnssFix
+from executive.messages.grasp import Grasp
+from executive.messages.hold import Hold
+from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
+from executive.messages.lidar import LidarScan
+from executive.messages.motion import Motion
+from executive.messages.odometry import LidarIncrement
+from executive.messages.placement import Placement, Slot
+from executive.messages.request import MotionPlan, MoveRequest
+from executive.messages.segment import Segment, Segmentation
+from executive.messages.stone import Stone, StoneState
+from executive.messages.trajectory import JointTrajectory
+
+T, P, V6 = np.eye(4), np.zeros((5, 3)), np.eye(6)
+
+
+def zeros() -> np.ndarray:
+    return np.zeros(3)
+
+
+MESSAGES: dict[type, Callable[[], dict[str, object]]] = {
+    ImuSample: lambda: {
+        "stamp_s": 0.0,
+        "frame": "imu",
+        "angular_velocity_rad_s": zeros(),
+        "specific_force_m_s2": zeros(),
+    },
+    GnssFix: lambda: {
+        "stamp_s": 0.0,
+        "antenna": "left",
+        "geodetic": zeros(),
+        "covariance_enu_m2": np.eye(3),
+        "is_rtk_fixed": True,
+    },
+    JointSample: lambda: {
+        "stamp_s": 0.0,
+        "names": ("a", "b"),
+        "position": [0, 1],
+        "velocity": [0, 0],
+        "effort": [0, 0],
+    },
+    LidarScan: lambda: {"stamp_s": 0.0, "frame": "lidar", "points_lidar": P.copy(), "point_stamps_s": np.zeros(5)},
+    LidarIncrement: lambda: {
+        "from_s": 0.0,
+        "to_s": 0.1,
+        "frame": "lidar",
+        "T_from_to": T.copy(),
+        "covariance": V6.copy(),
+    },
+    BaseState: lambda: {
+        "stamp_s": 0.0,
+        "T_map_base": T.copy(),
+        "T_odom_base": T.copy(),
+        "T_map_cabin": T.copy(),
+        "v_map_cabin": zeros(),
+        "w_map_cabin_in_cabin": zeros(),
+        "covariance": V6.copy(),
+        "status": "GLOBAL",
+    },
+    Motion: lambda: {
+        "stamps_s": [0.0, 1.0],
+        "T_map_cabin": np.stack([T, T]),
+        "joint_names": ("a",),
+        "joint_position": [[0.0], [1.0]],
+    },
+    Cloud: lambda: {"frame": "map", "points": P.copy(), "normals": P.copy()},
+    Segment: lambda: {"id": 0, "points": P.copy(), "centroid": zeros(), "extents": zeros()},
+    Segmentation: lambda: {
+        "frame": "map",
+        "segments": (),
+        "ground": Cloud("map", P.copy()),
+        "ground_plane": [0, 0, 1, 0],
+    },
+    Alignment: lambda: {"T_target_source": T.copy(), "accepted": True, "reason": "", "rmse_m": 0.0, "overlap": 1.0},
+    Stone: lambda: {
+        "id": 1,
+        "state": StoneState.ON_GROUND,
+        "points_map": P.copy(),
+        "centroid_map": zeros(),
+        "T_map_object": T.copy(),
+        "seen_from_above": False,
+    },
+    Grasp: lambda: {"T_map_gripper": T.copy(), "opening_m": 1.0, "score": 0.0, "costs": {}},
+    Hold: lambda: {"stone_id": 1, "T_map_gripper": T.copy(), "jaw_rad": 0.2},
+    Slot: lambda: {"id": 1, "position_map": zeros()},
+    Placement: lambda: {"slot": Slot(1, zeros()), "T_map_gripper": T.copy(), "T_map_object": T.copy()},
+    JointTrajectory: lambda: {
+        "names": ("a",),
+        "times_s": [0.0, 1.0],
+        "position": [[0.0], [1.0]],
+        "velocity": [[0.0], [0.0]],
+    },
+    MoveRequest: lambda: {
+        "start": np.zeros(7),
+        "T_map_gripper": T.copy(),
+        "T_map_base": T.copy(),
+        "leave_m": 0.0,
+        "arrive_m": 0.0,
+        "obstacles": Cloud("map", P.copy()),
+        "held_gripper": P.copy(),
+        "jaw_rad": 0.0,
+    },
+    MotionPlan: lambda: {"trajectory": None, "reason": "", "path_map": P.copy()},
+}
+
+ARRAYS = [
+    (message, name)
+    for message, arguments in MESSAGES.items()
+    for name, value in arguments().items()
+    if isinstance(value, np.ndarray | list)
+]
+ids = [f"{message.__name__}.{name}" for message, name in ARRAYS]
+
+
+def test_the_table_covers_every_message_with_arrays() -> None:
+    found = set()
+    for module in iter_modules(executive.messages.__path__):
+        contents = vars(import_module(f"executive.messages.{module.name}")).values()
+        found |= {c for c in contents if isinstance(c, type) and hasattr(c, "__dataclass_fields__")}
+    with_arrays = {c for c in found if any("Float" in str(f.type) or "float64" in str(f.type) for f in fields(c))}
+    assert with_arrays == set(MESSAGES)
+
+
+@pytest.mark.parametrize(("message", "name"), ARRAYS, ids=ids)
+def test_a_well_formed_message_is_read_only(message: type, name: str) -> None:
+    made = message(**MESSAGES[message]())
+    with pytest.raises(ValueError, match="read-only"):
+        getattr(made, name).flat[0] = 1.0
+    with pytest.raises((FrozenInstanceError, AttributeError, TypeError)):
+        setattr(made, name, None)
+
+
+@pytest.mark.parametrize(("message", "name"), ARRAYS, ids=ids)
+def test_another_shape_is_refused_by_name(message: type, name: str) -> None:
+    arguments = MESSAGES[message]()
+    arguments[name] = np.zeros((2, 2, 2))
+    with pytest.raises(ShapeError, match=f"^{name} has shape "):
+        message(**arguments)
+
+
+@pytest.mark.parametrize(("message", "name"), ARRAYS, ids=ids)
+def test_values_that_are_not_finite_are_refused_by_name(message: type, name: str) -> None:
+    arguments = MESSAGES[message]()
+    array = np.array(arguments[name], dtype=float)
+    array.flat[-1] = np.nan
+    arguments[name] = array
+    with pytest.raises(ShapeError, match=f"^{name} holds 1 values that are not finite"):
+        message(**arguments)
+
+
+def test_two_arrays_of_one_message_must_be_of_one_length() -> None:
+    with pytest.raises(ShapeError, match="velocity"):
+        JointSample(0.0, ("a", "b"), [0, 1], [0], [0, 0])
+    with pytest.raises(ShapeError, match="point_stamps_s"):
+        LidarScan(0.0, "lidar", np.zeros((5, 3)), np.zeros(4))
+    with pytest.raises(ShapeError, match="normals"):
+        Cloud("map", np.zeros((5, 3)), np.zeros((4, 3)))
+
+
+def test_stamps_of_a_motion_must_rise() -> None:
+    with pytest.raises(DataError, match="rising stamps"):
+        Motion([0.0, 0.0], np.stack([T, T]), (), np.zeros((2, 0)))
+    with pytest.raises(DataError, match="at least one sample"):
+        Motion([], np.zeros((0, 4, 4)), (), np.zeros((0, 0)))
+
+
+def test_a_trajectory_must_rise_from_zero() -> None:
+    for times_s in ([0.1, 1.0], [0.0, 0.0], []):
+        n = len(times_s)
+        with pytest.raises(ShapeError, match="rise strictly from 0"):
+            JointTrajectory(("a",), np.array(times_s), np.zeros((n, 1)), np.zeros((n, 1)))
