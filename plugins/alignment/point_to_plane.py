@@ -15,6 +15,7 @@ class PointToPlane(Aligner):
     """Point-to-plane ICP on small_gicp, in one thread."""
 
     Settings = PointToPlaneSettings
+    latency_s = {"align": 0.1}
     is_stateless = True
 
     def __init__(self, settings: PointToPlaneSettings) -> None:

@@ -23,7 +23,7 @@ class GroundAndClustersSettings(Settings):
     max_tilt_rad: Radians = Field(np.pi / 6, gt=0, lt=np.pi / 2, description="Ground's largest angle to level [rad].")
     node_m: Meters = Field(1.0, ge=0.2, le=10, description="Distance of the terrain grid's nodes [m].")
     relief_m: Meters = Field(0.30, gt=0, le=2, description="Largest distance of ground from its mean plane [m].")
-    stiffness: float = Field(0.5, gt=0, description="Bending of the terrain grid against a cell full of points.")
+    stiffness: float = Field(0.2, gt=0, description="Bending of the terrain grid against a cell full of points.")
     voxel_m: Meters = Field(0.07, gt=0, le=1, description="Grid edge of the clustering: smaller gaps join [m].")
     min_points: int = Field(60, ge=10, description="Fewer points are no object.")
     min_extent_m: Meters = Field(0.25, gt=0, description="An object's longest side is at least this [m].")
@@ -38,6 +38,7 @@ class GroundAndClusters(Segmenter):
     """Ground, Euclidean clusters, planarity check (Mascaro 2020, Sec. 4.3)."""
 
     Settings = GroundAndClustersSettings
+    latency_s = {"segment": 0.1}
     is_stateless = True
 
     def __init__(self, settings: GroundAndClustersSettings) -> None:

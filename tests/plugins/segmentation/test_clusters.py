@@ -1,0 +1,41 @@
+"""Connected voxels, against a search by distance."""
+
+import numpy as np
+import pytest
+from scipy.cluster.hierarchy import fcluster, linkage
+
+from plugins.segmentation.clusters import connected_clusters
+
+
+def partition(labels: np.ndarray) -> set[frozenset[int]]:
+    return {frozenset(np.flatnonzero(labels == label)) for label in np.unique(labels)}
+
+
+def test_blobs_apart_are_told_as_single_linkage_tells_them() -> None:
+    rng = np.random.default_rng(0)
+    centres = np.array([[0, 0, 0], [1, 0, 0], [0, 1.2, 0], [3, 3, 1]])
+    points = np.vstack([centre + rng.uniform(-0.3, 0.3, (400, 3)) for centre in centres])
+    expected = fcluster(linkage(points, "single"), 0.2, "distance")
+    assert partition(connected_clusters(points, 0.15)) == partition(expected)
+
+
+@pytest.mark.parametrize(("gap_m", "count"), [(0.09, 1), (0.21, 2)])
+def test_gaps_below_a_voxel_join_and_above_two_separate(gap_m: float, count: int) -> None:
+    for shift in np.linspace(0, 0.1, 7):
+        points = np.array([[shift, 0, 0], [shift + gap_m, 0, 0], [0.0, 0, 0]])[: 2 + (gap_m < 0.1 and shift < 0.1)]
+        assert len(np.unique(connected_clusters(points, 0.1))) == count
+
+
+def test_the_partition_does_not_depend_on_the_order_of_points() -> None:
+    rng = np.random.default_rng(0)
+    points = rng.uniform(0, 2, (600, 3))
+    order = rng.permutation(len(points))
+    labels = connected_clusters(points, 0.12)
+    shuffled = np.empty_like(labels)
+    shuffled[order] = connected_clusters(points[order], 0.12)
+    assert partition(shuffled) == partition(labels)
+    assert 1 < len(partition(labels)) < 600
+
+
+def test_no_points_have_no_clusters() -> None:
+    assert connected_clusters(np.empty((0, 3)), 0.1).shape == (0,)

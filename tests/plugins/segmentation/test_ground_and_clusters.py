@@ -1,0 +1,112 @@
+"""Stones on rough ground."""
+
+import numpy as np
+import pytest
+
+from executive.errors import DataError
+from executive.geometry.pose import pose, transform
+from executive.geometry.rotation import from_rpy
+from executive.messages.cloud import Cloud
+from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
+
+SPOTS = np.array([[3.0, 0.0], [4.5, 2.5], [0.0, 5.0], [-4.0, 1.0], [5.0, -3.0]])
+
+
+def heights(xy: np.ndarray) -> np.ndarray:
+    return 0.05 * np.sin(1.1 * xy[:, 0]) + 0.05 * np.cos(0.8 * xy[:, 1] + 1)
+
+
+def stone(spot: np.ndarray, radius_m: float, rng: np.random.Generator) -> np.ndarray:
+    """The upper part of an ellipsoid, a third of it in the ground."""
+    directions = rng.normal(size=(4000, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    points = directions * [radius_m, 0.8 * radius_m, 0.6 * radius_m]
+    points[:, 2] += 0.35 * radius_m
+    return points[points[:, 2] > 0] + [*spot, heights(spot[None])[0]]
+
+
+def site(seed: int = 0, half_m: float = 10.0, count: int = 40_000) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    xy = rng.uniform(-half_m, half_m, (count, 2))
+    xy = xy[(np.linalg.norm(xy[:, None] - SPOTS, axis=2) > 0.5).all(axis=1)]
+    ground = np.column_stack([xy, heights(xy)])
+    stones = [stone(spot, 0.45 + 0.06 * i, rng) for i, spot in enumerate(SPOTS)]
+    points = np.vstack([ground, *stones])
+    return points + rng.normal(0, 0.01, points.shape)
+
+
+def segmenter(**settings: float) -> GroundAndClusters:
+    return GroundAndClusters(GroundAndClustersSettings(**settings))
+
+
+def test_each_stone_is_one_segment_where_it_stands() -> None:
+    found = segmenter().segment(Cloud("map", site())).segments
+    assert len(found) == len(SPOTS)
+    distances = np.linalg.norm(SPOTS[:, None] - np.array([s.centroid[:2] for s in found]), axis=2)
+    assert distances.min(axis=1).max() < 0.05
+    assert [s.id for s in found] == list(range(len(SPOTS)))
+    sizes = [len(s.points) for s in found]
+    assert sizes == sorted(sizes, reverse=True)
+
+
+def test_extents_are_those_of_the_stone() -> None:
+    found = segmenter().segment(Cloud("map", site())).segments
+    biggest = max(found, key=lambda s: s.extents[0])
+    np.testing.assert_allclose(biggest.extents[:2], [2 * 0.69, 1.6 * 0.69], rtol=0.1)
+    assert (np.diff(biggest.extents) <= 0).all()
+
+
+def test_nothing_but_rough_ground_has_no_segments() -> None:
+    rng = np.random.default_rng(3)
+    xy = rng.uniform(-10, 10, (60_000, 2))
+    points = np.column_stack([xy, 2 * heights(xy) + rng.normal(0, 0.015, len(xy))])
+    assert segmenter().segment(Cloud("map", points)).segments == ()
+
+
+def test_a_board_lying_aslant_is_no_stone() -> None:
+    rng = np.random.default_rng(3)
+    board = np.column_stack([rng.uniform(-0.6, 0.6, (3000, 2)), rng.normal(0, 0.004, 3000)]) @ from_rpy(0, 0.5, 0).T
+    points = np.vstack([site(), board + np.array([-5, -5, 0.6])])
+    assert len(segmenter().segment(Cloud("map", points)).segments) == len(SPOTS)
+
+
+def test_a_flat_stone_is_no_ground() -> None:
+    rng = np.random.default_rng(3)
+    top = np.column_stack([rng.uniform(-0.7, 0.7, (2500, 2)), np.full(2500, 0.3)])
+    side = np.column_stack([rng.uniform(-0.7, 0.7, 1200), np.full(1200, -0.7), rng.uniform(0, 0.3, 1200)])
+    flat = np.vstack([top, side, side[:, [1, 0, 2]]]) + np.array([-5, -5, heights(np.array([[-5.0, -5.0]]))[0]])
+    found = segmenter().segment(Cloud("map", np.vstack([site(), flat]))).segments
+    assert len(found) == len(SPOTS) + 1
+
+
+def test_the_answer_moves_with_the_frame() -> None:
+    cloud = site()
+    T = pose(from_rpy(0.15, -0.1, 2.0), np.array([400_000.0, 5_200_000.0, 450.0]))  # a national grid
+    here = segmenter().segment(Cloud("map", cloud))
+    there = segmenter().segment(Cloud("utm", transform(T, cloud)))
+    assert there.frame == "utm"
+    assert len(there.segments) == len(here.segments)
+    for segment in here.segments:
+        expected = transform(T, segment.centroid)
+        nearest = min(np.linalg.norm(other.centroid - expected) for other in there.segments)
+        assert nearest < 0.02  # the ground's grid lies otherwise, so the cut differs by a few points
+    moved_normal = T[:3, :3] @ here.ground_plane[:3]
+    np.testing.assert_allclose(there.ground_plane[:3], moved_normal, atol=5e-3)
+    ground = there.ground.points
+    assert np.abs(ground @ there.ground_plane[:3] - there.ground_plane[3]).max() < 0.35
+
+
+@pytest.mark.parametrize(("count", "match"), [(0, "cloud of 0 points"), (1, "cloud of 1 points")])
+def test_a_cloud_without_points_is_refused(count: int, match: str) -> None:
+    with pytest.raises(DataError, match=match):
+        segmenter().segment(Cloud("map", np.zeros((count, 3))))
+
+
+def test_a_cloud_of_one_point_a_thousand_times_is_refused() -> None:
+    with pytest.raises(DataError, match="no ground"):
+        segmenter().segment(Cloud("map", np.ones((1000, 3))))
+
+
+def test_settings_out_of_range_are_refused() -> None:
+    with pytest.raises(ValueError, match="plane_margin_m"):
+        segmenter(plane_margin_m=-0.1)
