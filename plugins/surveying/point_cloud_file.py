@@ -1,0 +1,58 @@
+"""A survey that someone else made: a point cloud from a file."""
+
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from executive.config import Meters, Settings
+from executive.errors import DataError
+from executive.interfaces.surveying import Survey
+from executive.messages.cloud import Cloud
+from plugins.surveying.cloud_reader import read_points
+from plugins.surveying.reconstruction import merge
+
+FRAME = "survey"
+
+
+class PointCloudFileSettings(Settings):
+    """Which file, and what to expect of it."""
+
+    path: Path = Field(description="PLY, PCD or XYZ file; coordinates in metres.")
+    voxel_m: Meters = Field(0.03, gt=0.005, le=0.5, description="Grid on which points are merged [m].")
+    min_points: int = Field(100, ge=1, description="Fewer points are no survey.")
+    max_extent_m: Meters = Field(500.0, gt=1, description="A larger cloud is no site, or not in metres [m].")
+
+
+class PointCloudFile(Survey):
+    """Reads and checks a cloud; its frame is the file's own, shifted towards its middle."""
+
+    Settings: ClassVar[type[Settings]] = PointCloudFileSettings
+    latency_s: ClassVar[dict[str, float]] = {"survey": 1.0}
+    is_stateless: ClassVar[bool] = True
+
+    def __init__(self, settings: PointCloudFileSettings) -> None:
+        self._settings = settings
+
+    def survey(self, rng: np.random.Generator) -> Cloud:
+        """Return the file's points, merged on a grid, about their middle: surveys often come in national coordinates.
+
+        Raises:
+            DataError: If the file cannot be read whole, or holds no site; the message names it and the cure.
+        """
+        settings = self._settings
+        points = read_points(settings.path)
+        if len(points) < settings.min_points:
+            raise DataError(
+                f"{settings.path}: {len(points)} points, at least {settings.min_points} are a survey; "
+                "export the dense cloud, or lower surveying.min_points"
+            )
+        extent_m = float(np.ptp(points, axis=0).max())
+        if not 0.5 <= extent_m <= settings.max_extent_m:
+            raise DataError(
+                f"{settings.path}: {extent_m:.3g} m across, allowed is 0.5 to {settings.max_extent_m:g} m; "
+                "coordinates are in metres: scale the cloud, cut off far points, or raise surveying.max_extent_m"
+            )
+        middle = (points.min(axis=0) + points.max(axis=0)) / 2
+        return Cloud(FRAME, merge(points - np.round(middle), settings.voxel_m))

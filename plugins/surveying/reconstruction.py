@@ -1,0 +1,54 @@
+"""What structure from motion makes of a site: noise, a smooth warp, a rough scale, a frame of its own."""
+
+import numpy as np
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.config import Meters, Radians, Settings
+from executive.geometry.rotation import about_axis, exp_so3
+
+_WAVES = 3  # of the warp, for each axis
+
+
+class ReconstructionSettings(Settings):
+    """How far a reconstruction is off."""
+
+    depth_noise_m: Meters = Field(0.012, ge=0, le=0.2, description="Standard deviation along the ray [m].")
+    point_noise_m: Meters = Field(0.004, ge=0, le=0.2, description="Standard deviation in all directions [m].")
+    warp_m: Meters = Field(0.02, ge=0, le=0.5, description="Largest smooth displacement along each axis [m].")
+    warp_wavelength_m: Meters = Field(10.0, ge=2, le=1000, description="Shortest wavelength of the warp [m].")
+    scale_error: float = Field(0.01, ge=0, lt=0.2, description="Largest error of the scale, as a share.")
+    tilt_rad: Radians = Field(0.07, ge=0, le=1.5, description="Largest tilt of the survey's frame [rad].")
+    offset_m: Meters = Field(20.0, ge=0, le=1000, description="Largest offset of the frame along each axis [m].")
+    voxel_m: Meters = Field(0.03, gt=0.005, le=0.5, description="Grid on which points are merged [m].")
+
+
+def warp(points: Float, settings: ReconstructionSettings, rng: np.random.Generator) -> Float:
+    """Return points (N, 3) [m] bent by slow waves, at most `warp_m` along each axis."""
+    bent = points.copy()
+    for axis in range(3):
+        for _ in range(_WAVES):
+            direction = rng.normal(size=3)
+            wave = 2 * np.pi * direction / np.linalg.norm(direction) / settings.warp_wavelength_m * rng.uniform(0.4, 1)
+            bent[:, axis] += settings.warp_m / _WAVES * np.sin(points @ wave + rng.uniform(0, 2 * np.pi))
+    return bent
+
+
+def own_frame(points: Float, settings: ReconstructionSettings, rng: np.random.Generator) -> Float:
+    """Return points (N, 3) in a frame of any yaw, some tilt and a scale that is a little off."""
+    heading = rng.uniform(0, 2 * np.pi)
+    tilt = settings.tilt_rad * rng.uniform() * np.array([np.cos(heading), np.sin(heading), 0.0])
+    R = exp_so3(tilt) @ about_axis(np.array([0.0, 0.0, 1.0]), rng.uniform(0, 2 * np.pi))
+    scale = 1 + settings.scale_error * rng.uniform(-1, 1)
+    return np.asarray(scale * points @ R.T + rng.uniform(-settings.offset_m, settings.offset_m, 3))
+
+
+def merge(points: Float, voxel_m: float) -> Float:
+    """Return the mean of the points of each cell, in the order of the cells, shape (M, 3)."""
+    cells = np.floor((points - points.min(axis=0)) / voxel_m).astype(np.int64)
+    size = cells.max(axis=0) + 1
+    _, cell, counts = np.unique(
+        cells @ np.array([size[1] * size[2], size[2], 1]), return_inverse=True, return_counts=True
+    )
+    sums = np.stack([np.bincount(cell, weights=points[:, i]) for i in range(3)], axis=1)
+    return np.asarray(sums / counts[:, None])

@@ -1,0 +1,81 @@
+"""A drone over a simulated site: pictures from about twenty positions, made into a cloud."""
+
+from typing import ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.config import Settings
+from executive.errors import ConfigError, DataError
+from executive.interfaces.robot import Robot, Scene
+from executive.interfaces.surveying import Survey
+from executive.messages.cloud import Cloud
+from plugins.surveying.flight import FlightSettings, take_pictures
+from plugins.surveying.reconstruction import ReconstructionSettings, merge, own_frame, warp
+
+FRAME = "survey"
+
+
+class SimulatedDroneSettings(Settings):
+    """The flight, and what becomes of its pictures."""
+
+    flight: FlightSettings = Field(FlightSettings(), description="Where pictures are taken.")
+    reconstruction: ReconstructionSettings = Field(ReconstructionSettings(), description="How far it is off.")
+
+
+class SimulatedDrone(Survey):
+    """Surveys a simulated robot's site before the machine drives in: the machine is not in the cloud.
+
+    Each picture is a fan of rays, so what no camera sees stays a hole. The paper flew about 200 pictures for
+    COLMAP (Mascaro 2020, Sec. 4.1); twenty positions cover the site as well, since the noise is drawn, not computed.
+    """
+
+    Settings: ClassVar[type[Settings]] = SimulatedDroneSettings
+    latency_s: ClassVar[dict[str, float]] = {"survey": 1.0}
+
+    def __init__(self, settings: SimulatedDroneSettings, robot: Robot) -> None:
+        self._settings = settings
+        self._robot = robot
+
+    def start(self) -> None:
+        """Check that there is a site to fly over.
+
+        Raises:
+            ConfigError: If the robot is no simulated one.
+        """
+        self._scene()
+
+    def _scene(self) -> Scene:
+        if not isinstance(self._robot, Scene):
+            raise ConfigError(
+                f"surveying: simulated_drone flies over a simulated site, and the robot {type(self._robot).__name__} "
+                "has none; use point_cloud_file"
+            )
+        return self._robot
+
+    def survey(self, rng: np.random.Generator) -> Cloud:
+        """Fly, reconstruct, and return the cloud in the frame `survey`.
+
+        Raises:
+            DataError: If no picture shows any ground.
+        """
+        seen = self._seen(rng)
+        if not len(seen):
+            raise DataError("the drone saw no ground: set surveying.flight.centre_m and size_m to a place on the site")
+        settings = self._settings.reconstruction
+        seen = seen + rng.normal(0.0, settings.point_noise_m, seen.shape)
+        return Cloud(FRAME, own_frame(merge(warp(seen, settings, rng), settings.voxel_m), settings, rng))
+
+    def _seen(self, rng: np.random.Generator) -> Float:
+        """Return what the pictures show of the surveyed ground, with errors of depth, in the map, shape (N, 3)."""
+        flight = self._settings.flight
+        parts = []
+        for picture in take_pictures(flight, rng):
+            ranges = self._scene().cast_rays(np.broadcast_to(picture.position, picture.rays.shape), picture.rays)
+            hit = np.isfinite(ranges)
+            noisy = ranges[hit] + rng.normal(0.0, self._settings.reconstruction.depth_noise_m, int(hit.sum()))
+            points = picture.position + noisy[:, None] * picture.rays[hit]
+            offset = np.abs(points[:, :2] - flight.centre_m)
+            parts.append(points[(offset <= np.array(flight.size_m) / 2).all(axis=1)])
+        return np.concatenate(parts)
