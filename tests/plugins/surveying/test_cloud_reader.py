@@ -1,0 +1,98 @@
+"""Files that are whole are read; files that are not are refused by name, with a cure."""
+
+from pathlib import Path
+
+import numpy as np
+import open3d as o3d
+import pytest
+
+from executive.errors import DataError
+from plugins.surveying.cloud_reader import read_points
+
+POINTS = np.random.default_rng(0).uniform(-5, 5, (400, 3)).astype(np.float32).astype(float)
+
+
+def write(path: Path, points: np.ndarray = POINTS, **options: bool) -> Path:
+    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
+    assert o3d.io.write_point_cloud(path, cloud, **options)
+    return path
+
+
+@pytest.mark.parametrize("suffix", ["ply", "pcd", "xyz"])
+@pytest.mark.parametrize("write_ascii", [True, False])
+@pytest.mark.parametrize("compressed", [True, False])
+def test_reads_what_was_written(tmp_path: Path, suffix: str, write_ascii: bool, compressed: bool) -> None:
+    path = write(tmp_path / f"site.{suffix}", write_ascii=write_ascii, compressed=compressed)
+    # 1e-6 m: text files carry ten decimals at most.
+    assert np.allclose(read_points(path), POINTS, atol=1e-6)
+
+
+@pytest.mark.parametrize("suffix", ["ply", "pcd"])
+@pytest.mark.parametrize("write_ascii", [True, False])
+@pytest.mark.parametrize("compressed", [True, False])
+@pytest.mark.parametrize("share", [0.3, 0.95])
+def test_refuses_a_file_cut_short(
+    tmp_path: Path, suffix: str, write_ascii: bool, compressed: bool, share: float
+) -> None:
+    path = write(tmp_path / f"site.{suffix}", write_ascii=write_ascii, compressed=compressed)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(len(content) * share)])
+    with pytest.raises(DataError, match=rf"site\.{suffix}: .*(cut short|header).*again"):
+        read_points(path)
+
+
+def test_names_the_line_of_a_broken_xyz(tmp_path: Path) -> None:
+    path = tmp_path / "site.xyz"
+    path.write_text("# survey\n1 2 3\n\n4 five 6\n")
+    with pytest.raises(DataError, match=r"site\.xyz:4: expected x y z, got '4 five 6'"):
+        read_points(path)
+
+
+def test_reads_an_xyz_with_commas_comments_and_colours(tmp_path: Path) -> None:
+    path = tmp_path / "site.xyz"
+    path.write_text("1,2,3 # corner\n4 5 6 255 0 0\n")
+    assert read_points(path).tolist() == [[1, 2, 3], [4, 5, 6]]
+
+
+@pytest.mark.parametrize("suffix", ["ply", "pcd", "xyz"])
+def test_counts_points_that_are_not_finite(tmp_path: Path, suffix: str) -> None:
+    points = POINTS.copy()
+    points[7, 1] = np.nan
+    path = write(tmp_path / f"site.{suffix}", points)
+    with pytest.raises(DataError, match="1 of 400 points are not finite .the first is number 7"):
+        read_points(path)
+
+
+def test_refuses_coordinates_beyond_any_grid(tmp_path: Path) -> None:
+    path = write(tmp_path / "site.ply", POINTS * 1e8)
+    with pytest.raises(DataError, match=r"site\.ply: a coordinate of .* is beyond .* scale or shift"):
+        read_points(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("empty.ply", b"", "lacks a header from 'ply' to 'end_header'"),
+        ("noise.ply", bytes(range(256)) * 9, "lacks a header"),
+        ("faces.ply", b"ply\nformat ascii 1.0\nelement face 0\nend_header\n", "no vertices with x, y and z"),
+        ("odd.ply", b"ply\nformat ascii 1.0\nelement vertex many\nend_header\n", "cannot be understood"),
+        ("none.ply", b"ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
+         b"property float z\nend_header\n", "holds no points"),
+        ("empty.pcd", b"", "lacks a header with FIELDS"),
+        ("flat.pcd", b"FIELDS x y\nSIZE 4 4\nPOINTS 1\nDATA ascii\n1 2\n", "no fields x, y and z"),
+        ("odd.pcd", b"FIELDS x y z\nSIZE 4 4 4\nPOINTS 1\nDATA morse\n1 2 3\n", "cannot be understood"),
+        ("empty.xyz", b"", "holds no points"),
+        ("site.las", b"LASF", "not a kind of cloud that can be read; convert it to .ply, .pcd, .xyz"),
+    ],
+)  # fmt: skip
+def test_refuses_what_is_no_cloud(tmp_path: Path, name: str, content: bytes, words: str) -> None:
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(DataError, match=words) as refusal:
+        read_points(path)
+    assert str(path) in str(refusal.value)
+
+
+def test_refuses_a_file_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match=r"nowhere\.ply: no such file; give surveying\.path"):
+        read_points(tmp_path / "nowhere.ply")

@@ -1,0 +1,146 @@
+"""The drone's cloud is the site but for noise, a warp and a similarity; what no camera sees is a hole."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from executive.arrays import Float
+from executive.errors import ConfigError, DataError
+from executive.interfaces.robot import Scene
+from plugins.surveying.reconstruction import ReconstructionSettings, merge, own_frame, warp
+from plugins.surveying.simulated_drone import SimulatedDrone, SimulatedDroneSettings
+
+BALLS = np.array([[3.0, 2.0, 0.5], [5.0, -1.0, 0.5], [2.5, -4.0, 0.5], [5.5, 4.5, 0.5]])
+RADIUS = 0.5
+
+
+class Yard(Scene):
+    """Level ground with balls on it, cast analytically."""
+
+    def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
+        down = directions_world[:, 2] < 0
+        ranges = np.full(len(origins_world), np.inf)
+        ranges[down] = -origins_world[down, 2] / directions_world[down, 2]
+        for ball in BALLS:
+            offset = origins_world - ball
+            b = (offset * directions_world).sum(axis=1)
+            inside = b**2 - (offset**2).sum(axis=1) + RADIUS**2
+            hit = inside > 0
+            ranges[hit] = np.minimum(ranges[hit], -b[hit] - np.sqrt(inside[hit]))
+        return ranges
+
+
+class Blind:
+    """A robot without a scene."""
+
+
+PERFECT = {"depth_noise_m": 0, "point_noise_m": 0, "warp_m": 0, "scale_error": 0}
+
+
+def drone(robot: object, **reconstruction: float) -> SimulatedDrone:
+    return SimulatedDrone(SimulatedDroneSettings.model_validate({"reconstruction": reconstruction}), robot)  # type: ignore[arg-type]
+
+
+def similarity(source: Float, target: Float) -> tuple[float, Float, Float]:
+    """Return scale, R, t of the least-squares fit (Umeyama 1991)."""
+    a, b = source - source.mean(axis=0), target - target.mean(axis=0)
+    U, S, Vt = np.linalg.svd(b.T @ a)
+    D = np.diag([1, 1, np.sign(np.linalg.det(U @ Vt))])
+    R = U @ D @ Vt
+    scale = float((S * np.diag(D)).sum() / (a**2).sum())
+    return scale, R, target.mean(axis=0) - scale * R @ source.mean(axis=0)
+
+
+def surface_distance(points: Float) -> Float:
+    to_balls = np.linalg.norm(points[:, None] - BALLS, axis=2) - RADIUS
+    return np.minimum(np.abs(to_balls).min(axis=1), np.abs(points[:, 2]))
+
+
+def test_without_errors_every_point_lies_on_the_site_in_a_rigidly_moved_frame() -> None:
+    plain = drone(Yard(), **PERFECT, tilt_rad=0, offset_m=0)
+    points = plain._seen(np.random.default_rng(0))
+    assert surface_distance(points).max() < 1e-9
+    assert 40_000 < len(plain.survey(np.random.default_rng(0))) < 200_000
+
+
+def test_sees_the_sides_of_stones_but_nothing_under_them() -> None:
+    points = drone(Yard(), **PERFECT)._seen(np.random.default_rng(0))
+    for ball in BALLS:
+        near = points[np.linalg.norm(points - ball, axis=1) < RADIUS + 0.01]
+        azimuths = np.degrees(np.arctan2(*(near - ball)[:, 1::-1].T)) // 30
+        assert len(set(azimuths[near[:, 2] < 0.6])) == 12  # from all around
+        under = points[np.linalg.norm(points[:, :2] - ball[:2], axis=1) < 0.1]
+        assert (under[:, 2] > 0.9).all()  # only the top
+
+
+def test_noise_and_warp_have_the_size_that_the_settings_say() -> None:
+    settings = ReconstructionSettings(warp_m=0.03)
+    points = np.random.default_rng(0).uniform(-8, 8, (5000, 3))
+    shift = warp(points, settings, np.random.default_rng(1)) - points
+    assert np.abs(shift).max() <= 0.03
+    assert np.abs(shift).max() > 0.01
+    # Smooth: neighbours 0.1 m apart move together within slope · distance = 0.03 · 2π/10 · √3 · 0.1 m.
+    step = points + [0.1, 0, 0]
+    beside = warp(step, settings, np.random.default_rng(1)) - step
+    assert np.abs(beside - shift).max() < 0.0035
+
+    noisy = drone(Yard(), warp_m=0)._seen(np.random.default_rng(0))
+    ground = noisy[np.linalg.norm(noisy[:, None, :2] - BALLS[:, :2], axis=2).min(axis=1) > 1.5]
+    # Depth noise of 12 mm, seen under 30–90° from the ground.
+    assert 0.006 < ground[:, 2].std() < 0.012
+
+
+def test_the_survey_is_the_site_up_to_a_similarity_within_its_settings() -> None:
+    points = np.random.default_rng(0).uniform(-8, 8, (300, 3))
+    scales, tilts, yaws = [], [], []
+    for seed in range(40):
+        framed = own_frame(points, ReconstructionSettings(), np.random.default_rng(seed))
+        scale, R, t = similarity(points, framed)
+        assert np.allclose(scale * points @ R.T + t, framed)
+        scales.append(scale)
+        tilts.append(np.arccos(R[2, 2]))
+        yaws.append(np.arctan2(R[1, 0], R[0, 0]))
+    assert 0.99 <= min(scales) < 0.995
+    assert 1.005 < max(scales) <= 1.01
+    assert 0.04 < max(tilts) <= 0.0701
+    assert len(set(np.round(np.degrees(yaws) // 90))) == 4
+
+
+def test_a_survey_with_all_its_errors_stays_within_centimetres_of_the_site() -> None:
+    survey = drone(Yard()).survey(np.random.default_rng(5))
+    assert survey.frame == "survey"
+    site = merge(drone(Yard(), **PERFECT)._seen(np.random.default_rng(5)), 0.03)
+    # The same flight in the same order of chance gives the true similarity through the drawn frame.
+    rng = np.random.default_rng(5)
+    flight = drone(Yard())
+    seen = flight._seen(rng)
+    rng.normal(0.0, 1.0, seen.shape)
+    warp(seen, ReconstructionSettings(), rng)
+    frame = own_frame(seen, ReconstructionSettings(), rng)
+    scale, R, t = similarity(seen, frame)
+    back = (survey.points - t) @ R / scale
+    distance, _ = cKDTree(site).query(back)
+    assert np.sqrt((surface_distance(back) ** 2).mean()) < 0.03  # noise and warp
+    assert np.percentile(distance, 95) < 0.08
+
+
+def test_one_seed_gives_one_survey() -> None:
+    a, b, c = (drone(Yard()).survey(np.random.default_rng(seed)).points for seed in (3, 3, 4))
+    assert np.array_equal(a, b)
+    assert a.shape != c.shape or not np.allclose(a, c)
+
+
+def test_refuses_a_robot_without_a_scene() -> None:
+    with pytest.raises(ConfigError, match="the robot Blind has none; use point_cloud_file"):
+        drone(Blind()).start()
+
+
+def test_says_when_there_is_no_ground_below() -> None:
+    settings = SimulatedDroneSettings.model_validate({"flight": {"centre_m": (4, 0), "height_m": 8}})
+
+    class Void(Scene):
+        def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
+            return np.full(len(origins_world), np.inf)
+
+    with pytest.raises(DataError, match=r"no ground: set surveying\.flight"):
+        SimulatedDrone(settings, Void()).survey(np.random.default_rng(0))  # type: ignore[arg-type]
