@@ -136,6 +136,11 @@ class _Reader:
     def _scalar(self, event: Any) -> None:
         mark = self._mark(event)
         self._refuse_extras(event)
+        odd = _UNPRINTABLE.search(event.value)
+        if odd:  # written as an escape such as "\0"
+            self._problems.error(mark, f"a control character (U+{ord(odd.group()):04X}) does not belong into a text")
+            self._add(Broken(mark))
+            return
         if self._expects_key():
             self._open[-1].key = (event.value, mark)
             return

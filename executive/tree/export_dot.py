@@ -6,7 +6,12 @@ from itertools import count
 from executive.tree.language import Call, Check, Composite, MissionFile, Node, Run
 from executive.tree.outline import headline, modifier_words
 
-_SHAPES = ((Composite, "box", "#d6e4f0"), (Run, "ellipse", "#dff0d8"), (Check, "hexagon", "#fcf3cf"), (Call, "folder", "#eadcf4"))
+_SHAPES = (
+    (Composite, "box", "#d6e4f0"),
+    (Run, "ellipse", "#dff0d8"),
+    (Check, "hexagon", "#fcf3cf"),
+    (Call, "folder", "#eadcf4"),
+)
 _OTHER = ("box", "#eeeeee")
 
 

@@ -291,6 +291,16 @@ class MissionFile:
     warnings: tuple[Problem, ...] = field(default=())
 
 
+def is_instant(node: Node) -> bool:
+    """Whether a node always ends in the tick in which it begins; a called tree is taken to need longer."""
+    modifiers = node.modifiers
+    if modifiers.retry or (modifiers.on_failure and not is_instant(modifiers.on_failure)):
+        return False
+    if isinstance(node.kind, Composite | Group):
+        return all(is_instant(child) for child in node.children())
+    return isinstance(node.kind, Check | Set)
+
+
 def conditions_of(node: Node) -> tuple[Condition, ...]:
     """Return the conditions that stand at a node itself."""
     until = node.kind.until if isinstance(node.kind, Loop) else None

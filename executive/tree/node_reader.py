@@ -1,7 +1,7 @@
 """Nodes: a mapping with one kind key and modifiers becomes a checked description."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from executive.errors import did_you_mean
 from executive.tree.language import (
@@ -22,6 +22,7 @@ from executive.tree.language import (
     Source,
     TypeName,
     Wait,
+    is_instant,
 )
 from executive.tree.leaf_reader import LEAF_KEYS, LeafReader, check_port, read_wires
 from executive.tree.problem import Mark
@@ -47,7 +48,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
 }
 MODIFIERS = ("if", "while", "timeout", "retry", "on_failure", "optional", "name")
 Ports = Mapping[str, TypeName]
-_NAME = re.compile(r"[^/@\n]{1,60}")
+_NAME = re.compile(r"[^/@\n\t]{1,60}")
 
 
 class NodeReader:
@@ -120,9 +121,19 @@ class NodeReader:
                 return None
             children = tuple(node for node in map(self.node, listing.items) if node is not None)
             succeed = self._succeed(table, len(listing.items)) if kind == "parallel" else 0
+            if kind == "reactive_sequence":
+                self._refuse_slow(children[:-1])
             return Composite(kind, children, succeed) if len(children) == len(listing.items) else None
 
         return read
+
+    def _refuse_slow(self, earlier: Sequence[Node]) -> None:
+        for node in earlier:
+            if not is_instant(node):
+                told = (
+                    f"{node.label} takes time, and a reactive_sequence asks all but its last child anew at each tick; "
+                )
+                self._reading.problems.error(node.mark, told + "put what takes time into one sequence at its end")
 
     def _succeed(self, table: Table, count: int) -> int:
         value = table.get("succeed")

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 from executive.errors import ConfigError
 
+_LONGEST = 1000  # characters of a message; what was typed may be a whole book
+
 
 @dataclass(frozen=True, order=True, slots=True)
 class Mark:
@@ -30,6 +32,11 @@ class Problem:
         return f"{self.mark}: {self.severity}: {self.message}"
 
 
+def shortened(text: str, longest: int) -> str:
+    """Return a text cut to a length, with an ellipsis where it was cut."""
+    return text if len(text) <= longest else text[: longest - 1] + "…"
+
+
 class MissionFileError(ConfigError):
     """A mission has mistakes; `problems` lists all of them in the order of their places."""
 
@@ -46,11 +53,11 @@ class Problems:
 
     def error(self, mark: Mark, message: str) -> None:
         """Take note of a mistake."""
-        self._found.append(Problem(mark, message))
+        self._found.append(Problem(mark, shortened(message, _LONGEST)))
 
     def warning(self, mark: Mark, message: str) -> None:
         """Take note of something that works but was hardly meant."""
-        self._found.append(Problem(mark, message, "warning"))
+        self._found.append(Problem(mark, shortened(message, _LONGEST), "warning"))
 
     def all(self) -> tuple[Problem, ...]:
         """Return everything, in the order of the places."""

@@ -2,6 +2,8 @@
 
 import re
 
+from executive.tree.problem import shortened
+
 Plain = str | int | float | bool | None
 
 _NULL = frozenset({"", "~", "null", "Null", "NULL"})
@@ -17,8 +19,8 @@ _LONGEST_INT = 300  # digits; Python refuses to convert more than a few thousand
 _SURPRISES = (
     (re.compile(r"(?i:yes|on)"), "is true in YAML 1.1 and text in 1.2: write true, or quote it"),
     (re.compile(r"(?i:no|off)"), "is false in YAML 1.1 and text in 1.2: write false, or quote it"),
-    (re.compile(r"[-+]?0\d+(?:_|\d)*"), "is octal in YAML 1.1, decimal in 1.2: leave the leading zero out, or quote it"),
-    (re.compile(r"[-+]?\d+(?::[0-5]?\d)+(?:\.\d*)?"), "is a number to base 60 in YAML 1.1: write a unit (30 min), or quote it"),
+    (re.compile(r"[-+]?0\d+(?:_|\d)*"), "is octal in YAML 1.1, decimal in 1.2: drop the leading zero, or quote it"),
+    (re.compile(r"[-+]?\d+(?::[0-5]?\d)+(?:\.\d*)?"), "is to base 60 in YAML 1.1: write a unit (30 min), or quote it"),
     (re.compile(r"\d{4}-\d\d?-\d\d?(?:[Tt ].*)?"), "is a date in YAML 1.1: quote it"),
     (re.compile(r"[-+]?0b[01_]+"), "is a binary number in YAML 1.1: write it as decimal or 0x…, or quote it"),
     (re.compile(r"[-+]?(?:\d[\d_]*_[\d_]*(?:\.[\d_]*)?|0x[0-9a-fA-F]*_[0-9a-fA-F_]*)"),
@@ -42,7 +44,7 @@ def resolve(text: str) -> Plain:
         return _BOOL[text]
     for pattern, cure in _SURPRISES:
         if pattern.fullmatch(text):
-            raise SurpriseError(f"{_short(text)} {cure}")
+            raise SurpriseError(f"{shortened(repr(text), 40)} {cure}")
     if text in _SPECIAL:
         return _SPECIAL[text]
     return float("nan") if text in _NAN else _number(text)
@@ -56,7 +58,3 @@ def _number(text: str) -> Plain:
     if _BASED.fullmatch(text):
         return int(text, 0)
     return float(text) if _FLOAT.fullmatch(text) else text
-
-
-def _short(text: str) -> str:
-    return repr(text if len(text) <= 40 else text[:37] + "...")

@@ -40,7 +40,7 @@ def find(mission: str, beside: Path | None = None) -> Path | None:
     path = (beside / mission) if beside else Path(mission)
     if mission.endswith(_SUFFIXES) or (len(path.parts) > 1 and not beside and "/" in mission):
         return path
-    if path.is_file():
+    if _is_file(path):
         return path
     shipped = shipped_folder() / f"{mission}.yaml"
     return shipped if _is_word(mission) and shipped.is_file() else None
@@ -63,17 +63,17 @@ def layers(mission: str, reading: Reading) -> list[Layer]:
     found: list[Layer] = []
     seen: set[Path] = set()
     while path is not None:
-        seen.add(path.resolve())
         layer = _layer(path, reading)
         if layer is None:
             break
+        seen.add(path.resolve())
         found.insert(0, layer)
         path = _base(layer, seen, reading)
     return found
 
 
 def _layer(path: Path, reading: Reading) -> Layer | None:
-    value = read_file(path, str(path), reading.problems)
+    value = read_file(path, _shown(path), reading.problems)
     table = reading.table(value, "a mission file") if value is not None else None
     if table is None:
         return None
@@ -97,7 +97,7 @@ def _base(layer: Layer, seen: set[Path], reading: Reading) -> Path | None:
     if value is None or name is None:
         return None
     path = find(name, layer.path.parent)
-    if path is None or not path.is_file():
+    if path is None or not _is_file(path):
         known = [one.stem for one in layer.path.parent.glob("*.yaml")] + ["base", *shipped_names()]
         reading.fail(value, f"no file '{name}' to extend{did_you_mean(name, known)}")
         return None
@@ -134,3 +134,10 @@ def _library(path: Path, reading: Reading) -> Table | None:
 def _shown(path: Path) -> str:
     here = Path.cwd()
     return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name that is too long, or holds a NUL
+        return False

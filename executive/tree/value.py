@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from executive.tree.problem import Mark
+from executive.tree.problem import Mark, shortened
 from executive.tree.scalar import Plain
 
 
@@ -80,7 +80,7 @@ def describe(value: Value) -> str:
         return "a list"
     if isinstance(value, Broken):
         return "something unreadable"
-    return "nothing" if value.value is None else _short(repr(value.value))
+    return "nothing" if value.value is None else shortened(repr(value.value), 60)
 
 
 def merged(base: Value, over: Value) -> Value:
@@ -97,7 +97,3 @@ def merged(base: Value, over: Value) -> Value:
 def without(table: Table, keys: Sequence[str]) -> Table:
     """Return the table without some keys."""
     return Table({key: entry for key, entry in table.entries.items() if key not in keys}, table.mark)
-
-
-def _short(text: str) -> str:
-    return text if len(text) <= 60 else text[:57] + "..."

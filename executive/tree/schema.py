@@ -1,0 +1,176 @@
+"""The JSON schema of mission files, for completion in editors; built from what is installed.
+
+It says what an editor can know: keys, names, settings and their bounds. What needs the whole mission (calls, keys that
+are read before they are written, what a leaf needs) is told by `executive check`.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from executive.behaviours.action import Action, Leaf
+from executive.config import Settings
+from executive.errors import ConfigError
+from executive.tree.catalogue import PLURAL, Catalogue, InstalledCatalogue
+from executive.tree.language import LoopSettings
+from executive.tree.sources import API
+
+Schema = dict[str, Any]
+_REFERENCE: Schema = {"type": "string", "pattern": r"^\{[A-Za-z_][A-Za-z0-9_]*\}$"}
+_DURATION: Schema = {"type": ["number", "string"], "description": "A duration: seconds, or with a unit: 30 s, 2 min."}
+_NODE: Schema = {"$ref": "#/$defs/node"}
+_CONDITION: Schema = {"$ref": "#/$defs/condition"}
+_NODES: Schema = {"type": "array", "items": _NODE, "minItems": 1}
+_WORD: Schema = {"type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*$"}
+
+
+def mission_schema(catalogue: Catalogue | None = None) -> Schema:
+    """Return the schema (draft 2020-12); what cannot be imported takes any settings."""
+    return _Builder(catalogue or InstalledCatalogue()).mission()
+
+
+class _Builder:
+    def __init__(self, catalogue: Catalogue) -> None:
+        self._catalogue = catalogue
+        self._defs: Schema = {}
+        self._leaves = dict(self._loaded())
+
+    def _loaded(self) -> Iterator[tuple[str, type[Leaf]]]:
+        for name in self._catalogue.behaviour_names():
+            try:
+                yield name, self._catalogue.behaviour(name)
+            except ConfigError:  # a broken one must not keep the editor from knowing the others
+                continue
+
+    def mission(self) -> Schema:
+        """Return the whole schema."""
+        kinds = [*_kinds(), *self._leaf_kinds()]
+        self._defs |= {"node": _any_of(kinds), "condition": self._condition(), "tree": _any_of(map(_as_tree, kinds))}
+        plugins = {capability: self._capability(capability) for capability in self._catalogue.capabilities()}
+        properties: Schema = {
+            "api": {"const": API, "description": "Version of the mission language."},
+            "mission": _WORD,
+            "description": {"type": "string"},
+            "extends": {"type": "string", "description": "A mission file whose settings and trees are the base."},
+            "loop": self._settings("loop", LoopSettings),
+            "plugins": {"type": "object", "properties": plugins, "additionalProperties": False},
+            "trees": {"type": "object", "additionalProperties": {"$ref": "#/$defs/tree"}},
+        }
+        return {
+            "$schema": "https://json-schema.org/draft/2020-12/schema",
+            "title": "A mission",
+            "type": "object",
+            "properties": properties,
+            "required": ["api"],
+            "additionalProperties": False,
+            "$defs": self._defs,
+        }
+
+    # --- plugins
+
+    def _capability(self, capability: str) -> Schema:
+        names = self._catalogue.plugin_names(capability)
+        partly = {"type": "object", "not": {"required": ["plugin"]}}  # settings laid over the plugin of the base
+        one: Schema = {"anyOf": [{"enum": list(names)}, *(self._plugin(capability, name) for name in names), partly]}
+        if capability not in PLURAL:
+            return one
+        return {"anyOf": [*one["anyOf"], {"type": "array", "items": one}]}
+
+    def _plugin(self, capability: str, name: str) -> Schema:
+        try:
+            settings = self._settings(f"{capability}.{name}", self._catalogue.plugin(capability, name).Settings)
+        except ConfigError as error:
+            settings = {"type": "object", "description": str(error), "properties": {}}
+        # A layer above may bring what is required, so that no key is required of one file.
+        return {
+            **{key: value for key, value in settings.items() if key != "required"},
+            "properties": {"plugin": {"const": name}, **settings.get("properties", {})},
+            "required": ["plugin"],
+        }
+
+    def _settings(self, prefix: str, settings: type[Settings]) -> Schema:
+        schema = settings.model_json_schema(ref_template=f"#/$defs/{prefix}.{{model}}")
+        for name, definition in schema.pop("$defs", {}).items():
+            self._defs[f"{prefix}.{name}"] = definition
+        return schema
+
+    # --- nodes
+
+    def _leaf_kinds(self) -> Iterator[Schema]:
+        for name, leaf in self._leaves.items():
+            yield self._leaf("run" if issubclass(leaf, Action) else "check", name, leaf)
+
+    def _leaf(self, key: str, name: str, leaf: type[Leaf]) -> Schema:
+        definition = f"behaviour.{name}"
+        if definition not in self._defs:
+            self._defs[definition] = self._settings(definition, leaf.Settings)
+        is_needed = "required" in self._defs[definition]
+        properties = {
+            key: {"const": name, "description": (leaf.__doc__ or "").strip().partition("\n")[0]},
+            "with": {"$ref": f"#/$defs/{definition}"},
+            "in": _wires({port: spec.doc for port, spec in leaf.inputs.items()}),
+            "out": _wires({port: spec.doc for port, spec in leaf.outputs.items()}),
+        }
+        return {"properties": properties, "required": [key, *(["with"] if is_needed else [])]}
+
+    def _condition(self) -> Schema:
+        checks = {name: leaf for name, leaf in self._leaves.items() if not issubclass(leaf, Action)}
+        parts = {"type": "array", "items": _CONDITION, "minItems": 1}
+        forms: list[Schema] = [
+            {"properties": {"not": _CONDITION}, "required": ["not"]},
+            {"properties": {"all": parts}, "required": ["all"]},
+            {"properties": {"any": parts}, "required": ["any"]},
+            *(self._leaf("check", name, leaf) for name, leaf in checks.items()),
+        ]
+        closed = [{"type": "object", **form, "additionalProperties": False} for form in forms]
+        return {"anyOf": [_REFERENCE, {"enum": sorted(checks)}, *closed]}
+
+
+def _any_of(kinds: Iterable[Schema]) -> Schema:
+    return {"type": "object", "anyOf": [_with_modifiers(kind) for kind in kinds]}
+
+
+def _as_tree(kind: Schema) -> Schema:
+    """Return a kind as the root of a tree, where `in` and `out` are the tree's ports."""
+    types = {"type": "object", "additionalProperties": {"type": "string", "description": "Stone, list[Stone], Stone?"}}
+    return {**kind, "properties": {**kind["properties"], "in": types, "out": types}}
+
+
+def _kinds() -> Iterator[Schema]:
+    for kind in ("sequence", "fallback", "reactive_sequence", "reactive_fallback"):
+        yield {"properties": {kind: _NODES}, "required": [kind]}
+    count: Schema = {"type": "integer", "minimum": 1}
+    succeed = {"anyOf": [{"enum": ["all", "one"]}, count]}
+    yield {"properties": {"parallel": _NODES, "succeed": succeed}, "required": ["parallel"]}
+    loop = {"until": _CONDITION, "max": count}
+    yield {"properties": {"loop": {**_closed(loop), "minProperties": 1}, "do": _NODE}, "required": ["loop", "do"]}
+    each = {"item": _WORD, "in": {"anyOf": [_REFERENCE, {"type": "array"}]}}
+    yield {"properties": {"for_each": _closed(each, *each), "do": _NODE}, "required": ["for_each", "do"]}
+    yield {"properties": {"do": _NODE}, "required": ["do"]}
+    yield {"properties": {"wait": _DURATION}, "required": ["wait"]}
+    yield {"properties": {"set": {"type": "object", "minProperties": 1}}, "required": ["set"]}
+    yield {"properties": {"ask": {"type": "string"}, "default": {"type": "boolean"}}, "required": ["ask"]}
+    out = {"type": "object", "additionalProperties": _REFERENCE}
+    yield {"properties": {"call": {"type": "string"}, "in": {"type": "object"}, "out": out}, "required": ["call"]}
+
+
+def _with_modifiers(kind: Schema) -> Schema:
+    attempts: Schema = {"type": "integer", "minimum": 1, "description": "Attempts in all."}
+    modifiers: Schema = {
+        "if": _CONDITION,
+        "while": _CONDITION,
+        "timeout": _DURATION,
+        "retry": {"anyOf": [attempts, _closed({"attempts": attempts, "pause": _DURATION}, "attempts")]},
+        "on_failure": _NODE,
+        "optional": {"type": "boolean"},
+        "name": {"type": "string"},
+    }
+    return _closed({**kind["properties"], **modifiers}, *kind["required"])
+
+
+def _closed(properties: Mapping[str, Any], *required: str) -> Schema:
+    schema: Schema = {"type": "object", "properties": dict(properties), "additionalProperties": False}
+    return {**schema, "required": list(required)} if required else schema
+
+
+def _wires(docs: Mapping[str, str]) -> Schema:
+    return _closed({port: {**_REFERENCE, "description": doc} for port, doc in docs.items()})
