@@ -1,0 +1,169 @@
+"""A run ends in the right way whatever happens, and its folder tells all of it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from executive.journal import read_journal
+from executive.mission.run import Options, Run
+from executive.tree.load import load_mission
+
+PLUGINS = """
+api: 1
+mission: dry
+plugins:
+  robot: {plugin: kinematic, model: m545}
+  estimation: gnss_imu_filter
+  mapping: voxel_map
+  motion: hermite
+  objects: sqlite
+"""
+SWING = """
+trees:
+  main:
+    sequence:
+      - run: Localise
+        timeout: 30 s
+      - run: ScanSwing
+        with: {angle: 60 deg, duration: 8 s}
+"""
+
+
+def run(tmp_path, text, *, name="run", overrides=(), after_tick=lambda mission: None, **options):
+    path = tmp_path / "dry.yaml"
+    path.write_text(PLUGINS + text)
+    made = Run(load_mission(str(path), overrides), Options(run_dir=tmp_path / name, **options))
+    return made.execute(after_tick)
+
+
+def kinds(result):
+    return [entry.kind for entry in read_journal(result.folder.journal)]
+
+
+def test_a_mission_runs_to_its_end(tmp_path):
+    result = run(tmp_path, SWING)
+    assert (result.report["outcome"], result.exit_status) == ("success", 0)
+    assert result.report["counts"]["scans"] == 1
+    for path in (result.folder.mission, result.folder.journal, result.folder.objects, result.folder.map, result.folder.log):
+        assert path.exists(), path
+    assert json.loads(result.folder.report.read_text()) == result.report
+
+
+def test_the_resolved_mission_runs_again_to_the_same_journal(tmp_path):
+    first = run(tmp_path, SWING)
+    again = Run(load_mission(str(first.folder.mission)), Options(run_dir=tmp_path / "again")).execute(lambda mission: None)
+    assert again.folder.journal.read_bytes() == first.folder.journal.read_bytes()
+
+
+def test_every_runner_writes_the_same_journal(tmp_path):
+    journals = {
+        runner: run(tmp_path, SWING, name=runner, runner=runner).folder.journal.read_bytes()
+        for runner in ("inline", "thread", "process")
+    }
+    assert len(set(journals.values())) == 1
+
+
+def test_two_missions_in_one_process_do_not_see_each_other(tmp_path):
+    path = tmp_path / "dry.yaml"
+    path.write_text(PLUGINS + SWING)
+    alone = run(tmp_path, SWING, name="alone")
+    first, second = (Run(load_mission(str(path)), Options(run_dir=tmp_path / name)) for name in ("a", "b"))
+    inner = []
+
+    def start_the_other(mission):
+        if not inner and mission.clock.now_s() > 4.0:
+            inner.append(second.execute(lambda mission: None))
+
+    outer = first.execute(start_the_other)
+    expected = alone.folder.journal.read_bytes()
+    assert outer.folder.journal.read_bytes() == expected
+    assert inner[0].folder.journal.read_bytes() == expected
+
+
+def test_a_failing_tree_is_a_failed_mission_with_the_reason(tmp_path):
+    result = run(tmp_path, "trees: {main: {sequence: [{check: SelectLargest}]}}")
+    assert (result.report["outcome"], result.exit_status) == ("failure", 1)
+    assert "no stone is left" in result.report["reason"]
+
+
+def test_the_time_limit_ends_a_mission(tmp_path):
+    result = run(tmp_path, "trees: {main: {wait: 10 min}}", overrides=["loop.time_limit=3"])
+    assert (result.report["outcome"], result.exit_status) == ("failure", 1)
+    assert "time limit of 3 s" in result.report["reason"]
+
+
+def test_a_robot_that_fails_is_a_fault_and_the_report_is_whole(tmp_path):
+    result = run(tmp_path, SWING, overrides=["robot.fails_at_s=6"])
+    assert (result.report["outcome"], result.exit_status) == ("fault", 3)
+    assert "has not answered since 6.00 s" in result.report["reason"]
+    assert kinds(result)[-1] == "ended"
+
+
+def test_a_stop_brings_the_machine_to_rest_along_its_path(tmp_path):
+    speeds = []
+
+    def stop_in_mid_swing(mission):
+        if mission.clock.now_s() > 6.0:
+            mission.request_stop()
+        speeds.append(abs(mission.services.joints().velocity).max() if mission.clock.now_s() > 1 else 0.0)
+
+    result = run(tmp_path, SWING, after_tick=stop_in_mid_swing)
+    assert (result.report["outcome"], result.exit_status) == ("stopped", 1)
+    assert max(speeds) > 0.05
+    assert speeds[-1] < 0.01
+    phases = [e.payload["to"] for e in read_journal(result.folder.journal) if e.kind == "phase"]
+    assert phases == ["running", "stopping", "done"]
+
+
+def test_a_pause_stops_the_machine_and_going_on_ends_the_swing(tmp_path):
+    """The path is taken up again where it was left: the mission ends as if nothing had happened, only later."""
+    paused_speed = []
+
+    def pause_for_a_while(mission):
+        if mission.clock.now_s() == pytest.approx(6.0):
+            mission.toggle_pause()
+        if mission.clock.now_s() == pytest.approx(15.0):
+            paused_speed.append(abs(mission.services.joints().velocity).max())
+            mission.toggle_pause()
+
+    undisturbed = run(tmp_path, SWING, name="undisturbed")
+    result = run(tmp_path, SWING, after_tick=pause_for_a_while)
+    assert result.report["outcome"] == "success"
+    assert paused_speed[0] < 0.01
+    assert result.report["ended_s"] > undisturbed.report["ended_s"] + 8.0
+
+
+def test_questions_are_answered_by_the_option_and_the_journal_says_so(tmp_path):
+    ask = "trees: {main: {ask: 'Is the site clear?'}}"
+    yes = run(tmp_path, ask, name="yes", answer=True)
+    no = run(tmp_path, ask, name="no", answer=False)
+    assert (yes.exit_status, no.exit_status) == (0, 1)
+    assert '"option"' in yes.folder.journal.read_text()
+
+
+@pytest.mark.parametrize("times", [1, 2])
+def test_ctrl_c_in_mid_swing_ends_with_a_whole_report(tmp_path, times):
+    """Once: along the path, then the report; twice: at once, and still the report."""
+    (tmp_path / "dry.yaml").write_text(PLUGINS + SWING.replace("8 s", "60 s"))
+    words = ["run", "dry.yaml", "--run-dir", "run", "--real-time"]
+    code = f"import sys; sys.argv = ['executive', *{words!r}]; from executive.cli import main; main()"
+    process = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    journal = tmp_path / "run" / "journal.jsonl"
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline and not (journal.exists() and "ScanSwing" in journal.read_text()):
+        time.sleep(0.1)
+    time.sleep(1.5)
+    for _ in range(times):
+        os.kill(process.pid, signal.SIGINT)
+        time.sleep(0.02)
+    _, said = process.communicate(timeout=60)
+    report = json.loads((tmp_path / "run" / "report.json").read_text())
+    assert process.returncode == 1
+    assert report["outcome"] == "stopped"
+    assert "Traceback" not in said
+    assert list(read_journal(journal))
