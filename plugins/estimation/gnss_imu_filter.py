@@ -31,6 +31,7 @@ from robot_models.sensor import Imu
 INITIALISING, GLOBAL, FALLBACK = "INITIALISING", "GLOBAL", "FALLBACK"
 _MAX_RATE_RAD_S = 35.0  # 2000 deg/s: the range of a MEMS sensor
 _MAX_FORCE_M_S2 = 160.0  # 16 g
+_COVARIANCE_PERIOD_S = 0.049
 _POSE = np.r_[ROTATION, POSITION]
 
 
@@ -85,6 +86,7 @@ class GnssImuFilter(Estimator):
         self._gated = 0
         self._predicted: InertialState | None = None
         self._is_corrected = False
+        self._covariance_s = -np.inf
 
     def _cabin_imu(self) -> Imu:
         sensor = self._machine.sensors.get(self._settings.imu)
@@ -229,9 +231,9 @@ class GnssImuFilter(Estimator):
             T_map_base=T_map_cabin @ T_cabin_base,
             T_odom_base=T_odom_cabin @ T_cabin_base,
             T_map_cabin=T_map_cabin,
-            v_map_cabin=head.v_map_imu + head.R_map_imu @ np.cross(rate, arm),
+            v_map_cabin=head.v_map_imu + head.R_map_imu @ skew(rate) @ arm,
             w_map_cabin_in_cabin=R_cabin_imu @ rate,
-            covariance=self._cabin_covariance(head),
+            covariance=self._covariance(head),
             status=GLOBAL if head.stamp_s - self._used_fix_s <= self._settings.fallback_after_s else FALLBACK,
         )
         return self._last
@@ -266,10 +268,17 @@ class GnssImuFilter(Estimator):
             T_map_last = pose(at_last.R_map_imu, at_last.p_map_imu) @ self._T_imu_cabin
         return self._T_odom_cabin @ inverse(T_map_last) @ T_map_cabin
 
+    def _covariance(self, head: InertialState) -> Float:
+        """Return the covariance at a prediction; it grows so slowly that one of up to 50 ms ago is good enough."""
+        if not 0 <= head.stamp_s - self._covariance_s < _COVARIANCE_PERIOD_S:
+            self._covariance_s = head.stamp_s
+            self._newest_covariance = self._cabin_covariance(head)
+        return self._newest_covariance
+
     def _cabin_covariance(self, head: InertialState) -> Float:
         """Move the covariance from the IMU, in its axes and the map's, to the cabin's origin and axes."""
         kalman = self._running()
-        P = kalman.covariance_after(head.stamp_s - kalman.state.stamp_s) if self._samples else kalman.covariance
+        P = kalman.covariance_after(head.stamp_s - kalman.state.stamp_s)
         R_cabin_imu, arm = self._T_imu_cabin[:3, :3].T, self._T_imu_cabin[:3, 3]
         J = np.zeros((6, 6))
         J[:3, :3] = R_cabin_imu

@@ -10,6 +10,7 @@ from executive.arrays import Float
 # Blocks of the error state: rotation [rad] in IMU axes, velocity, position in map axes, gyro bias, accelerometer bias.
 ROTATION, VELOCITY, POSITION, GYRO_BIAS, ACCEL_BIAS = (slice(i, i + 3) for i in range(0, 15, 3))
 DIMENSION = 15
+IDENTITY_3, _IDENTITY = np.eye(3), np.eye(DIMENSION)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,12 +84,12 @@ def error_transition(state: InertialState, dt_s: float) -> Float:
     The rotation's error is on the right, R = R̂ exp(θ), so that θ̇ = −ω×θ − b_g and v̇ = −R [f]× θ − R b_a.
     """
     R, force = state.R_map_imu, state.sample.force - state.accel_bias
-    F = np.eye(DIMENSION)
+    F = _IDENTITY.copy()
     F[ROTATION, ROTATION] = rotation_step(-dt_s * state.rate)
-    F[ROTATION, GYRO_BIAS] = -dt_s * np.eye(3)
+    F[ROTATION, GYRO_BIAS] = -dt_s * IDENTITY_3
     F[VELOCITY, ROTATION] = -dt_s * (R @ skew(force))
     F[VELOCITY, ACCEL_BIAS] = -dt_s * R
-    F[POSITION, VELOCITY] = dt_s * np.eye(3)
+    F[POSITION, VELOCITY] = dt_s * IDENTITY_3
     F[POSITION, ROTATION] = 0.5 * dt_s * F[VELOCITY, ROTATION]
     F[POSITION, ACCEL_BIAS] = 0.5 * dt_s * F[VELOCITY, ACCEL_BIAS]
     return F

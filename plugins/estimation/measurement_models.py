@@ -6,6 +6,7 @@ from executive.arrays import Float
 from plugins.estimation.inertial_state import (
     DIMENSION,
     GYRO_BIAS,
+    IDENTITY_3,
     POSITION,
     ROTATION,
     VELOCITY,
@@ -20,16 +21,16 @@ def antenna_residual(state: InertialState, arm_imu: Float, p_map_antenna: Float)
     """Compare a fix with p_imu + R l, where l is the antenna's lever arm in IMU axes [m]: ∂/∂θ = −R [l]×."""
     H = np.zeros((3, DIMENSION))
     H[:, ROTATION] = -state.R_map_imu @ skew(arm_imu)
-    H[:, POSITION] = np.eye(3)
+    H[:, POSITION] = IDENTITY_3
     return p_map_antenna - state.p_map_imu - state.R_map_imu @ arm_imu, H
 
 
 def standing_residual(state: InertialState, arm_imu: Float) -> tuple[Float, Float]:
     """Compare the speed of a point of the cabin that is on the turn axis, v_imu + R (ω × l), with zero."""
-    speed = np.cross(state.rate, arm_imu)
+    speed = skew(state.rate) @ arm_imu
     H = np.zeros((3, DIMENSION))
     H[:, ROTATION] = -state.R_map_imu @ skew(speed)
-    H[:, VELOCITY] = np.eye(3)
+    H[:, VELOCITY] = IDENTITY_3
     H[:, GYRO_BIAS] = state.R_map_imu @ skew(arm_imu)
     return -(state.v_map_imu + state.R_map_imu @ speed), H
 
@@ -37,5 +38,5 @@ def standing_residual(state: InertialState, arm_imu: Float) -> tuple[Float, Floa
 def rate_residual(state: InertialState, rate_imu: Float) -> tuple[Float, Float]:
     """Compare the angular velocity, bias removed, with one that is known otherwise [rad/s], both in IMU axes."""
     H = np.zeros((3, DIMENSION))
-    H[:, GYRO_BIAS] = -np.eye(3)
+    H[:, GYRO_BIAS] = -IDENTITY_3
     return rate_imu - state.rate, H
