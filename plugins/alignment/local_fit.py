@@ -13,6 +13,8 @@ from executive.geometry.pose import inverse, transform
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 
+_FARTHEST = 3  # reaches that a point may move: a smooth surface can slide on itself without end
+
 
 class AlignmentSettings(Settings):
     """How finely to look, and what to believe."""
@@ -61,8 +63,11 @@ def fit(
         return Alignment(T_guess, False, "no target within reach of the source at the guess", 0.0, 0.0)
     step = _optimise(kind, settings, near, moved, max_distance_m)
     T = inverse(T_centre) @ step @ T_centre @ T_guess
-    rmse_m, overlap = measure(near, transform(step, moved), settings)
-    accepted, reason = _judge(settings, rmse_m, overlap)
+    fitted = transform(step, moved)
+    rmse_m, overlap = measure(near, fitted, settings)
+    accepted, reason = _judge(
+        settings, rmse_m, overlap, float(np.linalg.norm(fitted - moved, axis=1).max()), max_distance_m
+    )
     return Alignment(T, accepted, reason, rmse_m, overlap, timings_ms={"total": (wall_s() - begun_s) * 1e3})
 
 
@@ -105,8 +110,12 @@ def measure(target: Float, source: Float, settings: AlignmentSettings) -> tuple[
     return rmse_m, len(inliers) / len(distances)
 
 
-def _judge(settings: AlignmentSettings, rmse_m: float, overlap: float) -> tuple[bool, str]:
+def _judge(
+    settings: AlignmentSettings, rmse_m: float, overlap: float, travel_m: float, max_distance_m: float
+) -> tuple[bool, str]:
     faults = []
+    if travel_m > _FARTHEST * max_distance_m:
+        faults.append(f"a point moved by {travel_m:.2f} m, more than {_FARTHEST} times the reach: it slid away")
     if overlap < settings.min_overlap:
         faults.append(f"overlap {overlap:.2f} below {settings.min_overlap}")
     if rmse_m > settings.max_rmse_m:

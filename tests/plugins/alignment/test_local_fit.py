@@ -1,0 +1,98 @@
+"""Both aligners, on a boulder on a corner of ground."""
+
+import numpy as np
+import pytest
+
+from executive.errors import DataError
+from executive.geometry.pose import inverse, pose, transform
+from executive.geometry.rotation import angle_between, exp_so3
+from executive.interfaces.alignment import Aligner
+from executive.messages.cloud import Cloud
+from plugins.alignment.gicp import Gicp, GicpSettings
+from plugins.alignment.point_to_plane import PointToPlane, PointToPlaneSettings
+
+GICP, PLANE = Gicp(GicpSettings()), PointToPlane(PointToPlaneSettings())
+ALIGNERS = [GICP, PLANE]
+# Noise of 8 mm in voxels of 5 cm. On a smooth boulder normals alone say little about its turning about itself.
+TOLERANCE_M = {GICP: 0.01, PLANE: 0.03}
+
+
+def boulder(seed: int, noise_m: float = 0.008) -> np.ndarray:
+    """A lumpy, lopsided surface of about a metre, freshly sampled by each seed."""
+    rng = np.random.default_rng(seed)
+    d = rng.normal(size=(6000, 3))
+    d /= np.linalg.norm(d, axis=1)[:, None]
+    radius = 0.6 + 0.12 * np.sin(3 * d[:, 0] + 1) * np.cos(2 * d[:, 1]) + 0.08 * d[:, 2] * d[:, 0]
+    return d * (radius + rng.normal(0, noise_m, len(d)))[:, None] * [1, 0.75, 0.6]
+
+
+@pytest.mark.parametrize("aligner", ALIGNERS)
+@pytest.mark.parametrize("seed", range(4))
+def test_a_known_motion_is_recovered(aligner: Aligner, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    T = pose(exp_so3(rng.normal(0, 0.05, 3)), rng.normal(0, 0.05, 3))
+    source = transform(inverse(T), boulder(seed))
+    found = aligner.align(Cloud("map", boulder(100 + seed)), Cloud("map", source), np.eye(4), 0.3)
+    assert found.accepted, found.reason
+    assert np.linalg.norm(found.apply(source) - transform(T, source), axis=1).max() < TOLERANCE_M[aligner]
+    assert found.overlap > 0.9
+    assert found.rmse_m < 0.04
+
+
+def test_half_a_surface_is_enough() -> None:
+    T = pose(exp_so3(np.array([0.02, -0.03, 0.06])), np.array([0.06, -0.04, 0.02]))
+    seen = boulder(7)
+    source = transform(inverse(T), boulder(8))
+    found = GICP.align(Cloud("map", seen[seen[:, 0] + 0.4 * seen[:, 1] < 0.2]), Cloud("map", source), np.eye(4), 0.3)
+    assert found.accepted, found.reason
+    assert np.linalg.norm(found.T_target_source[:3, 3] - T[:3, 3]) < 0.02
+    assert angle_between(found.T_target_source[:3, :3], T[:3, :3]) < np.radians(1.5)
+    assert found.overlap < 0.95
+
+
+def test_a_surface_that_slides_away_is_refused() -> None:
+    """Half a boulder by its normals alone turns about itself, far beyond the reach; the gate sees that."""
+    seen, source = boulder(7), boulder(8)
+    half = Cloud("map", seen[seen[:, 0] + 0.4 * seen[:, 1] < 0.2])
+    credulous = PointToPlane(PointToPlaneSettings(max_rmse_m=1.0, min_overlap=0.0))
+    T = pose(exp_so3(np.array([0.02, -0.03, 0.06])), np.array([0.06, -0.04, 0.02]))
+    found = credulous.align(half, Cloud("map", transform(inverse(T), source)), np.eye(4), 0.3)
+    assert not found.accepted
+    assert "slid away" in found.reason
+
+
+@pytest.mark.parametrize("aligner", ALIGNERS)
+def test_the_answer_moves_with_the_frame(aligner: Aligner) -> None:
+    T_far = pose(exp_so3(np.array([0.1, 0.2, 1.0])), np.array([400_000.0, 5_200_000.0, 400.0]))
+    T = pose(exp_so3(np.array([0.02, 0, 0.05])), np.array([0.05, 0, 0]))
+    target, source = boulder(1), transform(inverse(T), boulder(2))
+    near = aligner.align(Cloud("map", target), Cloud("map", source), np.eye(4), 0.3)
+    far = aligner.align(Cloud("utm", transform(T_far, target)), Cloud("map", source), T_far, 0.3)
+    expected = transform(T_far @ near.T_target_source, source)
+    assert np.linalg.norm(far.apply(source) - expected, axis=1).max() < TOLERANCE_M[aligner]  # the grid lies otherwise
+
+
+@pytest.mark.parametrize("aligner", ALIGNERS)
+def test_another_thing_is_refused_with_the_reason(aligner: Aligner) -> None:
+    rng = np.random.default_rng(3)
+    ground = np.column_stack([rng.uniform(-2, 2, (8000, 2)), np.zeros(8000)])
+    found = aligner.align(Cloud("map", ground), Cloud("map", boulder(1)), np.eye(4), 0.3)
+    assert not found.accepted
+    assert "overlap" in found.reason
+
+
+@pytest.mark.parametrize("aligner", ALIGNERS)
+def test_a_target_out_of_reach_is_refused(aligner: Aligner) -> None:
+    found = aligner.align(Cloud("map", boulder(1) + 50), Cloud("map", boulder(1)), np.eye(4), 0.3)
+    assert not found.accepted
+    assert "reach" in found.reason
+    np.testing.assert_array_equal(found.T_target_source, np.eye(4))
+
+
+@pytest.mark.parametrize("aligner", ALIGNERS)
+def test_a_bad_request_is_an_error(aligner: Aligner) -> None:
+    cloud = Cloud("map", boulder(1))
+    with pytest.raises(DataError, match="positive reach"):
+        aligner.align(cloud, cloud, np.eye(4), 0.0)
+    with pytest.raises(DataError, match="no rigid pose"):
+        aligner.align(cloud, cloud, 2 * np.eye(4), 0.3)
