@@ -13,6 +13,9 @@ from plugins.motion.convex import Convex
 from plugins.motion.obstacles import Obstacles
 from plugins.motion.self_collision import SelfCollision
 
+_THIN = 0.5  # share of a body's half thickness that counts as deep: points never lie deeper in it
+_NOISE_M = 0.02
+
 
 @dataclass(frozen=True, slots=True)
 class Hit:
@@ -26,8 +29,8 @@ class CollisionCheck:
     """One arm, one opening of the jaws, one held stone or none, one set of obstacles.
 
     The chassis and the cabin are not tested against the surroundings: the former stands in them and the latter turns
-    above them. A body may go into the points by a tolerance: a map is noisy, and a stone rests on the ground. Points
-    that are inside a body in the first posture of all (`start`) are excused: the machine is there already.
+    above them. A body may go into stones and ground by a tolerance: a map is noisy, and a stone rests on the ground.
+    Points that are inside a body in the first posture of all (`start`) are excused: the machine is there already.
     """
 
     def __init__(
@@ -40,7 +43,10 @@ class CollisionCheck:
         self._tolerance_m = tolerance_m
         fixed = {self._machine.base_link, self._machine.cabin_link}
         self._bodies = [body for body in machine_check.bodies if body.link not in fixed]
-        self._excused = self._inside_now(link_frames(self._machine, start[None], jaw_rad))
+        frames = link_frames(self._machine, start[None], jaw_rad)
+        low, sunk_m = self._survey(frames)
+        self._excused = self._inside(frames, low)
+        self._allowed_sinking_m = max(tolerance_m, float(sunk_m.max(initial=0.0)) + _NOISE_M)
 
     def first_hit(self, q: Float) -> Hit | None:
         """Return the first collision along postures (K, n), or None."""
@@ -56,19 +62,25 @@ class CollisionCheck:
         return None if hit is None else Hit(hit[0], f"{hit[1]} with {hit[2]}")
 
     def _surroundings_hit(self, frames: dict[str, Float]) -> Hit | None:
-        for k, body, points, depths in self._depths(frames):
+        low, sunk_m = self._survey(frames)
+        sunk = np.argwhere(sunk_m > self._allowed_sinking_m)
+        first_sunk = int(sunk[0, 0]) if len(sunk) else len(low)
+        for k, body, points, depths in self._depths(frames, low[:first_sunk]):
             depth = float(depths[~np.isin(points, self._excused)].max(initial=-np.inf))
-            if depth > self._tolerance_m:
+            if depth > min(self._tolerance_m, _THIN * body.thickness_m):
                 return Hit(k, f"{body.name} with the surroundings ({depth:.2f} m deep)")
-        return None
+        if not len(sunk):
+            return None
+        k, b = sunk[0]
+        return Hit(int(k), f"{self._bodies[b].name} with the ground ({sunk_m[k, b]:.2f} m deep)")
 
-    def _inside_now(self, frames: dict[str, Float]) -> Int:
-        inside = [points[depths > 0] for _, _, points, depths in self._depths(frames)]
+    def _inside(self, frames: dict[str, Float], low: Bool) -> Int:
+        inside = [points[depths > 0] for _, _, points, depths in self._depths(frames, low)]
         return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *inside]))
 
-    def _depths(self, frames: dict[str, Float]) -> Iterator[tuple[int, Convex, Int, Float]]:
+    def _depths(self, frames: dict[str, Float], low: Bool) -> Iterator[tuple[int, Convex, Int, Float]]:
         """Yield posture, body, indices of points near it and their depths in it, where the height map is not clear."""
-        close = np.argwhere(self._close_postures(frames))
+        close = np.argwhere(low)
         if not len(close):
             return
         centres = np.array([transform(frames[self._bodies[b].link][k], self._bodies[b].sphere[0]) for k, b in close])
@@ -81,11 +93,14 @@ class CollisionCheck:
             T_link_base = inverse(frames[body.link][k])
             yield k, body, points, body.depths(transform(T_link_base, self._obstacles.points[points]))
 
-    def _close_postures(self, frames: dict[str, Float]) -> Bool:
-        """Tell which body comes low over the height map in which posture, shape (K, bodies)."""
-        close = np.zeros((len(frames[self._machine.base_link]), len(self._bodies)), dtype=bool)
+    def _survey(self, frames: dict[str, Float]) -> tuple[Bool, Float]:
+        """Return which body is below the height map in which posture, and its depth in the ground, (K, bodies) each."""
+        shape = (len(frames[self._machine.base_link]), len(self._bodies))
+        is_low, sunk_m = np.zeros(shape, dtype=bool), np.full(shape, -np.inf)
         for b, body in enumerate(self._bodies):
             T = frames[body.link]
             points = body.samples @ T[:, :3, :3].transpose(0, 2, 1) + T[:, None, :3, 3]
-            close[:, b] = self._obstacles.clearances(points).min(axis=1) < -self._tolerance_m
-        return close
+            is_low[:, b] = self._obstacles.clearances(points).min(axis=1) < 0.0
+            below = np.flatnonzero(is_low[:, b])
+            sunk_m[below, b] = self._obstacles.depths_in_ground(points[below]).max(axis=1)
+        return is_low, sunk_m

@@ -55,6 +55,11 @@ class Convex:
         return centre, float(np.linalg.norm(self.corners - centre, axis=1).max())
 
     @cached_property
+    def thickness_m(self) -> float:
+        """Depth of its middle [m], about half of its least extent."""
+        return float(self.depths(self.corners.mean(axis=0)[None])[0])
+
+    @cached_property
     def half_spaces(self) -> Float:
         """Rows (n, d): a point p is inside where n·p + d ≤ 0 for all, shape (F, 4); coplanar triangles once."""
         return np.unique(np.round(self._hull.equations, 9), axis=0)

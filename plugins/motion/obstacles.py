@@ -1,11 +1,15 @@
-"""The surroundings as a height map for the quick answer, and as points for the exact one."""
+"""The surroundings: a map of the highest points for the quick answer, one of the ground, and the points themselves."""
+
+from functools import cached_property
 
 import numpy as np
-from scipy.ndimage import maximum_filter
+from scipy.ndimage import maximum_filter, minimum_filter
 
-from executive.arrays import Float, Int
+from executive.arrays import Bool, Float, Int
 
 _CELL_M = 0.1
+_GROUND_CELLS = 5  # window of the lowest point: half a metre
+_GROUND_M = 0.12  # its roughness over that window
 _FREE = -1e3  # height of a cell without points [m]
 
 
@@ -17,13 +21,22 @@ class Obstacles:
         self.points = points_base[is_near]
         self._radius_m = radius_m
         self._cells = int(np.ceil(2 * radius_m / _CELL_M))
-        self._heights = self._height_map()
+        self._heights = self._extremes(np.maximum, _FREE)
         self._wide = maximum_filter(self._heights, size=3)  # samples of a body's surface are a cell and a half apart
+        self._floor = self._ground()
 
     def clearances(self, points_base: Float) -> Float:
         """Return heights above the highest obstacle in the surrounding cells [m], of points (..., 3)."""
         column, row = np.moveaxis(self._index(points_base[..., :2]), -1, 0)
         return np.asarray(points_base[..., 2] - self._wide[column, row])
+
+    def depths_in_ground(self, points_base: Float) -> Float:
+        """Return depths below the ground [m], negative above it, of points (..., 3).
+
+        The ground is solid all the way down, while its points are a sheet that thin bodies pass through.
+        """
+        column, row = np.moveaxis(self._index(points_base[..., :2]), -1, 0)
+        return np.asarray(self._floor[column, row] - points_base[..., 2])
 
     def highest(self, azimuths_rad: tuple[float, float], radii_m: tuple[float, float]) -> float:
         """Return the height of the highest obstacle in a sector of a ring about the base's z axis [m].
@@ -40,20 +53,30 @@ class Obstacles:
         is_in = (radius >= radii_m[0]) & (radius <= radii_m[1]) & (turned <= end - start)
         return float(self._heights[is_in].max(initial=_FREE))
 
+    @cached_property
+    def is_ground(self) -> Bool:
+        """Which points lie hardly above the ground, shape (N,)."""
+        return np.asarray(self.depths_in_ground(self.points) > -_GROUND_M)
+
     def in_box(self, low: Float, high: Float) -> Int:
-        """Return the indices of the points in a box, rising."""
+        """Return the indices of the points in a box that stand above the ground, rising."""
         x, y, z = self.points.T
         is_in = (x >= low[0]) & (x <= high[0])
         is_in &= (y >= low[1]) & (y <= high[1])
         is_in &= (z >= low[2]) & (z <= high[2])
-        return np.flatnonzero(is_in)
+        return np.flatnonzero(is_in & ~self.is_ground)
 
     def _index(self, xy: Float) -> Int:
         cells = np.floor((xy + self._radius_m) / _CELL_M).astype(np.int64)
         return np.clip(cells, 0, self._cells - 1)
 
-    def _height_map(self) -> Float:
-        heights = np.full((self._cells, self._cells), _FREE)
+    def _ground(self) -> Float:
+        """Return the lowest point of each cell and those around it: ground next to a stone's foot, free if unknown."""
+        lowest = minimum_filter(self._extremes(np.minimum, -_FREE), size=_GROUND_CELLS)
+        return np.where(lowest == -_FREE, _FREE, lowest)
+
+    def _extremes(self, extreme: np.ufunc, of_none: float) -> Float:
+        heights = np.full((self._cells, self._cells), of_none)
         column, row = self._index(self.points[:, :2]).T
-        np.maximum.at(heights, (column, row), self.points[:, 2])
+        extreme.at(heights, (column, row), self.points[:, 2])
         return heights

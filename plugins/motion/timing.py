@@ -15,6 +15,7 @@ _GRID = 0.02  # of the parameter, about 20 ms
 _CURVED = 0.5  # share of the acceleration that may go into curvature; the rest speeds up and slows down
 _ALIKE = 1.35  # neighbouring stretches whose speed limits differ by less are one
 _STRETCH = 0.4  # shortest stretch, in the parameter
+_STILL = 1e-3
 _PERIOD_S = 0.03
 
 
@@ -72,7 +73,8 @@ def _excess(times_s: Float, position: Float, velocity: Float, limits: Limits) ->
 
 def _stretches(path: HermitePath, limits: Limits) -> list[_Stretch]:
     u = np.linspace(0.0, path.length, max(8, int(path.length / _GRID)))
-    slope, bend = np.abs(path.tangent(u)) + 1e-9, np.abs(path.curvature(u)) + 1e-9
+    # The smallest slope and bend caps the parameter's speed where hardly any joint moves.
+    slope, bend = np.abs(path.tangent(u)) + _STILL, np.abs(path.curvature(u)) + _STILL
     speed = np.minimum(
         (limits.velocity / slope).min(axis=1), np.sqrt((_CURVED * limits.acceleration / bend).min(axis=1))
     )

@@ -91,8 +91,8 @@ def join(leave: Line, travel: list[Float], arrive: Line) -> tuple[Float, Bool]:
     """Return all nodes in order, and for each interval whether it is a piece of a straight line."""
     nodes = [*leave.nodes, *travel, *arrive.nodes[::-1]]
     is_dense = np.zeros(len(nodes) - 1, dtype=bool)
-    is_dense[: len(leave.nodes) - 1] = True
-    is_dense[len(nodes) - len(arrive.nodes) :] = True
+    is_dense[: max(len(leave.nodes) - 2, 0)] = True
+    is_dense[len(nodes) - len(arrive.nodes) + 1 :] = True
     return np.array(nodes), is_dense
 
 
