@@ -158,6 +158,7 @@ class Dataflow:
                 place = source.mark if isinstance(source, Ref) else kind.mark
                 told = f"input '{port}' of {kind.tree} is {wanted.name}, and {_shown(source)} holds {names(types)}"
                 self._problems.error(place, told)
+                types = frozenset({Any})  # told once, not again inside
             inside.update({port: types} if types else {})
         after = self._tree(tree, inside)
         return self._written(keys, {kind.outputs[port].key: after[port] for port in tree.outputs if port in after})
@@ -207,7 +208,8 @@ class Dataflow:
         if source.key in keys:
             return keys[source.key]
         told = f"{reader} reads key '{source.key}' before it is written"
-        cure = "; it is written only later" if source.key in self._later else did_you_mean(source.key, keys)
+        known = did_you_mean(source.key, keys) if keys else "; nothing is written before it"
+        cure = "; it is written only later" if source.key in self._later else known
         self._problems.error(source.mark, told + cure)
         return frozenset()
 

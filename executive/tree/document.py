@@ -117,7 +117,7 @@ class _Reader:
             elif isinstance(event, yaml.CollectionStartEvent):
                 if len(self._open) >= _MAX_DEPTH:
                     self._problems.error(self._mark(event), f"nested more than {_MAX_DEPTH} levels deep")
-                    return None
+                    return Broken(self._mark(event))
                 self._refuse_extras(event)
                 self._open.append(_Open(self._mark(event), isinstance(event, yaml.MappingStartEvent)))
             elif isinstance(event, yaml.CollectionEndEvent):
@@ -135,7 +135,9 @@ class _Reader:
 
     def _scalar(self, event: Any) -> None:
         mark = self._mark(event)
-        self._refuse_extras(event)
+        if self._refuse_extras(event):
+            self._add(Broken(mark))
+            return
         odd = _UNPRINTABLE.search(event.value)
         if odd:  # written as an escape such as "\0"
             self._problems.error(mark, f"a control character (U+{ord(odd.group()):04X}) does not belong into a text")
@@ -181,7 +183,8 @@ class _Reader:
         else:
             parent.entries[key] = Entry(mark, value)
 
-    def _refuse_extras(self, event: Any) -> None:
+    def _refuse_extras(self, event: Any) -> bool:
+        """Note an anchor or a tag; a tag leaves no value to go on with."""
         if event.anchor is not None:
             self._problems.error(
                 self._mark(event), f"anchors (&{event.anchor}) are refused; write the value out where it is used"
@@ -190,6 +193,7 @@ class _Reader:
             self._problems.error(
                 self._mark(event), f"tags ({event.tag}) are refused; the settings class decides the type"
             )
+        return event.tag is not None
 
     def _mark(self, event: Any) -> Mark:
         return Mark(self._name, event.start_mark.line + 1, event.start_mark.column + 1)

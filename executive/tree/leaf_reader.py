@@ -10,7 +10,7 @@ from executive.tree.language import Combined, Condition, Holds, LeafUse, Ref
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading, is_text
 from executive.tree.settings import check_settings
-from executive.tree.value import Entry, Scalar, Table, Value, describe
+from executive.tree.value import Entry, Table, Value, describe
 
 LEAF_KEYS = ("with", "in", "out")
 _CONDITION_FORMS = 'a check\'s name, "{key}", or a mapping with one of check, not, all, any'
@@ -22,11 +22,11 @@ class LeafReader:
     def __init__(self, reading: Reading) -> None:
         self._reading = reading
 
-    def use(self, kind: str, table: Table) -> LeafUse | None:
-        """Read `run: Name` or `check: Name` with its settings and ports."""
+    def use(self, kind: str, table: Table, *, as_node: bool = True) -> LeafUse | None:
+        """Read `run: Name` or `check: Name` with its settings and ports, as a node or within a condition."""
         value = table.entries[kind].value
         name = self._reading.text(value, f"'{kind}'")
-        leaf = self._leaf(kind, name, value.mark) if name else None
+        leaf = self._leaf(kind, name, value.mark, as_node) if name else None
         if leaf is None or name is None:
             return None
         given = table.get("with") or Table({}, value.mark)
@@ -45,8 +45,7 @@ class LeafReader:
             if "{" in text:  # type: ignore[operator]
                 ref = self._reading.reference(value, what)
                 return Holds(ref.key, ref.mark) if ref else None
-            from_name = Scalar(text, value.mark)
-            return self.use("check", _table_of("check", from_name))
+            return self.use("check", Table({"check": Entry(value.mark, value)}, value.mark), as_node=False)
         if not isinstance(value, Table):
             self._reading.fail(value, f"{what} takes {_CONDITION_FORMS}; not {describe(value)}")
             return None
@@ -62,7 +61,7 @@ class LeafReader:
         allowed = ("check", *LEAF_KEYS) if how == "check" else (how,)
         self._reading.known_keys(table, allowed, f"a condition with '{how}'")
         if how == "check":
-            return self.use("check", table)
+            return self.use("check", table, as_node=False)
         if how == "not":
             part = self.condition(value, "'not'")
             return Combined("not", (part,)) if part else None
@@ -71,7 +70,7 @@ class LeafReader:
         known = tuple(part for part in parts if part is not None)
         return Combined("all" if how == "all" else "any", known) if known and len(known) == len(parts) else None
 
-    def _leaf(self, kind: str, name: str, mark: Mark) -> type[Leaf] | None:
+    def _leaf(self, kind: str, name: str, mark: Mark, as_node: bool) -> type[Leaf] | None:
         try:
             leaf = self._reading.catalogue.behaviour(name)
         except ConfigError as error:
@@ -81,7 +80,8 @@ class LeafReader:
         if issubclass(leaf, wanted):
             return leaf
         sort = "a condition, which answers at once" if kind == "run" else "an action, which takes time"
-        self._reading.problems.error(mark, f"{name} is {sort}: write '{other}: {name}'")
+        cure = f": write '{other}: {name}'" if as_node else "; only a condition can be asked here"
+        self._reading.problems.error(mark, f"{name} is {sort}{cure}")
         return None
 
     def _wiring(
@@ -110,7 +110,3 @@ def check_port(reading: Reading, side: str, port: str, mark: Mark, ports: Sequen
     word = {"in": "input", "out": "output"}[side]
     reading.problems.error(mark, f"{owner} has no {word} '{port}'{did_you_mean(port, ports)}")
     return False
-
-
-def _table_of(key: str, value: Value) -> Table:
-    return Table({key: Entry(value.mark, value)}, value.mark)

@@ -38,7 +38,8 @@ def load_mission(path_or_name: str, overrides: Sequence[str] = (), catalogue: Ca
     own = _section(mission, "trees", reading, is_needed=True)
     inherited = [_section(layer, "trees", reading) for layer in found[:-1]]
     trees = read_trees(_laid([*inherited, own]), libraries(mission.path, reading), reading)
-    plugins.check_needs(selected, plugin_table, _uses(trees))
+    if "plugins" not in mission.table.entries or plugin_table.entries:  # else there is no mapping, which is told
+        plugins.check_needs(selected, plugin_table, _uses(trees))
     if "main" in trees:
         Dataflow(trees, reading.problems).check()
     name, description = _titles(mission, reading)

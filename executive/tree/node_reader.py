@@ -143,7 +143,7 @@ class NodeReader:
         word = describe(value).strip("'")
         if word in words:
             return words[word]
-        number = self._reading.whole(value, "'succeed' is all, one, or a number; a number")
+        number = self._reading.whole(value, "'succeed', if not all or one,")
         if number is not None and number > count:
             self._reading.fail(value, f"{number} children are to succeed, and there are {count}")
         return number or count

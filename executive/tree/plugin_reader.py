@@ -101,6 +101,9 @@ class PluginReader:
 
     def check_needs(self, chosen: Mapping[str, tuple[Selection, ...]], table: Table, uses: Iterable[LeafUse]) -> None:
         """Note what the loop, a leaf or a plugin needs and the mission does not select."""
+        if not table.entries:
+            self._reading.problems.error(table.mark, "'plugins' is missing: a mission chooses at least a robot")
+            return
         for capability in REQUIRED:
             if capability not in self._marks:
                 self._missing(table.mark, "a mission", capability)
@@ -126,4 +129,5 @@ class PluginReader:
     def _missing(self, mark: Mark, who: str, capability: str) -> None:
         names = self._reading.catalogue.plugin_names(capability)
         cure = f"; add '{capability}: {names[0]}' to 'plugins'" if names else ", and none is installed"
-        self._reading.problems.error(mark, f"{who} needs a {capability} plugin, and none is selected{cure}")
+        article = "an" if capability[0] in "aeiou" else "a"
+        self._reading.problems.error(mark, f"{who} needs {article} {capability} plugin, and none is selected{cure}")

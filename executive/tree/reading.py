@@ -80,14 +80,18 @@ class Reading:
 
     def seconds(self, value: Value, what: str, *, allow_zero: bool = False) -> float | None:
         """Return a duration [s]."""
+        if not isinstance(value, Scalar) or value.value is None:
+            self.fail(value, f"{what} is a duration such as 30 s, not {describe(value)}")
+            return None
         try:
-            duration_s = parse_quantity(value.value if isinstance(value, Scalar) else describe(value), "time")
+            duration_s = parse_quantity(value.value, "time")
         except ValueError as error:
             self.fail(value, f"{what}: {error}")
             return None
         if 0 < duration_s < float("inf") or (allow_zero and duration_s == 0):
             return duration_s
-        self.fail(value, f"{what} must be more than 0 s and finite, got {describe(value)}")
+        least = "at least 0 s" if allow_zero else "more than 0 s"
+        self.fail(value, f"{what} must be {least} and finite, got {describe(value)}")
         return None
 
     def reference(self, value: Value, what: str) -> Ref | None:

@@ -66,7 +66,9 @@ def _ports(value: Value | None, tree: str, reading: Reading) -> Ports:
     for port, entry in table.entries.items() if table else ():
         text = reading.text(entry.value, f"the type of port '{port}'")
         if text is not None and not is_type_name(text):
-            reading.fail(entry.value, f"port '{port}' takes a type such as Stone, list[Stone] or Stone?, not '{text}'")
+            cure = "; here stand the tree's ports: put a node with wires into a sequence" if "{" in text else ""
+            told = f"port '{port}' takes a type such as Stone, list[Stone] or Stone?, not '{text}'{cure}"
+            reading.fail(entry.value, told)
         elif text is not None and reading.checked_name(port, entry.key_mark, "a port's name"):
             ports[port] = TypeName(text, entry.value.mark)
     return ports
@@ -75,7 +77,7 @@ def _ports(value: Value | None, tree: str, reading: Reading) -> Ports:
 def _root(draft: Draft, reader: NodeReader) -> Node | None:
     body = draft.body
     if isinstance(body, Table):  # `in` and `out` of a tree are its ports, never the wiring of its root
-        body = Table({key: entry for key, entry in body.entries.items() if key not in _HEADER}, draft.mark)
+        body = Table({key: entry for key, entry in body.entries.items() if key not in _HEADER}, body.mark)
     return reader.node(body)
 
 

@@ -80,6 +80,8 @@ def describe(value: Value) -> str:
         return "a list"
     if isinstance(value, Broken):
         return "something unreadable"
+    if isinstance(value.value, bool):
+        return str(value.value).lower()
     return "nothing" if value.value is None else shortened(repr(value.value), 60)
 
 
