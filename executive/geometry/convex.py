@@ -35,6 +35,15 @@ def volume_and_centroid(vertices: Float) -> tuple[float, Float]:
     return float(volumes.sum()), np.asarray(middle + volumes @ centres / volumes.sum())
 
 
+def convex_corners(points: Float) -> Float:
+    """Return those of the points (N, 3) that are corners of their convex hull, shape (V, 3).
+
+    Raises:
+        DataError: If the points span no volume.
+    """
+    return np.asarray(points[_hull(points).vertices])
+
+
 def _hull(vertices: Float) -> ConvexHull:
     try:
         return ConvexHull(vertices)

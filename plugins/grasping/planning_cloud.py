@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from executive.arrays import Bool, Float
-from executive.geometry.convex import volume_and_centroid
+from executive.geometry.convex import convex_corners, volume_and_centroid
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis
 from plugins.grasping.frames import outward_normals
@@ -44,6 +44,13 @@ class PlanningCloud:
     ground: Ground
 
     @property
+    def body(self) -> Float:
+        """Corners of the stone's hull with its lowest points brought down to the ground, where nobody saw it."""
+        height = self.stone[:, 2] - self.ground.height(self.stone[:, :2])
+        foot = (self.stone - height[:, None] * (0.0, 0.0, 1.0))[height < _FOOT_M]
+        return convex_corners(np.concatenate([self.stone, foot]))
+
+    @property
     def stone(self) -> Float:
         """The stone's points, shape (T, 3)."""
         return self.points[self.is_target]
@@ -57,7 +64,7 @@ def build_planning_cloud(
     Args:
         stone_map: Best known surface of the stone: lidar, drone and earlier sights merged [m], shape (T, 3).
         cloud_map: The map, the stone included [m], shape (N, 3).
-        margin_m: How far around the stone to look: the full width of the open gripper.
+        margin_m: How far around the stone to look: as far as the open gripper reaches to either side.
         spacing_m: Density of the result.
         rng: For the ground's RANSAC.
 
@@ -74,12 +81,12 @@ def build_planning_cloud(
     around = thinned(cloud[distance > 1.5 * spacing_m], spacing_m)
     ground = fit_ground(around, stone, rng)
     stone, around = _with_foot(stone, around, ground)
-    filled = fill_ground(ground, stone, low[:2], high[:2], spacing_m)
+    others = thinned(np.concatenate([around, fill_ground(ground, stone, low[:2], high[:2], spacing_m)]), spacing_m)
     volume_m3, centre = volume_and_centroid(stone)
     return PlanningCloud(
         T_map_plan=T_map_plan,
-        points=np.concatenate([stone, around, filled]),
-        is_target=np.arange(len(stone) + len(around) + len(filled)) < len(stone),
+        points=np.concatenate([stone, others]),
+        is_target=np.arange(len(stone) + len(others)) < len(stone),
         normals=outward_normals(stone, centre),
         centre=centre,
         volume_m3=volume_m3,

@@ -1,11 +1,10 @@
 """The costs of a grasp, and the order that follows from them (Mascaro 2020, Sec. 5.4)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from executive.arrays import Float
+from executive.arrays import Float, Int
 from plugins.grasping.jaw_field import JawField
 from plugins.grasping.push import Holds
 
@@ -32,25 +31,33 @@ def paper_costs(R: Float, position: Float, centre: Float, ground_normal: Float) 
     }
 
 
-def best_first(costs: Costs, stages: Sequence[tuple[str, int]], final: str) -> NDArray[np.int64]:
-    """Return indices of the grasps that pass all stages, the least final cost first.
+def ranked_rounds(costs: Costs, stages: Sequence[tuple[str, int]], final: str) -> Iterator[Int]:
+    """Yield the grasps that pass all stages, the least final cost first; then the same of those that are left.
 
-    A stage (name, keep) leaves the `keep` grasps of least cost; with fewer, all stay. Equal costs are ordered by the
-    costs of the stages after, then by index, so that the order is always the same.
+    A stage (name, keep) passes the `keep` grasps of least cost; with fewer, all. Equal costs are ordered by the costs
+    of the other stages, then by index, so that the order is always the same. Each grasp is yielded once.
     """
     left = np.arange(len(costs[final]))
+    while len(left):
+        passed = best_first(costs, stages, final, left)
+        yield passed
+        left = np.setdiff1d(left, passed)
+
+
+def best_first(costs: Costs, stages: Sequence[tuple[str, int]], final: str, left: Int) -> Int:
+    """Return which of the indices `left` pass all stages, the least final cost first; see `ranked_rounds`."""
     names = [name for name, _ in stages] + [final]
     for i, (_, keep) in enumerate(stages):
         left = np.sort(_ordered(costs, names[i:], left)[:keep])
     return _ordered(costs, [final, *names[:-1]], left)
 
 
-def _ordered(costs: Costs, names: Sequence[str], left: NDArray[np.int64]) -> NDArray[np.int64]:
+def _ordered(costs: Costs, names: Sequence[str], left: Int) -> Int:
     keys = [left, *(np.round(costs[name][left], 9) for name in reversed(names))]  # lexsort: the last is the first key
     return np.asarray(left[np.lexsort(keys)])
 
 
-def spread(chosen: NDArray[np.int64], R: Float, position: Float, shift_m: float, turn_rad: float) -> NDArray[np.int64]:
+def spread(chosen: Int, R: Float, position: Float, shift_m: float, turn_rad: float) -> Int:
     """Return the same indices, those first that differ from all before them: a retry is then another attempt.
 
     Args:
@@ -77,7 +84,7 @@ def _turn(R_a: Float, R_b: Float) -> float:
     return float(np.arccos(np.clip((max(np.trace(D), flipped) - 1) / 2, -1.0, 1.0)))
 
 
-def hold_costs(field: JawField, holds: Holds, held: NDArray[np.int64], R: Float, centre: Float) -> dict[str, Float]:
+def hold_costs(field: JawField, holds: Holds, held: Int, R: Float, centre: Float) -> dict[str, Float]:
     """Return costs of the contact between the jaws, an addition to the paper, each of shape (M,).
 
     Returns:

@@ -1,6 +1,7 @@
 """Grasp planning by sampling: many approaches pushed until contact, closed, and ranked (Mascaro 2020, Sec. 5)."""
 
 from collections import Counter
+from collections.abc import Iterator
 from typing import ClassVar
 
 import numpy as np
@@ -20,7 +21,8 @@ from plugins.grasping.frames import downward_frames, local_frames, turned_frames
 from plugins.grasping.jaw_field import JawField, build_jaw_field
 from plugins.grasping.planning_cloud import PlanningCloud, build_planning_cloud
 from plugins.grasping.push import Clearance, Holds, Hypotheses, Outcome, push_and_close
-from plugins.grasping.ranking import Costs, best_first, hold_costs, paper_costs, spread
+from plugins.grasping.ranking import Costs, hold_costs, paper_costs, ranked_rounds, spread
+from plugins.grasping.rehearsal import FALLEN_M, Rehearsal
 from plugins.grasping.way_in import WayIn
 from robot_models.machine import Machine
 
@@ -30,6 +32,9 @@ _ROOM_IN_CLOUD_M = 0.01  # a point deeper than this in the open gripper refuses 
 _FEW_POINTS = 20  # fewer say nothing about a stone's shape
 _TURN_Y_RAD, _TURN_Z_RAD = np.radians(60.0), np.radians(80.0)
 _DOWNWARD_SHIFTS_M = (-0.15, 0.0, 0.15)  # along the jaws' width, from the stone's centre
+# Friction of steel on stone, and offsets in the gripper's frame [m]: as planned, and with margins for both.
+_VARIANTS = ((0.45, (0.0, 0.0, 0.0)), (0.55, (-0.03, 0.0, 0.04)), (0.55, (-0.03, 0.0, -0.04)))
+_FIRM_M, _ENOUGH = 0.05, 4  # no more rehearsals when this many grasps slip less than this
 _SPREAD_M, _SPREAD_RAD = 0.10, np.radians(20.0)
 
 
@@ -51,6 +56,7 @@ class SampledAntipodalSettings(Settings):
     overload: float = Field(1.15, ge=1, description="Estimated mass over payload that is refused; a hull is too large.")
     keep_aligned: int = Field(40, ge=1, description="Grasps that pass the ranking by alignment (Sec. 5.4).")
     keep_enclosing: int = Field(20, ge=1, description="Grasps that pass the ranking by enclosing (Sec. 5.4).")
+    rehearsed: int = Field(32, ge=0, le=500, description="Most lifts that are rehearsed; 0: the paper's order stays.")
     max_grasps: int = Field(8, ge=1, description="Most grasps that are returned.")
 
 
@@ -80,7 +86,7 @@ class SampledAntipodal(GraspPlanner):
         if len(target.points_map) < _FEW_POINTS:
             return GraspPlan((), {"too_few_points": 1})
         s, field = self._settings, self._jaw_field()
-        margin_m = 2 * float(field.tip_b.max())  # the full width of the open gripper (Sec. 5.2)
+        margin_m = -float(field.origin[1])  # the open gripper's width (Sec. 5.2), half of it to either side
         scene = build_planning_cloud(target.points_map, cloud.points, margin_m, s.spacing_m, rng)
         if scene.volume_m3 * s.density > s.overload * self._machine.payload_kg:
             return GraspPlan((), {"too_heavy": 1})
@@ -112,33 +118,56 @@ class SampledAntipodal(GraspPlanner):
     def _chosen(
         self, scene: PlanningCloud, tried: Hypotheses, holds: Holds, T_map_base: Float, refused: Counter[str]
     ) -> tuple[Grasp, ...]:
-        """Rank what holds (Sec. 5.4), and return the best that have a free way in and that the arm reaches."""
-        s = self._settings
+        """Rank what holds (Sec. 5.4), rehearse the best that the arm comes to, and rank those by how far they slip."""
+        s, gripper = self._settings, self._machine.gripper
         held = np.flatnonzero(holds.outcome == Outcome.HELD)
         R, position = tried.R[held], holds.position[held]
         costs = paper_costs(R, position, scene.centre, scene.ground.normal)
         costs |= hold_costs(self._jaw_field(), holds, held, R, scene.centre)
-        stages = [("align_rad", s.keep_aligned), ("enclose_m", s.keep_enclosing)]
-        order = spread(best_first(costs, stages, "distance_m"), R, position, _SPREAD_M, _SPREAD_RAD)
-        way_in = WayIn(self._machine.gripper)
+        jaw_rad = self._jaw_field().jaw_rad[holds.progress[held].min(axis=1)]
+        rehearsal = Rehearsal(gripper, scene.body, scene.ground.normal, scene.volume_m3 * s.density)
         grasps: list[Grasp] = []
-        for i in order.tolist():
-            T_plan_gripper = pose(R[i], position[i])
-            if not way_in.is_free(scene.points, T_plan_gripper, scene.ground.normal, s.way_in_m, _ROOM_IN_CLOUD_M):
-                refused["way_in_blocked"] += 1
-                continue
-            T_map_gripper = self._arm.reached(scene.T_map_plan @ T_plan_gripper, T_map_base, s.way_in_m)
-            if T_map_gripper is None:
-                refused["out_of_reach"] += 1
-                continue
-            grasps.append(self._grasp(T_map_gripper, costs, i, score=1.0 - len(grasps) / s.max_grasps))
-            if len(grasps) == s.max_grasps:
+        for i, T_map_gripper in self._attainable(scene, costs, R, position, T_map_base, refused):
+            slip_m = self._slip_m(rehearsal, pose(R[i], position[i]), float(jaw_rad[i]))
+            named = {name: float(cost[i]) for name, cost in costs.items()} | {"slip_m": slip_m}
+            grasps.append(Grasp(T_map_gripper, gripper.max_opening_m, -round(slip_m, 2), named))
+            firm = sum(grasp.costs["slip_m"] <= _FIRM_M for grasp in grasps)
+            if firm == _ENOUGH or len(grasps) == max(s.rehearsed, s.max_grasps):
                 break
-        return tuple(grasps)
+        grasps.sort(key=lambda grasp: -grasp.score)  # stable: equals keep the paper's order
+        return tuple(grasps[: s.max_grasps])
 
-    def _grasp(self, T_map_gripper: Float, costs: Costs, i: int, score: float) -> Grasp:
-        opening_m = self._machine.gripper.max_opening_m
-        return Grasp(T_map_gripper, opening_m, score, {name: float(cost[i]) for name, cost in costs.items()})
+    def _attainable(
+        self, scene: PlanningCloud, costs: Costs, R: Float, position: Float, T_map_base: Float, refused: Counter[str]
+    ) -> Iterator[tuple[int, Float]]:
+        """Yield index and T_map_gripper of grasps with a free way in that the arm comes to, in the paper's order.
+
+        When the grasps that pass the paper's stages are used up, those that are left go through the stages again.
+        """
+        s, up = self._settings, scene.ground.normal
+        stages = [("align_rad", s.keep_aligned), ("enclose_m", s.keep_enclosing)]
+        way_in = WayIn(self._machine.gripper)
+        for passed in ranked_rounds(costs, stages, "distance_m"):
+            for i in spread(passed, R, position, _SPREAD_M, _SPREAD_RAD).tolist():
+                T_plan_gripper = pose(R[i], position[i])
+                T_map_gripper = self._arm.reached(scene.T_map_plan @ T_plan_gripper, T_map_base, s.way_in_m)
+                if T_map_gripper is None:
+                    refused["out_of_reach"] += 1
+                elif not way_in.is_free(scene.points, T_plan_gripper, up, s.way_in_m, _ROOM_IN_CLOUD_M):
+                    refused["way_in_blocked"] += 1
+                else:
+                    yield i, T_map_gripper
+
+    def _slip_m(self, rehearsal: Rehearsal, T_plan_gripper: Float, jaw_rad: float) -> float:
+        """Return how far the stone moves in the jaws, the mean over rehearsals at and about the pose [m]."""
+        if not self._settings.rehearsed:
+            return 0.0
+        slips = []
+        for friction, offset in _VARIANTS:
+            slips.append(rehearsal.lift(T_plan_gripper @ pose(t=np.array(offset)), jaw_rad, friction).slip_m)
+            if slips[0] >= FALLEN_M:
+                break  # hopeless: spare the variants
+        return float(np.mean(slips))
 
     def _jaw_field(self) -> JawField:
         if self._field is None:  # a second of work that only a mission that grasps needs
