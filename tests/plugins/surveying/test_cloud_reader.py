@@ -59,7 +59,7 @@ def test_counts_points_that_are_not_finite(tmp_path: Path, suffix: str) -> None:
     points = POINTS.copy()
     points[7, 1] = np.nan
     path = write(tmp_path / f"site.{suffix}", points)
-    with pytest.raises(DataError, match="1 of 400 points are not finite .the first is number 7"):
+    with pytest.raises(DataError, match=r"1 of 400 points are not finite \(the first is number 7\)"):
         read_points(path)
 
 

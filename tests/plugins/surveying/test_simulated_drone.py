@@ -80,7 +80,7 @@ def test_noise_and_warp_have_the_size_that_the_settings_say() -> None:
     assert np.abs(shift).max() <= 0.03
     assert np.abs(shift).max() > 0.01
     # Smooth: neighbours 0.1 m apart move together within slope · distance = 0.03 · 2π/10 · √3 · 0.1 m.
-    step = points + [0.1, 0, 0]
+    step = points + np.array([0.1, 0, 0])
     beside = warp(step, settings, np.random.default_rng(1)) - step
     assert np.abs(beside - shift).max() < 0.0035
 
