@@ -81,7 +81,7 @@ class SelfFilter:
             planes.append(np.column_stack([normals, hull.planes[:, 3] + normals @ T[:3, 3]]))
             spheres.append([*(T[:3, :3] @ hull.centre + T[:3, 3]), hull.radius_m])
         T = T_lidar_base @ frames["gripper"]
-        spheres.append([*(T[:3, :3] @ self._grasp_centre + T[:3, 3]), held_radius_m or -1.0])
+        spheres.append([*(T[:3, :3] @ self._grasp_centre + T[:3, 3]), held_radius_m])
         return np.vstack(planes), np.array(spheres)
 
 

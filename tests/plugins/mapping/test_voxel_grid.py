@@ -1,0 +1,76 @@
+"""Voxels with running means, against sums over all points."""
+
+import numpy as np
+import pytest
+
+from executive.errors import DataError
+from plugins.mapping.voxel_grid import VoxelGrid
+
+
+def expected(points: np.ndarray, voxel_m: float) -> tuple[np.ndarray, np.ndarray]:
+    keys, inverse, counts = np.unique(np.floor(points / voxel_m), axis=0, return_inverse=True, return_counts=True)
+    means = np.zeros_like(keys)
+    np.add.at(means, inverse.ravel(), points)
+    return means / counts[:, None], counts
+
+
+def test_means_and_counts_are_those_of_all_points_in_a_voxel() -> None:
+    points = np.random.default_rng(0).normal(0, 0.3, (20_000, 3))
+    grid = VoxelGrid(0.1, memory=100_000)
+    for part in np.array_split(points, 7):
+        grid.insert(part)
+    means, counts = grid.points()
+    wanted, wanted_counts = expected(points, 0.1)
+    np.testing.assert_allclose(means, wanted, atol=1e-12)
+    np.testing.assert_array_equal(counts, wanted_counts)
+    assert len(grid) == len(means)
+
+
+def test_the_order_of_voxels_does_not_depend_on_the_order_of_points() -> None:
+    rng = np.random.default_rng(0)
+    points = rng.normal(0, 2, (5000, 3))
+    a, b = VoxelGrid(0.1, 10**6), VoxelGrid(0.1, 10**6)
+    a.insert(points)
+    b.insert(points[rng.permutation(len(points))])
+    np.testing.assert_allclose(a.points()[0], b.points()[0], atol=1e-12)
+
+
+def test_it_grows_beyond_its_first_table() -> None:
+    rng = np.random.default_rng(0)
+    grid = VoxelGrid(0.03, 100)
+    seen = [rng.uniform(-10, 10, (60_000, 3)) for _ in range(6)]
+    for points in seen:
+        grid.insert(points)
+    assert len(grid) == len(expected(np.vstack(seen), 0.03)[0])
+
+
+def test_what_is_not_kept_is_gone_until_it_is_seen_again() -> None:
+    grid = VoxelGrid(0.1, 100)
+    points = np.random.default_rng(0).uniform(-1, 1, (3000, 3))
+    grid.insert(points)
+    means, _ = grid.points()
+    grid.keep(means[:, 0] < 0)
+    assert grid.points()[0][:, 0].max() < 0
+    grid.insert(points[:1] * [0, 1, 1] + [0.55, 0, 0])
+    means, counts = grid.points()
+    assert (means[:, 0] > 0).sum() == 1
+    assert counts[means[:, 0] > 0] == [1]
+
+
+def test_old_points_fade() -> None:
+    grid = VoxelGrid(1.0, memory=10)
+    grid.insert(np.full((1000, 3), 0.2))
+    grid.insert(np.full((60, 3), 0.8))
+    np.testing.assert_allclose(grid.points()[0], 0.8, atol=0.01)
+
+
+def test_noise_averages_out() -> None:
+    rng = np.random.default_rng(0)
+    grid = VoxelGrid(0.1, memory=1000)
+    grid.insert(np.array([0.55, 0.55, 0.55]) + rng.normal(0, 0.012, (400, 3)))
+    np.testing.assert_allclose(grid.points()[0][0], 0.55, atol=4 * 0.012 / np.sqrt(400))
+
+
+def test_points_beyond_the_keys_are_refused() -> None:
+    with pytest.raises(DataError, match="set the datum near the site"):
+        VoxelGrid(0.03, 100).insert(np.array([[400_000.0, 0, 0]]))
