@@ -58,7 +58,7 @@ class SensorSuite:
         self._sensors: list[tuple[Sensor, Measure]] = []
         for sensor, own_rng in zip(machine.sensors.values(), rng.spawn(len(machine.sensors)), strict=True):
             self._sensors.append((sensor, self._measure(sensor, machine, skin, model, own_rng)))
-        self._last_s = -1.0  # before any time, so that the first step is due
+        self._last_s = 0.0
         self._on_the_way: list[tuple[float, Observation]] = []
 
     def _measure(
