@@ -4,13 +4,14 @@ Frame: origin at the palm's centre, x out of the palm (approach), y from jaw to 
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import Field
 
 from executive.arrays import Float
+from executive.config import Settings
 from executive.errors import DataError
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import about_axis
@@ -23,6 +24,18 @@ Vec2 = tuple[float, float]
 SIDES = {"jaw_left": 1.0, "jaw_right": -1.0}  # sign of y, and of the opening turn about z
 
 
+class JawPart(Settings):
+    """A convex polygon across the jaws' width, drawn out along z over one or more spans: a plate, or ribs."""
+
+    corners_m: tuple[Vec2, ...] = Field(min_length=3, description="Corners (x, y) from the left jaw's pivot [m].")
+    spans_m: tuple[Vec2, ...] = Field(min_length=1, description="From and to along z, one for each rib [m].")
+
+    def shapes(self, side: float) -> Iterator[Shape]:
+        """Yield the part's prisms in the frame of the left (+1) or the right (−1) jaw."""
+        for span in self.spans_m:
+            yield Shape(kind="hull", points_m=tuple((x, side * y, z) for z in span for x, y in self.corners_m))
+
+
 class Gripper(Sourced):
     """A palm and two mirrored jaws that turn about axes along z."""
 
@@ -31,22 +44,18 @@ class Gripper(Sourced):
     palm_com_m: Vec3 = Field(description="Centre of mass of the palm [m].")
     jaw_mass_kg: float = Field(gt=0, description="Mass of one jaw [kg].")
     jaw_com_m: Vec3 = Field(description="Centre of mass of the left jaw, from its pivot [m].")
-    jaw_width_m: float = Field(gt=0, description="Extent of the jaws along z [m].")
     pivot_m: Vec2 = Field(description="x and y of the left jaw's pivot [m].")
-    profile_m: tuple[tuple[Vec2, ...], ...] = Field(
-        min_length=1, description="Convex polygons (x, y) of the closed left jaw, from its pivot [m]."
-    )
+    jaw_parts: tuple[JawPart, ...] = Field(min_length=1, description="Convex parts of the closed left jaw.")
     tip_m: Vec2 = Field(description="Tip of the closed left jaw, from its pivot [m].")
     open_rad: float = Field(gt=0, lt=math.pi, description="Angle of the widest opening [rad].")
     tip_force_n: float = Field(gt=0, description="Largest force at each tip [N].")
     grasp_centre_m: Vec3 = Field(description="Where a stone's centre sits between the jaws [m].")
 
-    @field_validator("profile_m")
-    @classmethod
-    def _check_profile(cls, profile: tuple[tuple[Vec2, ...], ...]) -> tuple[tuple[Vec2, ...], ...]:
-        if any(len(polygon) < 3 for polygon in profile):
-            raise ValueError("each polygon of a jaw has at least three corners")
-        return profile
+    @property
+    def jaw_width_m(self) -> float:
+        """Extent of the jaws along z [m]."""
+        ends = [z for part in self.jaw_parts for span in part.spans_m for z in span]
+        return max(ends) - min(ends)
 
     @property
     def grasp_centre(self) -> Float:
@@ -119,13 +128,9 @@ class Gripper(Sourced):
             name=name,
             mass_kg=self.jaw_mass_kg,
             com_m=(x, side * y, z),
-            shapes=tuple(self._prism(polygon, side) for polygon in self.profile_m),
-            provenance={REST: self.source_of("profile_m")},
+            shapes=tuple(shape for part in self.jaw_parts for shape in part.shapes(side)),
+            provenance={REST: self.source_of("jaw_parts")},
         )
-
-    def _prism(self, polygon: tuple[Vec2, ...], side: float) -> Shape:
-        half = self.jaw_width_m / 2
-        return Shape(kind="hull", points_m=tuple((x, side * y, z) for z in (-half, half) for x, y in polygon))
 
     @property
     def _tip_angle(self) -> float:
