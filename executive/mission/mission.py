@@ -21,6 +21,7 @@ from executive.mission.operator import Operator
 from executive.mission.phase import Phase, checked_change
 from executive.mission.report import Ending
 from executive.mission.streams import Streams
+from executive.tree.build import node_states
 from robot_models.kinematics import Kinematics
 
 _AT_REST_RAD_S = 0.01  # every joint slower than this: the machine stands (m/s for the telescope)
@@ -200,6 +201,7 @@ class Mission(Runtime):
         if state.is_ready and self._is_due(_STATE_PERIOD_S):
             self.states.append(state)
         if self._viewer is not None and self._is_due(_VIEW_PERIOD_S):
+            self._viewer.show(now_s, "tree", {node.path: node.status for node in node_states(self.root)})
             self._viewer.show(now_s, "state", state)
             if self.services.streams.joints is not None:
                 self._viewer.show(now_s, "joints", self.services.streams.joints)
@@ -211,6 +213,7 @@ class Mission(Runtime):
 
     def _take_verdict(self, verdict: Verdict) -> None:
         self.services.verdicts.append(verdict)
+        self.show("verdict", verdict)
         self.record("verdict", "", {"monitor": verdict.monitor, "trouble": verdict.trouble, "detail": verdict.detail})
 
     def _change(self, phase: Phase, reason: str) -> None:

@@ -18,8 +18,8 @@ from plugins.viewing.palette import DRONE, GRASP, GROUND, PATH, SLOT, STATES, of
 from plugins.viewing.solids import mesh
 from robot_models.gripper import Gripper
 
-# What is to be logged: an entity path and its components.
-Drawing = Iterator[tuple[str, rr.AsComponents]]
+# What is to be logged: an entity path, as text or in parts, and its components.
+Drawing = Iterator[tuple[str | list[object], rr.AsComponents]]
 
 _POINT_M = 0.015
 _FRAME = "map"
@@ -110,5 +110,6 @@ def draw_tree(states: Mapping[str, object], changed: Mapping[str, object]) -> Dr
     lines = [f"{'  ' * path.count('/')}{path.rsplit('/', 1)[-1]}: {status}" for path, status in states.items()]
     yield "tree", rr.TextDocument("\n".join(lines))
     for path, status in changed.items():
-        yield f"states/{path}", rr.StateConfiguration(values=list(STATES), colors=list(STATES.values()))
-        yield f"states/{path}", rr.StateChange(state=str(status))
+        lane: list[object] = ["states", *path.split("/")]  # as a list: a path's parts may hold any character
+        yield lane, rr.StateConfiguration(values=list(STATES), colors=list(STATES.values()))
+        yield lane, rr.StateChange(state=str(status))
