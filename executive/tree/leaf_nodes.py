@@ -111,35 +111,31 @@ class RunNode(TreeNode):
                 steps.close()
 
     def _advance(self) -> Outcome | None:
+        """Start or resume the generator; a job that is ready at once does not cost a tick."""
         try:
-            yielded = self._resume()
-            while isinstance(yielded, Job):
-                self._job = yielded
-                if not yielded.is_ready():
-                    return None
-                yielded = self._resume()
+            if self._steps is None:
+                self._steps = self._begun()
+                self._wait_for(next(self._steps))
+            elif self._job is None:
+                self._wait_for(next(self._steps))
+            while self._job is not None and self._job.is_ready():
+                self._wait_for(self._deliver(self._steps, self._job))
         except StopIteration as end:
             return written(self._use, self._scope, end.value)
-        if yielded is not None:
-            raise ConfigError(f"{self._use.name} yielded {type(yielded).__name__}; an action yields a job or None")
         return None
 
-    def _resume(self) -> object:
-        """Start the generator, or resume it with what it waits for."""
-        if self._steps is None:
-            self._steps = self._begun()
-            return next(self._steps)
-        job = self._job
-        if job is None:
-            return self._steps.send(None)
-        if not job.is_ready():
-            return job
+    def _wait_for(self, yielded: object) -> None:
+        if yielded is not None and not isinstance(yielded, Job):
+            raise ConfigError(f"{self._use.name} yielded {type(yielded).__name__}; an action yields a job or None")
+        self._job = yielded
+
+    def _deliver(self, steps: LeafSteps, job: Job) -> object:
         self._job = None
         try:
             result = job.result()
         except Exception as error:  # what the plugin raised is raised where the leaf waits, which may know a cure
-            return self._steps.throw(error)
-        return self._steps.send(result)
+            return steps.throw(error)
+        return steps.send(result)
 
     def _begun(self) -> LeafSteps:
         if not isinstance(self._leaf, Action):

@@ -35,9 +35,7 @@ def load_mission(path_or_name: str, overrides: Sequence[str] = (), catalogue: Ca
     loop = check_settings(LoopSettings, loop_table, "loop", reading.problems)
     plugins = PluginReader(reading)
     selected = plugins.read(plugin_table)
-    own = _section(mission, "trees", reading, is_needed=True)
-    inherited = [_section(layer, "trees", reading) for layer in found[:-1]]
-    trees = read_trees(_laid([*inherited, own]), libraries(mission.path, reading), reading)
+    trees = read_trees(_trees(found, reading), libraries(mission.path, reading), reading)
     if "plugins" not in mission.table.entries or plugin_table.entries:  # else there is no mapping, which is told
         plugins.check_needs(selected, plugin_table, _uses(trees))
     if "main" in trees:
@@ -73,18 +71,16 @@ def _settings(found: Sequence[Layer], overrides: Sequence[str], reading: Reading
     return loop, plugins
 
 
-def _section(layer: Layer, key: str, reading: Reading, *, is_needed: bool = False) -> Table | None:
+def _section(layer: Layer, key: str, reading: Reading) -> Table | None:
     value = layer.table.get(key)
-    if value is None:
-        if is_needed:
-            reading.fail(layer.table, f"'{key}' is missing")
-        return None
-    return reading.table(value, f"'{key}'")
+    return None if value is None else reading.table(value, f"'{key}'")
 
 
-def _laid(tables: Sequence[Table | None]) -> Table | None:
+def _trees(found: Sequence[Layer], reading: Reading) -> Table | None:
     """Lay the trees of a mission over those of its base; a tree is replaced as a whole."""
-    given = [table for table in tables if table is not None]
+    if not any("trees" in layer.table.entries for layer in found):
+        reading.fail(found[-1].table, "'trees' is missing")
+    given = [table for layer in found if (table := _section(layer, "trees", reading)) is not None]
     entries: dict[str, Entry] = {}
     for table in given:
         entries.update(table.entries)

@@ -17,7 +17,7 @@ def is_type_name(text: str) -> bool:
 
 def type_name(wanted: Any) -> str:
     """Return a type as a mission file says it."""
-    if wanted is Any or wanted is object:
+    if is_unknown(wanted):
         return "object"
     if typing.get_origin(wanted) is None and isinstance(wanted, type):
         return wanted.__name__
@@ -26,9 +26,14 @@ def type_name(wanted: Any) -> str:
     return str(wanted)
 
 
+def is_unknown(kind: Any) -> bool:
+    """Whether a type says nothing: then only the run can tell."""
+    return kind is Any or kind is object
+
+
 def fits(have: Any, wanted: Any) -> bool:
     """Whether a value of one type can be read as another; what is not known fits."""
-    if Any in (have, wanted) or wanted is object:
+    if is_unknown(have) or is_unknown(wanted):
         return True
     if _is_union(have):
         return any(fits(one, wanted) for one in typing.get_args(have))
@@ -49,7 +54,7 @@ def fits(have: Any, wanted: Any) -> bool:
 
 def fits_name(have: Any, name: str) -> bool:
     """Whether a value of a type suits a type's name, such as `Stone` or `list[Stone]`."""
-    if have is Any or name == "object":
+    if is_unknown(have) or name == "object":
         return True
     if _is_union(have):
         return any(fits_name(one, name) for one in typing.get_args(have))
@@ -65,7 +70,7 @@ def fits_name(have: Any, name: str) -> bool:
 
 def holds(value: Any, wanted: Any) -> bool:
     """Whether a value is of a port's type; the items of a list are looked at as well."""
-    if wanted is Any or wanted is object:
+    if is_unknown(wanted):
         return True
     if _is_union(wanted):
         return any(holds(value, one) for one in typing.get_args(wanted))
@@ -90,7 +95,7 @@ def type_of(value: Any) -> Any:
 
 def item_type(have: Any) -> Any:
     """Return the type of a list's items, or None for what is no list."""
-    if have is Any:
+    if is_unknown(have):
         return Any
     if (typing.get_origin(have) or have) is not list:
         return None

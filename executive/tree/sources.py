@@ -35,15 +35,19 @@ def shipped_names() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in shipped_folder().glob("*.yaml") if path.stem != "base"))
 
 
-def find(mission: str, beside: Path | None = None) -> Path | None:
-    """Return the path of a mission file: a path, relative to a folder if one is given, or a shipped name."""
-    path = (beside / mission) if beside else Path(mission)
-    if mission.endswith(_SUFFIXES) or (len(path.parts) > 1 and not beside and "/" in mission):
-        return path
-    if _is_file(path):
+def find(mission: str) -> Path | None:
+    """Return the path of a mission: what looks like a path or is a file, else the shipped one of that name."""
+    path = Path(mission)
+    if mission.endswith(_SUFFIXES) or "/" in mission or _is_file(path):
         return path
     shipped = shipped_folder() / f"{mission}.yaml"
-    return shipped if _is_word(mission) and shipped.is_file() else None
+    return shipped if _is_word(mission) and _is_file(shipped) else None
+
+
+def _find_base(name: str, folder: Path) -> Path | None:
+    """Return the path of a base: a file beside the one that extends it, else the shipped one of that name."""
+    near = [folder / name, *([folder / f"{name}.yaml", shipped_folder() / f"{name}.yaml"] if _is_word(name) else [])]
+    return next((path for path in near if _is_file(path)), None)
 
 
 def _is_word(text: str) -> bool:
@@ -96,8 +100,8 @@ def _base(layer: Layer, seen: set[Path], reading: Reading) -> Path | None:
     name = reading.text(value, "'extends'") if value is not None else None
     if value is None or name is None:
         return None
-    path = find(name, layer.path.parent)
-    if path is None or not _is_file(path):
+    path = _find_base(name, layer.path.parent)
+    if path is None:
         known = [one.stem for one in layer.path.parent.glob("*.yaml")] + ["base", *shipped_names()]
         reading.fail(value, f"no file '{name}' to extend{did_you_mean(name, known)}")
         return None

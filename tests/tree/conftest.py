@@ -297,3 +297,9 @@ def play(load: Any) -> Any:
         return Play(build_tree(mission, runtime), runtime)
 
     return play_text
+
+
+@pytest.fixture
+def job() -> Any:
+    """Return the class of jobs that are ready after a number of polls."""
+    return FakeJob

@@ -1,0 +1,158 @@
+"""wait, set, ask, call: nodes that call no plugin."""
+
+from typing import Any
+
+import pytest
+
+from executive.behaviours.action import Action, Condition
+from executive.behaviours.outcome import failed, succeeded
+from executive.behaviours.port import Port
+from executive.behaviours.runtime import Question
+from executive.errors import ConfigError
+
+
+class Later(Question):
+    """Answers after a number of polls."""
+
+    def __init__(self, answer: bool, polls: int = 0) -> None:
+        self._answer = answer
+        self._polls = polls
+
+    def answer(self) -> bool | None:
+        self._polls -= 1
+        return self._answer if self._polls < 0 else None
+
+    def source(self) -> str:
+        return "operator"
+
+
+class Double(Action):
+    inputs = {"number": Port(int, "a number")}
+    outputs = {"result": Port(int, "twice the number")}
+
+    def run(self, **inputs: Any) -> Any:
+        yield None
+        return succeeded(result=2 * inputs["number"])
+
+
+class Break(Action):
+    outputs = {"result": Port(int, "a number")}
+
+    def run(self, **inputs: Any) -> Any:
+        yield None
+        return failed("broken", result=-1)
+
+
+LEAVES = {"Double": Double, "Break": Break}
+
+
+def test_wait_takes_the_missions_time(play: Any) -> None:
+    tree = play("wait: 1 s")
+    assert tree.finish() == "SUCCESS"
+    assert tree.ticks == 11  # at 0.0, 0.1 … 1.0 s
+
+
+def test_set_writes_literals_and_copies_of_keys(play: Any) -> None:
+    tree = play('sequence:\n  - set: {a: 1, b: [x, y]}\n  - set: {c: "{b}", d: "text"}')
+    assert tree.finish() == "SUCCESS"
+    assert {key: tree.runtime.store.get(key) for key in "abcd"} == {
+        "a": 1,
+        "b": ["x", "y"],
+        "c": ["x", "y"],
+        "d": "text",
+    }
+
+
+@pytest.mark.parametrize(("answer", "status"), [(True, "SUCCESS"), (False, "FAILURE")])
+def test_ask_waits_for_the_operator_and_the_journal_says_who_answered(play: Any, answer: bool, status: str) -> None:
+    tree = play("ask: Is the area clear?")
+    tree.runtime.answer = Later(answer, polls=2)
+    assert tree.finish() == status
+    assert tree.ticks == 3
+    told = {"question": "Is the area clear?", "answer": answer, "source": "operator"}
+    assert ("answered", "main", told) in tree.runtime.lines
+
+
+def test_a_question_that_nobody_can_answer_is_a_failure_with_a_reason(play: Any) -> None:
+    tree = play("ask: Is the area clear?")
+    tree.runtime.answer = ConfigError("nobody can answer")
+    assert (tree.finish(), tree.reason) == ("FAILURE", "nobody can answer")
+
+
+def test_a_call_carries_values_in_and_out_and_keeps_the_rest_to_itself(play: Any) -> None:
+    main = 'sequence:\n  - set: {mine: 4}\n  - call: twice\n    in: {number: "{mine}"}\n    out: {result: "{eight}"}'
+    trees = "  twice:\n    in: {number: int}\n    out: {result: int}\n    run: Double\n"
+    tree = play(main, trees=trees, leaves=LEAVES)
+    assert tree.finish() == "SUCCESS"
+    assert tree.runtime.store.get("eight") == 8
+    assert set(tree.runtime.store.keys()) == {"mine", "eight"}
+
+
+def test_a_call_takes_literals_and_unlisted_ports_take_the_key_of_their_name(play: Any) -> None:
+    trees = "  twice:\n    in: {number: int}\n    out: {result: int}\n    run: Double\n"
+    tree = play("sequence:\n  - call: twice\n    in: {number: 5}\n", trees=trees, leaves=LEAVES)
+    assert tree.finish() == "SUCCESS"
+    assert tree.runtime.store.get("result") == 10
+    tree = play("sequence:\n  - set: {number: 6}\n  - call: twice", trees=trees, leaves=LEAVES)
+    assert tree.finish() == "SUCCESS"
+    assert tree.runtime.store.get("result") == 12
+
+
+def test_each_call_begins_with_an_empty_store(play: Any) -> None:
+    body = "  once:\n    fallback:\n      - sequence:\n          - check: HasKey\n      - set: {key: 1}\n"
+    seen: list[bool] = []
+
+    class HasKey(Condition):
+        inputs = {"key": Port(int, "", optional=True)}
+
+        def check(self, **inputs: Any) -> Any:
+            seen.append(inputs["key"] is not None)
+            return failed("always")
+
+    tree = play("sequence:\n  - call: once\n  - call: once", trees=body, leaves={"HasKey": HasKey})
+    assert tree.finish() == "SUCCESS"
+    assert seen == [False, False]
+
+
+def test_a_call_that_fails_carries_out_what_was_written(play: Any) -> None:
+    trees = "  broken:\n    out: {result: int}\n    run: Break\n"
+    tree = play("call: broken", trees=trees, leaves=LEAVES)
+    assert (tree.finish(), tree.reason) == ("FAILURE", "broken")
+    assert tree.runtime.store.get("result") == -1
+
+
+def test_an_optional_input_of_a_tree_may_be_missing(play: Any) -> None:
+    trees = "  quiet:\n    in: {number: int?}\n    wait: 0.1 s\n"
+    assert play("call: quiet", trees=trees).finish() == "SUCCESS"
+
+
+def test_the_nodes_of_a_subtree_have_the_path_of_the_call(play: Any) -> None:
+    trees = "  twice:\n    in: {number: int}\n    sequence:\n      - run: Double\n"
+    tree = play("sequence:\n  - call: twice\n    in: {number: 1}\n    name: first\n", trees=trees, leaves=LEAVES)
+    tree.finish()
+    assert tree.runtime.told("node_started") == [
+        "main",
+        "main/0:first",
+        "main/0:first/0:sequence",
+        "main/0:first/0:sequence/0:Double",
+    ]
+
+
+def test_two_missions_in_one_process_do_not_see_each_other(play: Any) -> None:
+    first, second = play("set: {a: 1}"), play("set: {a: 2}")
+    first.finish()
+    second.finish()
+    assert (first.runtime.store.get("a"), second.runtime.store.get("a")) == (1, 2)
+
+
+def test_a_key_that_was_never_written_at_run_time_is_a_failure_with_a_reason(play: Any) -> None:
+    late = "  - optional: true\n    do:\n      sequence:\n        - run: Stop\n        - set: {late: 1}\n"
+    main = f'sequence:\n{late}  - set: {{copy: "{{late}}"}}'
+
+    class Stop(Action):
+        def run(self, **inputs: Any) -> Any:
+            yield None
+            return failed("stop")
+
+    tree = play(main, leaves={"Stop": Stop})
+    assert (tree.finish(), tree.reason) == ("FAILURE", "key 'late' is read before it is written; there is none")
