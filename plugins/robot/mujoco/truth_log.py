@@ -48,7 +48,7 @@ class TruthLog:
         """Record the end of a control step; poses and contacts in `data` are up to date."""
         carried = self.contacts.step(time_s, model, data)
         self._follow_flights(time_s, data.xpos[self._stone_ids, 2], carried)
-        if not self._stamps_s or time_s - self._stamps_s[-1] > _PERIOD_S - _EPSILON_S:
+        if not self._stamps_s or _periods(time_s) > _periods(self._stamps_s[-1]):
             self._stamps_s.append(time_s)
             self._T_stones.append([_pose(data, i) for i in self._stone_ids])
             self._T_cabin.append(_pose(data, self._cabin_id))
@@ -100,6 +100,10 @@ class TruthLog:
             return i, 0.0
         fraction = (time_s - self._stamps_s[i]) / (self._stamps_s[i + 1] - self._stamps_s[i])
         return i, float(np.clip(fraction, 0.0, 1.0))
+
+
+def _periods(time_s: float) -> int:
+    return int((time_s + _EPSILON_S) / _PERIOD_S)
 
 
 def _pose(data: mujoco.MjData, body: int) -> Float:

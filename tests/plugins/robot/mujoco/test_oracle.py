@@ -1,0 +1,216 @@
+"""The oracle's verdicts on a puppet show: stones and machine are put where the test wants them."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from executive.arrays import Float
+from executive.geometry.pose import pose
+from executive.geometry.rotation import about_axis, quaternion_wxyz
+from executive.interfaces.oracle import Attempt, MissionView
+from executive.messages.base_state import BaseState
+from executive.messages.placement import Slot
+from executive.messages.stone import Stone, StoneState
+from plugins.robot.mujoco.oracle import MujocoOracle
+from plugins.robot.mujoco.robot import MujocoRobot
+from plugins.robot.mujoco.settings import MujocoSettings
+from robot_models.machine import load_machine
+
+MACHINE = load_machine("m545")
+SETTINGS = MujocoSettings.model_validate({"site": {"stones": {"count": 2}, "terrain": {"half_size_m": 10}}})
+FAR = np.array([-8.0, 0.0, 3.0])  # in the air, away from everything
+STEP_S = 0.01
+
+
+class Show:
+    """A robot whose world is not stepped but posed."""
+
+    def __init__(self) -> None:
+        self.robot = MujocoRobot(SETTINGS, MACHINE, np.random.default_rng(0))
+        self.robot.start()
+        self.model = self.robot.world.model
+        self.data = mujoco.MjData(self.model)
+        self.data.qpos[:] = self.robot.world.data.qpos
+        self.time_s = 0.0
+        self.play(0.2)
+
+    def at(self, link: str, *offset: float) -> Float:
+        """Return a point beside a link, in world axes."""
+        return np.array(self.robot.world.data.body(link).xpos + np.array(offset))
+
+    def put(self, stone: str, position: Float, R: Float | None = None) -> None:
+        joint = self.data.joint(stone)
+        joint.qpos[:3] = position
+        if R is not None:
+            joint.qpos[3:] = quaternion_wxyz(R)
+
+    def play(self, duration_s: float) -> None:
+        """Hold the pose for a while."""
+        mujoco.mj_forward(self.model, self.data)
+        for _ in range(round(duration_s / STEP_S)):
+            self.robot.truth_log.step(self.time_s, self.model, self.data)
+            self.time_s = round(self.time_s + STEP_S, 6)
+
+    def truth(self, **view: Any) -> dict[str, Any]:
+        parts: dict[str, Any] = {"states": (), "stones": (), "first_stones": (), "slots": {}, "attempts": ()}
+        return MujocoOracle(self.robot).truth(MissionView(**(parts | view)))
+
+
+def position(show: Show, stone: str) -> Float:
+    return np.array(show.data.joint(stone).qpos[:3])
+
+
+def stone(stone_id: int, T_map_object: Float) -> Stone:
+    centre = T_map_object[:3, 3]
+    return Stone(stone_id, StoneState.ON_GROUND, centre[None], centre, T_map_object, seen_from_above=False)
+
+
+def attempt(started_s: float, ended_s: float, centroid: Sequence[float], stone_id: int = 1) -> Attempt:
+    return Attempt(stone_id, started_s, ended_s, "placed", (centroid[0], centroid[1], centroid[2]))
+
+
+def test_slot_errors_are_horizontal_distances_of_the_true_centroid() -> None:
+    show = Show()
+    seen = stone(9, pose(t=position(show, "stone_2") + np.array([0.1, 0.05, 0.1])))
+    show.put("stone_2", np.array([3.0, -4.0, 0.5]))
+    show.play(0.2)
+    stones = show.truth(first_stones=[seen], slots={9: Slot(1, np.array([3.3, -4.4, 0.0]))})["stones"]
+    assert stones[1]["id"] == 2
+    assert stones[1]["held_object"] == 9
+    assert stones[1]["slot_error_m"] == pytest.approx(0.5)
+    assert stones[0] == {
+        "id": 1,
+        **dict.fromkeys(("held_object", "slot_error_m", "database_error_m", "database_error_rad")),
+    }
+
+
+def test_database_errors_compare_the_tracked_frame_with_the_true_motion() -> None:
+    show = Show()
+    start = position(show, "stone_1")
+    R_start = np.zeros(9)
+    mujoco.mju_quat2Mat(R_start, show.data.joint("stone_1").qpos[3:])
+    T_start = pose(R_start.reshape(3, 3), start)
+    first = stone(1, pose(t=start + np.array([0.2, 0.0, 0.1])))
+    motion = pose(about_axis(np.array([0.0, 0.0, 1.0]), 1.0), np.array([0.5, -2.0, 0.1]))
+    T_end = motion @ T_start
+    show.put("stone_1", T_end[:3, 3], T_end[:3, :3])
+    show.play(0.2)
+    faithful = stone(1, motion @ first.T_map_object)
+    report = show.truth(first_stones=[first], stones=[faithful])["stones"][0]
+    assert report["database_error_m"] == pytest.approx(0, abs=1e-9)
+    assert report["database_error_rad"] == pytest.approx(0, abs=1e-9)
+    off = pose(about_axis(np.array([1.0, 0.0, 0.0]), 0.1), np.array([0.03, 0.0, 0.04]))
+    wrong = pose(off[:3, :3] @ faithful.T_map_object[:3, :3], faithful.T_map_object[:3, 3] + off[:3, 3])
+    report = show.truth(first_stones=[first], stones=[stone(1, wrong)])["stones"][0]
+    assert report["database_error_m"] == pytest.approx(0.05)
+    assert report["database_error_rad"] == pytest.approx(0.1)
+
+
+def test_a_stone_first_seen_after_it_was_moved_is_recognised_there() -> None:
+    show = Show()
+    show.put("stone_1", FAR)
+    show.play(2.0)
+    assert show.truth(first_stones=[stone(4, pose(t=FAR))])["stones"][0]["held_object"] == 4
+
+
+def test_a_grasp_lifted_when_the_stone_rose_and_dropped_when_it_fell() -> None:
+    show = Show()
+    start = position(show, "stone_1")
+    begin_s = show.time_s
+    gripper = show.at("gripper", 0.0, 0.0, -0.9)
+    show.put("stone_1", gripper)  # between the jaws: it touches them
+    show.play(0.5)
+    attempts = [attempt(begin_s - 0.1, show.time_s, start)]
+    assert show.truth(attempts=attempts)["grasps"] == [{"object": 1, "lifted": True, "dropped": False}]
+    show.put("stone_1", FAR)
+    show.play(0.3)
+    show.put("stone_1", start)
+    show.play(0.2)
+    attempts = [attempt(begin_s - 0.1, begin_s + 0.6, start), attempt(show.time_s - 0.1, show.time_s, start)]
+    grasps = show.truth(attempts=attempts)["grasps"]
+    assert grasps == [{"object": 1, "lifted": True, "dropped": True}, {"object": 1, "lifted": False, "dropped": False}]
+
+
+def test_touching_the_target_is_no_collision_and_touching_another_stone_is() -> None:
+    show = Show()
+    one, two = position(show, "stone_1"), position(show, "stone_2")
+    begin_s = show.time_s
+    show.put("stone_1", show.at("gripper", 0.0, 0.0, -0.9))
+    show.play(0.3)
+    assert show.truth(attempts=[attempt(begin_s - 0.1, show.time_s, one)])["collisions"] == []
+    collisions = show.truth(attempts=[attempt(begin_s - 0.1, show.time_s, two)])["collisions"]
+    assert collisions
+    assert {tuple(collision["bodies"])[1] for collision in collisions} == {"stone_1"}
+    assert all(begin_s - 1e-9 <= c["from_s"] <= c["to_s"] <= show.time_s for c in collisions)
+    assert max(collision["max_force_n"] for collision in collisions) > 0
+    before_any_attempt = show.truth()["collisions"]
+    assert len(before_any_attempt) == len(collisions)
+
+
+def test_a_stone_in_the_cabin_is_a_collision_even_if_it_is_the_target() -> None:
+    show = Show()
+    start = position(show, "stone_1")
+    show.put("stone_1", show.at("cabin", -0.9, 0.0, 0.9))
+    show.play(0.3)
+    collisions = show.truth(attempts=[attempt(0.0, show.time_s, start)])["collisions"]
+    assert ["cabin", "stone_1"] in [collision["bodies"] for collision in collisions]
+
+
+def test_contacts_with_short_gaps_are_one_and_with_long_gaps_two() -> None:
+    show = Show()
+    start, inside = position(show, "stone_1"), show.at("cabin", -0.9, 0.0, 0.9)
+    for gap_s in (0.1, 0.5):
+        show.put("stone_1", inside)
+        show.play(0.2)
+        show.put("stone_1", start)
+        show.play(gap_s)
+    show.put("stone_1", inside)
+    show.play(0.2)
+    spans = [c for c in show.truth()["collisions"] if c["bodies"] == ["cabin", "stone_1"]]
+    assert len(spans) == 2
+
+
+def test_jaws_on_the_ground_are_counted_apart() -> None:
+    show = Show()
+    show.data.joint("J_BOOM").qpos = -0.1
+    show.data.joint("J_DIPPER").qpos = 0.0
+    show.data.joint("J_TELE").qpos = 0.8
+    show.data.joint("J_EE_PITCH").qpos = -0.04
+    show.play(0.3)
+    truth = show.truth()
+    assert truth["ground_contacts"] > 0
+    assert not [
+        c
+        for c in truth["collisions"]
+        if set(c["bodies"]) & {"gripper", "jaw_left", "jaw_right"} and "terrain" in c["bodies"]
+    ]
+
+
+def test_estimates_are_held_against_the_cabin() -> None:
+    show = Show()
+    T_cabin = show.robot.world.T_world_body("cabin")
+
+    def state(stamp_s: float, error_m: float, status: str = "GLOBAL") -> BaseState:
+        T = pose(T_cabin[:3, :3], T_cabin[:3, 3] + [error_m, 0, 0])
+        zero = np.zeros(3)
+        return BaseState(stamp_s, np.eye(4), np.eye(4), T, zero, zero, np.eye(6), status)
+
+    states = [state(0.0, 9.0, "INITIALISING"), state(0.05, 0.01), state(0.1, 0.03)]
+    estimate = show.truth(states=states)["estimate"]
+    assert estimate["error_m"] == pytest.approx({"mean": 0.02, "std": 0.01, "max": 0.03})
+    assert estimate["error_rad"]["max"] == pytest.approx(0, abs=1e-6)
+    assert show.truth()["estimate"] == {}
+
+
+def test_a_real_run_without_commands_hits_nothing() -> None:
+    robot = MujocoRobot(SETTINGS, MACHINE, np.random.default_rng(1))
+    robot.start()
+    robot.read(1.0)
+    truth = MujocoOracle(robot).truth(MissionView((), (), (), {}, ()))
+    assert truth["collisions"] == []
+    assert truth["grasps"] == []
+    assert len(truth["stones"]) == 2
+    assert robot.truth_log.end_s == pytest.approx(1.0)
