@@ -123,5 +123,7 @@ def diagnose() -> list[dict[str, str]]:
 
 
 def _plain(field: Any) -> Any:
+    if field.is_required():
+        return "(required)"
     default = field.get_default(call_default_factory=True)
     return default.model_dump(mode="json") if isinstance(default, Settings) else str(default)

@@ -16,8 +16,8 @@ def exp_so3(rotation_vector: Float) -> Float:
     angle = float(np.linalg.norm(rotation_vector))
     K = skew(rotation_vector)
     if angle < 1e-8:  # second order of the series; the next term is below 1e-24
-        return np.eye(3) + K + 0.5 * K @ K
-    return np.eye(3) + np.sin(angle) / angle * K + (1 - np.cos(angle)) / angle**2 * K @ K
+        return np.asarray(np.eye(3) + K + 0.5 * K @ K)
+    return np.asarray(np.eye(3) + np.sin(angle) / angle * K + (1 - np.cos(angle)) / angle**2 * K @ K)
 
 
 def log_so3(R: Float) -> Float:
@@ -26,8 +26,8 @@ def log_so3(R: Float) -> Float:
     axis = np.array(v)
     sine = float(np.linalg.norm(axis))
     if sine < 1e-12:
-        return 2.0 * axis
-    return axis * (2.0 * np.arctan2(sine, w) / sine)
+        return np.asarray(2.0 * axis)
+    return np.asarray(axis * (2.0 * np.arctan2(sine, w) / sine))
 
 
 def quaternion_wxyz(R: Float) -> Float:

@@ -44,11 +44,13 @@ class Motion:
     def T_map_cabin_at(self, stamp_s: float) -> Float:
         """Return the cabin's pose at a time, interpolated; the ends hold beyond the window."""
         i, fraction = self._bracket(stamp_s)
-        return self.T_map_cabin[i] if fraction == 0.0 else interpolate(*self.T_map_cabin[i : i + 2], fraction)
+        if fraction == 0.0:
+            return np.asarray(self.T_map_cabin[i])
+        return interpolate(self.T_map_cabin[i], self.T_map_cabin[i + 1], fraction)
 
     def joints_at(self, stamp_s: float) -> Float:
         """Return the joint positions at a time, interpolated, shape (n,); the ends hold beyond the window."""
         i, fraction = self._bracket(stamp_s)
         if fraction == 0.0:
-            return self.joint_position[i]
+            return np.asarray(self.joint_position[i])
         return np.asarray((1 - fraction) * self.joint_position[i] + fraction * self.joint_position[i + 1])

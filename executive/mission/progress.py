@@ -80,7 +80,9 @@ class LiveProgress:
         elapsed_s = mission.clock.now_s()
         ratio = elapsed_s / max(now_s - self._started_s, 1e-3)
         placed = sum(entry.kind == "released" for entry in mission.journal.entries)
-        stones = next((e.payload["stones"] for e in reversed(mission.journal.entries) if e.kind == "segmented"), [])
+        stones: list[int] = next(
+            (e.payload["stones"] for e in reversed(mission.journal.entries) if e.kind == "segmented"), []
+        )
         head = f"{mission.phase}  {elapsed_s:7.1f} s  {ratio:.1f}× real time"
         text = Text(head + (f"  stone {placed} of {len(stones)}" if stones else "") + "\n", style="bold")
         room = max(5, self._console.height - 3)

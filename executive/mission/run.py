@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from executive.clock import SimulatedClock, WallClock, wall_s
-from executive.errors import RobotError
+from executive.errors import ConfigError, RobotError
+from executive.interfaces.robot import RobotSettings
 from executive.journal import Journal
 from executive.mission.assembly import Assembly, Selection, assemble
 from executive.mission.interrupts import AbortedError, stop_on_interrupt
@@ -62,7 +63,7 @@ class Run:
         self._description = description
         self._options = options
         self._selections = _selections(description, options)
-        self._model: str = description.plugins["robot"][0].settings.model
+        self._model = _model(description)
         self._assembly: Assembly = assemble(self._selections, self._model, options.seed)
         self.folder = RunFolder.create(options.run_dir, description.name)
         self.folder.mission.write_text(resolved_yaml(description), encoding="utf-8")
@@ -150,6 +151,13 @@ class Run:
     def _save_map(self) -> None:
         if "mapping" in self._assembly.plugins:
             write_ply(self.folder.map, self._assembly.plugins["mapping"].cloud())
+
+
+def _model(description: MissionFile) -> str:
+    settings = description.plugins["robot"][0].settings
+    if not isinstance(settings, RobotSettings):
+        raise ConfigError(f"the settings of robot plugin '{description.plugins['robot'][0].name}' name no model")
+    return settings.model
 
 
 def _selections(description: MissionFile, options: Options) -> tuple[Selection, ...]:

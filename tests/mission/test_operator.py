@@ -54,5 +54,5 @@ def test_without_a_terminal_the_default_answers(monkeypatch):
 
 def test_refuses_when_nobody_can_answer(monkeypatch):
     monkeypatch.setattr("sys.stdin", None)
-    with pytest.raises(ConfigError, match="--answer yes|no"):
+    with pytest.raises(ConfigError, match=r"--answer yes\|no"):
         Operator().ask("lift?", None)

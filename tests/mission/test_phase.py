@@ -6,7 +6,15 @@ from executive.mission.phase import Phase, PhaseError, checked_change
 
 
 def test_a_mission_runs_pauses_and_ends():
-    path = [Phase.RUNNING, Phase.PAUSED, Phase.RUNNING, Phase.AWAITING_OPERATOR, Phase.RUNNING, Phase.STOPPING, Phase.DONE]
+    path = [
+        Phase.RUNNING,
+        Phase.PAUSED,
+        Phase.RUNNING,
+        Phase.AWAITING_OPERATOR,
+        Phase.RUNNING,
+        Phase.STOPPING,
+        Phase.DONE,
+    ]
     now = Phase.IDLE
     for then in path:
         now = checked_change(now, then)

@@ -49,14 +49,22 @@ def test_a_mission_runs_to_its_end(tmp_path):
     result = run(tmp_path, SWING)
     assert (result.report["outcome"], result.exit_status) == ("success", 0)
     assert result.report["counts"]["scans"] == 1
-    for path in (result.folder.mission, result.folder.journal, result.folder.objects, result.folder.map, result.folder.log):
+    for path in (
+        result.folder.mission,
+        result.folder.journal,
+        result.folder.objects,
+        result.folder.map,
+        result.folder.log,
+    ):
         assert path.exists(), path
     assert json.loads(result.folder.report.read_text()) == result.report
 
 
 def test_the_resolved_mission_runs_again_to_the_same_journal(tmp_path):
     first = run(tmp_path, SWING)
-    again = Run(load_mission(str(first.folder.mission)), Options(run_dir=tmp_path / "again")).execute(lambda mission: None)
+    again = Run(load_mission(str(first.folder.mission)), Options(run_dir=tmp_path / "again")).execute(
+        lambda mission: None
+    )
     assert again.folder.journal.read_bytes() == first.folder.journal.read_bytes()
 
 

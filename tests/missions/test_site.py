@@ -1,0 +1,65 @@
+"""Missions on the simulated site: the same seed gives the same journal; hopeless sites end clearly."""
+
+import pytest
+
+from executive.journal import read_journal
+from executive.mission.run import Options, Run
+from executive.tree.load import load_mission
+
+QUICK = """
+api: 1
+mission: quick
+extends: base
+trees:
+  main:
+    sequence:
+      - run: Localise
+        timeout: 30 s
+      - run: SurveySite
+      - run: ScanSwing
+        with: {angle: 90 deg, duration: 6 s}
+      - optional: true
+        do: {run: RegisterDroneMap}
+      - run: Segment
+      - run: FindSlots
+        with: {count: 2}
+"""
+
+
+def run(tmp_path, mission, *overrides, name="run", **options):
+    made = Run(load_mission(str(mission), overrides), Options(run_dir=tmp_path / name, **options))
+    return made.execute(lambda mission: None)
+
+
+@pytest.fixture
+def quick(tmp_path):
+    path = tmp_path / "quick.yaml"
+    path.write_text(QUICK)
+    return path
+
+
+def test_the_same_seed_gives_the_same_journal_over_all_runners(tmp_path, quick):
+    journals = {
+        runner: run(tmp_path, quick, name=runner, runner=runner).folder.journal.read_bytes()
+        for runner in ("inline", "thread", "process")
+    }
+    assert journals["inline"] == journals["thread"] == journals["process"]
+    other = run(tmp_path, quick, name="other", seed=2).folder.journal.read_bytes()
+    assert other != journals["inline"]
+
+
+def test_an_empty_site_is_a_failure_that_says_so(tmp_path):
+    result = run(tmp_path, "pick_and_place", "robot.site.stones.count=0")
+    assert (result.report["outcome"], result.exit_status) == ("failure", 1)
+    assert "no stone was found on the site" in result.report["reason"]
+
+
+def test_an_unreadable_drone_cloud_ends_before_anything_moves(tmp_path):
+    cloud = tmp_path / "drone.ply"
+    cloud.write_text("ply\nformat ascii 1.0\nelement vertex 3\n")
+    plugin = f"surveying={{plugin: point_cloud_file, path: {cloud}}}"
+    result = run(tmp_path, "map_site", plugin)
+    assert result.exit_status in (1, 2)
+    assert "drone.ply" in result.report["reason"]
+    scans = [entry for entry in read_journal(result.folder.journal) if entry.kind == "scanned"]
+    assert scans == []
