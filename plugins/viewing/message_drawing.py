@@ -106,10 +106,17 @@ def _verdict(value: Verdict, entity: str, gripper: Gripper, max_points: int) -> 
 
 
 def draw_tree(states: Mapping[str, object], changed: Mapping[str, object]) -> Drawing:
-    """Draw the tree as a document, and each changed node on its lane of the state timeline."""
+    """Draw the tree as a document, what runs on a lane of its own, and each changed node on its lane."""
     lines = [f"{'  ' * path.count('/')}{path.rsplit('/', 1)[-1]}: {status}" for path, status in states.items()]
     yield "tree", rr.TextDocument("\n".join(lines))
+    yield "states/leaf", rr.StateChange(state=_running_leaves(states))
     for path, status in changed.items():
         lane: list[object] = ["states", *path.split("/")]  # as a list: a path's parts may hold any character
         yield lane, rr.StateConfiguration(values=list(STATES), colors=list(STATES.values()))
         yield lane, rr.StateChange(state=str(status))
+
+
+def _running_leaves(states: Mapping[str, object]) -> str:
+    running = [path for path, status in states.items() if str(status) == "RUNNING"]
+    leaves = [path for path in running if not any(other.startswith(f"{path}/") for other in running)]
+    return ", ".join(path.rsplit("/", 1)[-1].split(":")[-1] for path in leaves) or "none"

@@ -13,7 +13,7 @@ PATH = (230, 60, 150)
 SLOT = (90, 90, 230)
 STATES = {"RUNNING": (240, 180, 40), "SUCCESS": (70, 180, 90), "FAILURE": (220, 70, 60), "INVALID": (110, 110, 110)}
 
-_LOW = np.array([70.0, 60.0, 50.0])  # earth
+_LOW = np.array([115.0, 100.0, 82.0])  # earth
 _HIGH = np.array([235.0, 225.0, 205.0])  # limestone in the sun
 _GOLDEN = 0.6180339887  # neighbouring numbers land far apart on the circle of hues
 

@@ -117,6 +117,18 @@ def test_only_changes_of_the_tree_are_written(viewer: RerunViewer, rows: Rows) -
     assert [text for _, (text,) in rows("/tree", "TextDocument:text")][-1] == "main: RUNNING\n  Segment: SUCCESS"
 
 
+def test_a_lane_of_its_own_tells_which_leaf_runs(viewer: RerunViewer, rows: Rows) -> None:
+    for k, leaf in enumerate(["0:ScanSwing", "1:Segment"]):
+        states = {
+            "main": "RUNNING",
+            "main/0:ScanSwing": "SUCCESS",
+            "main/1:Segment": "INVALID",
+            f"main/{leaf}": "RUNNING",
+        }
+        viewer.show(float(k), "tree", states)
+    assert rows("/states/leaf", "StateChange:state") == [(0.0, ["ScanSwing"]), (1.0, ["Segment"])]
+
+
 def test_nothing_is_written_before_it_is_opened(machine: Machine) -> None:
     viewer = RerunViewer(RerunSettings(), machine)
     viewer.show(0.0, "map", Cloud("map", np.zeros((3, 3))))
