@@ -29,7 +29,7 @@ class PayloadDropSettings(Settings):
         0.6, gt=0, le=5, description="Share of the acceleration limits up to which weighing is valid."
     )
     touch_down: Seconds = Field(3.0, ge=0, le=60, description="After sinking, a loss may be the ground's support [s].")
-    jaw_closing: Meters = Field(0.02, gt=0, le=1, description="Closing of the tips that tells a drop from support [m].")
+    jaw_closing: Meters = Field(0.05, gt=0, le=1, description="Closing of the tips that tells a drop from support [m].")
 
 
 @dataclass(eq=False)
@@ -40,9 +40,9 @@ class _Hold:
     velocity: LowPass = field(default_factory=lambda: LowPass(_VELOCITY_S))
     carried_kg: float = 0.0
     carried_s: float = 0.0  # when the weight was last there
-    opening_m: float = 0.0  # of the jaws, then
+    opening_m: float = 0.0  # widest of the jaws
     sinking_s: float = -np.inf  # when the gripper last went down
-    lost_s: float | None = None
+    lost_s: float | None = None  # since when the weight is gone
 
 
 class PayloadDrop(Monitor):
@@ -78,11 +78,10 @@ class PayloadDrop(Monitor):
             hold.sinking_s = now_s
         smoothed, _ = hold.mass.add(now_s, np.array([self._scale.weigh(sample)]))
         mass_kg = float(smoothed[0])
-        if not self._is_lost(hold, sample, mass_kg):
-            hold.lost_s = None
-            return None
-        hold.lost_s = now_s if hold.lost_s is None else hold.lost_s
-        if now_s - hold.lost_s < self._settings.confirm:
+        opening_m = self._machine.gripper.opening_m(sample.of(self._machine.jaw.name)[0])
+        hold.opening_m = max(hold.opening_m, opening_m)
+        self._follow_weight(hold, now_s, mass_kg)
+        if hold.lost_s is None or now_s - hold.lost_s < self._settings.confirm or not self._is_drop(hold, opening_m):
             return None
         self._hold = None
         return Verdict(now_s, "payload_drop", Trouble.DROP, f"{mass_kg:.0f} kg left of {hold.carried_kg:.0f} kg")
@@ -91,16 +90,19 @@ class PayloadDrop(Monitor):
         _, rate = hold.velocity.add(sample.stamp_s, np.array([sample.of(name)[1] for name in self._machine.arm_names]))
         return bool((np.abs(rate) <= self._settings.steady * self._machine.max_acceleration).all())
 
-    def _is_lost(self, hold: _Hold, sample: JointSample, mass_kg: float) -> bool:
-        settings, now_s = self._settings, sample.stamp_s
-        opening_m = self._machine.gripper.opening_m(sample.of(self._machine.jaw.name)[0])
+    def _follow_weight(self, hold: _Hold, now_s: float, mass_kg: float) -> None:
+        """Note the largest weight, and since when most of it is gone."""
+        settings = self._settings
         if mass_kg > (1 - settings.loss / 2) * hold.carried_kg:
-            hold.carried_kg, hold.carried_s, hold.opening_m = max(hold.carried_kg, mass_kg), now_s, opening_m
-            return False
-        if hold.carried_kg < settings.carried or mass_kg > (1 - settings.loss) * hold.carried_kg:
-            return False
-        start_s = now_s if hold.lost_s is None else hold.lost_s
-        is_sudden = start_s - hold.carried_s < settings.sudden
-        may_stand = start_s - hold.sinking_s < settings.touch_down
-        has_closed = hold.opening_m - opening_m > settings.jaw_closing
-        return is_sudden and (has_closed or not may_stand)
+            hold.carried_kg, hold.carried_s = max(hold.carried_kg, mass_kg), now_s
+        is_lost = hold.carried_kg >= settings.carried and mass_kg < (1 - settings.loss) * hold.carried_kg
+        if not is_lost:
+            hold.lost_s = None
+        elif hold.lost_s is None:
+            hold.lost_s = now_s
+
+    def _is_drop(self, hold: _Hold, opening_m: float) -> bool:
+        lost_s = np.inf if hold.lost_s is None else hold.lost_s
+        is_sudden = lost_s - hold.carried_s < self._settings.sudden
+        may_stand = lost_s - hold.sinking_s < self._settings.touch_down
+        return is_sudden and (not may_stand or hold.opening_m - opening_m > self._settings.jaw_closing)

@@ -13,15 +13,18 @@ class RunningMedian:
 
     def __init__(self, span_s: float) -> None:
         self._span_s = span_s
+        self._first_s: float | None = None
         self._samples: deque[tuple[float, float]] = deque()
 
     def add(self, stamp_s: float, value: float) -> float | None:
         """Take a sample; return the median, or None until the span is covered."""
+        self._first_s = stamp_s if self._first_s is None else self._first_s
         self._samples.append((stamp_s, value))
-        is_covered = stamp_s - self._samples[0][0] >= self._span_s
         while stamp_s - self._samples[0][0] > self._span_s:
             self._samples.popleft()
-        return float(np.median([value for _, value in self._samples])) if is_covered else None
+        if stamp_s - self._first_s < self._span_s:
+            return None
+        return float(np.median([value for _, value in self._samples]))
 
 
 class LowPass:

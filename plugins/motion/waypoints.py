@@ -12,8 +12,8 @@ from robot_models.machine import Machine
 
 _STEP_M = 0.05  # of a straight line's nodes
 _STRAIGHT = 0.75  # share of a line, from the low end, that has nodes; the rest bends into the travel
-_PULLS = (0.0, 0.25, 0.5, 0.75, 1.0)  # how far towards the carrying radius a lifted gripper may be drawn in
-_LOWER_M = 0.25  # when the wanted height is out of reach
+_CLIMB_M = 0.2  # of a lift's steps
+_CLIMBED_M = 0.05  # less is no lift
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,17 +54,19 @@ class Waypoints:
     def lift(self, q_top: Float, height_m: float) -> Float | None:
         """Return positions with the gripper at a height (of its origin, base frame), on the same azimuth.
 
-        Where the height is out of reach, the gripper is drawn towards the carrying radius, then lowered; None if it
-        would end lower than it is, or if it is high enough already.
+        The gripper climbs in steps; where one is out of reach, it is drawn towards the carrying radius instead. It ends
+        as high as it gets. None if it is high enough already, or cannot climb at all.
         """
-        T = self._kinematics.gripper(q_top)
-        while height_m > T[2, 3] + 0.05:
-            for pull in _PULLS:
-                q = self._ik.solve(self._drawn_in(T, height_m, pull), q_top)
-                if q is not None and abs(q[self._turn] - q_top[self._turn]) < 0.5:
-                    return q
-            height_m -= _LOWER_M
-        return None
+        T, q = self._kinematics.gripper(q_top), q_top
+        start_m = T[2, 3]
+        while T[2, 3] < height_m - _CLIMBED_M:
+            step_m = min(_CLIMB_M, height_m - T[2, 3])
+            steps = [(pose(t=np.array([0.0, 0.0, step_m])) @ T), self._drawn_in(T)]
+            tried = next(((S, p) for S in steps if (p := self._ik.track(S, q)) is not None), None)
+            if tried is None or np.allclose(tried[0], T):
+                break
+            T, q = tried
+        return q if T[2, 3] > start_m + _CLIMBED_M else None
 
     def ways_round(self, q_from: Float, q_to: Float) -> list[float]:
         """Return shifts of the turning joint at the far end, the shorter way first [rad]; one if it has ends."""
@@ -79,11 +81,11 @@ class Waypoints:
         nodes[:, self._turn] += shift_rad
         return nodes
 
-    def _drawn_in(self, T: Float, height_m: float, pull: float) -> Float:
+    def _drawn_in(self, T: Float) -> Float:
         radius = float(np.hypot(*T[:2, 3]))
+        step_m = float(np.clip(self._carry_radius_m - radius, -_CLIMB_M, _CLIMB_M))
         drawn = T.copy()
-        drawn[:2, 3] *= (1 + pull * (self._carry_radius_m / radius - 1)) if radius > 0 else 1.0
-        drawn[2, 3] = height_m
+        drawn[:2, 3] *= 1 + step_m / max(radius, 1e-6)
         return drawn
 
 

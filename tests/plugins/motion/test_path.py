@@ -1,5 +1,7 @@
 """A Hermite path passes its nodes smoothly and overshoots none."""
 
+import itertools
+
 import numpy as np
 
 from executive.arrays import Float
@@ -21,7 +23,7 @@ def test_passes_every_node() -> None:
 
 def test_overshoots_no_node() -> None:
     nodes, path = zigzag()
-    for i, (a, b) in enumerate(zip(nodes, nodes[1:], strict=False)):
+    for i, (a, b) in enumerate(itertools.pairwise(nodes)):
         q = path.position(np.linspace(path.parameters[i], path.parameters[i + 1], 50))
         assert (q >= np.minimum(a, b) - 1e-12).all()
         assert (q <= np.maximum(a, b) + 1e-12).all()

@@ -1,0 +1,317 @@
+"""The whole planner: its trajectories are judged by the truth of a made-up site, not by its own checks."""
+
+import fcl
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+from executive.arrays import Float
+from executive.errors import ShapeError
+from executive.geometry.pose import inverse, pose, transform
+from executive.geometry.rotation import angle_between, from_rpy
+from executive.messages.cloud import Cloud
+from executive.messages.request import MotionPlan, MoveRequest
+from executive.messages.trajectory import JointTrajectory
+from robot_models.kinematics import Kinematics
+from robot_models.machine import Machine, load_machine
+
+NOTHING = Cloud("map", np.zeros((0, 3)))
+RINGS = {"m545": ((4.0, 7.0), 1.0), "mini": ((2.8, 4.7), 0.6)}  # of the stones [m], and their size
+
+
+class Judge:
+    """Looks at a trajectory in fine steps, with other means than the planner: Pinocchio, whole hulls, ellipsoids."""
+
+    def __init__(self, machine: Machine, site) -> None:
+        self.machine, self.site = machine, site
+        self.kinematics = Kinematics(machine)
+        self._parts = [
+            (name, shape.vertices, fcl.CollisionObject(_fcl_hull(shape.vertices)))
+            for name, link in machine.links.items()
+            for shape in link.shapes
+        ]
+
+    def deepest_in_site(self, request: MoveRequest, trajectory: JointTrajectory, but: int | None) -> float:
+        """Return how deep the arm goes into ground and stones [m], all but one stone."""
+        deepest = -np.inf
+        stones = [stone for i, stone in enumerate(self.site.stones) if i != but]
+        for q in _fine(trajectory, 0.1):
+            frames = self.kinematics.frames(q, request.jaw_rad)
+            points = [
+                transform(frames[name], _filled(v)) for name, v, _ in self._parts if name in _carried(self.machine)
+            ]
+            points_map = transform(request.T_map_base, np.vstack(points))
+            sunk = self.site.ground_height(*points_map[:, :2].T) - points_map[:, 2]
+            deepest = max([deepest, sunk.max(), *(stone.depths(points_map).max() for stone in stones)])
+        return float(deepest)
+
+    def touches_itself(self, request: MoveRequest, trajectory: JointTrajectory) -> bool:
+        """Tell whether links touch that must not."""
+        forbidden = {frozenset(pair) for pair in self.machine.collision_pairs}
+        for q in _fine(trajectory, 0.2):
+            frames = self.kinematics.frames(q, request.jaw_rad)
+            for name, _, part in self._parts:
+                part.setTransform(fcl.Transform(frames[name][:3, :3], frames[name][:3, 3]))
+            for i, (a, _, part_a) in enumerate(self._parts):
+                for b, _, part_b in self._parts[:i]:
+                    if frozenset((a, b)) in forbidden and fcl.collide(part_a, part_b):
+                        return True
+        return False
+
+
+def _fcl_hull(vertices: Float) -> fcl.BVHModel:
+    mesh = fcl.BVHModel()
+    hull = ConvexHull(vertices)
+    mesh.beginModel(len(vertices), len(hull.simplices))
+    mesh.addSubModel(vertices, hull.simplices)
+    mesh.endModel()
+    return mesh
+
+
+def _filled(vertices: Float) -> Float:
+    """Return corners and points between any two of them."""
+    i, j = np.triu_indices(len(vertices))
+    return np.vstack([(1 - s) * vertices[i] + s * vertices[j] for s in (0.0, 0.25, 0.5, 0.75)])
+
+
+def _carried(machine: Machine) -> set[str]:
+    return set(machine.links) - {machine.base_link, machine.cabin_link}
+
+
+def _fine(trajectory: JointTrajectory, step_s: float) -> Float:
+    return np.array([trajectory.at(t)[0] for t in np.arange(0.0, trajectory.duration_s, step_s)])
+
+
+@pytest.mark.parametrize("seed", [0])
+def test_picks_and_places_hit_nothing_and_keep_every_limit(make_planner, make_site, seed: int) -> None:
+    machine, planner = load_machine("m545"), make_planner("m545")
+    q = machine.posture("scan")
+    site = make_site(machine, *RINGS["m545"], seed)
+    judge = Judge(machine, site)
+    for stone in range(5):
+        pick = site.pick(q, stone)
+        there = planner.move(pick)
+        assert there.trajectory is not None, there.reason
+        place = site.place(there.trajectory.position[-1], pick.T_map_gripper, stone)
+        back = planner.move(place)
+        assert back.trajectory is not None, back.reason
+        for request, plan, held in ((pick, there, None), (place, back, stone)):
+            assert_keeps_limits(machine, plan.trajectory, is_loaded=held is not None)
+            # Tolerance of the planner 5 cm; the ground it knows is the lowest point of half a metre, and rough.
+            assert judge.deepest_in_site(request, plan.trajectory, held) < 0.15
+            assert not judge.touches_itself(request, plan.trajectory)
+        q = back.trajectory.position[-1] if stone % 2 else machine.posture("carry")
+
+
+def assert_keeps_limits(machine: Machine, trajectory: JointTrajectory, is_loaded: bool) -> None:
+    fine = _fine(trajectory, 0.005)
+    velocity = np.diff(fine, axis=0) / 0.005
+    acceleration = np.diff(velocity, axis=0) / 0.005
+    fastest = machine.loaded_max_velocity if is_loaded else machine.max_velocity
+    hardest = machine.loaded_max_acceleration if is_loaded else machine.max_acceleration
+    assert (np.abs(velocity) <= fastest).all()
+    assert (np.abs(acceleration) <= hardest).all()
+    assert ((fine >= machine.lower - 1e-3) & (fine <= machine.upper + 1e-3)).all()
+
+
+def test_arrives_and_leaves_straight_along_the_normal_without_turning(make_planner, make_site) -> None:
+    machine, planner = load_machine("m545"), make_planner("m545")
+    site = make_site(machine, *RINGS["m545"], 3)
+    request = site.pick(machine.posture("carry"), 0, tilt_rad=0.0)
+    plan = planner.move(request)
+    assert plan.trajectory is not None, plan.reason
+    poses = gripper_poses(machine, request, plan.trajectory)
+    offsets = poses[:, :3, 3] - request.T_map_gripper[:3, 3]
+    last = poses[len(poses) - 1 - np.argmax(np.linalg.norm(offsets[::-1], axis=1) > 0.7 * request.arrive_m) :]
+    steps = last[:, :3, 3] - request.T_map_gripper[:3, 3]
+    direction = steps[0] / np.linalg.norm(steps[0])
+    beside = steps - np.outer(steps @ direction, direction)
+    assert np.linalg.norm(beside, axis=1).max() < 0.01
+    assert max(angle_between(T[:3, :3], request.T_map_gripper[:3, :3]) for T in last) < 0.01
+    x, y = request.T_map_gripper[:2, 3]
+    normal = np.array([-0.09 * np.cos(0.9 * x), 0.056 * np.sin(0.7 * y), 1.0])  # of the site's ground
+    assert direction @ normal / np.linalg.norm(normal) > np.cos(0.1)
+
+
+def gripper_poses(machine: Machine, request: MoveRequest, trajectory: JointTrajectory) -> Float:
+    kinematics = Kinematics(machine)
+    return np.array([request.T_map_base @ kinematics.gripper(q) for q in _fine(trajectory, 0.02)])
+
+
+def test_ends_where_it_was_asked_to_and_starts_where_it_is(make_planner, make_site) -> None:
+    machine = load_machine("m545")
+    request = make_site(machine, *RINGS["m545"], 4).pick(machine.posture("scan"), 1)
+    plan = make_planner("m545").move(request)
+    assert plan.trajectory is not None, plan.reason
+    np.testing.assert_allclose(plan.trajectory.position[0], request.start, atol=1e-9)
+    reached = request.T_map_base @ Kinematics(machine).gripper(plan.trajectory.position[-1])
+    np.testing.assert_allclose(reached, request.T_map_gripper, atol=5e-3)
+    np.testing.assert_allclose(
+        plan.path_map[0], (request.T_map_base @ Kinematics(machine).gripper(request.start))[:3, 3]
+    )
+
+
+def test_five_joints_pick_from_straight_above(make_planner, make_site) -> None:
+    machine, planner = load_machine("mini"), make_planner("mini")
+    site = make_site(machine, *RINGS["mini"], 0)
+    site.machine = machine
+    for stone in range(5):
+        request = vertical_pick(site, machine, stone)
+        plan = planner.move(request)
+        assert plan.trajectory is not None, plan.reason
+        assert_keeps_limits(machine, plan.trajectory, is_loaded=False)
+        assert Judge(machine, site).deepest_in_site(request, plan.trajectory, None) < 0.15
+
+
+def vertical_pick(site, machine: Machine, stone: int) -> MoveRequest:
+    """A pick along the base's own z axis: five joints can make no other."""
+    request = site.pick(machine.posture("carry"), stone)
+    base = pose(t=np.array([0.0, 0.0, machine.stance.base_height_m]) + [2.0, -1.0, 0.0])
+    R = from_rpy(0.0, 0.0, 0.3 * stone) @ from_rpy(0.0, np.pi / 2, 0.0)
+    palm = site.stones[stone].centre - R @ machine.gripper.grasp_centre
+    return MoveRequest(request.start, pose(R, palm), base, 0.4, 0.6, request.obstacles, None, machine.gripper.open_rad)
+
+
+def ask(planner, goal: Float, start: Float, obstacles: Cloud = NOTHING, leave_m: float = 0.0, arrive_m: float = 0.0):
+    return planner.move(MoveRequest(start, goal, np.eye(4), leave_m, arrive_m, obstacles, None, 0.9))
+
+
+def at_carry(machine: Machine, x: float, y: float, z: float) -> Float:
+    T = Kinematics(machine).gripper(machine.posture("carry"))
+    return pose(from_rpy(0.0, 0.0, np.arctan2(y, x)) @ T[:3, :3], np.array([x, y, z]))
+
+
+def test_the_way_straight_down_needs_no_detour_upwards(make_planner) -> None:
+    machine = load_machine("m545")
+    T = Kinematics(machine).gripper(machine.posture("carry"))
+    plan = ask(make_planner("m545"), pose(t=np.array([0.0, 0.0, -1.0])) @ T, machine.posture("carry"), arrive_m=1.0)
+    assert plan.trajectory is not None, plan.reason
+    heights = plan.path_map[:, 2]
+    assert heights.max() < heights[0] + 0.02  # the line's end is bent into the travel
+    assert plan.trajectory.duration_s < 6.0
+
+
+def test_the_way_straight_up_is_the_leaving_alone(make_planner) -> None:
+    machine = load_machine("m545")
+    T = Kinematics(machine).gripper(machine.posture("carry"))
+    plan = ask(make_planner("m545"), pose(t=np.array([0.0, 0.0, 1.0])) @ T, machine.posture("carry"), leave_m=1.0)
+    assert plan.trajectory is not None, plan.reason
+    assert (np.diff(plan.path_map[:, 2]) > -1e-3).all()
+
+
+def test_goes_where_it_stands_already_in_no_time(make_planner) -> None:
+    machine = load_machine("m545")
+    plan = ask(make_planner("m545"), Kinematics(machine).gripper(machine.posture("carry")), machine.posture("carry"))
+    assert plan.trajectory is not None, plan.reason
+    assert plan.trajectory.duration_s < 0.5
+
+
+def wall(azimuth_rad: float) -> Float:
+    """Points of a wall that stands out from the machine, too high to be crossed."""
+    radius, height = np.meshgrid(np.arange(2.5, 9.0, 0.1), np.arange(-0.9, 7.0, 0.1))
+    along = np.stack([np.cos(azimuth_rad) * radius, np.sin(azimuth_rad) * radius, height], axis=-1).reshape(-1, 3)
+    across = np.array([-np.sin(azimuth_rad), np.cos(azimuth_rad), 0.0])
+    return np.vstack([along + d * across for d in (-0.1, 0.0, 0.1)])
+
+
+def test_swings_the_shorter_way_and_the_other_where_that_one_is_blocked(make_planner) -> None:
+    machine, planner = load_machine("m545"), make_planner("m545")
+    turn = machine.arm_names.index(machine.turn_joint)
+    start = planner.reach(at_carry(machine, 4.5, 3.0, 1.0), machine.posture("carry"))
+    goal = at_carry(machine, 4.5, -3.0, 1.0)
+    free, blocked = ask(planner, goal, start), ask(planner, goal, start, Cloud("map", wall(0.0)))
+    enclosed = ask(planner, goal, start, Cloud("map", np.vstack([wall(0.0), wall(np.pi)])))
+    assert free.trajectory is not None
+    assert blocked.trajectory is not None, blocked.reason
+    short, long = (t.position[-1, turn] - t.position[0, turn] for t in (free.trajectory, blocked.trajectory))
+    assert -np.pi < short < 0.0
+    assert long == pytest.approx(short + 2 * np.pi, abs=0.05)
+    assert enclosed.trajectory is None
+    assert enclosed.reason.startswith("travelling: collision of")
+
+
+@pytest.mark.parametrize(
+    ("x", "z", "words"),
+    [
+        (12.0, 0.5, "goal out of reach"),
+        (6.4, 3.9, "m of 1.00 m above the goal are in reach"),
+        (5.0, -0.6, "arriving: collision of jaw_left with the ground"),
+    ],
+)
+def test_says_why_there_is_no_way(make_planner, make_site, x: float, z: float, words: str) -> None:
+    machine = load_machine("m545")
+    xy = np.random.default_rng(0).uniform(-9, 9, (30000, 2))
+    ground = np.c_[xy, np.full(len(xy), -0.9)]
+    plan = ask(
+        make_planner("m545"), at_carry(machine, x, 0.0, z), machine.posture("carry"), Cloud("map", ground), 0.3, 1.0
+    )
+    assert plan.trajectory is None
+    assert words in plan.reason
+
+
+def test_the_same_request_gives_the_same_trajectory(make_planner, make_site) -> None:
+    machine = load_machine("m545")
+    request = make_site(machine, *RINGS["m545"], 5).pick(machine.posture("scan"), 2)
+    first, second = (make_planner("m545").move(request) for _ in range(2))
+    assert first.trajectory is not None
+    assert second.trajectory is not None
+    np.testing.assert_array_equal(first.trajectory.position, second.trajectory.position)
+    np.testing.assert_array_equal(first.trajectory.times_s, second.trajectory.times_s)
+
+
+def test_reach_keeps_the_open_gripper_off_the_machine(make_planner) -> None:
+    machine, planner = load_machine("m545"), make_planner("m545")
+    assert planner.reach(at_carry(machine, 5.0, 0.0, 0.0), machine.posture("carry")) is not None
+    assert planner.reach(at_carry(machine, 1.6, 0.0, 0.0), machine.posture("carry")) is None
+
+
+def test_a_start_of_another_arm_is_refused(make_planner) -> None:
+    with pytest.raises(ShapeError, match=r"arm positions have shape \(5,\), expected \(7,\)"):
+        ask(make_planner("m545"), np.eye(4), np.zeros(5))
+
+
+@pytest.mark.parametrize("model", ["m545", "mini"])
+def test_a_sweep_goes_to_both_sides_and_back_in_the_scanning_posture(make_planner, model: str) -> None:
+    machine, planner = load_machine(model), make_planner(model)
+    start = machine.posture("carry")
+    turn = machine.arm_names.index(machine.turn_joint)
+    start[turn] = 0.7
+    plan: MotionPlan = planner.swing(start, 2.0, 25.0)
+    assert plan.trajectory is not None, plan.reason
+    trajectory = plan.trajectory
+    assert_keeps_limits(machine, trajectory, is_loaded=False)
+    turns = trajectory.position[:, turn]
+    assert (turns[0], turns.max(), turns.min(), turns[-1]) == pytest.approx((0.7, 1.7, -0.3, 0.7), abs=1e-6)
+    sweeping = np.abs(trajectory.velocity[:, turn]) > 1e-6
+    others = np.delete(trajectory.position, turn, axis=1)
+    np.testing.assert_allclose(others[sweeping], np.tile(np.delete(machine.posture("scan"), turn), (sweeping.sum(), 1)))
+    assert trajectory.duration_s >= 25.0
+
+
+def test_a_sweep_lasts_longer_where_the_limits_ask_for_it(make_planner) -> None:
+    machine = load_machine("m545")
+    plan = make_planner("m545").swing(machine.posture("scan"), 4.0, 1.0)
+    assert plan.trajectory is not None
+    assert plan.trajectory.duration_s > 8.0 / machine.max_velocity.max()
+    assert_keeps_limits(machine, plan.trajectory, is_loaded=False)
+
+
+def test_obstacles_are_taken_where_the_base_stands(make_planner, make_site) -> None:
+    machine = load_machine("m545")
+    request = make_site(machine, *RINGS["m545"], 6).pick(machine.posture("scan"), 0)
+    moved = pose(from_rpy(0.0, 0.0, 1.0), np.array([100.0, -50.0, 3.0]))
+    elsewhere = MoveRequest(
+        request.start,
+        moved @ request.T_map_gripper,
+        moved @ request.T_map_base,
+        request.leave_m,
+        request.arrive_m,
+        Cloud("map", transform(moved, request.obstacles.points)),
+        None,
+        request.jaw_rad,
+    )
+    here, there = make_planner("m545").move(request), make_planner("m545").move(elsewhere)
+    assert here.trajectory is not None, here.reason
+    assert there.trajectory is not None
+    np.testing.assert_allclose(here.trajectory.position[-1], there.trajectory.position[-1], atol=1e-6)
+    np.testing.assert_allclose(transform(inverse(moved), there.path_map)[-1], here.path_map[-1], atol=1e-6)
