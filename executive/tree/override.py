@@ -3,7 +3,7 @@
 from executive.errors import did_you_mean
 from executive.tree.document import read_text
 from executive.tree.plugin_reader import normal
-from executive.tree.problem import Mark, Problems
+from executive.tree.problem import Mark, Problems, one_line
 from executive.tree.reading import Reading
 from executive.tree.value import Entry, Listing, Scalar, Table, Value, merged
 
@@ -12,7 +12,7 @@ LOOP = "loop"
 
 def apply_override(option: str, loop: Table, plugins: Table, reading: Reading) -> tuple[Table, Table]:
     """Lay one option over the settings of the loop and of the plugins; a mistake names the option."""
-    mark = Mark(f"--set {option}")
+    mark = Mark(one_line(f"--set {option}"))
     key, equals, text = option.partition("=")
     path = key.strip().split(".")
     if not equals or not all(path) or not path[0]:
@@ -32,7 +32,7 @@ def apply_override(option: str, loop: Table, plugins: Table, reading: Reading) -
 
 def _value(text: str, mark: Mark, reading: Reading) -> Value | None:
     found = Problems()
-    value = read_text(text, mark.file, found) if text.strip() else Scalar(None, mark)
+    value = read_text(text, mark.file, found) if text.strip(" ") else Scalar(None, mark)
     for problem in found.all():
         reading.problems.error(mark, problem.message)
     return None if value is None or found.all() else _moved(value, mark)

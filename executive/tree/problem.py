@@ -37,6 +37,11 @@ def shortened(text: str, longest: int) -> str:
     return text if len(text) <= longest else text[: longest - 1] + "…"
 
 
+def one_line(text: str) -> str:
+    """Return a text with line breaks and what cannot be printed written as escapes."""
+    return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in text)
+
+
 class MissionFileError(ConfigError):
     """A mission has mistakes; `problems` lists all of them in the order of their places."""
 
@@ -53,11 +58,11 @@ class Problems:
 
     def error(self, mark: Mark, message: str) -> None:
         """Take note of a mistake."""
-        self._found.append(Problem(mark, shortened(message, _LONGEST)))
+        self._found.append(Problem(mark, shortened(one_line(message), _LONGEST)))
 
     def warning(self, mark: Mark, message: str) -> None:
         """Take note of something that works but was hardly meant."""
-        self._found.append(Problem(mark, shortened(message, _LONGEST), "warning"))
+        self._found.append(Problem(mark, shortened(one_line(message), _LONGEST), "warning"))
 
     def all(self) -> tuple[Problem, ...]:
         """Return everything, in the order of the places."""

@@ -100,6 +100,13 @@ def test_trees_of_the_base_can_be_called_and_replaced(tmp_path: Path, catalogue:
     assert mission.trees["look"].root.kind.label == "wait"
 
 
+def test_a_mission_may_change_nothing_but_settings(tmp_path: Path, catalogue: Catalogue) -> None:
+    over = "api: 1\nmission: over\nextends: base\nloop: {tick: 0.1}\n"
+    write(tmp_path, base=f"api: 1\nmission: base\n{PLUGINS}{MISSION}", over=over)
+    mission = load_mission(str(tmp_path / "over.yaml"), catalogue=catalogue)
+    assert (list(mission.trees), mission.loop.tick) == (["main"], 0.1)
+
+
 def test_subtrees_lie_in_a_folder_beside_the_mission(tmp_path: Path, catalogue: Catalogue) -> None:
     library = "api: 1\ntrees:\n  look: {call: wink}\n  wink: {run: Scan}\n  unused: {run: Nonsense}\n"
     write(tmp_path, m=f"api: 1\nmission: m\n{PLUGINS}trees: {{main: {{call: look}}}}\n", subtrees__library=library)
