@@ -5,9 +5,9 @@ from numba import njit
 
 from executive.arrays import Bool, Float, Int
 from executive.errors import DataError
+from plugins.mapping.smoothing import BITS, smoothed
 
-_BITS = 21  # a voxel's index along an axis; three of them fill 63 bits
-_HALF = 1 << (_BITS - 1)
+_HALF = 1 << (BITS - 1)
 _FREE = -1
 _LOAD = 0.6  # fuller tables collide too often
 _FIRST_CAPACITY = 1 << 18
@@ -31,7 +31,7 @@ def _insert(keys: Int, means: Float, counts: Int, points: Float, voxel_m: float,
         i = np.int64(np.floor(p[0] / voxel_m)) + _HALF
         j = np.int64(np.floor(p[1] / voxel_m)) + _HALF
         k = np.int64(np.floor(p[2] / voxel_m)) + _HALF
-        key = (i << (2 * _BITS)) | (j << _BITS) | k
+        key = (i << (2 * BITS)) | (j << BITS) | k
         row = _slot(keys, key)
         if keys[row] == _FREE:
             keys[row] = key
@@ -89,6 +89,12 @@ class VoxelGrid:
         """Return the means [m] (N, 3) and the number of points behind each (N,), in order of the voxels."""
         rows = self._rows()
         return self._means[rows], self._counts[rows]
+
+    def surface(self, reach_m: float) -> tuple[Float, Int]:
+        """Return the same with range noise smoothed out over a reach [m]; see `smoothing`."""
+        rows = self._rows()
+        means, counts = self._means[rows], self._counts[rows]
+        return smoothed(self._keys[rows], means, np.minimum(counts, self._memory), reach_m), counts
 
     def keep(self, kept: Bool) -> None:
         """Forget the voxels that are False in the order of `points`."""

@@ -12,6 +12,7 @@ from pydantic import Field
 from executive.arrays import Bool, Float, checked
 from executive.config import Meters, Seconds, Settings
 from executive.errors import ConfigError, DataError
+from executive.geometry.voxels import voxel_means
 from executive.interfaces.mapping import Mapper
 from executive.messages.cloud import Cloud
 from executive.messages.lidar import LidarScan
@@ -32,6 +33,7 @@ class VoxelMapSettings(Settings):
     padding_m: Meters = Field(0.10, ge=0, le=1, description="Returns this near to a link are the machine's [m].")
     nearest_m: Meters = Field(0.6, ge=0, description="Nearer returns are dropped [m].")
     slice_s: Seconds = Field(0.01, gt=0, description="Time over which joints are taken as still [s].")
+    smoothing_m: Meters = Field(0.045, ge=0, le=1, description="Reach over which range noise is averaged; 0: none [m].")
     memory: int = Field(100, ge=1, description="Returns over which a voxel's mean is taken.")
 
 
@@ -45,6 +47,7 @@ class VoxelMap(Mapper):
         self._machine = machine
         self._front: ScanFront | None = None
         self._grid: VoxelGrid | None = None
+        self._cloud: Cloud | None = None
         self._held_radius_m = 0.0
         self._centre_map = np.zeros(3)
 
@@ -55,11 +58,12 @@ class VoxelMap(Mapper):
         rehearsal = VoxelGrid(s.voxel_m, s.memory)
         rehearsal.insert(np.zeros((1, 3)))
         rehearsal.keep(np.ones(1, dtype=bool))
+        rehearsal.surface(s.voxel_m)
         self._grid = VoxelGrid(s.voxel_m, s.memory)
 
     def close(self) -> None:
         """Give the map's memory back."""
-        self._front = self._grid = None
+        self._front = self._grid = self._cloud = None
 
     def add_scan_pair(self, scans: Sequence[LidarScan], motion: Motion) -> int:
         """Fuse one scan of each lidar; about 15 ms for two of 28,800 returns.
@@ -70,6 +74,7 @@ class VoxelMap(Mapper):
         front, grid = self._running()
         parts = [front.place(scan, motion, self._held_radius_m) for scan in scans]
         pair_map = np.vstack([np.empty((0, 3)), *parts])
+        self._cloud = None
         self._follow(motion.T_map_cabin[-1][:3, 3], grid)
         grid.insert(pair_map[self._is_in_cylinder(pair_map)])
         return len(pair_map)
@@ -87,14 +92,21 @@ class VoxelMap(Mapper):
         points, counts = grid.points()
         kept = ((points - centre) ** 2).sum(axis=1) > radius_m**2
         grid.keep(kept)
+        self._cloud = None
         return int((~kept & (counts >= self._settings.min_points)).sum())
 
     def cloud(self) -> Cloud:
-        """Return the mean of each occupied voxel in the cylinder, in the order of the voxels."""
+        """Return one point for each occupied voxel in the cylinder, range noise smoothed out.
+
+        The order is that of the voxels. About 100 ms for 300,000 voxels; the answer is kept until the map changes.
+        """
         _, grid = self._running()
-        points, counts = grid.points()
-        occupied = counts >= self._settings.min_points
-        return Cloud("map", points[occupied & self._is_in_cylinder(points)])
+        if self._cloud is None:
+            s = self._settings
+            points, counts = grid.surface(s.smoothing_m) if s.smoothing_m else grid.points()
+            points = points[(counts >= s.min_points) & self._is_in_cylinder(points)]
+            self._cloud = Cloud("map", voxel_means(points, s.voxel_m))
+        return self._cloud
 
     def _follow(self, centre_map: Float, grid: VoxelGrid) -> None:
         """Move the cylinder with the machine, and forget what it leaves behind, now and then."""

@@ -8,6 +8,7 @@ grid that follows the ground over metres but is too stiff to climb onto a stone.
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
@@ -40,15 +41,26 @@ class Terrain:
 
     def heights_above(self, points: Float) -> Float:
         """Return heights above the ground [m], shape (N, 3) → (N,); beyond the grid its border goes on."""
-        nx, ny = self.heights_m.shape
-        uv = (points @ self.R_plane_cloud[:2].T - self.origin) / self.node_m
-        u, v = np.clip(uv[:, 0], 0, nx - 1), np.clip(uv[:, 1], 0, ny - 1)
-        i, j = np.minimum(u.astype(np.int64), nx - 2), np.minimum(v.astype(np.int64), ny - 2)
+        offset_m = float(self.plane[3])
+        return np.asarray(_heights(points, self.R_plane_cloud, offset_m, self.origin, self.node_m, self.heights_m))
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _heights(points: Float, R: Float, offset_m: float, origin: Float, node_m: float, grid: Float) -> Float:
+    """Take each point's distance from the plane, and the bilinear height of the grid from that."""
+    nx, ny = grid.shape
+    heights = np.empty(len(points))
+    for n in range(len(points)):
+        x, y, z = points[n]
+        u = min(max((R[0, 0] * x + R[0, 1] * y + R[0, 2] * z - origin[0]) / node_m, 0.0), nx - 1.0)
+        v = min(max((R[1, 0] * x + R[1, 1] * y + R[1, 2] * z - origin[1]) / node_m, 0.0), ny - 1.0)
+        i, j = min(int(u), nx - 2), min(int(v), ny - 2)
         fu, fv = u - i, v - j
-        flat, k = self.heights_m.ravel(), i * ny + j
-        low = flat[k] * (1 - fv) + flat[k + 1] * fv
-        high = flat[k + ny] * (1 - fv) + flat[k + ny + 1] * fv
-        return np.asarray(plane_heights(points, self.plane) - (low * (1 - fu) + high * fu))
+        low = grid[i, j] * (1 - fv) + grid[i, j + 1] * fv
+        high = grid[i + 1, j] * (1 - fv) + grid[i + 1, j + 1] * fv
+        above_plane = R[2, 0] * x + R[2, 1] * y + R[2, 2] * z - offset_m
+        heights[n] = above_plane - (low * (1 - fu) + high * fu)
+    return heights
 
 
 def _axes(normal: Float) -> Float:
