@@ -12,7 +12,8 @@ from executive.journal import Journal, plain, read_journal
 def write(path, n=5):
     journal = Journal(path)
     for i in range(n):
-        journal.append(i, 0.05 * i, "kind", f"main/{i}:Leaf", {"value": i, "array": np.arange(3), "pi": np.float64(np.pi)})
+        payload = {"value": i, "array": np.arange(3), "pi": np.float64(np.pi)}
+        journal.append(i, 0.05 * i, "kind", f"main/{i}:Leaf", payload)
     journal.close()
     return journal
 
