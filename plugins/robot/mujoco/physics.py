@@ -11,7 +11,7 @@ class PhysicsSettings(Settings):
 
     timestep_s: Seconds = Field(0.0025, ge=0.001, le=0.004, description="Integration step [s].")
     friction: float = Field(0.6, gt=0, le=2, description="Coulomb friction of steel, stone and ground.")
-    torsional_friction_m: float = Field(0.08, ge=0, le=0.5, description="Torsional friction: size of a contact patch [m].")
+    torsional_friction_m: float = Field(0.08, ge=0, le=0.5, description="Size of a patch that resists turning [m].")
     impratio: float = Field(100.0, ge=1, le=1000, description="Stiffness of friction over that of normal forces.")
     servo_rad_s: float = Field(25.0, gt=1, le=60, description="Natural frequency of the arm's position servos [rad/s].")
     jaw_stiffness: float = Field(4.0, gt=0, le=20, description="Jaw speed per angle to go [1/s].")
