@@ -1,5 +1,6 @@
 """Where a spinning lidar fires in one revolution, and what of the link that carries it is in the way."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +28,7 @@ class FiringPattern:
     free_rays: Rays
 
 
-def firing_pattern(lidar: Lidar, columns: int, phase: float, own: tuple[Mesh, ...]) -> FiringPattern:
+def firing_pattern(lidar: Lidar, columns: int, phase: float, own: Sequence[Mesh]) -> FiringPattern:
     """Lay out a revolution that begins a fraction (phase) of a column after azimuth 0."""
     azimuths = (np.arange(columns) + phase) * 2 * np.pi / columns
     elevations = np.linspace(*lidar.elevation_rad, lidar.lasers)

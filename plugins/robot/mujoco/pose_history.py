@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from executive.arrays import Float
-from executive.geometry.pose import pose
 
 
 class PoseHistory:
@@ -34,6 +33,10 @@ class PoseHistory:
         while len(self._samples) > 2 and self._samples[1][0] <= time_s - self._span_s + 1e-9:
             self._samples.popleft()
 
+    def index(self, body: str) -> int:
+        """Return the place of a body in the order of the bodies."""
+        return self._index[body]
+
     @property
     def oldest_s(self) -> float:
         """Time of the oldest sample [s]; inf if there is none."""
@@ -43,10 +46,10 @@ class PoseHistory:
         """Return positions (N, 3) [m] and rotations (N, 3, 3) of one body in the world at rising times (N,)."""
         return self._interpolate(times_s, self._index[body])
 
-    def poses(self, time_s: float) -> dict[str, Float]:
-        """Return T_world_body of all bodies at a time."""
+    def poses(self, time_s: float) -> tuple[Float, Float]:
+        """Return positions (B, 3) [m] and rotations (B, 3, 3) of all bodies, in their order, at a time."""
         positions, rotations = self._interpolate(np.array([time_s]), slice(None))
-        return {name: pose(rotations[0, i], positions[0, i]) for name, i in self._index.items()}
+        return positions[0], rotations[0]
 
     def _interpolate(self, times_s: Float, which: int | slice) -> tuple[Float, Float]:
         stamps = np.array([sample[0] for sample in self._samples])

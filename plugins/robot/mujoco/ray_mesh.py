@@ -17,8 +17,8 @@ class RayMesh:
 
     def __init__(self, meshes: Sequence[Mesh]) -> None:
         self._scene = o3d.t.geometry.RaycastingScene(nthreads=1)
-        self._is_empty = not meshes
-        if meshes:
+        self._is_empty = not any(len(triangles) for _, triangles in meshes)
+        if not self._is_empty:
             vertices, triangles = joined(meshes)
             self._scene.add_triangles(
                 o3d.core.Tensor.from_numpy(vertices.astype(np.float32)),

@@ -20,6 +20,7 @@ class SiteScene:
 
     def __init__(self, site: Site) -> None:
         self._terrain: Mesh = site.terrain.mesh()
+        self._names = tuple(stone.name for stone in site.stones)
         self._skins: tuple[Mesh, ...] = tuple((stone.vertices, stone.triangles) for stone in site.stones)
         self._radii = tuple(float(np.linalg.norm(stone.vertices, axis=1).max()) for stone in site.stones)
         self._last: tuple[Float, ...] = site.T_world_stones
@@ -31,6 +32,10 @@ class SiteScene:
     def moving(self) -> tuple[int, ...]:
         """Indices of the stones that are under way."""
         return tuple(i for i in range(len(self._skins)) if i not in self._resting)
+
+    def name(self, index: int) -> str:
+        """Return the name of a stone's body."""
+        return self._names[index]
 
     def skin(self, index: int) -> Mesh:
         """Return a stone's surface in its own frame."""

@@ -15,7 +15,7 @@ from plugins.robot.mujoco.encoders import JointEncoders
 from plugins.robot.mujoco.gnss import Antenna
 from plugins.robot.mujoco.imu import MountedImu
 from plugins.robot.mujoco.lidar import SpinningLidar
-from plugins.robot.mujoco.machine_skin import MachineSkin
+from plugins.robot.mujoco.machine_skin import machine_skin
 from plugins.robot.mujoco.pose_history import PoseHistory
 from plugins.robot.mujoco.scene import SiteScene
 from plugins.robot.mujoco.site import Site
@@ -54,20 +54,19 @@ class SensorSuite:
         self._lidars = [sensor for sensor in machine.sensors.values() if isinstance(sensor, Lidar)]
         span_s = max((1 / lidar.rate_hz for lidar in self._lidars), default=0.0)
         self._history = PoseHistory(model, (*machine.links, *self._stones), span_s)
-        skin = MachineSkin(machine)
+        self._skin = machine_skin(machine)
         self._sensors: list[tuple[Sensor, Measure]] = []
         for sensor, own_rng in zip(machine.sensors.values(), rng.spawn(len(machine.sensors)), strict=True):
-            self._sensors.append((sensor, self._measure(sensor, machine, skin, model, own_rng)))
+            self._sensors.append((sensor, self._measure(sensor, machine, model, own_rng)))
         self._last_s = 0.0
         self._on_the_way: list[tuple[float, Observation]] = []
 
-    def _measure(
-        self, sensor: Sensor, machine: Machine, skin: MachineSkin, model: mujoco.MjModel, rng: np.random.Generator
-    ) -> Measure:
+    def _measure(self, sensor: Sensor, machine: Machine, model: mujoco.MjModel, rng: np.random.Generator) -> Measure:
         match sensor:
             case Lidar():
-                lidar = SpinningLidar(sensor, self._settings.azimuth_stride, skin, self.scene, rng)
-                return lambda time_s, _: lidar.scan(self._history, time_s, self._stones)
+                stride = self._settings.azimuth_stride
+                lidar = SpinningLidar(sensor, stride, self._skin, self.scene, self._history, rng)
+                return lambda time_s, _: lidar.scan(time_s)
             case Imu():
                 return MountedImu(sensor, model, rng).sample
             case Gnss():

@@ -18,7 +18,7 @@ _BEDROCK_M = 2.0  # thickness below the lowest point: nothing falls through
 class TerrainSettings(Settings):
     """The shape of the ground."""
 
-    half_size_m: Meters = Field(20.0, gt=2, le=100, description="Half the side of the square of ground [m].")
+    half_size_m: Meters = Field(15.0, gt=2, le=100, description="Half the side of the square of ground [m].")
     cell_m: Meters = Field(0.2, ge=0.1, le=1, description="Cell of the height field [m]; 0.1 m runs 8 times slower.")
     undulation_m: Meters = Field(0.04, ge=0, le=1, description="Standard deviation of the gentle waves [m].")
     wavelength_m: Meters = Field(6.0, ge=1, le=50, description="Typical length of the gentle waves [m].")
