@@ -74,17 +74,21 @@ def test_an_unknown_machine_is_answered_with_the_nearest() -> None:
 
 
 @pytest.mark.parametrize("name", ["m545", "mini"])
-def test_postures_touch_nothing_with_jaws_closed_and_open(name: str) -> None:
+@pytest.mark.parametrize("jaws", ["closed", "open"])
+def test_postures_touch_nothing_all_the_way_round(name: str, jaws: str) -> None:
     machine = load_machine(name)
     model = machine_spec(machine).compile()
     data = mujoco.MjData(model)
+    data.joint(machine.jaw.name).qpos = data.joint(machine.jaw.mirror_name).qpos = machine.jaw.open_rad * (
+        jaws == "open"
+    )
     for posture in machine.postures:
-        for jaw_rad in (0.0, machine.jaw.open_rad):
-            for joint, value in zip(machine.arm_names, machine.posture(posture), strict=True):
-                data.joint(joint).qpos = value
-            data.joint(machine.jaw.name).qpos = data.joint(machine.jaw.mirror_name).qpos = jaw_rad
+        for joint, value in zip(machine.arm_names, machine.posture(posture), strict=True):
+            data.joint(joint).qpos = value
+        for turn_rad in np.linspace(-np.pi, np.pi, 73):
+            data.joint(machine.turn_joint).qpos = turn_rad
             mujoco.mj_forward(model, data)
-            assert data.ncon == 0, posture
+            assert data.ncon == 0, (posture, turn_rad)
 
 
 def test_hulls_of_the_simulated_jaws_lie_where_the_description_says() -> None:
