@@ -14,7 +14,7 @@ class FlightSettings(Settings):
 
     cameras: int = Field(20, ge=3, le=200, description="Number of pictures.")
     centre_m: tuple[float, float] = Field((3.7, 0.0), description="Middle of the surveyed ground in the map [m].")
-    size_m: tuple[float, float] = Field((7.6, 15.6), description="Sides of the surveyed ground along x and y [m].")
+    size_m: tuple[float, float] = Field((8.4, 15.8), description="Sides of the surveyed ground along x and y [m].")
     height_m: Meters = Field(8.0, gt=1, le=100, description="Height of the pictures above the map's origin [m].")
     view_angle_rad: Radians = Field(1.2, gt=0.2, lt=2.5, description="Opening angle of the camera [rad].")
     rays: int = Field(110, ge=10, le=1000, description="Rays along each side of a picture.")

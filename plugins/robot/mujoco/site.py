@@ -37,7 +37,8 @@ class Site:
     T_world_stones: tuple[Float, ...]
 
     def add_to(self, spec: mujoco.MjSpec) -> None:
-        """Add ground and stones to a world."""
+        """Add ground, stones and daylight to a world."""
+        _add_daylight(spec)
         self.terrain.add_to(spec)
         for stone, T_world_stone in zip(self.stones, self.T_world_stones, strict=True):
             stone.add_to(spec, T_world_stone)
@@ -56,3 +57,24 @@ def make_site(settings: SiteSettings, machine: Machine, physics: PhysicsSettings
         return Site(terrain, (), ())
     poses = place(stones, terrain, settings.stones.placement, machine.reach_m, physics, place_rng)
     return Site(terrain, stones, poses)
+
+
+def _add_daylight(spec: mujoco.MjSpec) -> None:
+    """Add a sun and a sky, for pictures only."""
+    spec.worldbody.add_light(
+        name="sun",
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        pos=[0.0, 0.0, 30.0],
+        dir=[-0.5, 0.35, -0.8],
+        diffuse=[0.75, 0.72, 0.66],
+        castshadow=True,
+    )
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=[0.55, 0.7, 0.9],
+        rgb2=[0.9, 0.93, 0.96],
+        width=256,
+        height=1536,
+    )
