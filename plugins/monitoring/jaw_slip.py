@@ -3,6 +3,7 @@
 from collections import deque
 from dataclasses import dataclass, field
 
+import numpy as np
 from pydantic import Field
 
 from executive.config import Meters, Seconds, Settings
@@ -21,9 +22,9 @@ class JawSlipSettings(Settings):
 
     slip: Meters = Field(0.015, gt=0, le=0.5, description="Closing within the window that is slip [m].")
     window: Seconds = Field(5.0, gt=0, le=60, description="Window of the closing; slower creep is settling [s].")
-    creep: Meters = Field(0.06, gt=0, le=0.5, description="Closing since the hold began that is slip however slow [m].")
+    creep: Meters = Field(0.06, gt=0, le=0.5, description="Closing since the stone settled that is slip anyway [m].")
     lift_settle: Seconds = Field(3.0, ge=0, le=30, description="The stone settles for so long after the arm moves [s].")
-    lift_slip: Meters = Field(0.03, gt=0, le=0.5, description="Closing within the window that is slip meanwhile [m].")
+    lift_slip: Meters = Field(0.12, gt=0, le=1, description="Closing that is slip until the stone has settled [m].")
     empty: Meters = Field(0.1, ge=0, le=1, description="Jaws closer than this hold nothing [m].")
     confirm: Seconds = Field(0.25, ge=0, le=5, description="How long trouble must last before it is told [s].")
 
@@ -34,16 +35,17 @@ class _Hold:
 
     median: RunningMedian = field(default_factory=lambda: RunningMedian(_SMOOTHING_S))
     openings: deque[tuple[float, float]] = field(default_factory=deque)  # (stamp, smoothed opening) over the window
-    first_m: float | None = None
-    settled_s: float | None = None  # when the stone will have settled in the lift
+    first_m: float | None = None  # opening at the start, and anew once the stone has settled
+    settled_s: float = np.inf  # when the stone will have settled in the lift
+    has_settled: bool = False
     trouble_s: float | None = None  # since when something is wrong
 
 
 class JawSlip(Monitor):
     """Compares the jaws' opening with what it was a few seconds ago and at first (Mascaro 2020, Sec. 6.3).
 
-    The paper gives no figures. Ours: the encoder's noise is half a millimetre of opening, a stone that leaves the
-    ground settles between the jaws by up to some centimetres, and one that slips lets them close by more than one.
+    The paper gives no figures. Ours: the encoder's noise is half a millimetre of opening; in the simulator a good hold
+    gives way by up to 8 cm as the stone leaves the ground and by 2 mm after that.
     """
 
     Settings = JawSlipSettings
@@ -75,23 +77,23 @@ class JawSlip(Monitor):
         if sample.stamp_s - hold.trouble_s < self._settings.confirm:
             return None
         self._hold = None
-        detail = f"jaws {opening_m:.3f} m open, {hold.first_m:.3f} m when the hold began"
+        detail = f"jaws {opening_m:.3f} m open, {hold.first_m:.3f} m before"
         return Verdict(sample.stamp_s, "jaw_slip", trouble, detail)
 
     def _opening_m(self, sample: JointSample) -> float:
         return self._machine.gripper.opening_m(sample.of(self._machine.jaw.name)[0])
 
     def _follow_lift(self, hold: _Hold, sample: JointSample) -> None:
-        """Note when the arm first moves."""
-        if hold.settled_s is None and any(abs(sample.of(name)[1]) > _MOVING for name in self._machine.arm_names):
+        """Note when the arm first moves, and take the measure anew once the stone has settled after that."""
+        is_moving = any(abs(sample.of(name)[1]) > _MOVING for name in self._machine.arm_names)
+        if is_moving and hold.settled_s == np.inf:
             hold.settled_s = sample.stamp_s + self._settings.lift_settle
+        if sample.stamp_s >= hold.settled_s and not hold.has_settled:
+            hold.has_settled, hold.first_m = True, None
+            hold.openings.clear()
 
     def _judge(self, hold: _Hold, now_s: float, opening_m: float) -> Trouble | None:
         settings = self._settings
-        if hold.settled_s is not None and now_s - settings.window < hold.settled_s:
-            slip_m = settings.lift_slip  # the window reaches back into the settling
-        else:
-            slip_m = settings.slip
         hold.first_m = opening_m if hold.first_m is None else hold.first_m
         hold.openings.append((now_s, opening_m))
         while now_s - hold.openings[0][0] > settings.window:
@@ -99,5 +101,7 @@ class JawSlip(Monitor):
         if opening_m < settings.empty:
             return Trouble.EMPTY
         closed_m = max(opening for _, opening in hold.openings) - opening_m
-        is_slip = closed_m > slip_m or hold.first_m - opening_m > settings.creep
+        if not hold.has_settled:
+            return Trouble.SLIP if hold.first_m - opening_m > settings.lift_slip else None
+        is_slip = closed_m > settings.slip or hold.first_m - opening_m > settings.creep
         return Trouble.SLIP if is_slip else None

@@ -1,5 +1,6 @@
 """A dropped stone, seen by the arm's efforts: the weight is gone."""
 
+from collections import deque
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,6 +16,7 @@ from robot_models.machine import Machine
 
 _VELOCITY_S = 0.2  # smoothing of measured velocities, to tell accelerations
 _SINKING_M_S = 0.02
+_PRESSING = 0.2  # share of the carried mass
 
 
 class PayloadDropSettings(Settings):
@@ -40,7 +42,7 @@ class _Hold:
     velocity: LowPass = field(default_factory=lambda: LowPass(_VELOCITY_S))
     carried_kg: float = 0.0
     carried_s: float = 0.0  # when the weight was last there
-    opening_m: float = 0.0  # widest of the jaws
+    openings: deque[tuple[float, float]] = field(default_factory=deque)  # (stamp, jaws' opening) while it was there
     sinking_s: float = -np.inf  # when the gripper last went down
     lost_s: float | None = None  # since when the weight is gone
 
@@ -79,8 +81,7 @@ class PayloadDrop(Monitor):
         smoothed, _ = hold.mass.add(now_s, np.array([self._scale.weigh(sample)]))
         mass_kg = float(smoothed[0])
         opening_m = self._machine.gripper.opening_m(sample.of(self._machine.jaw.name)[0])
-        hold.opening_m = max(hold.opening_m, opening_m)
-        self._follow_weight(hold, now_s, mass_kg)
+        self._follow_weight(hold, now_s, mass_kg, opening_m)
         if hold.lost_s is None or now_s - hold.lost_s < self._settings.confirm or not self._is_drop(hold, opening_m):
             return None
         self._hold = None
@@ -90,11 +91,16 @@ class PayloadDrop(Monitor):
         _, rate = hold.velocity.add(sample.stamp_s, np.array([sample.of(name)[1] for name in self._machine.arm_names]))
         return bool((np.abs(rate) <= self._settings.steady * self._machine.max_acceleration).all())
 
-    def _follow_weight(self, hold: _Hold, now_s: float, mass_kg: float) -> None:
-        """Note the largest weight, and since when most of it is gone."""
+    def _follow_weight(self, hold: _Hold, now_s: float, mass_kg: float, opening_m: float) -> None:
+        """Note the largest weight, since when most of it is gone, and how the jaws stood before."""
         settings = self._settings
         if mass_kg > (1 - settings.loss / 2) * hold.carried_kg:
             hold.carried_kg, hold.carried_s = max(hold.carried_kg, mass_kg), now_s
+            hold.openings.append((now_s, opening_m))
+            while now_s - hold.openings[0][0] > settings.sudden:
+                hold.openings.popleft()
+        if mass_kg < -_PRESSING * hold.carried_kg:
+            hold.sinking_s = now_s  # less than nothing: the arm leans on the ground, on which the stone stands
         is_lost = hold.carried_kg >= settings.carried and mass_kg < (1 - settings.loss) * hold.carried_kg
         if not is_lost:
             hold.lost_s = None
@@ -105,4 +111,5 @@ class PayloadDrop(Monitor):
         lost_s = np.inf if hold.lost_s is None else hold.lost_s
         is_sudden = lost_s - hold.carried_s < self._settings.sudden
         may_stand = lost_s - hold.sinking_s < self._settings.touch_down
-        return is_sudden and (not may_stand or hold.opening_m - opening_m > self._settings.jaw_closing)
+        widest_m = max((opening for _, opening in hold.openings), default=opening_m)
+        return is_sudden and (not may_stand or widest_m - opening_m > self._settings.jaw_closing)

@@ -97,6 +97,22 @@ def test_tells_nothing_when_the_ground_takes_over_a_stone_that_is_set_down(
     assert watch(machine, Series(machine, scale).samples(mass, speeds)) is None
 
 
+def test_tells_nothing_when_the_arm_leans_on_the_ground(machine: Machine, scale: PayloadScale) -> None:
+    mass = lifted(20.0)
+    mass[500:] = -2500.0
+    assert watch(machine, Series(machine, scale).samples(mass)) is None
+
+
+def test_jaws_that_closed_at_the_lift_tell_nothing_about_a_loss_at_the_set_down(
+    machine: Machine, scale: PayloadScale
+) -> None:
+    mass = lifted(20.0)
+    mass[500:] *= np.clip(1 - np.arange(500) / 25, 0, 1)
+    speeds = np.where((np.arange(1000) > 350) & (np.arange(1000) < 490), -0.1, 0.0)
+    jaws = np.where(np.arange(1000) < 100, HELD_RAD + 0.3, HELD_RAD)
+    assert watch(machine, Series(machine, scale).samples(mass, speeds, jaws)) is None
+
+
 def test_tells_a_drop_on_the_way_down_by_the_jaws_that_close(machine: Machine, scale: PayloadScale) -> None:
     mass = lifted(20.0)
     mass[500:] = 0.0
