@@ -36,7 +36,6 @@ class ContactLog:
     """Reads MuJoCo's contacts at every control step."""
 
     def __init__(self, machine: Machine, stones: Sequence[str], model: mujoco.MjModel) -> None:
-        self._stone_of = {model.body(name).id: i for i, name in enumerate(stones)}
         self._names = {model.body(name).id: name for name in (*machine.links, *stones)} | {0: TERRAIN}
         self._is_link = np.zeros(model.nbody, dtype=bool)
         self._is_link[[model.body(name).id for name in machine.links]] = True
@@ -44,15 +43,14 @@ class ContactLog:
         self._open: dict[tuple[str, str], Span] = {}
         self._closed: list[Span] = []
 
-    def step(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> frozenset[int]:
-        """Record contacts; return the indices of the stones that touch anything at all."""
+    def step(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Record the contacts of a control step."""
         touching = np.flatnonzero(data.contact.dist <= 0.0)
         bodies = self._body_of_geom[data.contact.geom[touching]]  # (N, 2)
         links = self._is_link[bodies]
         for i in np.flatnonzero(links.any(axis=1)):
             a, b = bodies[i] if links[i, 0] else bodies[i][::-1]
             self._note(self._names[int(a)], self._names[int(b)], time_s, _force_n(model, data, int(touching[i])))
-        return frozenset(self._stone_of[body] for body in np.unique(bodies).tolist() if body in self._stone_of)
 
     def _note(self, link: str, other: str, time_s: float, force_n: float) -> None:
         key = (link, other)

@@ -20,7 +20,9 @@ from plugins.robot.mujoco.truth_log import TruthLog
 _SAME_STONE_M = 0.7  # a believed centroid within this of a true one at the start belongs to it
 _LIFTED_M = 0.15  # higher than before: off the ground
 _DROPPED_M = 0.15  # a longer fall than a release right above the ground
-_AFTERMATH_S = 1.0  # a fall may begin shortly after the mission has noticed it
+_HELD_M, _LET_GO_M = 0.05, 0.2  # farther from the palm than at the top of its way
+_AFTERMATH_S = 2.0  # a fall may begin shortly after the mission has noticed it
+_NONE: Float = np.zeros(0)
 
 
 class MujocoOracle(Oracle):
@@ -87,12 +89,12 @@ class MujocoOracle(Oracle):
         until_s = attempt.ended_s + _AFTERMATH_S
         if i + 1 < len(attempts):
             until_s = min(until_s, attempts[i + 1].started_s)
-        heights = self._log.heights(target, attempt.started_s, attempt.ended_s) if target >= 0 else np.zeros(0)
-        falls = [f for f in self._log.flights if f.stone == target and attempt.started_s <= f.from_s <= until_s]
+        heights, distances = self._log.holding(target, attempt.started_s, until_s) if target >= 0 else (_NONE, _NONE)
+        is_lifted = bool(len(heights)) and float(heights.max() - heights[0]) > _LIFTED_M
         return {
             "object": attempt.stone_id,
-            "lifted": bool(len(heights) and heights.max() - heights[0] > _LIFTED_M),
-            "dropped": any(fall.fall_m > _DROPPED_M for fall in falls),
+            "lifted": is_lifted,
+            "dropped": is_lifted and _fell(heights, distances),
         }
 
     def _is_collision(self, span: Span, targets: Sequence[tuple[float, int]]) -> bool:
@@ -120,6 +122,17 @@ def _match(log: TruthLog, first: Stone) -> tuple[int, float] | None:
         return None
     k, stone = np.unravel_index(int(np.argmin(later)), later.shape)
     return int(stone), float(times[k])
+
+
+def _fell(heights: Float, distances: Float) -> bool:
+    """Say whether a lifted stone came down without the gripper, from higher than a release."""
+    top = int(np.argmax(heights))
+    since = distances[top:] - distances[top]
+    away = np.flatnonzero(since > _LET_GO_M)
+    if not len(away):
+        return False
+    held = np.flatnonzero(since[: away[0] + 1] < _HELD_M)[-1]  # the last moment at which it was still in the jaws
+    return bool(heights[top + held] - heights[top + held :].min() > _DROPPED_M)
 
 
 def _as_report(span: Span) -> dict[str, Any]:

@@ -1,7 +1,6 @@
 """What really happened, recorded while the world is stepped; only the oracle reads it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -15,51 +14,28 @@ _PERIOD_S = 0.1  # between two recorded poses
 _EPSILON_S = 1e-6
 
 
-@dataclass(frozen=True, slots=True)
-class Flight:
-    """A stone that nothing held or carried for a while.
-
-    Attributes:
-        stone: Its index.
-        from_s: Begin [s].
-        fall_m: How much lower it ended than it began [m].
-    """
-
-    stone: int
-    from_s: float
-    fall_m: float
-
-
 class TruthLog:
-    """Poses of stones and cabin ten times a second; contacts and free falls at every control step."""
+    """Poses of stones, cabin and gripper ten times a second; contacts of the machine at every control step."""
 
     def __init__(self, machine: Machine, stones: Sequence[str], model: mujoco.MjModel) -> None:
         self.stones = tuple(stones)
         self._stone_ids = np.array([model.body(name).id for name in self.stones], dtype=int)
         self._cabin_id = model.body(machine.cabin_link).id
+        self._gripper_id = model.body(machine.gripper_link).id
         self.contacts = ContactLog(machine, self.stones, model)
         self._stamps_s: list[float] = []
         self._T_stones: list[list[Float]] = []
         self._T_cabin: list[Float] = []
-        self.flights: list[Flight] = []
-        self._aloft: dict[int, tuple[float, float]] = {}  # stone: since when [s], from which height [m]
+        self._T_gripper: list[Float] = []
 
     def step(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Record the end of a control step; poses and contacts in `data` are up to date."""
-        carried = self.contacts.step(time_s, model, data)
-        self._follow_flights(time_s, data.xpos[self._stone_ids, 2], carried)
+        self.contacts.step(time_s, model, data)
         if not self._stamps_s or _periods(time_s) > _periods(self._stamps_s[-1]):
             self._stamps_s.append(time_s)
             self._T_stones.append([_pose(data, i) for i in self._stone_ids])
             self._T_cabin.append(_pose(data, self._cabin_id))
-
-    def _follow_flights(self, time_s: float, heights: Float, carried: frozenset[int]) -> None:
-        for stone, height in enumerate(heights.tolist()):
-            if stone not in carried:
-                self._aloft.setdefault(stone, (time_s, height))
-            elif stone in self._aloft:
-                since_s, from_height = self._aloft.pop(stone)
-                self.flights.append(Flight(stone, since_s, from_height - height))
+            self._T_gripper.append(_pose(data, self._gripper_id))
 
     @property
     def end_s(self) -> float:
@@ -76,11 +52,13 @@ class TruthLog:
         i, fraction = self._bracket(time_s)
         return interpolate(self._T_cabin[i], self._T_cabin[min(i + 1, self._last)], fraction)
 
-    def heights(self, stone: int, from_s: float, to_s: float) -> Float:
-        """Return the recorded heights of a stone's centroid in a span [m], shape (N,)."""
+    def holding(self, stone: int, from_s: float, to_s: float) -> tuple[Float, Float]:
+        """Return the heights of a stone's centroid and its distances from the palm in a span [m], shape (N,) each."""
         stamps = np.array(self._stamps_s)
         inside = np.flatnonzero((stamps >= from_s - _EPSILON_S) & (stamps <= to_s + _EPSILON_S))
-        return np.array([self._T_stones[i][stone][2, 3] for i in inside])
+        centroids = np.array([self._T_stones[i][stone][:3, 3] for i in inside]).reshape(-1, 3)
+        palms = np.array([self._T_gripper[i][:3, 3] for i in inside]).reshape(-1, 3)
+        return centroids[:, 2], np.linalg.norm(centroids - palms, axis=1)
 
     def centroids(self, time_s: float) -> Float:
         """Return where all stones are at a time [m], shape (S, 3)."""
