@@ -9,7 +9,8 @@ from executive.behaviours.outcome import Outcome, failed, succeeded
 from executive.messages.command import Follow
 from executive.messages.trajectory import JointTrajectory
 
-_GOAL_TOLERANCE = 0.02  # [rad] or [m]: at 8 m a radian of the boom is 8 m, and the servos settle to some millimetres
+_SETTLED = 0.002  # [rad] or [m]: at 8 m from the turning axis 2 mrad are 16 mm
+_GOAL_TOLERANCE = 0.02  # [rad] or [m]: what a servo under load may stand off for good
 _STALL_S = 2.0  # standing off the goal for so long: something is in the way
 _STALL_SPEED = 0.005  # [rad/s] or [m/s]
 
@@ -37,13 +38,16 @@ def _arrive(context: Context, trajectory: JointTrajectory) -> Generator[None, No
         yield None
         now_s, position = context.now_s(), _position(context, trajectory)
         error = np.abs(position - goal)
-        if now_s - started_s >= trajectory.duration_s and (error < _GOAL_TOLERANCE).all():
+        is_over = now_s - started_s >= trajectory.duration_s
+        if is_over and (error < _SETTLED).all():
             return succeeded()
         if now_s - before_s >= 0.5:  # speed by differences over half a second: encoder noise does not look like motion
             if (np.abs(position - before) > _STALL_SPEED * (now_s - before_s)).any():
                 still_since_s = now_s
+            elif is_over and (error < _GOAL_TOLERANCE).all():
+                return succeeded(f"{trajectory.names[int(error.argmax())]} stands {error.max():.3f} off")
             before, before_s = position, now_s
-        if now_s - started_s > trajectory.duration_s and now_s - still_since_s >= _STALL_S:
+        if is_over and now_s - still_since_s >= _STALL_S:
             worst = int(error.argmax())
             return failed(f"{trajectory.names[worst]} stands {error[worst]:.3f} off its goal")
 

@@ -1,10 +1,12 @@
 """Plan how to set a held stone down."""
 
+from collections.abc import Generator
 from typing import Any
 
 from pydantic import Field
 
 from executive.behaviours.action import Action, Steps
+from executive.behaviours.job import Job
 from executive.behaviours.outcome import failed, succeeded
 from executive.behaviours.port import Port
 from executive.behaviours.surroundings import held_surface, surroundings
@@ -21,13 +23,16 @@ class PlanPlacementSettings(Settings):
 
 
 class PlanPlacement(Action):
-    """Find the first placement on a slot with a free way to it."""
+    """Find the first slot with a placement, and the first placement with a free way to it."""
 
     Settings = PlanPlacementSettings
     needs = ("placing", "motion", "mapping", "objects")
-    inputs = {"hold": Port(Hold, "which stone is held, and how"), "slot": Port(Slot, "where it is to go")}
+    inputs = {
+        "hold": Port(Hold, "which stone is held, and how"),
+        "free_slots": Port(list[Slot], "where it may go, best first"),
+    }
     outputs = {
-        "placement": Port(Placement, "how it is set down"),
+        "placement": Port(Placement, "how it is set down, and where"),
         "trajectory": Port(JointTrajectory, "the way there"),
     }
 
@@ -36,24 +41,29 @@ class PlanPlacement(Action):
         stone = self.context.plugin("objects").stone(hold.stone_id)
         cloud = surroundings(self.context, without=hold.stone_id)
         T_map_base = self.context.state().T_map_base
-        ways = yield self.context.job("placing", "plan", stone, inputs["slot"], hold.T_map_gripper, cloud, T_map_base)
-        surface = held_surface(self.context, hold)
-        reasons = []
-        for placement in ways:
-            request = MoveRequest(
-                start=self.context.arm(),
-                T_map_gripper=placement.T_map_gripper,
-                T_map_base=T_map_base,
-                leave_m=self.settings.leave,
-                arrive_m=self.settings.arrive,
-                obstacles=cloud,
-                held_gripper=surface,
-                jaw_rad=hold.jaw_rad,
-            )
-            plan: MotionPlan = yield self.context.job("motion", "move", request)
-            if plan.trajectory is not None:
-                self.context.show("path", plan)
-                return succeeded(placement=placement, trajectory=plan.trajectory)
-            reasons.append(plan.reason)
-        why = "; ".join(sorted(set(reasons))) or "no placement is in reach"
-        return failed(f"no way to slot {inputs['slot'].id}: {why}")
+        reasons: list[str] = []
+        for slot in inputs["free_slots"]:
+            ways = yield self.context.job("placing", "plan", stone, slot, hold.T_map_gripper, cloud, T_map_base)
+            if not ways:
+                reasons.append(f"no placement on slot {slot.id} is in reach")
+            for placement in ways:
+                plan = yield from self._way_to(placement, hold, cloud)
+                if plan.trajectory is not None:
+                    self.context.show("path", plan)
+                    return succeeded(f"slot {slot.id}", placement=placement, trajectory=plan.trajectory)
+                reasons.append(f"slot {slot.id}: {plan.reason}")
+        return failed(f"no way to any of {len(inputs['free_slots'])} slots: {'; '.join(dict.fromkeys(reasons))}")
+
+    def _way_to(self, placement: Placement, hold: Hold, cloud: Any) -> Generator[Job, Any, MotionPlan]:
+        request = MoveRequest(
+            start=self.context.arm(),
+            T_map_gripper=placement.T_map_gripper,
+            T_map_base=self.context.state().T_map_base,
+            leave_m=self.settings.leave,
+            arrive_m=self.settings.arrive,
+            obstacles=cloud,
+            held_gripper=held_surface(self.context, hold),
+            jaw_rad=hold.jaw_rad,
+        )
+        plan: MotionPlan = yield self.context.job("motion", "move", request)
+        return plan
