@@ -10,6 +10,11 @@ from robot_models.machine import Machine
 
 _TYPICAL_LOAD = 0.4  # share of the payload that the gains are tuned for
 _INTEGRAL_S = 0.4  # time constant that takes up the sag under a stone [s]
+# Most that the integral may add to an effort: this much of what the payload's weight asks for, and at least a share of
+# the limit. Without it, an arm that presses on the ground winds up to its full strength and jumps when it comes free.
+_INTEGRAL_PAYLOADS = 1.3
+_INTEGRAL_SHARE = 0.1
+_G = 9.81  # [m/s²]
 
 
 def make_servos(spec: mujoco.MjSpec, machine: Machine, settings: PhysicsSettings) -> None:
@@ -36,10 +41,23 @@ def _reflected_inertia(spec: mujoco.MjSpec, machine: Machine) -> Float:
     M = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, M)
     dofs = [model.joint(name).dofadr[0] for name in machine.arm_names]
+    J = _load_jacobian(machine, q)
+    return np.asarray(M.diagonal()[dofs] + _TYPICAL_LOAD * machine.payload_kg * (J**2).sum(axis=0))
+
+
+def _load_jacobian(machine: Machine, q_arm: Float) -> Float:
+    """Return the linear Jacobian of the point where a stone's centre is held, shape (3, n)."""
     kinematics = Kinematics(machine)
-    J, T = kinematics.jacobian(q), kinematics.gripper(q)
-    J_load = J[:3] + np.cross(J[3:].T, T[:3, :3] @ machine.gripper.grasp_centre).T
-    return np.asarray(M.diagonal()[dofs] + _TYPICAL_LOAD * machine.payload_kg * (J_load**2).sum(axis=0))
+    J, T = kinematics.jacobian(q_arm), kinematics.gripper(q_arm)
+    lever = T[:3, :3] @ machine.gripper.grasp_centre
+    return np.asarray(J[:3] + np.cross(J[3:].T, lever).T)
+
+
+def _integral_limit(machine: Machine) -> Float:
+    """Return the effort that the integral may add to each joint, shape (n,)."""
+    weight = np.abs(_load_jacobian(machine, machine.posture("carry"))[2]) * machine.payload_kg * _G
+    limit = np.array([joint.max_effort for joint in machine.joints])
+    return np.asarray(np.maximum(_INTEGRAL_PAYLOADS * weight, _INTEGRAL_SHARE * limit))
 
 
 class ArmServos:
@@ -54,7 +72,7 @@ class ArmServos:
         kp, kv = model.actuator_gainprm[self._ids, 0], -model.actuator_biasprm[self._ids, 2]
         self._lead_s = kv / kp
         self._sag = np.zeros(len(self._ids))
-        self._max_sag = np.array([joint.max_effort for joint in machine.joints]) / kp
+        self._max_sag = _integral_limit(machine) / kp
 
     def position(self) -> Float:
         """Return the arm's true joint positions, shape (n,)."""

@@ -169,3 +169,20 @@ def test_refuses_an_integration_step_that_does_not_divide_the_control_step() -> 
     terrain = make_terrain(TerrainSettings(), np.random.default_rng(0))
     with pytest.raises(ConfigError, match=r"must divide 0\.01 s"):
         World(machine, Site(terrain, (), ()), PhysicsSettings(timestep_s=0.003))
+
+
+def test_an_arm_that_presses_on_the_ground_does_not_jump_when_it_comes_free() -> None:
+    """The integral must not wind up: pressing for 5 s, then rising, leaves no overshoot of more than 0.1 m."""
+    machine = load_machine("m545")
+    world = level_world(machine)
+    touching, free = arm_over(machine, machine.gripper.tips(0.0)[0, 0] - 0.1), arm_over(machine, 2.0)
+    move(world, free)
+    move(world, touching)
+    run(world, 5.0)
+    assert (np.abs(world.arm.effort()) < [joint.max_effort for joint in machine.joints]).all()
+    heights = []
+    world.observe(lambda seen: heights.append(seen.T_world_body("gripper")[2, 3]))
+    move(world, free)
+    run(world, 1.0)
+    assert max(heights) < 2.1
+    np.testing.assert_allclose(world.arm.position(), free, atol=2e-3)
