@@ -77,10 +77,11 @@ def build_planning_cloud(
     low, high = stone.min(axis=0) - margin_m, stone.max(axis=0) + margin_m
     cloud = transform(T_plan_map, cloud_map)
     cloud = cloud[((cloud > low) & (cloud < high)).all(axis=1)]
-    distance, _ = cKDTree(stone).query(cloud, distance_upper_bound=_REACH_M) if len(cloud) else (np.empty(0), None)
-    around = thinned(cloud[distance > 1.5 * spacing_m], spacing_m)
-    ground = fit_ground(around, stone, rng)
-    stone, around = _with_foot(stone, around, ground)
+    distance, _ = cKDTree(stone).query(cloud)
+    ground = fit_ground(thinned(cloud[distance > 1.5 * spacing_m], spacing_m), stone, rng)
+    is_foot = _is_foot(cloud, distance, ground)
+    stone = thinned(np.concatenate([stone, cloud[is_foot]]), spacing_m)
+    around = cloud[(distance > 1.5 * spacing_m) & ~is_foot]
     others = thinned(np.concatenate([around, fill_ground(ground, stone, low[:2], high[:2], spacing_m)]), spacing_m)
     volume_m3, centre = volume_and_centroid(stone)
     return PlanningCloud(
@@ -116,11 +117,9 @@ def _stone_frame(stone_map: Float) -> Float:
     return pose(about_axis(np.array([0.0, 0.0, 1.0]), float(np.arctan2(x[1], x[0]))), middle)
 
 
-def _with_foot(stone: Float, around: Float, ground: Ground) -> tuple[Float, Float]:
-    """Give the stone its foot: low points close by, above the ground, that segmentation took for ground."""
-    if not len(around):
-        return stone, around
-    height = around[:, 2] - ground.height(around[:, :2])
-    distance, _ = cKDTree(stone).query(around)
-    foot = (height > _LEVEL_M) & (height < _FOOT_M) & (distance < _REACH_M)
-    return np.concatenate([stone, around[foot]]), around[~foot]
+def _is_foot(cloud: Float, distance: Float, ground: Ground) -> Bool:
+    """Say which points are the stone's foot: low, above the ground, near the stone; segmentation took it for ground."""
+    is_foot = distance < _REACH_M
+    height = cloud[is_foot, 2] - ground.height(cloud[is_foot, :2])
+    is_foot[is_foot] = (height > _LEVEL_M) & (height < _FOOT_M)
+    return is_foot

@@ -1,6 +1,6 @@
 """The costs of a grasp, and the order that follows from them (Mascaro 2020, Sec. 5.4)."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -57,11 +57,11 @@ def _ordered(costs: Costs, names: Sequence[str], left: Int) -> Int:
     return np.asarray(left[np.lexsort(keys)])
 
 
-def spread(chosen: Int, R: Float, position: Float, shift_m: float, turn_rad: float) -> Int:
-    """Return the same indices, those first that differ from all before them: a retry is then another attempt.
+def spread(order: Iterable[int], R: Float, position: Float, shift_m: float, turn_rad: float) -> Iterator[int]:
+    """Yield the same indices, those first that differ from all before them: a retry is then another attempt.
 
     Args:
-        chosen: Indices, best first.
+        order: Indices, best first; taken as they are asked for.
         R: Orientations (M, 3, 3).
         position: Palm centres [m], shape (M, 3).
         shift_m: Grasps this far apart differ.
@@ -69,12 +69,14 @@ def spread(chosen: Int, R: Float, position: Float, shift_m: float, turn_rad: flo
     """
     first: list[int] = []
     again: list[int] = []
-    for i in chosen.tolist():
+    for i in order:
         is_new = all(
             float(np.linalg.norm(position[i] - position[j])) > shift_m or _turn(R[i], R[j]) > turn_rad for j in first
         )
         (first if is_new else again).append(i)
-    return np.array(first + again, dtype=np.int64)
+        if is_new:
+            yield i
+    yield from again
 
 
 def _turn(R_a: Float, R_b: Float) -> float:

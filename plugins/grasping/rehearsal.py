@@ -23,20 +23,28 @@ _STONE, _GRIPPER, _GROUND = 1, 2, 4  # contact groups: the gripper does not meet
 _ARM_MASS_KG = 1500.0  # of the arm as felt at the gripper, and the stiffness that its servos give it [N/m]
 _ARM_STIFFNESS = 2e6
 FALLEN_M = 0.5
+_ARM_M = 0.5  # a turn counts by what it moves at this distance from the centre
 _JAW_INERTIA = (30.0, 60.0, 60.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Lifted:
-    """How a rehearsal ended: how far the stone shifted [m] and turned [rad] in the gripper, from closed to lifted."""
+    """How a rehearsal ended.
+
+    Attributes:
+        shift_m: How far the stone moved in the gripper, from closed to lifted [m].
+        turn_rad: How far it turned there [rad].
+        drag_m: How far the closing jaws moved it on the ground before, its turn at half a metre included [m].
+    """
 
     shift_m: float
     turn_rad: float
+    drag_m: float
 
     @property
     def slip_m(self) -> float:
         """Shift, and what the turn moves half a metre from the centre; no more than 0.5: the stone fell [m]."""
-        return min(self.shift_m + 0.5 * self.turn_rad, FALLEN_M)
+        return min(self.shift_m + _ARM_M * self.turn_rad, FALLEN_M)
 
 
 class Rehearsal:
@@ -62,14 +70,16 @@ class Rehearsal:
         for name in SIDES:
             data.joint(name).qpos[0] = opened
         self._close(model, data)
-        held = _stone_in_palm(data)
+        held, stone = _stone_in_palm(data), data.body("stone")
+        turned_rad = angle_between(np.eye(3), stone.xmat.reshape(3, 3))
+        drag_m = float(np.linalg.norm(stone.xpos)) + _ARM_M * turned_rad  # it began at the frame's origin
         for fraction in np.linspace(0.0, 1.0, int(_LIFT_S / _TIMESTEP_S)):
             data.ctrl[:3] = self._up * _LIFT_M * fraction**2 * (3 - 2 * fraction)
             mujoco.mj_step(model, data)
         mujoco.mj_step(model, data, nstep=int(_HOLD_S / _TIMESTEP_S))
         lifted = _stone_in_palm(data)
         shift = float(np.linalg.norm(lifted[:3, 3] - held[:3, 3]))
-        return Lifted(shift, angle_between(held[:3, :3], lifted[:3, :3]))
+        return Lifted(shift, angle_between(held[:3, :3], lifted[:3, :3]), drag_m)
 
     def _close(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         data.ctrl[3] = -1.0
@@ -119,7 +129,9 @@ class Rehearsal:
         for name, side in SIDES.items():
             jaw = _solid(palm, name, self._gripper.T_gripper_jaw(name, 0.0), self._gripper.jaw_mass_kg, _JAW_INERTIA)
             jaw.ipos = np.array(self._gripper.jaw_com_m) * (1.0, side, 1.0)
-            jaw.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0.0, 0.0, side])
+            joint = jaw.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0.0, 0.0, side])
+            joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE  # closed jaws press no more
+            joint.range = [0.0, np.degrees(self._gripper.open_rad) + 1.0]
             _add_hulls(spec, jaw, [shape.vertices for shape in self._gripper.links[name].shapes])
         spec.add_exclude(bodyname1="jaw_left", bodyname2="jaw_right")
         tie = spec.add_equality(name="tie", type=mujoco.mjtEq.mjEQ_JOINT, objtype=mujoco.mjtObj.mjOBJ_JOINT)

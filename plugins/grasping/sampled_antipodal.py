@@ -22,7 +22,7 @@ from plugins.grasping.jaw_field import JawField, build_jaw_field
 from plugins.grasping.planning_cloud import PlanningCloud, build_planning_cloud
 from plugins.grasping.push import Clearance, Holds, Hypotheses, Outcome, push_and_close
 from plugins.grasping.ranking import Costs, hold_costs, paper_costs, ranked_rounds, spread
-from plugins.grasping.rehearsal import FALLEN_M, Rehearsal
+from plugins.grasping.rehearsal import FALLEN_M, Lifted, Rehearsal
 from plugins.grasping.way_in import WayIn
 from robot_models.machine import Machine
 
@@ -31,10 +31,11 @@ _SKIN_M = 0.03  # the front map is grown by this: the arm stands as precisely
 _ROOM_IN_CLOUD_M = 0.01  # a point deeper than this in the open gripper refuses a grasp
 _FEW_POINTS = 20  # fewer say nothing about a stone's shape
 _TURN_Y_RAD, _TURN_Z_RAD = np.radians(60.0), np.radians(80.0)
-_DOWNWARD_SHIFTS_M = (-0.15, 0.0, 0.15)  # along the jaws' width, from the stone's centre
+_DOWNWARD_SHIFTS = (-0.25, 0.0, 0.25)  # of the jaws' width, along it, from the stone's centre
 # Friction of steel on stone, and offsets in the gripper's frame [m]: as planned, and with margins for both.
 _VARIANTS = ((0.45, (0.0, 0.0, 0.0)), (0.55, (-0.03, 0.0, 0.04)), (0.55, (-0.03, 0.0, -0.04)))
-_FIRM_M, _ENOUGH = 0.05, 4  # no more rehearsals when this many grasps slip less than this
+_PUSH_WEIGHT = 0.2  # of what the jaws move while they close, against what slips from them
+_FIRM_M, _ENOUGH = 0.05, 4  # no more rehearsals when this many grasps cost less than this
 _SPREAD_M, _SPREAD_RAD = 0.10, np.radians(20.0)
 
 
@@ -49,7 +50,7 @@ class SampledAntipodalSettings(Settings):
     frame_radius_m: Meters = Field(0.25, gt=0, description="Radius of the ball of a local frame (Eq. 4) [m].")
     max_tilt_rad: Radians = Field(0.7, gt=0, le=1.6, description="Largest angle of an approach off the vertical [rad].")
     stone_clearance_m: Meters = Field(0.04, ge=0, description="Room between palm or open jaws and the stone [m].")
-    other_clearance_m: Meters = Field(0.05, ge=0, description="Room between the gripper and anything else [m].")
+    other_clearance_m: Meters = Field(0.02, ge=0, description="Room between the gripper and anything else [m].")
     tips_below_centre_m: Meters = Field(0.02, description="How far the tips close below the stone's centre [m].")
     way_in_m: Meters = Field(0.8, ge=0, description="Straight way down to a grasp that must be free and in reach [m].")
     density: KilogramsPerCubicMeter = Field(2700.0, gt=0, description="Density of a stone [kg/m³].")
@@ -57,6 +58,7 @@ class SampledAntipodalSettings(Settings):
     keep_aligned: int = Field(40, ge=1, description="Grasps that pass the ranking by alignment (Sec. 5.4).")
     keep_enclosing: int = Field(20, ge=1, description="Grasps that pass the ranking by enclosing (Sec. 5.4).")
     rehearsed: int = Field(32, ge=0, le=500, description="Most lifts that are rehearsed; 0: the paper's order stays.")
+    max_slip_m: Meters = Field(0.3, gt=0, description="A grasp whose stone moves more in rehearsals is refused [m].")
     max_grasps: int = Field(8, ge=1, description="Most grasps that are returned.")
 
 
@@ -109,7 +111,7 @@ class SampledAntipodal(GraspPlanner):
         anchor = np.repeat(at, len(y) * len(z), axis=0)
         level = -R[:, :, 0] @ scene.ground.normal >= np.cos(s.max_tilt_rad)
         down = downward_frames(np.arange(s.downward_yaws) * np.pi / max(s.downward_yaws, 1))  # the jaws are alike
-        shifts = np.array(_DOWNWARD_SHIFTS_M)[:, None, None] * down[:, :, 2]
+        shifts = self._machine.gripper.jaw_width_m * np.array(_DOWNWARD_SHIFTS)[:, None, None] * down[:, :, 2]
         down_anchor = (scene.centre + shifts).reshape(-1, 3)
         R_all = np.concatenate([R[level], np.tile(down, (len(shifts), 1, 1))])
         is_centred = np.arange(len(R_all)) >= level.sum()
@@ -128,12 +130,15 @@ class SampledAntipodal(GraspPlanner):
         rehearsal = Rehearsal(gripper, scene.body, scene.ground.normal, scene.volume_m3 * s.density)
         grasps: list[Grasp] = []
         for i, T_map_gripper in self._attainable(scene, costs, R, position, T_map_base, refused):
-            slip_m = self._slip_m(rehearsal, pose(R[i], position[i]), float(jaw_rad[i]))
-            named = {name: float(cost[i]) for name, cost in costs.items()} | {"slip_m": slip_m}
-            grasps.append(Grasp(T_map_gripper, gripper.max_opening_m, -round(slip_m, 2), named))
-            firm = sum(grasp.costs["slip_m"] <= _FIRM_M for grasp in grasps)
+            lifted = self._rehearsed(rehearsal, pose(R[i], position[i]), float(jaw_rad[i]))
+            cost = lifted.get("slip_m", 0.0) + _PUSH_WEIGHT * lifted.get("push_m", 0.0)
+            named = {name: float(cost[i]) for name, cost in costs.items()} | lifted
+            grasps.append(Grasp(T_map_gripper, gripper.max_opening_m, -round(cost, 2), named))
+            firm = sum(grasp.score >= -_FIRM_M for grasp in grasps)
             if firm == _ENOUGH or len(grasps) == max(s.rehearsed, s.max_grasps):
                 break
+        refused["slips"] = sum(grasp.score < -s.max_slip_m for grasp in grasps)
+        grasps = [grasp for grasp in grasps if grasp.score >= -s.max_slip_m]
         grasps.sort(key=lambda grasp: -grasp.score)  # stable: equals keep the paper's order
         return tuple(grasps[: s.max_grasps])
 
@@ -147,27 +152,31 @@ class SampledAntipodal(GraspPlanner):
         s, up = self._settings, scene.ground.normal
         stages = [("align_rad", s.keep_aligned), ("enclose_m", s.keep_enclosing)]
         way_in = WayIn(self._machine.gripper)
-        for passed in ranked_rounds(costs, stages, "distance_m"):
-            for i in spread(passed, R, position, _SPREAD_M, _SPREAD_RAD).tolist():
-                T_plan_gripper = pose(R[i], position[i])
-                T_map_gripper = self._arm.reached(scene.T_map_plan @ T_plan_gripper, T_map_base, s.way_in_m)
-                if T_map_gripper is None:
-                    refused["out_of_reach"] += 1
-                elif not way_in.is_free(scene.points, T_plan_gripper, up, s.way_in_m, _ROOM_IN_CLOUD_M):
-                    refused["way_in_blocked"] += 1
-                else:
-                    yield i, T_map_gripper
+        order = (int(i) for passed in ranked_rounds(costs, stages, "distance_m") for i in passed)
+        for i in spread(order, R, position, _SPREAD_M, _SPREAD_RAD):
+            T_plan_gripper = pose(R[i], position[i])
+            T_map_gripper = self._arm.reached(scene.T_map_plan @ T_plan_gripper, T_map_base, s.way_in_m)
+            if T_map_gripper is None:
+                refused["out_of_reach"] += 1
+            elif not way_in.is_free(scene.points, T_plan_gripper, up, s.way_in_m, _ROOM_IN_CLOUD_M):
+                refused["way_in_blocked"] += 1
+            else:
+                yield i, T_map_gripper
 
-    def _slip_m(self, rehearsal: Rehearsal, T_plan_gripper: Float, jaw_rad: float) -> float:
-        """Return how far the stone moves in the jaws, the mean over rehearsals at and about the pose [m]."""
+    def _rehearsed(self, rehearsal: Rehearsal, T_plan_gripper: Float, jaw_rad: float) -> dict[str, float]:
+        """Return `slip_m`, how far the stone moves in the jaws, and `push_m`, how far they move it before.
+
+        Both are means over rehearsals at and about the pose.
+        """
         if not self._settings.rehearsed:
-            return 0.0
-        slips = []
+            return {}
+        lifts: list[Lifted] = []
         for friction, offset in _VARIANTS:
-            slips.append(rehearsal.lift(T_plan_gripper @ pose(t=np.array(offset)), jaw_rad, friction).slip_m)
-            if slips[0] >= FALLEN_M:
+            lifts.append(rehearsal.lift(T_plan_gripper @ pose(t=np.array(offset)), jaw_rad, friction))
+            if lifts[0].slip_m >= FALLEN_M:
                 break  # hopeless: spare the variants
-        return float(np.mean(slips))
+        slip_m, push_m = (float(np.mean(values)) for values in zip(*((x.slip_m, x.drag_m) for x in lifts), strict=True))
+        return {"slip_m": slip_m, "push_m": push_m}
 
     def _jaw_field(self) -> JawField:
         if self._field is None:  # a second of work that only a mission that grasps needs
