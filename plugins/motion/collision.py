@@ -46,7 +46,7 @@ class CollisionCheck:
         frames = link_frames(self._machine, start[None], jaw_rad)
         low, sunk_m = self._survey(frames)
         self._excused = self._inside(frames, low)
-        self._allowed_sinking_m = max(tolerance_m, float(sunk_m.max(initial=0.0)) + _NOISE_M)
+        self._allowed_sinking_m = np.maximum(tolerance_m, sunk_m[0] + _NOISE_M)  # of each body
 
     def first_hit(self, q: Float) -> Hit | None:
         """Return the first collision along postures (K, n), or None."""
