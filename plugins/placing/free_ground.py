@@ -36,7 +36,7 @@ class FreeGround:
         """Return the ground's height at a place (2,) [m], or None if it is taken, unknown, steep or rough."""
         if self._taken_tree is not None and self._taken_tree.query(xy)[0] < self._needs.clearance_m:
             return None
-        points = self._ground[np.sort(self._ground_tree.query_ball_point(xy, _RADIUS_M))]
+        points = self._ground[np.sort(np.array(self._ground_tree.query_ball_point(xy, _RADIUS_M), dtype=np.int64))]
         if not _covers(points[:, :2] - xy):
             return None
         A = np.column_stack([points[:, :2] - xy, np.ones(len(points))])

@@ -26,7 +26,7 @@ class SlotsSettings(Settings):
     """Where slots lie, what ground they need, and how a stone is let go."""
 
     radii_m: tuple[Meters, ...] = Field(
-        (6.0, 4.6, 7.4),
+        (6.0, 4.1, 7.9),
         min_length=1,
         description="Distances of rows of slots from the machine, in order of choice [m].",
     )

@@ -1,0 +1,169 @@
+"""Slots on sites that are drawn by hand, and stones set down on them."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from executive.errors import DataError
+from executive.geometry.convex import depth_inside, half_spaces, volume_and_centroid
+from executive.geometry.pose import inverse, pose, transform
+from executive.geometry.rotation import about_axis
+from executive.messages.cloud import Cloud
+from executive.messages.placement import Slot
+from robot_models.machine import Machine
+
+UP = np.array([0.0, 0.0, 1.0])
+BASE = pose(t=np.array([0.0, 0.0, 0.9]))
+
+
+def places(planner, segmentation, count: int = 7, T_map_base=BASE) -> np.ndarray:
+    return np.array([slot.position_map for slot in planner.slots(segmentation, T_map_base, count)]).reshape(-1, 3)
+
+
+def gaps(xy: np.ndarray) -> np.ndarray:
+    return cKDTree(xy).query(xy, k=2)[0][:, 1]
+
+
+def test_an_empty_site_has_equally_spaced_slots_on_one_arc(planner_of: Callable, site: tuple) -> None:
+    _, ground, segmented, _ = site
+    p = places(planner_of(spacing_m=1.9), segmented(ground()))
+    assert len(p) == 7
+    np.testing.assert_allclose(np.hypot(p[:, 0], p[:, 1]), 6.0)
+    np.testing.assert_allclose(gaps(p[:, :2]), gaps(p[:, :2])[0], atol=1e-6)
+    assert gaps(p[:, :2]).min() >= 1.9 - 1e-9
+
+
+def test_slots_keep_off_segments(planner_of: Callable, site: tuple) -> None:
+    block, ground, segmented, _ = site
+    stones = [block((6.0 * np.cos(a), 6.0 * np.sin(a))) for a in np.linspace(-1.2, 1.2, 6)]
+    p = places(planner_of(clearance_m=1.2), segmented(ground(), *stones))
+    assert len(p) == 7
+    assert cKDTree(np.concatenate(stones)[:, :2]).query(p[:, :2])[0].min() >= 1.2
+
+
+def test_slots_lie_on_the_ground(planner_of: Callable, site: tuple) -> None:
+    _, ground, segmented, _ = site
+    np.testing.assert_allclose(places(planner_of(), segmented(ground(height_m=-0.35)))[:, 2], -0.35, atol=1e-6)
+
+
+def test_unknown_steep_and_rough_ground_holds_no_slot(planner_of: Callable, site: tuple) -> None:
+    _, ground, segmented, _ = site
+    points = ground()
+    rng = np.random.default_rng(0)
+    unknown = points[points[:, 1] > 0]
+    steep = np.where(points[:, 1] < 0, -0.5 * points[:, 1], 0.0)[:, None] * UP + points
+    rough = np.where(points[:, 1] < 0, rng.normal(0, 0.2, len(points)), 0.0)[:, None] * UP + points
+    for bad in (unknown, steep, rough):
+        p = places(planner_of(), segmented(bad))
+        assert len(p)
+        assert p[:, 1].min() > 0
+
+
+def test_fewer_places_than_asked_give_fewer_slots(planner_of: Callable, site: tuple) -> None:
+    _, ground, segmented, _ = site
+    points = ground()
+    patch = points[(np.linalg.norm(points[:, :2] - (6.0, 0.0), axis=1) < 0.9)]
+    assert len(places(planner_of(), segmented(patch))) == 1
+    assert len(places(planner_of(), segmented(np.empty((0, 3))))) == 0
+
+
+def test_more_than_a_row_holds_fills_further_rows(planner_of: Callable, site: tuple) -> None:
+    _, ground, segmented, _ = site
+    p = places(planner_of(sector_rad=1.5), segmented(ground()), count=8)
+    assert len(p) == 8
+    assert len(np.unique(np.hypot(p[:, 0], p[:, 1]).round(6))) > 1
+    assert gaps(p[:, :2]).min() >= 1.9 - 1e-9
+
+
+def test_slots_out_of_reach_are_not_offered(planner_of: Callable, site: tuple) -> None:
+    _, ground, segmented, _ = site
+    assert len(places(planner_of(reach_m=(2.0, 5.0), radii_m=(6.0,)), segmented(ground()))) == 0
+
+
+def test_slots_turn_and_move_with_the_machine(planner_of: Callable, site: tuple) -> None:
+    _, ground, segmented, _ = site
+    T = pose(about_axis(UP, 0.8), np.array([0.5, -0.4, 0.0]))
+    here, there = (places(planner_of(), segmented(ground()), 5, M) for M in (BASE, T @ BASE))
+    np.testing.assert_allclose(transform(T, here)[:, :2], there[:, :2], atol=1e-6)
+
+
+def test_the_same_site_has_the_same_slots(planner_of: Callable, site: tuple) -> None:
+    block, ground, segmented, _ = site
+    scene = segmented(ground(), block((5.0, 2.0)))
+    np.testing.assert_array_equal(places(planner_of(), scene), places(planner_of(), scene))
+
+
+def test_a_stone_is_set_down_over_its_slot_just_above_the_ground(planner_of: Callable, site: tuple) -> None:
+    _, ground, _, held = site
+    stone, T_map_gripper = held((5.0, -2.0))
+    slot = Slot(1, np.array([0.0, 6.0, 0.0]))
+    ways = planner_of(drop_m=0.05).plan(stone, slot, T_map_gripper, Cloud("map", ground()), BASE)
+    assert ways
+    for way in ways:
+        moved = transform(way.T_map_gripper @ inverse(T_map_gripper), stone.points_map)
+        _, centre = volume_and_centroid(moved)
+        np.testing.assert_allclose(centre[:2], slot.position_map[:2], atol=1e-6)
+        assert moved[:, 2].min() == pytest.approx(0.05, abs=0.01)
+        T_map_map = way.T_map_gripper @ inverse(T_map_gripper)
+        np.testing.assert_allclose(way.T_map_object, T_map_map @ stone.T_map_object, atol=1e-9)
+
+
+def test_a_stone_keeps_its_attitude_to_gravity_and_turns_with_the_cabin_first(
+    planner_of: Callable, site: tuple
+) -> None:
+    _, ground, _, held = site
+    stone, T_map_gripper = held((6.0, 0.0))
+    ways = planner_of().plan(stone, Slot(1, np.array([0.0, 6.0, 0.0])), T_map_gripper, Cloud("map", ground()), BASE)
+    motions = [way.T_map_gripper @ inverse(T_map_gripper) for way in ways]
+    np.testing.assert_allclose([T[2, 2] for T in motions], 1.0)
+    np.testing.assert_allclose(motions[0][:3, :3], about_axis(UP, np.pi / 2), atol=1e-6)
+
+
+def test_a_model_without_its_foot_is_not_driven_into_the_ground(planner_of: Callable, site: tuple) -> None:
+    _, ground, _, held = site
+    stone, T_map_gripper = held((5.0, -2.0))
+    known = stone.points_map[stone.points_map[:, 2] > 0.12]
+    seen = type(stone)(3, stone.state, known, known.mean(axis=0), stone.T_map_object, True)
+    way = planner_of(drop_m=0.05).plan(
+        seen, Slot(1, np.array([0.0, 6.0, 0.0])), T_map_gripper, Cloud("map", ground()), BASE
+    )[0]
+    whole = transform(way.T_map_gripper @ inverse(T_map_gripper), stone.points_map)
+    assert whole[:, 2].min() == pytest.approx(0.05, abs=0.01)
+
+
+def test_opening_jaws_and_stone_keep_off_the_neighbours(planner_of: Callable, site: tuple, machine: Machine) -> None:
+    block, ground, _, held = site
+    stone, T_map_gripper = held((5.0, -2.0))
+    neighbours = np.concatenate([block((-1.4, 6.0)), block((1.4, 6.0))])
+    cloud = Cloud("map", np.concatenate([ground(), neighbours]))
+    ways = planner_of().plan(stone, Slot(1, np.array([0.0, 6.0, 0.0])), T_map_gripper, cloud, BASE)
+    assert ways
+    for way in ways:
+        local = transform(inverse(way.T_map_gripper), neighbours)
+        for angle in (machine.gripper.open_rad, 0.75 * machine.gripper.open_rad):
+            for hulls in machine.gripper.hulls(angle).values():
+                assert max(float(depth_inside(half_spaces(hull), local).max()) for hull in hulls) < 0.02
+        moved = transform(way.T_map_gripper @ inverse(T_map_gripper), stone.points_map)
+        assert cKDTree(neighbours).query(moved)[0].min() > 0.1
+
+
+def test_a_taken_slot_has_no_way(planner_of: Callable, site: tuple) -> None:
+    block, ground, _, held = site
+    stone, T_map_gripper = held((5.0, -2.0))
+    cloud = Cloud("map", np.concatenate([ground(), block((0.0, 6.0))]))
+    assert planner_of().plan(stone, Slot(1, np.array([0.0, 6.0, 0.0])), T_map_gripper, cloud, BASE) == ()
+
+
+def test_a_slot_out_of_reach_has_no_way(planner_of: Callable, site: tuple) -> None:
+    _, ground, _, held = site
+    stone, T_map_gripper = held((5.0, -2.0))
+    far = Slot(1, np.array([0.0, 9.4, 0.0]))
+    assert planner_of().plan(stone, far, T_map_gripper, Cloud("map", ground()), BASE) == ()
+
+
+def test_a_cloud_in_another_frame_is_refused(planner_of: Callable, site: tuple) -> None:
+    stone, T_map_gripper = site[3]((5.0, -2.0))
+    with pytest.raises(DataError, match="frame 'map', got 'drone'"):
+        planner_of().plan(stone, Slot(1, np.zeros(3)), T_map_gripper, Cloud("drone", np.zeros((1, 3))), BASE)
