@@ -12,7 +12,7 @@ from py_trees.common import Status
 
 from executive.behaviours.runtime import Runtime
 from executive.behaviours.store import Store
-from executive.tree.composites import FallbackNode, ParallelNode, SequenceNode
+from executive.tree.composites import FallbackNode, ParallelNode, ReactiveFallbackNode, SequenceNode
 from executive.tree.conditions import Answer, build_condition, condition_text
 from executive.tree.language import (
     Ask,
@@ -115,8 +115,9 @@ class _Builder:
         is_reactive = kind.kind.startswith("reactive")
         for child in children[:-1] if is_reactive else ():
             _mark_repeated(child)
-        node_class = FallbackNode if is_fallback else SequenceNode
-        return node_class(name, path, self._runtime, children, memory=not is_reactive)
+        if not is_fallback:
+            return SequenceNode(name, path, self._runtime, children, memory=not is_reactive)
+        return (ReactiveFallbackNode if is_reactive else FallbackNode)(name, path, self._runtime, children)
 
     def _call(self, kind: Call, name: str, path: str, scope: Scope) -> Behaviour:
         tree = self._mission.trees[kind.tree]

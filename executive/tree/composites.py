@@ -7,6 +7,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from executive.behaviours.runtime import Runtime
+from executive.tree.modifiers import IfNode
 from executive.tree.nodes import Controller, Steps, TreeNode, Visits, stop_child
 
 
@@ -46,11 +47,9 @@ class SequenceNode(_Journalled, composites.Sequence):  # type: ignore[misc]
 
 
 class FallbackNode(_Journalled, composites.Selector):  # type: ignore[misc]
-    """Children in order until one succeeds; reactive, the earlier ones are tried again at each tick."""
+    """Children in order until one succeeds."""
 
-    def __init__(self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour], *, memory: bool) -> None:
-        TreeNode.__init__(self, name, path, runtime, children)
-        self.memory = memory
+    memory = True
 
     def begin(self) -> None:
         for child in self.children:  # py_trees' Sequence forgets how a former round ended, its Selector does not
@@ -58,6 +57,44 @@ class FallbackNode(_Journalled, composites.Selector):  # type: ignore[misc]
 
     def decisive(self, status: Status) -> Behaviour | None:
         return self.current_child if status is Status.SUCCESS else self.children[-1]
+
+
+class ReactiveFallbackNode(Controller):
+    """Children in order until one succeeds; at each tick those before the running one may take over.
+
+    py_trees' Selector without memory would begin an earlier child that has failed after some time again and again, each
+    time cancelling the alternative that its failure called for. Here such a child is spent: it is not begun again, or,
+    behind an `if`, not before its condition has been false.
+    """
+
+    def __init__(self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour]) -> None:
+        super().__init__(name, path, runtime, children)
+        self._spent: set[Behaviour] = set()
+
+    def begin(self) -> None:
+        self._spent.clear()
+        for child in self.children:
+            stop_child(child, everything=True)
+
+    def proceed(self) -> Steps:
+        for index, child in enumerate(self.children):
+            if self._is_spent(child):
+                continue
+            was_running = child.status is Status.RUNNING
+            yield from child.tick()
+            status = self.adopt(child)
+            if status is not Status.FAILURE:
+                for later in self.children[index + 1 :]:
+                    stop_child(later)
+                return status
+            if was_running:
+                self._spent.add(child)
+        return Status.FAILURE
+
+    def _is_spent(self, child: Behaviour) -> bool:
+        if child in self._spent and isinstance(child, IfNode) and not child.is_open():
+            self._spent.discard(child)
+        return child in self._spent
 
 
 class ParallelNode(Controller):

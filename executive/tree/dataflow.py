@@ -12,6 +12,7 @@ from typing import Any
 from executive.behaviours.port import Port
 from executive.errors import did_you_mean
 from executive.tree.language import (
+    UNREADABLE,
     Call,
     Combined,
     Composite,
@@ -36,6 +37,10 @@ Types = frozenset[Any]
 Keys = Mapping[str, Types]  # the types that each key may hold now
 
 
+_UNKNOWN: Types = frozenset({Any})
+_ANYTHING = "*"  # stands for every key, after a node that could not be read
+
+
 class Dataflow:
     """Checks the keys of all trees of a mission."""
 
@@ -51,7 +56,7 @@ class Dataflow:
         called = {n.kind.tree for t in self._trees.values() for n in t.root.walk() if isinstance(n.kind, Call)}
         for name, tree in self._trees.items():
             if name == "main" or name not in called:
-                self._tree(tree, {port: frozenset({Any}) for port in tree.inputs})
+                self._tree(tree, dict.fromkeys(tree.inputs, _UNKNOWN))
 
     def _tree(self, tree: Tree, keys: Keys) -> Keys:
         signature = (tree.name, frozenset(keys.items()))
@@ -69,7 +74,7 @@ class Dataflow:
     def _promised(self, tree: Tree, after: Keys) -> None:
         for port, wanted in tree.outputs.items():
             if port not in after:
-                if not wanted.is_optional:
+                if not wanted.is_optional and _ANYTHING not in after:
                     self._problems.error(wanted.mark, f"nothing in '{tree.name}' writes its output '{port}'")
             elif not any(fits_name(one, wanted.name) for one in after[port]):
                 self._problems.error(
@@ -107,6 +112,8 @@ class Dataflow:
         return self._use(use, keys) if use else keys
 
     def _composite(self, kind: Composite, keys: Keys) -> Keys:
+        if kind.kind == UNREADABLE:  # it may have written anything
+            return self._written(keys, {_ANYTHING: _UNKNOWN})
         if kind.kind.endswith("fallback"):
             return self._fallback(kind, keys)
         after, start = keys, len(self._writes)
@@ -143,13 +150,13 @@ class Dataflow:
         if kind.item in keys:
             self._problems.error(mark, f"item '{kind.item}' would overwrite the key of that name; take another name")
         start = len(self._writes)
-        self._node(kind.body, {**keys, kind.item: items or frozenset({Any})})
+        self._node(kind.body, {**keys, kind.item: items or _UNKNOWN})
         return self._spoiled(keys, start)
 
     def _call(self, kind: Call, keys: Keys) -> Keys:
         tree = self._trees.get(kind.tree)
-        if tree is None:
-            return keys
+        if tree is None:  # its name was refused
+            return self._written(keys, {_ANYTHING: _UNKNOWN})
         inside: dict[str, Types] = {}
         for port, source in kind.inputs.items():
             wanted = tree.inputs[port]
@@ -158,10 +165,11 @@ class Dataflow:
                 place = source.mark if isinstance(source, Ref) else kind.mark
                 told = f"input '{port}' of {kind.tree} is {wanted.name}, and {_shown(source)} holds {names(types)}"
                 self._problems.error(place, told)
-                types = frozenset({Any})  # told once, not again inside
+                types = _UNKNOWN  # told once, not again inside
             inside.update({port: types} if types else {})
         after = self._tree(tree, inside)
-        return self._written(keys, {kind.outputs[port].key: after[port] for port in tree.outputs if port in after})
+        given = {port: after.get(port, _UNKNOWN) for port in tree.outputs if port in after or _ANYTHING in after}
+        return self._written(keys, {kind.outputs[port].key: types for port, types in given.items()})
 
     # --- leaves and conditions
 
@@ -205,8 +213,8 @@ class Dataflow:
     def _types(self, source: Source, keys: Keys, reader: str) -> Types:
         if not isinstance(source, Ref):
             return frozenset({type_of(source.value)})
-        if source.key in keys:
-            return keys[source.key]
+        if source.key in keys or _ANYTHING in keys:
+            return keys.get(source.key, _UNKNOWN)
         told = f"{reader} reads key '{source.key}' before it is written"
         known = did_you_mean(source.key, keys) if keys else "; nothing is written before it"
         cure = "; it is written only later" if source.key in self._later else known
@@ -217,12 +225,12 @@ class Dataflow:
 
     def _written(self, keys: Keys, new: Mapping[str, Types]) -> Keys:
         self._writes.extend(new.items())
-        return {**keys, **{key: types or frozenset({Any}) for key, types in new.items()}}
+        return {**keys, **{key: types or _UNKNOWN for key, types in new.items()}}
 
     def _spoiled(self, keys: Keys, start: int) -> Keys:
         """Return what may hold if the nodes since `start` wrote any part of what they write."""
         for key, types in self._writes[start:]:
-            keys = _joined(keys, {key: types or frozenset({Any})})
+            keys = _joined(keys, {key: types or _UNKNOWN})
         return keys
 
 

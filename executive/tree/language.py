@@ -107,9 +107,16 @@ class Modifiers:
     name: str = ""
 
 
+UNREADABLE = "unreadable"
+
+
 @dataclass(frozen=True, slots=True)
 class Composite:
-    """`sequence`, `fallback`, `reactive_sequence`, `reactive_fallback` or `parallel`."""
+    """`sequence`, `fallback`, `reactive_sequence`, `reactive_fallback` or `parallel`.
+
+    While a mission is read, one of kind `UNREADABLE` stands for a node that was refused, so that the nodes around it
+    are checked all the same; a mission without mistakes has none.
+    """
 
     kind: str
     children: tuple["Node", ...]

@@ -35,6 +35,10 @@ class IfNode(Modifier):
         self._answer = answer
         self._left_out = left_out
 
+    def is_open(self) -> bool:
+        """Ask the condition."""
+        return self._answer().success
+
     def proceed(self) -> Steps:
         if self.child.status is not Status.RUNNING:
             answer = self._answer()
@@ -58,7 +62,8 @@ class WhileNode(Modifier):
         answer = self._answer()
         if not answer.success:
             self.feedback_message = f"no longer allowed: {answer.reason}" if answer.reason else "no longer allowed"
-            self.record("node_forbidden", reason=answer.reason)
+            if not self.is_repeated:
+                self.record("node_forbidden", reason=answer.reason)
             return Status.FAILURE
         yield from self.child.tick()
         return self.adopt(self.child)

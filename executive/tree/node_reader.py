@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from executive.errors import did_you_mean
 from executive.tree.language import (
+    UNREADABLE,
     Ask,
     Attempts,
     Call,
@@ -71,13 +72,16 @@ class NodeReader:
             "do": self._group,
         }
 
-    def node(self, value: Value, extra: tuple[str, ...] = ()) -> Node | None:
-        """Read a node; `extra` are keys that its holder reads itself."""
+    def node(self, value: Value) -> Node:
+        """Read a node; one with mistakes is told, and stands as unreadable."""
+        return self._node(value) or Node(Composite(UNREADABLE, ()), Modifiers(), value.mark)
+
+    def _node(self, value: Value) -> Node | None:
         table = self._node_table(value)
         kind = self._kind_of(table) if table else None
         if table is None or kind is None:
             return None
-        allowed = (kind, *KINDS[kind], *MODIFIERS, *extra)
+        allowed = (kind, *KINDS[kind], *MODIFIERS)
         self._reading.known_keys(
             table, allowed, f"a '{'retry' if kind == 'do' and 'retry' in table.entries else kind}' node"
         )
@@ -119,11 +123,11 @@ class NodeReader:
             listing = self._reading.listing(table.entries[kind].value, f"'{kind}'")
             if listing is None:
                 return None
-            children = tuple(node for node in map(self.node, listing.items) if node is not None)
+            children = tuple(map(self.node, listing.items))
             succeed = self._succeed(table, len(listing.items)) if kind == "parallel" else 0
             if kind == "reactive_sequence":
                 self._refuse_slow(children[:-1])
-            return Composite(kind, children, succeed) if len(children) == len(listing.items) else None
+            return Composite(kind, children, succeed)
 
         return read
 
@@ -157,8 +161,7 @@ class NodeReader:
         return self.node(body)
 
     def _group(self, table: Table) -> Kind | None:
-        child = self.node(table.entries["do"].value)
-        return Group(child) if child else None
+        return Group(self.node(table.entries["do"].value))
 
     def _loop(self, table: Table) -> Kind | None:
         body = self._body(table, "loop")

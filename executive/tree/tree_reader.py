@@ -39,11 +39,10 @@ def read_trees(own: Table | None, libraries: Iterable[Table], reading: Reading) 
     waiting = list(mine)
     while waiting:
         name = waiting.pop(0)
-        root = _root(drafts[name], reader) if name not in trees else None
-        if root is not None:
+        if name not in trees:
             draft = drafts[name]
-            trees[name] = Tree(name, root, draft.inputs, draft.outputs, draft.mark)
-            waiting.extend(_calls(root))
+            trees[name] = Tree(name, _root(draft, reader), draft.inputs, draft.outputs, draft.mark)
+            waiting.extend(_calls(trees[name].root))
     _check_main(mine, own, reading)
     _refuse_circles(trees, reading)
     _tell_unused(mine, trees, reading)
@@ -74,7 +73,7 @@ def _ports(value: Value | None, tree: str, reading: Reading) -> Ports:
     return ports
 
 
-def _root(draft: Draft, reader: NodeReader) -> Node | None:
+def _root(draft: Draft, reader: NodeReader) -> Node:
     body = draft.body
     if isinstance(body, Table):  # `in` and `out` of a tree are its ports, never the wiring of its root
         body = Table({key: entry for key, entry in body.entries.items() if key not in _HEADER}, body.mark)

@@ -109,6 +109,27 @@ def test_an_earlier_child_of_a_reactive_fallback_takes_over_when_its_guard_opens
     assert world.log == ["b begins", "a begins", "b cancelled", "a ends"]
 
 
+def test_an_earlier_child_that_has_failed_in_time_does_not_disturb_the_one_it_called_for(
+    play: Any, world: World
+) -> None:
+    children = act("a", 2, fails=True) + act("b", 4)
+    tree = play("reactive_fallback:\n" + children, leaves=world.leaves())
+    assert (tree.finish(), tree.reason) == ("SUCCESS", "b done")
+    assert world.log == ["a begins", "a ends", "b begins", "b ends"]
+
+
+def test_behind_a_guard_it_gets_another_chance_after_the_guard_was_closed(play: Any, world: World) -> None:
+    first = act("a", 1, fails=True) + "    if: Safe\n"
+    tree = play("reactive_fallback:\n" + first + act("b", 9), leaves=world.leaves())
+    tree.tick(4)
+    assert world.log == ["a begins", "a ends", "b begins"]
+    world.is_safe = False
+    tree.tick()
+    world.is_safe = True
+    tree.tick()
+    assert world.log == ["a begins", "a ends", "b begins", "a begins", "b cancelled"]
+
+
 def test_a_condition_that_is_asked_at_every_tick_is_journalled_when_it_changes(play: Any, world: World) -> None:
     tree = play("reactive_sequence:\n  - check: Safe\n" + act("a", 9), leaves=world.leaves())
     tree.tick(6)

@@ -1,0 +1,127 @@
+"""Trees at random: the journal is whole, nothing is left under way, and a second run is the same."""
+
+import json
+from typing import Any
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from executive.behaviours.action import Action, Condition
+from executive.behaviours.outcome import failed, succeeded
+from executive.config import Settings
+
+OPEN: set[int] = set()  # generators under way
+
+
+class ActSettings(Settings):
+    ticks: int = 0
+    end: str = "succeed"
+
+
+class Act(Action):
+    """Succeeds, fails or raises after some ticks."""
+
+    Settings = ActSettings
+
+    def run(self, **inputs: Any) -> Any:
+        key = id(self)
+        assert key not in OPEN, "begun twice"
+        OPEN.add(key)
+        try:
+            for _ in range(self.settings.ticks):
+                yield None
+            if self.settings.end == "raise":
+                raise ArithmeticError("raised")
+            return succeeded("done") if self.settings.end == "succeed" else failed("failed")
+        finally:
+            OPEN.discard(key)
+
+
+class Sometimes(Condition):
+    """Holds at every other third of a second of the mission."""
+
+    def check(self, **inputs: Any) -> Any:
+        clock = self.context.runtime.clock  # type: ignore[attr-defined]
+        return succeeded() if int(clock.now_s() * 3) % 2 == 0 else failed("not now")
+
+
+ends = st.sampled_from(["succeed", "succeed", "fail", "raise"])
+act = st.builds(lambda t, e: {"run": "Act", "with": {"ticks": t, "end": e}}, st.integers(0, 4), ends)
+check = st.just({"check": "Sometimes"})
+leaf = st.one_of(act, act, check, st.just({"wait": 0.2}), st.just({"set": {"a": 1}}))
+condition = st.sampled_from(["Sometimes", {"not": "Sometimes"}, {"any": ["Sometimes", {"not": "Sometimes"}]}])
+
+
+def composites(node: Any) -> Any:
+    nodes = st.lists(node, min_size=1, max_size=3)
+    return st.one_of(
+        st.builds(lambda n: {"sequence": n}, nodes),
+        st.builds(lambda n: {"fallback": n}, nodes),
+        st.builds(lambda n: {"reactive_fallback": n}, nodes),
+        st.builds(lambda n: {"reactive_sequence": [{"check": "Sometimes"}, n]}, node),
+        st.builds(lambda n, k: {"parallel": n, "succeed": 1 + k % len(n)}, nodes, st.integers(0, 2)),
+        st.builds(lambda n, k: {"loop": {"max": k}, "do": n}, node, st.integers(1, 3)),
+        st.builds(lambda n, c: {"loop": {"until": c, "max": 3}, "do": n}, node, condition),
+        st.builds(lambda n: {"for_each": {"item": "x", "in": [1, 2]}, "do": {"do": n}}, leaf),
+        st.builds(lambda n, k: {"do": n, "retry": k}, node, st.integers(1, 3)),
+        st.builds(lambda n, r: {"do": n, "on_failure": r, "retry": 2}, node, node),
+        st.builds(lambda n: {"do": n, "optional": True}, node),
+        st.builds(lambda n, c: {"do": n, "if": c}, node, condition),
+        st.builds(lambda n, c: {"do": n, "while": c}, node, condition),
+        st.builds(lambda n: {"do": n, "timeout": 0.3}, node),
+    )
+
+
+trees = st.recursive(leaf, composites, max_leaves=12)
+quick = settings(
+    max_examples=100, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+LEAVES = {"Act": Act, "Sometimes": Sometimes}
+
+
+def check_journal(lines: list[Any], is_over: bool) -> None:
+    """Every start has its end, and nothing starts twice before that."""
+    started: set[str] = set()
+    for kind, node, payload in lines:
+        if kind == "node_started":
+            assert node not in started
+            started.add(node)
+        elif kind == "node_ended":
+            assert payload["status"] in ("success", "failure", "halted")
+            started.discard(node)
+    assert not is_over or not started
+
+
+@quick
+@given(tree=trees)
+def test_a_tree_ends_with_a_whole_journal_and_nothing_under_way(play: Any, tree: Any) -> None:
+    OPEN.clear()
+    first = play(json.dumps(tree), leaves=LEAVES)
+    first.finish(limit=1000)
+    check_journal(first.runtime.lines, is_over=True)
+    assert not OPEN
+    assert all(node.status.name != "RUNNING" for node in first.root.iterate())
+    assert all(type(error) is ArithmeticError for error in first.runtime.errors)
+    second = play(json.dumps(tree), leaves=LEAVES)
+    second.finish(limit=1000)
+    assert second.runtime.lines == first.runtime.lines
+
+
+@quick
+@given(tree=trees, ticks=st.integers(1, 12), visits=st.integers(0, 8))
+def test_a_tree_that_is_halted_anywhere_leaves_nothing_under_way(play: Any, tree: Any, ticks: int, visits: int) -> None:
+    OPEN.clear()
+    halted = play(json.dumps(tree), leaves=LEAVES)
+    halted.tick()
+    while halted.status == "RUNNING" and halted.ticks < ticks:
+        halted.tick()
+    if halted.status == "RUNNING":  # cut the next tick off in its middle
+        for _ in zip(range(visits), halted.root.tick(), strict=False):
+            pass
+    halted.halt()
+    assert not OPEN
+    check_journal(halted.runtime.lines, is_over=True)
+    assert all(node.status.name == "INVALID" for node in halted.root.iterate())
+    halted.finish(limit=1000)
+    check_journal(halted.runtime.lines, is_over=True)
+    assert not OPEN
