@@ -18,9 +18,9 @@ from plugins.estimation.inertial_state import (
     retract,
 )
 
-_LONG_STEP_S = 0.1  # samples further apart than this say little about what happened between them
+_LONG_GAP_S = 0.1  # samples further apart than this say little about what happened between them
 _GAP_ACCELERATION_M_S2 = 1.0  # what the machine may do unseen in such a gap
-_GAP_RATE_RAD_S = 0.5
+_GAP_RATE_RAD_S = 0.8
 
 
 class ErrorStateFilter:
@@ -37,8 +37,9 @@ class ErrorStateFilter:
         if dt_s <= 0:
             return
         self.covariance = self.covariance_after(dt_s)
-        if dt_s > _LONG_STEP_S:
-            self.doubt(_GAP_ACCELERATION_M_S2 * dt_s**2, _GAP_ACCELERATION_M_S2 * dt_s, _GAP_RATE_RAD_S * dt_s)
+        if sample.since_last_s > _LONG_GAP_S:  # a share of the gap's doubt, for corrections may fall into it
+            share_s = float(np.sqrt(sample.since_last_s * dt_s))
+            self.doubt(0.0, _GAP_ACCELERATION_M_S2 * share_s, _GAP_RATE_RAD_S * share_s)
         self.state = propagate(self.state, sample, self._noise.gravity_m_s2)
 
     def covariance_after(self, dt_s: float) -> Float:

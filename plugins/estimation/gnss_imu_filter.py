@@ -118,7 +118,8 @@ class GnssImuFilter(Estimator):
         if np.abs(rate).max() > _MAX_RATE_RAD_S or np.abs(force).max() > _MAX_FORCE_M_S2:
             self._door.refuse(sample.frame, "out of range")
         elif sample.frame == self._settings.imu:
-            self._add_cabin_sample(Inertial(sample.stamp_s, rate, force))
+            since_last_s = sample.stamp_s - self._newest.stamp_s if self._newest is not None else 0.0
+            self._add_cabin_sample(Inertial(sample.stamp_s, rate, force, since_last_s))
         elif sample.frame == self._settings.chassis_imu:
             self._standing.add(sample.stamp_s, rate, force)
 
@@ -160,7 +161,7 @@ class GnssImuFilter(Estimator):
         insort(self._corrections, _Correction(stamp_s, apply))
 
     def _add_cabin_sample(self, sample: Inertial) -> None:
-        if self._newest is not None and sample.stamp_s - self._newest.stamp_s > self._settings.restart_after_s:
+        if sample.since_last_s > self._settings.restart_after_s:
             self._door.refuse(self._settings.imu, "gap, started again")
             self._restart()
         self._newest = sample

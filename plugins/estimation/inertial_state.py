@@ -24,15 +24,17 @@ class Inertial:
         stamp_s: End of the time that it stands for [s].
         rate: Angular velocity [rad/s], shape (3,).
         force: Specific force [m/s²], shape (3,).
+        since_last_s: Time since the sample before [s]; long in a gap.
     """
 
     stamp_s: float
     rate: Float
     force: Float
+    since_last_s: float = 0.0
 
     def until(self, stamp_s: float) -> "Inertial":
         """Return the part of this measurement that ends earlier."""
-        return Inertial(stamp_s, self.rate, self.force)
+        return Inertial(stamp_s, self.rate, self.force, self.since_last_s)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

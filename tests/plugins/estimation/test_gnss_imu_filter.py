@@ -198,6 +198,15 @@ def test_a_gap_of_inertial_samples_is_bridged_or_begins_anew(cabin, start, feed)
             assert np.linalg.norm(state.T_map_cabin[:3, 3] - cabin.T_map_cabin(state.stamp_s)[:3, 3]) < 0.05
 
 
+def test_a_gap_of_inertial_samples_in_mid_swing_is_followed_by_satellites(cabin, estimator, feed) -> None:
+    observations = (o for o in cabin.observations(12.0) if not (isinstance(o, ImuSample) and 8.5 < o.stamp_s < 10.0))
+    stamps_s, position_m, heading_rad = errors(cabin, run(estimator, observations, feed))
+    assert estimator.refused == {}
+    assert np.degrees(heading_rad[(stamps_s > 10.0) & (stamps_s < 10.2)]).max() < 6  # the cabin turned by 60°
+    assert np.degrees(heading_rad[stamps_s > 11.0]).max() < 0.5
+    assert position_m[stamps_s > 11.0].max() < 0.03
+
+
 def test_the_same_samples_give_the_same_state(cabin, start, feed) -> None:
     first, second = (run(start(), cabin.observations(7.0), feed)[-1] for _ in range(2))
     np.testing.assert_array_equal(first.T_map_cabin, second.T_map_cabin)
