@@ -42,6 +42,7 @@ class MujocoRobot(Robot, Scene):
         self._world = World(self._machine, site, self.settings.physics)
         self._sensors = SensorSuite(self._machine, site, self.settings.sensors, self._world.model, sensor_rng)
         self.truth_log = TruthLog(self._machine, [stone.name for stone in site.stones], self._world.model)
+        self.truth_log.step(0.0, self._world.model, self._world.data)  # a run may end before the first step
         self._world.observe(lambda world: self.truth_log.step(world.time_s, world.model, world.data))
 
     def close(self) -> None:

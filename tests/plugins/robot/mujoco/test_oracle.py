@@ -34,7 +34,7 @@ class Show:
         self.model = self.robot.world.model
         self.data = mujoco.MjData(self.model)
         self.data.qpos[:] = self.robot.world.data.qpos
-        self.time_s = 0.0
+        self.time_s = STEP_S
         self.play(0.2)
 
     def at(self, link: str, *offset: float) -> Float:
@@ -236,3 +236,21 @@ def test_a_real_run_without_commands_hits_nothing() -> None:
     assert truth["grasps"] == []
     assert len(truth["stones"]) == 2
     assert robot.truth_log.end_s == pytest.approx(1.0)
+
+
+def test_a_run_that_ended_before_its_first_step_has_a_truth_too() -> None:
+    robot = MujocoRobot(SETTINGS, MACHINE, np.random.default_rng(1))
+    robot.start()
+    truth = MujocoOracle(robot).truth(MissionView((), (), (), {}, [attempt(0.0, 0.0, (5.0, 0.0, 0.3))]))
+    assert truth["grasps"] == [{"object": 1, "lifted": False, "dropped": False}]
+    assert truth["collisions"] == []
+
+
+def test_an_empty_site_has_a_truth_too() -> None:
+    settings = MujocoSettings.model_validate({"site": {"stones": {"count": 0}, "terrain": {"half_size_m": 10}}})
+    robot = MujocoRobot(settings, MACHINE, np.random.default_rng(1))
+    robot.start()
+    robot.read(0.5)
+    truth = MujocoOracle(robot).truth(MissionView((), (), (), {}, [attempt(0.1, 0.2, (5.0, 0.0, 0.3))]))
+    assert truth["stones"] == []
+    assert truth["grasps"] == [{"object": 1, "lifted": False, "dropped": False}]
