@@ -9,6 +9,7 @@ from executive.arrays import Float
 from executive.messages.segment import Segmentation
 
 _RADIUS_M = 0.7  # of the ground under a stone
+_THIN_M = 0.07
 _CELL_M = 0.28
 _KNOWN = 0.7  # part of the cells that hold a point
 
@@ -27,7 +28,7 @@ class FreeGround:
 
     def __init__(self, segmentation: Segmentation, needs: GroundNeeds) -> None:
         self._needs = needs
-        self._ground = segmentation.ground.points
+        self._ground = _thinned(segmentation.ground.points)
         self._ground_tree = cKDTree(self._ground[:, :2])
         taken = [segment.points[:, :2] for segment in segmentation.segments]
         self._taken_tree = cKDTree(np.concatenate(taken)) if taken else None
@@ -44,6 +45,12 @@ class FreeGround:
         roughness = float(np.std(points[:, 2] - A @ (slope_x, slope_y, height)))
         is_flat = np.arctan(np.hypot(slope_x, slope_y)) <= self._needs.max_slope_rad
         return float(height) if is_flat and roughness <= self._needs.max_roughness_m else None
+
+
+def _thinned(points: Float) -> Float:
+    """Return the first point of each cell: a dense map says no more about a slot than a thin one."""
+    _, first = np.unique(np.floor(points[:, :2] / _THIN_M).astype(np.int64), axis=0, return_index=True)
+    return points[np.sort(first)]
 
 
 def _covers(offsets: Float) -> bool:

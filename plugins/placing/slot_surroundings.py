@@ -9,11 +9,12 @@ from executive.geometry.pose import inverse, transform
 from robot_models.gripper import Gripper
 
 _OPENINGS = (1.0, 0.75, 0.5)  # of the widest: the jaws pass all of them
-_DEEP_M = 0.02  # a point deeper than this in the gripper is a collision
+_IN_GROUND_M = 0.02  # a point of the ground deeper than this in the gripper is a collision
 _LEVEL_M = 0.15  # what is higher than this above the ground is a neighbour
-_APART_M = 0.10  # between the stone and a neighbour
+_APART_M = 0.10  # between a neighbour and the stone or the jaws: its far side may not have been seen
 _GROUND_BAND_M = 0.35  # ground under the stone is within this of the slot's height
 _HIGHEST = 0.95  # quantile of the heights under the stone that carry it
+_SPACING_M = 0.05  # density that suffices
 
 
 class SlotSurroundings:
@@ -21,19 +22,34 @@ class SlotSurroundings:
 
     def __init__(self, gripper: Gripper, cloud: Float, position_map: Float, radius_m: float) -> None:
         angles = [fraction * gripper.open_rad for fraction in _OPENINGS]
-        self._faces = [half_spaces(hull) for a in angles for parts in gripper.hulls(a).values() for hull in parts]
-        reach_m = radius_m + 2 * gripper.max_opening_m
+        hulls = [hull for angle in angles for parts in gripper.hulls(angle).values() for hull in parts]
+        self._faces = [half_spaces(hull) for hull in hulls]
+        self._reach_m = max(float(np.linalg.norm(hull, axis=1).max()) for hull in hulls) + _APART_M
         distance = np.linalg.norm(cloud[:, :2] - position_map[:2], axis=1)
-        self._near = cloud[distance < reach_m]
-        level = position_map[2]
+        near = one_a_cell(cloud[distance < radius_m + self._reach_m], _SPACING_M)
+        level = float(position_map[2])
         under = cloud[(distance < 0.8 * radius_m) & (np.abs(cloud[:, 2] - level) < _GROUND_BAND_M), 2]
-        self.ground_m = float(np.quantile(under, _HIGHEST)) if len(under) else float(level)
-        neighbours = self._near[self._near[:, 2] > self.ground_m + _LEVEL_M]
-        self._neighbours = cKDTree(neighbours) if len(neighbours) else None
+        self.ground_m = float(np.quantile(under, _HIGHEST)) if len(under) else level
+        is_high = near[:, 2] > self.ground_m + _LEVEL_M
+        self._ground, self._neighbours = near[~is_high], near[is_high]
+        self._tree = cKDTree(self._neighbours) if is_high.any() else None
 
     def is_free(self, T_map_gripper: Float, stone_map: Float) -> bool:
-        """Return whether the stone keeps off its neighbours, and the opening jaws off everything."""
-        if self._neighbours is not None and self._neighbours.query(stone_map)[0].min() < _APART_M:
+        """Return whether the stone and the opening jaws keep off the neighbours, and the jaws out of the ground."""
+        if self._tree is not None and self._tree.query(stone_map)[0].min() < _APART_M:
             return False
-        local = transform(inverse(T_map_gripper), self._near)
-        return all(float(depth_inside(faces, local).max(initial=-1.0)) < _DEEP_M for faces in self._faces)
+        if self._depth_m(self._neighbours, T_map_gripper) > -_APART_M:
+            return False
+        return self._depth_m(self._ground, T_map_gripper) < _IN_GROUND_M
+
+    def _depth_m(self, points: Float, T_map_gripper: Float) -> float:
+        """Return how deep the deepest point is in the gripper at any of the openings [m]; negative outside."""
+        local = transform(inverse(T_map_gripper), points)
+        local = local[np.linalg.norm(local, axis=1) < self._reach_m]
+        return max(float(depth_inside(faces, local).max(initial=-np.inf)) for faces in self._faces)
+
+
+def one_a_cell(points: Float, spacing_m: float) -> Float:
+    """Return the first point of each cell of a grid, in the cells' order, shape (M, 3)."""
+    _, first = np.unique(np.floor(points / spacing_m).astype(np.int64), axis=0, return_index=True)
+    return points[first]

@@ -26,7 +26,7 @@ class SlotsSettings(Settings):
     """Where slots lie, what ground they need, and how a stone is let go."""
 
     radii_m: tuple[Meters, ...] = Field(
-        (6.0, 4.1, 7.9),
+        (6.0, 7.2, 5.0, 4.2),
         min_length=1,
         description="Distances of rows of slots from the machine, in order of choice [m].",
     )
@@ -62,13 +62,13 @@ class Slots(PlacementPlanner):
         T_map_base = checked("T_map_base", T_map_base, 4, 4)
         s = self._settings
         ground = FreeGround(segmentation, GroundNeeds(s.clearance_m, s.max_slope_rad, s.max_roughness_m))
-        rows: list[Float] = []
+        places = np.empty((0, 3))
         for radius_m in s.radii_m:
-            rows.append(self._row(radius_m, ground, T_map_base)[:count])
-            if len(rows[-1]) == count:
-                rows = rows[-1:]
+            row = self._row(radius_m, ground, places, T_map_base)
+            places = row if len(row) >= count else np.concatenate([places, row])
+            if len(places) >= count:
                 break
-        places = np.concatenate(rows)[:count]
+        places = places[:count]
         return tuple(Slot(i, place) for i, place in enumerate(places, start=1))
 
     def plan(
@@ -97,19 +97,20 @@ class Slots(PlacementPlanner):
                 break
         return tuple(ways)
 
-    def _row(self, radius_m: float, ground: FreeGround, T_map_base: Float) -> Float:
+    def _row(self, radius_m: float, ground: FreeGround, chosen: Float, T_map_base: Float) -> Float:
         s = self._settings
 
         def height_m(xy: Float) -> float | None:
-            height = ground.height_m(xy)
-            return height if height is not None and self._reaches(self._over(xy, height), T_map_base) else None
+            is_apart = (np.linalg.norm(chosen[:, :2] - xy, axis=1) >= s.spacing_m).all()
+            return ground.height_m(xy) if is_apart else None
 
-        return spaced_row(radius_m, s.spacing_m, s.sector_rad, T_map_base, height_m)
+        row = spaced_row(radius_m, s.spacing_m, s.sector_rad, T_map_base, height_m)
+        return row[[self._reaches(self._over(place), T_map_base) for place in row]] if len(row) else row
 
-    def _over(self, xy: Float, height_m: float) -> Float:
-        """Return the pose of a gripper that hangs over a place, its tips near the ground, jaws along the map's x."""
-        above = height_m + float(self._machine.gripper.tips(0.0)[:, 0].max())
-        return pose(np.array([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]]), np.array([*xy, above]))
+    def _over(self, place: Float) -> Float:
+        """Return the pose of a gripper that hangs over a place, its closed tips at the ground, jaws along x."""
+        above = np.array([0.0, 0.0, float(self._machine.gripper.tips(0.0)[:, 0].max())])
+        return pose(np.array([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]]), place + above)
 
     def _reaches(self, T_map_gripper: Float, T_map_base: Float) -> bool:
         """Return whether the arm comes to the pose, and to the one from which it goes straight down."""

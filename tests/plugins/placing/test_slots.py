@@ -71,7 +71,7 @@ def test_fewer_places_than_asked_give_fewer_slots(planner_of: Callable, site: tu
 
 def test_more_than_a_row_holds_fills_further_rows(planner_of: Callable, site: tuple) -> None:
     _, ground, segmented, _ = site
-    p = places(planner_of(sector_rad=1.5), segmented(ground()), count=8)
+    p = places(planner_of(sector_rad=1.5, radii_m=(6.0, 7.9, 4.1)), segmented(ground()), count=8)
     assert len(p) == 8
     assert len(np.unique(np.hypot(p[:, 0], p[:, 1]).round(6))) > 1
     assert gaps(p[:, :2]).min() >= 1.9 - 1e-9
