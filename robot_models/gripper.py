@@ -84,9 +84,7 @@ class Gripper(Sourced):
         """
         least, most = max(self.opening_m(0.0), 0.0), self.max_opening_m  # closed may be −1e-17 m
         if not least - 1e-9 <= opening_m <= most + 1e-9:
-            raise DataError(
-                f"no jaw angle opens the tips to {opening_m:.3f} m; ask for {least:.2f} to {most:.2f} m"
-            )
+            raise DataError(f"no jaw angle opens the tips to {opening_m:.3f} m; ask for {least:.2f} to {most:.2f} m")
         return math.asin((opening_m / 2 - self.pivot_m[1]) / self.tip_radius_m) - self._tip_angle
 
     def tips(self, jaw_rad: float) -> Float:
