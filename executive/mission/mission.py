@@ -10,12 +10,12 @@ from executive.behaviours.store import Store
 from executive.clock import Clock, wall_s
 from executive.errors import RobotError
 from executive.interfaces.robot import Robot
-from executive.interfaces.viewing import Viewer
 from executive.journal import Journal
 from executive.messages.base_state import BaseState
 from executive.messages.verdict import Verdict
 from executive.mission.assembly import Assembly
 from executive.mission.context import NodeContext, Services
+from executive.mission.display import Display
 from executive.mission.jobs import Jobs
 from executive.mission.operator import Operator
 from executive.mission.phase import Phase, checked_change
@@ -60,7 +60,7 @@ class Mission(Runtime):
         self._pause_requested = False
         self._questions: list[Question] = []
         self._robot: Robot = setup.assembly.plugins["robot"]
-        self._viewer: Viewer | None = setup.assembly.plugins.get("viewing")
+        self._display = Display(setup.assembly.plugins.get("viewing"), setup.clock)
         machine = setup.assembly.machine
         lidars = [name for name, sensor in machine.sensors.items() if sensor.kind == "lidar"]
         self.services = Services(
@@ -86,8 +86,7 @@ class Mission(Runtime):
         self.journal.append(self._tick, self.clock.now_s(), kind, node, payload)
 
     def show(self, entity: str, value: object) -> None:
-        if self._viewer is not None:
-            self._viewer.show(self.clock.now_s(), entity, value)
+        self._display.show(entity, value)
 
     def ask(self, node: str, question: str, default: bool | None) -> Question:
         asked = self._setup.operator.ask(question, default)
@@ -196,15 +195,14 @@ class Mission(Runtime):
         return sample is None or bool((abs(sample.velocity) < _AT_REST_RAD_S).all())
 
     def _end_tick(self) -> None:
-        now_s = self.clock.now_s()
         state = self.services.streams.state()
         if state.is_ready and self._is_due(_STATE_PERIOD_S):
             self.states.append(state)
-        if self._viewer is not None and self._is_due(_VIEW_PERIOD_S):
-            self._viewer.show(now_s, "tree", {node.path: node.status for node in node_states(self.root)})
-            self._viewer.show(now_s, "state", state)
+        if self._display.is_on and self._is_due(_VIEW_PERIOD_S):
+            self.show("tree", {node.path: node.status for node in node_states(self.root)})
+            self.show("state", state)
             if self.services.streams.joints is not None:
-                self._viewer.show(now_s, "joints", self.services.streams.joints)
+                self.show("joints", self.services.streams.joints)
         self._tick += 1
         self.clock.advance(self._setup.tick_s)
 

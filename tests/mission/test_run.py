@@ -175,3 +175,13 @@ def test_ctrl_c_in_mid_swing_ends_with_a_whole_report(tmp_path, times):
     assert report["outcome"] == "stopped"
     assert "Traceback" not in said
     assert list(read_journal(journal))
+
+
+def test_a_viewer_that_fails_does_not_disturb_the_mission(tmp_path, monkeypatch):
+    def fail(self, stamp_s, entity, value):
+        raise RuntimeError("out of ink")
+
+    monkeypatch.setattr("plugins.viewing.none.NoViewer.show", fail)
+    result = run(tmp_path, SWING, overrides=["viewing.plugin=none"], record=True)
+    assert result.report["outcome"] == "success"
+    assert result.folder.log.read_text().count("out of ink") == 1
