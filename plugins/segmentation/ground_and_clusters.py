@@ -49,7 +49,7 @@ class GroundAndClusters(Segmenter):
         fit_terrain(np.eye(3), np.array([0.0, 0.0, 1.0, 0.0]), 1.0, 1.0, 1.0)
 
     def segment(self, cloud: Cloud) -> Segmentation:
-        """Split a cloud into its ground and the objects on it; about 30 ms for 100,000 points.
+        """Split a cloud into its ground and the objects on it; about 50 ms for 100,000 points.
 
         Raises:
             DataError: If the cloud has too few points, or no ground.
