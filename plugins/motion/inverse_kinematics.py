@@ -14,9 +14,10 @@ from robot_models.machine import Machine
 
 # Rows of the residual are divided by these, so that a millimetre and 5 mrad weigh alike.
 _SCALE = np.array([1e-3] * 3 + [5e-3] * 3)
-_CONVERGED = 0.02  # scaled residual: 20 µm
+_CONVERGED = 0.1  # scaled residual: 0.1 mm
 _DAMPING = 1e-3  # against the scaled Jacobian, whose entries are of the order of 1,000
 _COMFORT = 2.0  # pull towards the middle of each range, in the scaled residual's units
+_FADE = 0.25  # of the pull, each iteration
 _PATIENCE = 5  # iterations without a twentieth of progress
 _SAME = 0.02  # [rad] or [m]
 _MAX_STEP = 0.4  # [rad] or [m] an iteration: the linearisation holds about so far
@@ -117,7 +118,7 @@ class InverseKinematics:
     def _iterate(self, T_wanted: Float, q: Float, iterations: int, pull: Float) -> tuple[Float, bool]:
         """Return where Levenberg's method ends, with the joints' ends as active set, and whether that is the pose.
 
-        The pull halves with each step, so that it decides about spare freedom only.
+        The pull fades with each step, so that it decides about spare freedom only.
         """
         q, best, stale = q.copy(), np.inf, 0
         r = self._residual(T_wanted, q)
@@ -127,7 +128,7 @@ class InverseKinematics:
             best = min(best, size)
             if size < _CONVERGED or stale > _PATIENCE:
                 break
-            q = self._step(r, q, pull * 0.5**i)
+            q = self._step(r, q, pull * _FADE**i)
             r = self._residual(T_wanted, q)
         missed = r * _SCALE
         is_near = np.linalg.norm(missed[:3]) <= self._settings.position_tolerance_m
@@ -143,13 +144,11 @@ class InverseKinematics:
         pull = pull * float(np.linalg.norm(A, axis=0).mean()) ** 2 / 1e3
         H = A.T @ A + np.diag(_DAMPING * np.abs(A).max() + pull)
         g = A.T @ r + pull * (self._comfort - q)
-        is_free = np.ones(len(q), dtype=bool)
-        for _ in range(2):
+        dq = np.linalg.solve(H, g)
+        is_blocked = ((q <= self._lower) & (dq < 0)) | ((q >= self._upper) & (dq > 0))
+        if is_blocked.any():
+            free = np.flatnonzero(~is_blocked)
             dq = np.zeros_like(q)
-            dq[is_free] = np.linalg.solve(H[np.ix_(is_free, is_free)], g[is_free])
-            is_blocked = ((q <= self._lower) & (dq < 0)) | ((q >= self._upper) & (dq > 0))
-            if not is_blocked.any():
-                break
-            is_free &= ~is_blocked
+            dq[free] = np.linalg.solve(H[free[:, None], free], g[free])
         dq *= min(1.0, _MAX_STEP / max(float(np.abs(dq).max()), 1e-12))
         return np.clip(q + dq, self._lower, self._upper)
