@@ -21,7 +21,7 @@ class PlanRetreatSettings(Settings):
 
 
 class PlanRetreat(Action):
-    """Plan a straight way up, jaws open."""
+    """Plan a straight way up, the jaws as they stand."""
 
     Settings = PlanRetreatSettings
     needs = ("motion", "mapping", "objects")
@@ -41,7 +41,7 @@ class PlanRetreat(Action):
                 arrive_m=0.0,
                 obstacles=cloud,
                 held_gripper=None,
-                jaw_rad=self.context.machine().gripper.open_rad,
+                jaw_rad=self.context.joints().of(self.context.machine().jaw.name)[0],
             )
             plan: MotionPlan = yield self.context.job("motion", "move", request)
             if plan.trajectory is not None:

@@ -8,7 +8,7 @@ from executive.behaviours.action import Action, Steps
 from executive.behaviours.jaws import drive_jaws
 from executive.behaviours.outcome import succeeded
 from executive.behaviours.port import Port
-from executive.config import Newtons, Settings
+from executive.config import Newtons, Radians, Settings
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement
 from executive.messages.stone import StoneState
@@ -16,10 +16,14 @@ from executive.messages.stone import StoneState
 
 class ReleaseStoneSettings(Settings):
     force: Newtons = Field(35e3, gt=0, le=200e3, description="Largest force at each tip while opening [N].")
+    clearance: Radians = Field(0.2, gt=0, le=2, description="Opening beyond that of the hold [rad].")
 
 
 class ReleaseStone(Action):
-    """Open the jaws and move the stone's model by what the gripper moved since the grasp (Mascaro 2020, Eq. 3)."""
+    """Open the jaws a little and move the stone's model by the gripper's motion since the grasp (Mascaro 2020, Eq. 3).
+
+    Only a little: jaws that open wide beside another stone push it away.
+    """
 
     Settings = ReleaseStoneSettings
     needs = ("robot", "objects", "mapping", "monitoring")
@@ -35,7 +39,8 @@ class ReleaseStone(Action):
         placement: Placement | None = inputs.get("placement")
         T_map_gripper = self.context.gripper()
         self.context.end_hold()
-        yield from drive_jaws(self.context, self.context.machine().gripper.open_rad, self.settings.force)
+        opening = min(hold.jaw_rad + self.settings.clearance, self.context.machine().gripper.open_rad)
+        yield from drive_jaws(self.context, opening, self.settings.force)
         self.context.plugin("mapping").mask_held(0.0)
         state = StoneState.ON_GROUND if placement is None else StoneState.PLACED
         stone = self.context.plugin("objects").release(hold.stone_id, T_map_gripper, self.context.now_s(), state)

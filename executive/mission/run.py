@@ -94,6 +94,8 @@ class Run:
                 report = self._report(ending, wall_s() - started_s)
                 write_report(self.folder.report, report)
                 self._save_map()
+                report |= self._truth()
+                write_report(self.folder.report, report)
             finally:
                 self._setup.journal.close()
                 self._setup.jobs.close()
@@ -131,7 +133,7 @@ class Run:
         durations = dict(self._setup.jobs.durations_ms)
         if self._mission is not None:
             durations |= self._mission.services.streams.durations_ms
-        report: dict[str, Any] = {
+        return {
             "mission": self._description.name,
             "seed": self._options.seed,
             "outcome": ending.outcome,
@@ -144,9 +146,12 @@ class Run:
             "counts": counts_from(entries, picks),
             "timings_ms": timings_from(durations),
         }
-        if self._mission is not None:
-            report |= truth_of(self._description.plugins["robot"][0].name, self._mission, picks)
-        return report
+
+    def _truth(self) -> dict[str, Any]:
+        if self._mission is None:
+            return {}
+        robot_name = self._description.plugins["robot"][0].name
+        return truth_of(robot_name, self._mission, picks_from(self._setup.journal.entries))
 
     def _save_map(self) -> None:
         if "mapping" in self._assembly.plugins:

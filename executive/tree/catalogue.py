@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 from executive import registry
@@ -57,11 +58,17 @@ class Catalogue(ABC):
         return leaf
 
 
+@cache
+def _installed_names(capability: str) -> tuple[str, ...]:
+    """Read the entry points' names once: a distribution's metadata is parsed anew for each question."""
+    return tuple(one.name for one in registry.installed(capability))
+
+
 class InstalledCatalogue(Catalogue):
     """What the entry points announce."""
 
     def plugin_names(self, capability: str) -> tuple[str, ...]:
-        return tuple(one.name for one in registry.installed(capability))
+        return _installed_names(capability)
 
     def behaviour_names(self) -> tuple[str, ...]:
         return self.plugin_names(registry.BEHAVIOURS)

@@ -28,10 +28,10 @@ from executive.tree.language import (
     Set,
     Source,
     Tree,
-    uses_of,
 )
 from executive.tree.port_types import fits, fits_name, item_type, names, type_name, type_of
 from executive.tree.problem import Mark, Problems
+from executive.tree.traversal import uses_of
 
 Types = frozenset[Any]
 Keys = Mapping[str, Types]  # the types that each key may hold now
@@ -166,7 +166,7 @@ class Dataflow:
                 told = f"input '{port}' of {kind.tree} is {wanted.name}, and {_shown(source)} holds {names(types)}"
                 self._problems.error(place, told)
                 types = _UNKNOWN  # told once, not again inside
-            inside.update({port: types} if types else {})
+            inside.update({} if types is None else {port: types or _UNKNOWN})
         after = self._tree(tree, inside)
         given = {port: after.get(port, _UNKNOWN) for port in tree.outputs if port in after or _ANYTHING in after}
         return self._written(keys, {kind.outputs[port].key: types for port, types in given.items()})

@@ -4,13 +4,14 @@ from collections.abc import Mapping, Sequence
 
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
 from executive.tree.dataflow import Dataflow
-from executive.tree.language import LeafUse, LoopSettings, MissionFile, Selection, Tree, uses_of
+from executive.tree.language import LeafUse, LoopSettings, MissionFile, Selection, Tree
 from executive.tree.override import apply_override
 from executive.tree.plugin_reader import PluginReader, layered
 from executive.tree.problem import Problems
 from executive.tree.reading import Reading
 from executive.tree.settings import check_settings
 from executive.tree.sources import Layer, layers, libraries
+from executive.tree.traversal import uses_of
 from executive.tree.tree_reader import read_trees
 from executive.tree.value import Entry, Table, merged
 

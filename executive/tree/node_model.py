@@ -5,8 +5,9 @@ from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement
 
 from executive.behaviours.action import Action
-from executive.tree.language import Ask, Call, ForEach, LeafUse, Loop, MissionFile, Tree, uses_of
+from executive.tree.language import Ask, Call, ForEach, LeafUse, Loop, MissionFile, Tree
 from executive.tree.port_types import type_name
+from executive.tree.traversal import uses_of
 
 RESERVED = ("name", "ID")  # attributes that BehaviorTree.CPP takes for itself
 

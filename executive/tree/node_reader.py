@@ -23,11 +23,11 @@ from executive.tree.language import (
     Source,
     TypeName,
     Wait,
-    is_instant,
 )
 from executive.tree.leaf_reader import LEAF_KEYS, LeafReader, check_port, read_wires
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading
+from executive.tree.traversal import is_instant
 from executive.tree.value import Table, Value, describe
 
 # Each kind and the keys beside it.

@@ -4,21 +4,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from executive.tree.conditions import condition_text
-from executive.tree.language import (
-    Ask,
-    Call,
-    Composite,
-    ForEach,
-    Loop,
-    Modifiers,
-    Node,
-    Run,
-    Set,
-    Source,
-    Wait,
-    uses_of,
-)
+from executive.tree.language import Ask, Call, Composite, ForEach, Loop, Modifiers, Node, Run, Set, Source, Wait
 from executive.tree.resolved import source_value
+from executive.tree.traversal import uses_of
 
 
 def headline(node: Node) -> str:

@@ -4,6 +4,7 @@ import json
 import types
 import typing
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -14,7 +15,6 @@ from executive.tree.problem import Mark, Problems
 from executive.tree.value import Broken, Listing, Scalar, Table, Value, describe, has_broken, plain
 
 S = TypeVar("S", bound=Settings)
-_MAX_BROKEN = "a part of it could not be read"
 
 
 def check_settings(settings: type[S], table: Table, owner: str, problems: Problems) -> S | None:
@@ -28,66 +28,70 @@ def check_settings(settings: type[S], table: Table, owner: str, problems: Proble
     except ValidationError as error:
         told: set[Mark] = set()
         for finding in error.errors(include_url=False):
-            _tell(settings, table, owner, finding, told, problems)
+            place = _placed(table, finding["loc"], finding["type"])
+            is_new = place.mark not in told or finding["type"] == "missing"  # a union tells each of its members
+            if is_new and not isinstance(place.value, Broken):
+                told.add(place.mark)
+                problems.error(place.mark, _sentence(settings, owner, finding, place))
         return None
     return None if has_broken(table) else checked
 
 
-def _tell(
-    settings: type[Settings], table: Table, owner: str, finding: Any, told: set[Mark], problems: Problems
-) -> None:
-    kind, value, path = finding["type"], table, []
-    mark, names = table.mark, _field_names(settings, [])
-    node: Value = value
-    for step in finding["loc"]:
-        if isinstance(node, Table) and step in node.entries:
-            entry = node.entries[step]
-            mark = entry.key_mark if kind == "extra_forbidden" else entry.value.mark
-            node = entry.value
-            path.append(str(step))
-        elif isinstance(node, Listing) and isinstance(step, int) and step < len(node.items):
-            node = node.items[step]
-            mark = node.mark
-            path.append(str(step))
-        elif kind == "missing" and step == finding["loc"][-1]:
-            path.append(str(step))
-    if isinstance(node, Broken) or (mark in told and kind != "missing"):
-        return
-    told.add(mark)
-    names = _field_names(settings, path[:-1])
-    problems.error(mark, _sentence(owner, kind, path, names, node, finding["msg"]))
+def settings_dump(settings: Settings) -> Mapping[str, Any]:
+    """Return all settings explicitly, as JSON's types; what `check_settings` reads back."""
+    return settings.model_dump(mode="json")
 
 
-def _sentence(owner: str, kind: str, path: Sequence[str], names: Sequence[str], node: Value, message: str) -> str:
-    where = ".".join(path)
-    if kind == "extra_forbidden":
-        return f"{owner} has no setting '{where}'{did_you_mean(path[-1], names)}"
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where a finding is: its mark, the value there, and the keys that lead to it."""
+
+    mark: Mark
+    value: Value
+    path: tuple[str, ...]
+
+
+def _placed(table: Table, steps: Sequence[int | str], kind: str) -> _Place:
+    """Follow a finding's steps; some name a member of a union or a validator, and lead nowhere in the file."""
+    place = _Place(table.mark, table, ())
+    for step in steps:
+        value, path = place.value, (*place.path, str(step))
+        if isinstance(value, Table) and step in value.entries:
+            entry = value.entries[str(step)]
+            place = _Place(entry.key_mark if kind == "extra_forbidden" else entry.value.mark, entry.value, path)
+        elif isinstance(value, Listing) and isinstance(step, int) and step < len(value.items):
+            place = _Place(value.items[step].mark, value.items[step], path)
     if kind == "missing":
+        return _Place(place.mark, place.value, (*place.path, str(steps[-1])))
+    return place
+
+
+def _sentence(settings: type[Settings], owner: str, finding: Any, place: _Place) -> str:
+    where = ".".join(place.path)
+    if finding["type"] == "extra_forbidden":
+        return f"{owner} has no setting '{where}'{did_you_mean(place.path[-1], _fields(settings, place.path[:-1]))}"
+    if finding["type"] == "missing":
         return f"{owner} needs the setting '{where}'"
-    message = message.removeprefix("Value error, ").removeprefix("Assertion failed, ")
+    message = str(finding["msg"]).removeprefix("Value error, ")
     message = message[:1].lower() + message[1:]
-    got = "" if "got " in message or not isinstance(node, Scalar | Listing) else f", got {describe(node)}"
-    return f"{f'{where}: ' if where else ''}{message}{got}"
+    is_told = "got " in message or not isinstance(place.value, Scalar | Listing)
+    return f"{f'{where}: ' if where else ''}{message}{'' if is_told else f', got {describe(place.value)}'}"
 
 
-def _field_names(settings: type[BaseModel], path: Sequence[str]) -> list[str]:
+def _fields(settings: type[BaseModel], path: Sequence[str]) -> list[str]:
+    """Return the names of the fields of the settings at a path."""
     model: Any = settings
     for step in path:
-        if not step.isdigit():
-            field = model.model_fields.get(step)
-            model = _model_in(field.annotation) if field else None
+        field = None if step.isdigit() else model.model_fields.get(step)
+        model = _model_in(field.annotation) if field else model
         if model is None:
             return []
     return list(model.model_fields)
 
 
 def _model_in(annotation: Any) -> Any:
+    """Return the settings class in an annotation such as `X`, `X | None` or `tuple[X, ...]`."""
     if isinstance(annotation, type) and not isinstance(annotation, types.GenericAlias):
         return annotation if issubclass(annotation, BaseModel) else None
     found = (_model_in(argument) for argument in typing.get_args(annotation))
     return next((model for model in found if model is not None), None)
-
-
-def settings_dump(settings: Settings) -> Mapping[str, Any]:
-    """Return all settings explicitly, as JSON's types; what `check_settings` reads back."""
-    return settings.model_dump(mode="json")

@@ -184,4 +184,4 @@ def test_a_viewer_that_fails_does_not_disturb_the_mission(tmp_path, monkeypatch)
     monkeypatch.setattr("plugins.viewing.none.NoViewer.show", fail)
     result = run(tmp_path, SWING, overrides=["viewing.plugin=none"], record=True)
     assert result.report["outcome"] == "success"
-    assert result.folder.log.read_text().count("out of ink") == 1
+    assert result.folder.log.read_text().count("the viewer failed") == 1

@@ -1,0 +1,38 @@
+"""Questions to a node of a description: its conditions, its leaves, whether it needs time."""
+
+from collections.abc import Iterator
+
+from executive.tree.language import Check, Combined, Composite, Condition, Group, LeafUse, Loop, Node, Run, Set
+
+
+def is_instant(node: Node) -> bool:
+    """Whether a node always ends in the tick in which it begins; a called tree is taken to need longer."""
+    modifiers = node.modifiers
+    if modifiers.retry or (modifiers.on_failure and not is_instant(modifiers.on_failure)):
+        return False
+    if isinstance(node.kind, Composite | Group):
+        return all(is_instant(child) for child in node.children())
+    return isinstance(node.kind, Check | Set)
+
+
+def conditions_of(node: Node) -> tuple[Condition, ...]:
+    """Return the conditions that stand at a node itself."""
+    until = node.kind.until if isinstance(node.kind, Loop) else None
+    return tuple(c for c in (node.modifiers.if_, node.modifiers.while_, until) if c is not None)
+
+
+def leaves_of(condition: Condition) -> Iterator[LeafUse]:
+    """Yield the leaves in a condition."""
+    if isinstance(condition, LeafUse):
+        yield condition
+    elif isinstance(condition, Combined):
+        for part in condition.parts:
+            yield from leaves_of(part)
+
+
+def uses_of(node: Node) -> Iterator[LeafUse]:
+    """Yield the leaves at a node itself, those of its conditions included."""
+    for condition in conditions_of(node):
+        yield from leaves_of(condition)
+    if isinstance(node.kind, Run | Check):
+        yield node.kind.use
