@@ -56,7 +56,8 @@ def test_a_command_works(words: list[str], executive: Any) -> None:
 
 
 def test_the_mistakes_are_told_as_the_page_says(folder: Path, executive: Any) -> None:
-    wrong = MISSION.replace("spacing_m", "spacing").replace("30 s", "30 kg").replace('in: "{course}"', 'in: "{cuorse}"')
+    wrong = MISSION.replace("spacing_m", "spacing").replace("30 s", "30 kg")
+    wrong = wrong.replace('places: "{course}"', 'places: "{cuorse}"')
     (folder / "my_wall.yaml").write_text(wrong, encoding="utf-8")
     shown = re.search(r"```text\n(.*?)```", PAGE, re.S).group(1).splitlines()
     status, _, errors = executive("check", "my_wall.yaml")
