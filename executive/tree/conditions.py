@@ -39,8 +39,8 @@ def _combined_text(condition: Combined) -> str:
 
 
 def _holds(condition: Holds, scope: Scope) -> Outcome:
-    value = scope.store.get(condition.key)
-    return succeeded(f"{condition.key} is true") if value is True else failed(f"{condition.key} is {value!r}")
+    is_true = scope.store.get(condition.key) is True
+    return succeeded(f"{condition.key} is true") if is_true else failed(f"{condition.key} is not true")
 
 
 def _not(parts: list[Answer]) -> Outcome:

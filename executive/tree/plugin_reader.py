@@ -40,6 +40,11 @@ def _laid(base: Value, new: Value) -> Value:
     return merged(base, new) if same else new
 
 
+def _is_empty(value: Value) -> bool:
+    """Whether a layer takes back what a lower one selects: `monitoring: []`."""
+    return isinstance(value, Listing) and not value.items
+
+
 def _name(table: Table) -> object:
     value = table.get("plugin")
     return value.value if isinstance(value, Scalar) else None
@@ -58,8 +63,8 @@ class PluginReader:
         self._reading.known_keys(table, capabilities, "'plugins'")
         found: dict[str, tuple[Selection, ...]] = {}
         for capability in capabilities:
-            if capability in table.entries:
-                entry = table.entries[capability]
+            entry = table.entries.get(capability)
+            if entry is not None and not _is_empty(entry.value):
                 self._marks[capability] = entry.key_mark
                 found[capability] = self._several(capability, normal(entry.value))
         return found

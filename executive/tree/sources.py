@@ -1,6 +1,6 @@
 """Where missions and subtrees come from: a file, a shipped name, a base that is extended, a folder of subtrees."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -9,7 +9,7 @@ from executive.errors import did_you_mean
 from executive.tree.document import read_file
 from executive.tree.problem import Mark, MissionFileError, Problem
 from executive.tree.reading import Reading
-from executive.tree.value import Table, Value
+from executive.tree.value import Entry, Scalar, Table, Value
 
 _SUFFIXES = (".yaml", ".yml")
 API = 1
@@ -91,7 +91,7 @@ def check_api(table: Table, reading: Reading) -> None:
     api = table.get("api")
     if api is None:
         reading.problems.error(table.mark, f"'api' is missing; write 'api: {API}'")
-    elif getattr(api, "value", None) is not API:
+    elif not isinstance(api, Scalar) or type(api.value) is not int or api.value != API:
         reading.fail(api, f"this version reads 'api: {API}'")
 
 
@@ -112,13 +112,23 @@ def _base(layer: Layer, seen: set[Path], reading: Reading) -> Path | None:
 
 
 def libraries(mission: Path, reading: Reading) -> Iterator[Table]:
-    """Read the `trees:` of every file under `subtrees/`: the shipped ones, then those beside the mission."""
+    """Read the trees of every file under `subtrees/`, one table a folder: the shipped one, that beside the mission."""
     folders = [shipped_folder() / "subtrees", mission.parent / "subtrees"]
     for folder in dict.fromkeys(folder.resolve() for folder in folders):
-        for path in sorted(folder.glob("*.yaml")):
-            table = _library(path, reading)
-            if table is not None:
-                yield table
+        tables = [table for path in sorted(folder.glob("*.yaml")) if (table := _library(path, reading)) is not None]
+        if tables:
+            yield _joined(tables, reading)
+
+
+def _joined(tables: Sequence[Table], reading: Reading) -> Table:
+    entries: dict[str, Entry] = {}
+    for table in tables:
+        for name, entry in table.entries.items():
+            if name in entries:
+                told = f"tree '{name}' is given twice; the first is at {entries[name].key_mark}"
+                reading.problems.error(entry.key_mark, told)
+            entries.setdefault(name, entry)
+    return Table(entries, tables[0].mark)
 
 
 def _library(path: Path, reading: Reading) -> Table | None:

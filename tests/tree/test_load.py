@@ -114,6 +114,29 @@ def test_subtrees_lie_in_a_folder_beside_the_mission(tmp_path: Path, catalogue: 
     assert list(mission.trees) == ["main", "look", "wink"]
 
 
+def test_a_tree_that_two_files_of_a_folder_define_is_refused(tmp_path: Path, catalogue: Catalogue) -> None:
+    tree = "api: 1\ntrees:\n  look: {run: Scan}\n"
+    write(
+        tmp_path,
+        m=f"api: 1\nmission: m\n{PLUGINS}trees: {{main: {{call: look}}}}\n",
+        subtrees__a=tree,
+        subtrees__b=tree,
+    )
+    with pytest.raises(MissionFileError) as caught:
+        load_mission(str(tmp_path / "m.yaml"), catalogue=catalogue)
+    first, second = (tmp_path / "subtrees" / name for name in ("a.yaml", "b.yaml"))
+    assert [str(problem) for problem in caught.value.problems] == [
+        f"{second}:3:3: error: tree 'look' is given twice; the first is at {first}:3:3"
+    ]
+
+
+def test_an_empty_list_takes_the_monitors_of_the_base_back(tmp_path: Path, catalogue: Catalogue) -> None:
+    base = f"api: 1\nmission: base\n{PLUGINS.replace('}', ', monitoring: [jaw_slip]}')}{MISSION}"
+    write(tmp_path, base=base, over="api: 1\nmission: over\nextends: base\nplugins: {monitoring: []}\n")
+    assert "monitoring" in load_mission(str(tmp_path / "base.yaml"), catalogue=catalogue).plugins
+    assert "monitoring" not in load_mission(str(tmp_path / "over.yaml"), catalogue=catalogue).plugins
+
+
 def test_a_tree_that_nothing_calls_is_a_warning(load: Any) -> None:
     mission = load("trees:\n  main: {run: Scan}\n  other: {run: Scan}\n")
     assert [str(w).rpartition("mission.yaml")[2] for w in mission.warnings] == [
