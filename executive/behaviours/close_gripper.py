@@ -13,7 +13,7 @@ from executive.messages.hold import Hold
 
 
 class CloseGripperSettings(Settings):
-    force: Newtons = Field(35e3, gt=0, le=200e3, description="Force at each tip, kept while the stone is held [N].")
+    force: Newtons | None = Field(None, gt=0, description="Force at each tip [N]; by default the gripper's own.")
     empty_below: Radians = Field(0.08, ge=0, le=1, description="Jaws that close further hold nothing [rad].")
     removal_radius: Meters = Field(1.0, gt=0, le=3, description="R_obj: radius of what the map forgets [m].")
 

@@ -9,8 +9,9 @@ _STILL_RAD = 0.01  # moving less than this in the window below counts as standin
 _WINDOW_S = 0.5
 
 
-def drive_jaws(context: Context, position_rad: float, force_n: float) -> Generator[None, None, float]:
+def drive_jaws(context: Context, position_rad: float, force_n: float | None) -> Generator[None, None, float]:
     """Command the jaws, wait until they stand, at the position or against something; return their angle [rad]."""
+    force_n = context.machine().gripper.tip_force_n if force_n is None else force_n
     context.plugin("robot").command(MoveJaws(position_rad, force_n))
     jaw = context.machine().jaw.name
     before, before_s = context.joints().of(jaw)[0], context.now_s()

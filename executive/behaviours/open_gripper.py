@@ -11,7 +11,7 @@ from executive.config import Newtons, Radians, Settings
 
 
 class OpenGripperSettings(Settings):
-    force: Newtons = Field(35e3, gt=0, le=200e3, description="Largest force at each tip [N].")
+    force: Newtons | None = Field(None, gt=0, description="Force at each tip [N]; by default the gripper's own.")
     tolerance: Radians = Field(
         0.1, gt=0, le=1, description="Standing wider than this off fully open is a failure [rad]."
     )

@@ -15,7 +15,7 @@ from executive.messages.stone import StoneState
 
 
 class ReleaseStoneSettings(Settings):
-    force: Newtons = Field(35e3, gt=0, le=200e3, description="Largest force at each tip while opening [N].")
+    force: Newtons | None = Field(None, gt=0, description="Force at each tip [N]; by default the gripper's own.")
     clearance: Radians = Field(0.2, gt=0, le=2, description="Opening beyond that of the hold [rad].")
 
 

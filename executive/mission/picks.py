@@ -61,9 +61,11 @@ def picks_from(entries: Iterable[Entry]) -> list[Pick]:
     """Read all picks, in the order in which the stones were first tried."""
     picks: dict[int, Pick] = {}
     current: Try | None = None
+    last_s = 0.0
     for entry in entries:
         payload = entry.payload
         if entry.kind == "attempt":
+            _cut_off(current, entry.time_s)
             stone = payload["stone"]
             current = Try(stone, entry.time_s, payload["grasp"], tuple(payload["centroid_map"]), entry.time_s)
             pick = picks.setdefault(stone, Pick(stone))
@@ -77,7 +79,15 @@ def picks_from(entries: Iterable[Entry]) -> list[Pick]:
             picks[payload["stone"]].estimated_pose = payload["estimated_pose"]
         elif entry.kind == "set_aside":
             picks.setdefault(payload["stone"], Pick(payload["stone"])).set_aside = payload["reason"]
+        last_s = entry.time_s
+    _cut_off(current, last_s)
     return list(picks.values())
+
+
+def _cut_off(current: Try | None, now_s: float) -> None:
+    """End an attempt that nothing has ended: by the next one, or by the end of the run."""
+    if current is not None and current.outcome == "unfinished":
+        current.ended_s = now_s
 
 
 def _end(current: Try, entry: Entry) -> None:
