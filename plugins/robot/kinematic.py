@@ -29,9 +29,7 @@ _GRAVITY_M_S2 = 9.81
 class KinematicSettings(RobotSettings):
     """Settings of the machine without a world."""
 
-    jaws_stop_at: Radians = Field(
-        0.4, ge=0, le=2, description="Angle at which closing jaws meet a stone [rad]."
-    )
+    jaws_stop_at: Radians = Field(0.4, ge=0, le=2, description="Angle at which closing jaws meet a stone [rad].")
     fails_at_s: float | None = Field(None, ge=0, description="Mission time at which the machine stops answering [s].")
     datum: tuple[float, float, float] = Field(
         (47.4084, 8.5106, 440.0), description="Latitude [deg], longitude [deg], altitude [m] of the map's origin."

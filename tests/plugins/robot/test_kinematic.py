@@ -75,5 +75,5 @@ def test_closing_jaws_meet_the_pretended_stone(machine):
 def test_can_be_told_to_fail(machine):
     robot = KinematicRobot(KinematicSettings(fails_at_s=1.0), machine)
     robot.read(0.9)
-    with pytest.raises(RobotError, match="has not answered since 1.00 s"):
+    with pytest.raises(RobotError, match=r"has not answered since 1\.00 s"):
         robot.read(1.0)
