@@ -23,11 +23,12 @@ def site(seed: int = 1) -> Path:
     import mujoco
     from PIL import Image
 
-    from executive.mission.assembly import Selection, assemble
+    from executive.mission.assembly import assemble
     from executive.registry import settings_of
+    from executive.tree.language import Selection
 
-    selection = Selection("robot", "mujoco", settings_of("robot", "mujoco")())
-    assembly = assemble([selection], "m545", seed)
+    robot = Selection("mujoco", settings_of("robot", "mujoco")())
+    assembly = assemble({"robot": (robot,)}, "m545", seed)
     assembly.start()
     world = assembly.plugins["robot"].world
     camera = mujoco.MjvCamera()

@@ -74,11 +74,20 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
 def check(mission: MissionArgument, set_: SetOption = None, as_json: JsonOption = False) -> None:
     """Check a mission file: every mistake at once, with its place."""
     from executive.tree.load import load_mission
+    from executive.tree.problem import MissionFileError
 
-    description = load_mission(mission, set_ or [])
+    try:
+        description = load_mission(mission, set_ or [])
+    except MissionFileError as error:
+        if as_json:
+            _answer({"mission": None, "problems": [str(problem) for problem in error.problems], "warnings": []})
+        raise
+    for warning in description.warnings:
+        _say(str(warning))
     _say(f"{description.name}: no mistake found")
     if as_json:
-        _answer({"mission": description.name, "problems": []})
+        warnings = [str(warning) for warning in description.warnings]
+        _answer({"mission": description.name, "problems": [], "warnings": warnings})
 
 
 @app.command()

@@ -28,6 +28,8 @@ CAPABILITIES = (
     "monitoring",
     "viewing",
 )
+# Several plugins of these capabilities may run side by side; a list is what the mission gets.
+PLURAL = ("monitoring",)
 BEHAVIOURS = "behaviour"
 ORACLES = "oracle"
 

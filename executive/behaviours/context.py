@@ -64,6 +64,10 @@ class Context(ABC):
         """Return what monitors have said since `begin_hold`, oldest first."""
 
     @abstractmethod
+    def last_failure(self) -> str:
+        """Return why the node before this one under the same parent failed; empty if it did not."""
+
+    @abstractmethod
     def note(self, kind: str, **payload: Any) -> None:
         """Write a line into the journal, under this node."""
 

@@ -12,7 +12,9 @@ from executive.messages.stone import StoneState
 
 
 class SetAsideSettings(Settings):
-    reason: str = Field("no attempt succeeded", min_length=1, description="What the report says.")
+    reason: str = Field(
+        "every attempt failed", min_length=1, description="What the report says, then the cause."
+    )
 
 
 class SetAside(Condition):
@@ -24,5 +26,7 @@ class SetAside(Condition):
 
     def check(self, **inputs: Any) -> Outcome:
         self.context.plugin("objects").set_state(inputs["stone"], StoneState.SET_ASIDE, self.context.now_s())
-        self.context.note("set_aside", stone=inputs["stone"], reason=self.settings.reason)
+        cause = self.context.last_failure()
+        reason = f"{self.settings.reason}: {cause}" if cause else self.settings.reason
+        self.context.note("set_aside", stone=inputs["stone"], reason=reason)
         return succeeded(f"stone {inputs['stone']} is set aside")

@@ -1,28 +1,19 @@
 """Plugins from a mission's selections: made in the order of the data, each given what its constructor names."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from executive import registry
-from executive.config import Settings
 from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
+from executive.tree.language import Selection
 from robot_models.machine import Machine, load_machine
 
-# Several plugins of these capabilities may run side by side; a list is what the mission gets.
-PLURAL = ("monitoring",)
-
-
-@dataclass(frozen=True, slots=True)
-class Selection:
-    """One plugin chosen by a mission, with its checked settings; picklable, so that a worker can make its own copy."""
-
-    capability: str
-    name: str
-    settings: Settings
+# What a mission has chosen, by capability; picklable, so that a worker can make its own copies.
+Selections = Mapping[str, tuple[Selection, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +41,7 @@ class Assembly:
             raise errors[0]
 
 
-def assemble(selections: Sequence[Selection], model: str, seed: int) -> Assembly:
+def assemble(selections: Selections, model: str, seed: int) -> Assembly:
     """Make the selected plugins, dependencies first.
 
     Raises:
@@ -59,24 +50,23 @@ def assemble(selections: Sequence[Selection], model: str, seed: int) -> Assembly
     machine = load_machine(model)
     made: dict[str, Any] = {}
     order: list[Plugin] = []
-    by_capability = {name: [s for s in selections if s.capability == name] for name in registry.CAPABILITIES}
 
     def make(capability: str, path: tuple[str, ...]) -> Any:
         if capability in made:
             return made[capability]
         if capability in path:
             raise ConfigError(f"plugins need each other in a circle: {' → '.join((*path, capability))}")
-        if not by_capability.get(capability):
+        if not selections.get(capability):
             raise ConfigError(f"the {path[-1]} plugin needs a {capability} plugin, and the mission selects none")
-        plugins = tuple(make_one(chosen, path) for chosen in by_capability[capability])
-        made[capability] = plugins if capability in PLURAL else plugins[0]
+        plugins = tuple(make_one(capability, chosen, path) for chosen in selections[capability])
+        made[capability] = plugins if capability in registry.PLURAL else plugins[0]
         return made[capability]
 
-    def make_one(chosen: Selection, path: tuple[str, ...]) -> Plugin:
-        plugin_class = registry.load(chosen.capability, chosen.name)
-        services = {"machine": machine, "rng": _generator(seed, f"{chosen.capability}/{chosen.name}")}
+    def make_one(capability: str, chosen: Selection, path: tuple[str, ...]) -> Plugin:
+        plugin_class = registry.load(capability, chosen.name)
+        services = {"machine": machine, "rng": seeded(seed, f"{capability}/{chosen.name}", 0)}
         given = {
-            name: services[name] if name in services else make(name, (*path, chosen.capability))
+            name: services[name] if name in services else make(name, (*path, capability))
             for name in registry.dependencies_of(plugin_class)
         }
         plugin: Plugin = plugin_class(chosen.settings, **given)
@@ -84,28 +74,23 @@ def assemble(selections: Sequence[Selection], model: str, seed: int) -> Assembly
         return plugin
 
     for capability in registry.CAPABILITIES:
-        if by_capability[capability]:
+        if selections.get(capability):
             make(capability, ())
     return Assembly(machine, made, tuple(order))
 
 
-def needed_for(selections: Sequence[Selection], capability: str) -> tuple[Selection, ...]:
+def needed_for(selections: Selections, capability: str) -> dict[str, tuple[Selection, ...]]:
     """Return the selections that a copy of one capability's plugin needs, itself included."""
-    wanted, reached = [capability], set[str]()
+    wanted, reached = [capability], dict[str, tuple[Selection, ...]]()
     while wanted:
         name = wanted.pop()
         if name in reached:
             continue
-        reached.add(name)
-        for chosen in selections:
-            if chosen.capability == name:
-                dependencies = registry.dependencies_of(registry.load(name, chosen.name))
-                wanted.extend(d for d in dependencies if d in registry.CAPABILITIES)
-    return tuple(s for s in selections if s.capability in reached)
-
-
-def _generator(seed: int, stream: str) -> np.random.Generator:
-    return seeded(seed, stream, 0)
+        reached[name] = selections.get(name, ())
+        for chosen in reached[name]:
+            dependencies = registry.dependencies_of(registry.load(name, chosen.name))
+            wanted.extend(d for d in dependencies if d in registry.CAPABILITIES)
+    return reached
 
 
 def seeded(seed: int, stream: str, number: int) -> np.random.Generator:

@@ -1,6 +1,6 @@
 """One leaf's view of a running mission."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,6 +11,7 @@ from executive.behaviours.context import Context
 from executive.behaviours.job import Job
 from executive.clock import Clock
 from executive.errors import ConfigError, RobotError
+from executive.journal import Entry
 from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Verdict
@@ -32,6 +33,7 @@ class Services:
     plugins: Mapping[str, Any]
     jobs: Jobs
     streams: Streams
+    entries: Sequence[Entry]
     record: Callable[[str, str, Mapping[str, Any]], None]
     show: Callable[[str, object], None]
     verdicts: list[Verdict] = field(default_factory=list)
@@ -103,6 +105,15 @@ class NodeContext(Context):
 
     def verdicts(self) -> tuple[Verdict, ...]:
         return tuple(self._services.verdicts)
+
+    def last_failure(self) -> str:
+        parent = self._node.rpartition("/")[0] + "/"
+        for entry in reversed(self._services.entries):
+            if entry.kind == "node_ended" and entry.node.startswith(parent):
+                is_recovery = "@on_failure" in entry.node[len(parent) :]
+                if entry.payload["status"] == "failure" and not is_recovery:
+                    return str(entry.payload["reason"])
+        return ""
 
     def note(self, kind: str, **payload: Any) -> None:
         self._services.record(kind, self._node, payload)

@@ -5,11 +5,10 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from executive.errors import ExecutiveError
 from executive.mission.mission import Mission
 
 
-class AbortedError(ExecutiveError):
+class Aborted(BaseException):
     """The operator asked twice: the run ends at once."""
 
 
@@ -25,7 +24,7 @@ def stop_on_interrupt(mission: Mission) -> Iterator[None]:
         nonlocal asked
         asked += 1
         if asked > 1:
-            raise AbortedError("stopped at once by the operator")
+            raise Aborted("stopped at once by the operator")
         mission.request_stop()
 
     before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}

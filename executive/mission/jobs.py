@@ -12,7 +12,7 @@ from typing import Any
 from executive.behaviours.job import Job
 from executive.clock import Clock, wall_s
 from executive.interfaces.plugin import Plugin
-from executive.mission.assembly import Selection
+from executive.mission.assembly import Selections
 from executive.mission.worker import Worker
 
 _EPSILON_S = 1e-9
@@ -59,7 +59,7 @@ class ThreadRunner(Runner):
 class ProcessRunner(Runner):
     """One worker process a stateless plugin; plugins with state are computed in a thread of this one."""
 
-    def __init__(self, selections: Sequence[Selection], model: str, seed: int) -> None:
+    def __init__(self, selections: Selections, model: str, seed: int) -> None:
         self._workers: dict[str, Worker] = {}
         self._threads = ThreadRunner()
         self._make: Callable[[str], Worker] = lambda capability: Worker(capability, selections, model, seed)

@@ -71,6 +71,7 @@ class Mission(Runtime):
             plugins=setup.assembly.plugins,
             jobs=setup.jobs,
             streams=Streams(setup.assembly.plugins, lidars, self._take_verdict),
+            entries=setup.journal.entries,
             record=self.record,
             show=self.show,
         )

@@ -9,8 +9,8 @@ from executive.clock import SimulatedClock, WallClock, wall_s
 from executive.errors import ConfigError, RobotError
 from executive.interfaces.robot import RobotSettings
 from executive.journal import Journal
-from executive.mission.assembly import Assembly, Selection, assemble
-from executive.mission.interrupts import AbortedError, stop_on_interrupt
+from executive.mission.assembly import Assembly, Selections, assemble
+from executive.mission.interrupts import Aborted, stop_on_interrupt
 from executive.mission.jobs import InlineRunner, Jobs, ProcessRunner, Runner, ThreadRunner
 from executive.mission.mission import Mission, Setup
 from executive.mission.operator import Operator
@@ -113,7 +113,7 @@ class Run:
             self._mission = Mission(self._setup, lambda runtime: build_tree(self._description, runtime), halt)
             with stop_on_interrupt(self._mission):
                 return self._mission.run(after_tick)
-        except AbortedError as error:
+        except Aborted as error:
             return Ending("stopped", str(error))
         except RobotError as error:
             return Ending("fault", str(error))
@@ -165,10 +165,6 @@ def _model(description: MissionFile) -> str:
     return settings.model
 
 
-def _selections(description: MissionFile, options: Options) -> tuple[Selection, ...]:
-    return tuple(
-        Selection(capability, one.name, one.settings)
-        for capability, several in description.plugins.items()
-        for one in several
-        if capability != "viewing" or options.record
-    )
+def _selections(description: MissionFile, options: Options) -> Selections:
+    """Leave out the viewer unless there is to be a recording."""
+    return {name: chosen for name, chosen in description.plugins.items() if name != "viewing" or options.record}

@@ -9,7 +9,7 @@ from queue import SimpleQueue
 from typing import Any
 
 from executive.errors import RobotError
-from executive.mission.assembly import Selection, assemble, needed_for
+from executive.mission.assembly import Selections, assemble, needed_for
 
 _DEADLINE_S = 2.0  # for a worker that is told to end, before it is killed
 
@@ -21,7 +21,7 @@ class WorkerDiedError(RobotError):
 class Worker:
     """Calls in order, one at a time; a worker that dies fails its call and is started anew for the next."""
 
-    def __init__(self, capability: str, selections: Sequence[Selection], model: str, seed: int) -> None:
+    def __init__(self, capability: str, selections: Selections, model: str, seed: int) -> None:
         self._capability = capability
         self._arguments = (capability, needed_for(selections, capability), model, seed)
         self._calls: SimpleQueue[tuple[str, Sequence[Any], Future[Any]] | None] = SimpleQueue()
@@ -81,7 +81,7 @@ class Worker:
         return self._connection
 
 
-def _work(connection: Connection, capability: str, selections: Sequence[Selection], model: str, seed: int) -> None:
+def _work(connection: Connection, capability: str, selections: Selections, model: str, seed: int) -> None:
     assembly = assemble(selections, model, seed)
     assembly.start()
     plugin = assembly.plugins[capability]

@@ -10,7 +10,6 @@ from executive.behaviours.action import Leaf
 from executive.errors import ConfigError, UnknownPluginError, did_you_mean
 from executive.interfaces.plugin import Plugin
 
-PLURAL = frozenset({"monitoring"})  # capabilities that may have several plugins side by side
 REQUIRED = ("robot", "estimation")  # what the loop itself calls
 SERVICES = frozenset({"machine", "rng"})  # what a plugin's constructor is given without a selection
 

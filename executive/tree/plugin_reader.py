@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping
 
 from executive.errors import ConfigError
-from executive.registry import dependencies_of
-from executive.tree.catalogue import PLURAL, REQUIRED, SERVICES
+from executive.registry import PLURAL, dependencies_of
+from executive.tree.catalogue import REQUIRED, SERVICES
 from executive.tree.language import LeafUse, Selection
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading

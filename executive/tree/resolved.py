@@ -5,7 +5,7 @@ from typing import Any
 
 import yaml
 
-from executive.tree.catalogue import PLURAL
+from executive.registry import PLURAL
 from executive.tree.language import (
     Ask,
     Attempts,

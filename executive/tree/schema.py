@@ -10,7 +10,8 @@ from typing import Any
 from executive.behaviours.action import Action, Leaf
 from executive.config import Settings
 from executive.errors import ConfigError
-from executive.tree.catalogue import PLURAL, Catalogue, InstalledCatalogue
+from executive.registry import PLURAL
+from executive.tree.catalogue import Catalogue, InstalledCatalogue
 from executive.tree.language import LoopSettings
 from executive.tree.sources import API
 

@@ -85,6 +85,9 @@ class FakeContext(Context):
     def verdicts(self):
         return tuple(self.troubles)
 
+    def last_failure(self):
+        return "no way there"
+
     def note(self, kind, **payload):
         self.notes.append((kind, payload))
 

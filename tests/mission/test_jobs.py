@@ -7,9 +7,9 @@ import pytest
 
 from executive.clock import SimulatedClock, WallClock
 from executive.interfaces.plugin import Plugin
-from executive.mission.assembly import Selection
 from executive.mission.jobs import InlineRunner, Jobs, ProcessRunner, ThreadRunner
 from executive.registry import settings_of
+from executive.tree.language import Selection
 
 
 class Calculator(Plugin):
@@ -65,7 +65,7 @@ def test_wall_times_are_kept_for_the_report():
 
 def segmentation():
     settings = settings_of("segmentation", "ground_and_clusters")()
-    return Selection("segmentation", "ground_and_clusters", settings)
+    return {"segmentation": (Selection("ground_and_clusters", settings),)}
 
 
 def stones_on_a_plane():
@@ -81,7 +81,7 @@ def stones_on_a_plane():
 def test_a_worker_process_computes_what_the_inline_runner_computes():
     from executive.mission.assembly import assemble
 
-    selections = (segmentation(),)
+    selections = segmentation()
     assembly = assemble(selections, "m545", 1)
     assembly.start()
     results = []
@@ -99,7 +99,7 @@ def test_a_worker_process_computes_what_the_inline_runner_computes():
 def test_a_worker_that_dies_fails_its_call_and_serves_the_next():
     from executive.mission.worker import Worker, WorkerDiedError
 
-    worker = Worker("segmentation", (segmentation(),), "m545", 1)
+    worker = Worker("segmentation", segmentation(), "m545", 1)
     try:
         assert worker.submit("segment", [stones_on_a_plane()]).result(60).segments
         worker._process.kill()
@@ -115,7 +115,7 @@ def test_an_error_in_a_worker_comes_back_as_it_is():
     from executive.errors import ExecutiveError
     from executive.mission.worker import Worker
 
-    worker = Worker("segmentation", (segmentation(),), "m545", 1)
+    worker = Worker("segmentation", segmentation(), "m545", 1)
     try:
         with pytest.raises((ExecutiveError, AttributeError, TypeError)):
             worker.submit("segment", [SimpleNamespace(points="nonsense")]).result(60)
