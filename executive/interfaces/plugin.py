@@ -19,7 +19,8 @@ class Plugin:
     # Verbs that take long, and the time that a simulated mission charges for one call [s].
     latency_s: ClassVar[Mapping[str, float]] = {}
 
-    # Whether a copy in a worker process, made from the same settings, gives the same answers.
+    # Whether a copy in a worker process, made from the same settings, gives the same answers. Verbs of a plugin that
+    # says so may run beside the tick; the others are computed within it.
     is_stateless: ClassVar[bool] = False
 
     def start(self) -> None:

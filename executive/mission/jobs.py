@@ -41,38 +41,40 @@ class InlineRunner(Runner):
         return future
 
 
-class ThreadRunner(Runner):
-    """One thread a capability: a plugin never sees two calls at once."""
+class ThreadRunner(InlineRunner):
+    """One thread for all stateless plugins: they share each other's parts, so no two of their verbs run at once.
+
+    A plugin with state, such as a survey that looks at the simulated world, is computed inline: beside the tick it
+    would see the world at no time in particular.
+    """
 
     def __init__(self) -> None:
-        self._pools: dict[str, ThreadPoolExecutor] = {}
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="jobs")
 
     def submit(self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]) -> Future[Any]:
-        pool = self._pools.setdefault(capability, ThreadPoolExecutor(1, thread_name_prefix=capability))
-        return pool.submit(getattr(plugin, verb), *args)
+        if not plugin.is_stateless:
+            return super().submit(capability, plugin, verb, args)
+        return self._pool.submit(getattr(plugin, verb), *args)
 
     def close(self) -> None:
-        for pool in self._pools.values():
-            pool.shutdown(wait=False, cancel_futures=True)
+        self._pool.shutdown(wait=False, cancel_futures=True)
 
 
-class ProcessRunner(Runner):
-    """One worker process a stateless plugin; plugins with state are computed in a thread of this one."""
+class ProcessRunner(InlineRunner):
+    """One worker process a stateless plugin; plugins with state are computed inline."""
 
     def __init__(self, selections: Selections, model: str, seed: int) -> None:
         self._workers: dict[str, Worker] = {}
-        self._threads = ThreadRunner()
         self._make: Callable[[str], Worker] = lambda capability: Worker(capability, selections, model, seed)
 
     def submit(self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]) -> Future[Any]:
         if not plugin.is_stateless:
-            return self._threads.submit(capability, plugin, verb, args)
+            return super().submit(capability, plugin, verb, args)
         if capability not in self._workers:
             self._workers[capability] = self._make(capability)
         return self._workers[capability].submit(verb, args)
 
     def close(self) -> None:
-        self._threads.close()
         for worker in self._workers.values():
             worker.close()
 

@@ -1,5 +1,6 @@
 """Long verbs give the same answers wherever they are computed, at the same time on the mission's clock."""
 
+import threading
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,6 +14,7 @@ from executive.tree.language import Selection
 
 
 class Calculator(Plugin):
+    is_stateless = True
     latency_s = {"square": 0.3}
 
     def square(self, x):
@@ -39,6 +41,20 @@ def test_a_job_is_ready_when_its_latency_has_passed(runner):
         clock.advance(0.05)
     assert ready_at == 6
     assert job.result() == 49
+    jobs.close()
+
+
+class Witness(Plugin):
+    """Tells in which thread it was asked; its answer would depend on when, so it must not be asked beside the tick."""
+
+    def look(self):
+        return threading.current_thread()
+
+
+@pytest.mark.parametrize("make", [ThreadRunner, lambda: ProcessRunner({}, "m545", 1)], ids=["thread", "process"])
+def test_a_plugin_with_state_is_asked_within_the_tick(make):
+    jobs = Jobs({"surveying": Witness()}, make(), SimulatedClock(), is_lock_step=True)
+    assert jobs.start("surveying", "look", []).result() is threading.current_thread()
     jobs.close()
 
 
