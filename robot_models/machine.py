@@ -10,13 +10,12 @@ import yaml
 from pydantic import Field, ValidationError, model_validator
 
 from executive.arrays import Float
-from executive.config import Settings
 from executive.errors import ConfigError, did_you_mean
 from robot_models.gripper import SIDES, Gripper
 from robot_models.joint import Jaw, Joint
 from robot_models.link import Link
 from robot_models.provenance import Sourced
-from robot_models.sensor import Sensor
+from robot_models.rig import Rig
 
 _FOLDER = Path(__file__).parent
 _FILE = "robot.yaml"
@@ -30,17 +29,15 @@ class Stance(Sourced):
     reach_m: float = Field(gt=0, description="Farthest reach of the tips from the turning axis [m].")
 
 
-class Machine(Settings):
+class Machine(Rig):
     """Joints, links, sensors and gripper of one machine."""
 
-    name: str = Field(description="Name of the machine.")
     turn_joint: str = Field(description="The joint that turns the cabin.")
     stance: Stance
     joints: tuple[Joint, ...] = Field(min_length=1, description="The arm's joints, from the base to the gripper.")
     jaw: Jaw
     gripper: Gripper
     bodies: dict[str, Link] = Field(description="Links by name, without the gripper's.")
-    sensors: dict[str, Sensor] = Field(description="Sensors by name.")
     postures: dict[str, dict[str, float]] = Field(description="Named joint positions; at least `scan` and `carry`.")
     allowed_collisions: tuple[tuple[str, str], ...] = Field(
         (), description="Pairs of links that may touch, besides neighbours."
@@ -72,29 +69,14 @@ class Machine(Settings):
                 raise ValueError(f"posture {name} is beyond the range of {', '.join(beyond)}")
 
     @cached_property
-    def arm_names(self) -> tuple[str, ...]:
-        """Names of the arm's joints, from the base to the gripper."""
-        return tuple(joint.name for joint in self.joints)
-
-    @cached_property
     def joint_names(self) -> tuple[str, ...]:
         """Names of all joints that are measured and driven: the arm's, then the jaw."""
         return (*self.arm_names, self.jaw.name)
 
     @property
-    def base_link(self) -> str:
-        """Name of the chassis' link."""
-        return self.joints[0].parent
-
-    @property
     def gripper_link(self) -> str:
         """Name of the link that carries the jaws; its frame is the gripper's."""
         return self.joints[-1].child
-
-    @property
-    def cabin_link(self) -> str:
-        """Name of the link that the turning joint moves."""
-        return self.joints[self.arm_names.index(self.turn_joint)].child
 
     @cached_property
     def links(self) -> dict[str, Link]:
@@ -123,10 +105,6 @@ class Machine(Settings):
         if name not in self.postures:
             raise ConfigError(f"{self.name} has no posture '{name}'{did_you_mean(name, self.postures)}")
         return np.array([self.postures[name][joint] for joint in self.arm_names])
-
-    def sensors_of(self, kind: str) -> tuple[Sensor, ...]:
-        """Return the sensors of a kind, in the file's order."""
-        return tuple(sensor for sensor in self.sensors.values() if sensor.kind == kind)
 
     @property
     def payload_kg(self) -> float:

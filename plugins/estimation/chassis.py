@@ -10,25 +10,26 @@ from executive.config import RadiansPerSecond, Settings
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import about_axis
 from executive.messages.joints import JointSample
-from robot_models.machine import Machine
+from robot_models.rig import Rig
 
 
 class TurnJoint:
-    """The joint that ties the cabin to the chassis, at its newest sample."""
+    """The joint that ties the cabin to the chassis, at its newest sample; where there is none, they are one body."""
 
-    def __init__(self, machine: Machine) -> None:
-        joint = machine.joints[machine.arm_names.index(machine.turn_joint)]
-        self._name = joint.name
-        self._T_base_joint = joint.T_parent_joint
-        self._axis = np.asarray(joint.axis, dtype=float)
+    def __init__(self, machine: Rig) -> None:
+        self._name = machine.turn_joint
+        self._T_base_joint, self._axis = np.eye(4), np.array([0.0, 0.0, 1.0])
+        if machine.turn_joint is not None:
+            joint = machine.joints[machine.arm_names.index(machine.turn_joint)]
+            self._T_base_joint, self._axis = joint.T_parent_joint, np.asarray(joint.axis, dtype=float)
         self._stamp_s: float | None = None
         self._position_rad = 0.0
         self._velocity_rad_s = 0.0
 
     @property
     def is_known(self) -> bool:
-        """Whether a sample has arrived."""
-        return self._stamp_s is not None
+        """Whether a sample has arrived, or none is needed."""
+        return self._stamp_s is not None or self._name is None
 
     @property
     def velocity_rad_s(self) -> float:
@@ -42,6 +43,8 @@ class TurnJoint:
 
     def update(self, sample: JointSample) -> None:
         """Take one joint sample."""
+        if self._name is None:
+            return
         self._position_rad, self._velocity_rad_s, _ = sample.of(self._name)
         self._stamp_s = sample.stamp_s
 
