@@ -12,9 +12,7 @@ from executive.messages.stone import StoneState
 
 
 class SetAsideSettings(Settings):
-    reason: str = Field(
-        "every attempt failed", min_length=1, description="What the report says, then the cause."
-    )
+    reason: str = Field("every attempt failed", min_length=1, description="What the report says, then the cause.")
 
 
 class SetAside(Condition):
