@@ -7,10 +7,11 @@ from pydantic import Field, model_validator
 
 from executive.config import Kilograms, KilogramsPerCubicMeter, Meters, Radians, Settings
 from executive.errors import ConfigError
+from executive.geometry.quarried_block import block
 from plugins.robot.mujoco.solid import volume_and_centroid
 from plugins.robot.mujoco.stone_meshes import mesh_files, read_skin
 from plugins.robot.mujoco.stone_model import StoneModel
-from plugins.robot.mujoco.stone_shape import block, rough_skin
+from plugins.robot.mujoco.stone_shape import rough_skin
 
 
 class PlacementSettings(Settings):

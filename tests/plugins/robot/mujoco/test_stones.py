@@ -9,9 +9,9 @@ from pydantic import ValidationError
 from scipy.spatial import ConvexHull
 
 from executive.errors import ConfigError
+from executive.geometry.quarried_block import block
 from plugins.robot.mujoco.solid import inertia_about_origin, volume_and_centroid
 from plugins.robot.mujoco.stone_meshes import read_skin
-from plugins.robot.mujoco.stone_shape import block
 from plugins.robot.mujoco.stones import StoneSettings, make_stones
 
 SCANS = Path(__file__).parents[5] / "shared" / "data" / "stones"

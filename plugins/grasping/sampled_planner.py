@@ -1,0 +1,143 @@
+"""The plan of every sampling planner: pool, order, reach, way in, rehearsal (Mascaro 2020, Sec. 5)."""
+
+from abc import abstractmethod
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from typing import ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from executive.arrays import Float, checked
+from executive.config import Meters
+from executive.errors import DataError
+from executive.geometry.pose import pose
+from executive.interfaces.grasping import GraspPlanner
+from executive.interfaces.motion import MotionPlanner
+from executive.messages.cloud import Cloud
+from executive.messages.grasp import Grasp, GraspPlan
+from executive.messages.stone import Stone
+from plugins.grasping.arm_reach import ArmReach
+from plugins.grasping.planning_cloud import PlanningCloud
+from plugins.grasping.pool import Pool, Sampler, SamplingSettings
+from plugins.grasping.ranking import ranked_rounds, spread
+from plugins.grasping.rehearsal import FALLEN_M, Lifted, Rehearsal
+from plugins.grasping.way_in import WayIn
+from robot_models.machine import Machine
+
+_ROOM_IN_CLOUD_M = 0.01  # a point deeper than this in the open gripper refuses a grasp
+_FEW_POINTS = 20  # fewer say nothing about a stone's shape
+# Friction of steel on stone, and offsets in the gripper's frame [m]: as planned, and with margins for both.
+_VARIANTS = ((0.45, (0.0, 0.0, 0.0)), (0.55, (-0.03, 0.0, 0.04)), (0.55, (-0.03, 0.0, -0.04)))
+_PUSH_WEIGHT = 0.2  # of what the jaws move while they close, against what slips from them
+_FIRM_M, _ENOUGH = 0.05, 4  # no more rehearsals when this many grasps cost less than this
+_SPREAD_M, _SPREAD_RAD = 0.10, np.radians(20.0)
+
+
+class SampledPlannerSettings(SamplingSettings):
+    """Sampling, the paper's stages, reach and rehearsal."""
+
+    way_in_m: Meters = Field(0.8, ge=0, description="Straight way down to a grasp that must be free and in reach [m].")
+    overload: float = Field(1.15, ge=1, description="Estimated mass over payload that is refused; a hull is too large.")
+    keep_aligned: int = Field(40, ge=1, description="Grasps that pass the ranking by alignment (Sec. 5.4).")
+    keep_enclosing: int = Field(20, ge=1, description="Grasps that pass the ranking by enclosing (Sec. 5.4).")
+    rehearsed: int = Field(32, ge=0, le=500, description="Most lifts that are rehearsed; 0: the order stays.")
+    max_slip_m: Meters = Field(0.3, gt=0, description="A grasp whose stone moves more in rehearsals is refused [m].")
+    max_grasps: int = Field(8, ge=1, description="Most grasps that are returned.")
+
+
+class SampledPlanner(GraspPlanner):
+    """Samples ways to hold a stone, orders them, and returns the first that are free and in reach.
+
+    What tells the planners apart is `ordered`.
+    """
+
+    latency_s: ClassVar[dict[str, float]] = {"plan": 1.5}
+
+    def __init__(self, settings: SampledPlannerSettings, machine: Machine, motion: MotionPlanner) -> None:
+        self._settings: SampledPlannerSettings = settings
+        self._machine = machine
+        self._arm = ArmReach(machine, motion)
+        self._sampler = Sampler(settings, machine.gripper)
+
+    @abstractmethod
+    def ordered(self, scene: PlanningCloud, pool: Pool) -> tuple[Iterable[int], Float]:
+        """Return the indices of the grasps of a pool to go on with, best first, and what each is worth, shape (M,)."""
+
+    def plan(self, target: Stone, cloud: Cloud, T_map_base: Float, rng: np.random.Generator) -> GraspPlan:
+        """Plan grasps, best first; empty with reasons if the stone cannot be held.
+
+        Raises:
+            DataError: If the cloud is not in the map.
+        """
+        if cloud.frame != "map":
+            raise DataError(f"the grasp planner needs a cloud in the frame 'map', got '{cloud.frame}'")
+        if len(target.points_map) < _FEW_POINTS:
+            return GraspPlan((), {"too_few_points": 1})
+        s = self._settings
+        scene = self._sampler.scene(target.points_map, cloud.points, rng)
+        if scene.volume_m3 * s.density > s.overload * self._machine.payload_kg:
+            return GraspPlan((), {"too_heavy": 1})
+        pool = self._sampler.pool(scene, rng)
+        refused = Counter(pool.refused)
+        grasps = self._chosen(scene, pool, checked("T_map_base", T_map_base, 4, 4), refused) if len(pool) else ()
+        return GraspPlan(grasps, {reason: n for reason, n in sorted(refused.items()) if n})
+
+    def paper_order(self, pool: Pool) -> Iterator[int]:
+        """Yield the indices of a pool by the paper's stages (Sec. 5.4); those left over go through them again."""
+        s = self._settings
+        stages = [("align_rad", s.keep_aligned), ("enclose_m", s.keep_enclosing)]
+        return (int(i) for passed in ranked_rounds(pool.costs, stages, "distance_m") for i in passed)
+
+    def _chosen(self, scene: PlanningCloud, pool: Pool, T_map_base: Float, refused: Counter[str]) -> tuple[Grasp, ...]:
+        """Rehearse the first that the arm comes to, and rank them by what they are worth less how far they slip."""
+        s, gripper = self._settings, self._machine.gripper
+        rehearsal = Rehearsal(gripper, scene.body, scene.ground.normal, scene.volume_m3 * s.density)
+        order, worth = self.ordered(scene, pool)
+        grasps: list[Grasp] = []
+        firm = 0
+        attainable = self._attainable(scene, pool, order, T_map_base, refused)
+        for tried, (i, T_map_gripper) in enumerate(attainable, start=1):
+            lifted = self._rehearsed(rehearsal, pose(pool.R[i], pool.position[i]), float(pool.jaw_rad[i]))
+            cost = round(lifted.get("slip_m", 0.0) + _PUSH_WEIGHT * lifted.get("push_m", 0.0), 2)
+            firm += bool(lifted) and cost <= _FIRM_M
+            if cost > s.max_slip_m:
+                refused["slips"] += 1
+            else:
+                named = {name: float(values[i]) for name, values in pool.costs.items()} | lifted
+                grasps.append(Grasp(T_map_gripper, gripper.max_opening_m, float(worth[i]) - cost, named))
+            if firm == _ENOUGH or tried == max(s.rehearsed, s.max_grasps):
+                break
+        grasps.sort(key=lambda grasp: -grasp.score)  # stable: equals keep their order
+        return tuple(grasps[: s.max_grasps])
+
+    def _attainable(
+        self, scene: PlanningCloud, pool: Pool, order: Iterable[int], T_map_base: Float, refused: Counter[str]
+    ) -> Iterator[tuple[int, Float]]:
+        """Yield index and T_map_gripper of grasps with a free way in that the arm comes to, in the order given."""
+        s, up = self._settings, scene.ground.normal
+        way_in = WayIn(self._machine.gripper)
+        for i in spread(order, pool.R, pool.position, _SPREAD_M, _SPREAD_RAD):
+            T_plan_gripper = pose(pool.R[i], pool.position[i])
+            T_map_gripper = self._arm.reached(scene.T_map_plan @ T_plan_gripper, T_map_base, s.way_in_m)
+            if T_map_gripper is None:
+                refused["out_of_reach"] += 1
+            elif not way_in.is_free(scene.points, T_plan_gripper, up, s.way_in_m, _ROOM_IN_CLOUD_M):
+                refused["way_in_blocked"] += 1
+            else:
+                yield i, T_map_gripper
+
+    def _rehearsed(self, rehearsal: Rehearsal, T_plan_gripper: Float, jaw_rad: float) -> dict[str, float]:
+        """Return `slip_m`, how far the stone moves in the jaws, and `push_m`, how far they move it before.
+
+        Both are means over rehearsals at and about the pose.
+        """
+        if not self._settings.rehearsed:
+            return {}
+        lifts: list[Lifted] = []
+        for friction, offset in _VARIANTS:
+            lifts.append(rehearsal.lift(T_plan_gripper @ pose(t=np.array(offset)), jaw_rad, friction))
+            if lifts[0].slip_m >= FALLEN_M:
+                break  # hopeless: spare the variants
+        slip_m, push_m = (float(np.mean(values)) for values in zip(*((x.slip_m, x.drag_m) for x in lifts), strict=True))
+        return {"slip_m": slip_m, "push_m": push_m}
