@@ -2,16 +2,24 @@
 
 from typing import Any
 
+import numpy as np
 from pydantic import Field
 
+from executive.arrays import Float
 from executive.behaviours.action import Action, Steps
+from executive.behaviours.context import Context
 from executive.behaviours.outcome import failed, succeeded
 from executive.behaviours.port import Port
 from executive.behaviours.surroundings import surroundings
 from executive.config import Meters, Settings
+from executive.geometry.pose import inverse
+from executive.geometry.rotation import angle_between
 from executive.messages.grasp import Grasp
 from executive.messages.request import MotionPlan, MoveRequest
+from executive.messages.stone import Stone
 from executive.messages.trajectory import JointTrajectory
+
+_ALIKE_M, _ALIKE_RAD = 0.1, 0.25  # two grasps nearer than both are one: about the spread of the jaws' own errors
 
 
 class PlanPickSettings(Settings):
@@ -20,7 +28,10 @@ class PlanPickSettings(Settings):
 
 
 class PlanPick(Action):
-    """Find the first grasp with a free way to it; it and those before it are taken off the list."""
+    """Find the first grasp with a free way to it; it and those before it are taken off the list.
+
+    Grasps unlike those that this node has tried on the stone before come first: what slipped once slips again.
+    """
 
     Settings = PlanPickSettings
     needs = ("motion", "mapping", "objects")
@@ -31,9 +42,13 @@ class PlanPick(Action):
         "trajectory": Port(JointTrajectory, "the way to the grasp"),
     }
 
+    def __init__(self, settings: Any, context: Context) -> None:
+        super().__init__(settings, context)
+        self._tried: dict[int, list[Float]] = {}  # T_object_gripper by stone
+
     def run(self, **inputs: Any) -> Steps:
-        grasps: list[Grasp] = inputs["grasps"]
         stone = self.context.plugin("objects").stone(inputs["stone"])
+        grasps = self._new_ones_first(stone, inputs["grasps"])
         cloud = surroundings(self.context)
         reasons = []
         for number, grasp in enumerate(grasps, 1):
@@ -41,6 +56,7 @@ class PlanPick(Action):
             if plan.trajectory is None:
                 reasons.append(plan.reason)
                 continue
+            self._tried.setdefault(stone.id, []).append(_on_stone(grasp, stone))
             self.context.note(
                 "attempt", stone=stone.id, centroid_map=stone.centroid_map, grasp=_as_record(grasp), passed_over=reasons
             )
@@ -49,6 +65,10 @@ class PlanPick(Action):
             return succeeded(grasp=grasp, grasps=grasps[number:], trajectory=plan.trajectory)
         why = "; ".join(sorted(set(reasons))) or "no grasp is left"
         return failed(f"no way to any of {len(grasps)} grasps of stone {stone.id}: {why}", grasps=[])
+
+    def _new_ones_first(self, stone: Stone, grasps: list[Grasp]) -> list[Grasp]:
+        tried = self._tried.get(stone.id, [])
+        return sorted(grasps, key=lambda grasp: any(_are_alike(_on_stone(grasp, stone), other) for other in tried))
 
     def _request(self, grasp: Grasp, cloud: Any) -> MoveRequest:
         return MoveRequest(
@@ -61,6 +81,17 @@ class PlanPick(Action):
             held_gripper=None,
             jaw_rad=self.context.machine().gripper.open_rad,
         )
+
+
+def _on_stone(grasp: Grasp, stone: Stone) -> Float:
+    return np.asarray(inverse(stone.T_map_object) @ grasp.T_map_gripper)
+
+
+def _are_alike(T_a: Float, T_b: Float) -> bool:
+    return (
+        bool(np.linalg.norm(T_a[:3, 3] - T_b[:3, 3]) < _ALIKE_M)
+        and angle_between(T_a[:3, :3], T_b[:3, :3]) < _ALIKE_RAD
+    )
 
 
 def _as_record(grasp: Grasp) -> dict[str, Any]:

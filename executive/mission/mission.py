@@ -12,6 +12,7 @@ from executive.errors import RobotError
 from executive.interfaces.robot import Robot
 from executive.journal import Journal
 from executive.messages.base_state import BaseState
+from executive.messages.stone import Stone
 from executive.messages.verdict import Verdict
 from executive.mission.assembly import Assembly
 from executive.mission.context import NodeContext, Services
@@ -52,6 +53,7 @@ class Mission(Runtime):
         self.store = Store()
         self.phase = Phase.IDLE
         self.states: list[BaseState] = []
+        self.first_stones: dict[int, Stone] = {}  # each as it was first shown, for the report's truth
         self._setup = setup
         self.journal = setup.journal
         self._tick = 0
@@ -87,6 +89,8 @@ class Mission(Runtime):
         self.journal.append(self._tick, self.clock.now_s(), kind, node, payload)
 
     def show(self, entity: str, value: object) -> None:
+        if isinstance(value, Stone):
+            self.first_stones.setdefault(value.id, value)
         self._display.show(entity, value)
 
     def ask(self, node: str, question: str, default: bool | None) -> Question:

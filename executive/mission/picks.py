@@ -26,13 +26,18 @@ class Try:
 
 @dataclass(slots=True)
 class Pick:
-    """All attempts at one stone, and where it stands now."""
+    """One relocation of one stone: all attempts at it, and how it ended."""
 
     stone: int
     tries: list[Try] = field(default_factory=list)
     released: Mapping[str, Any] | None = None
     estimated_pose: Any = None
     set_aside: str = ""
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the stone was set down on its slot, or given up."""
+        return self.released is not None or bool(self.set_aside)
 
     def as_report(self) -> dict[str, Any]:
         """Return the entry of the report."""
@@ -49,7 +54,7 @@ class Pick:
                 }
                 for t in self.tries
             ],
-            "placed": self.released is not None and not self.set_aside,
+            "placed": self.released is not None,
             "slot": released.get("slot"),
             "planned_pose": released.get("planned_pose"),
             "estimated_pose": self.estimated_pose or released.get("estimated_pose"),
@@ -58,30 +63,38 @@ class Pick:
 
 
 def picks_from(entries: Iterable[Entry]) -> list[Pick]:
-    """Read all picks, in the order in which the stones were first tried."""
-    picks: dict[int, Pick] = {}
+    """Read all picks in the order in which they began; a stone that is moved again is picked again."""
+    picks: list[Pick] = []
+    newest: dict[int, Pick] = {}  # by stone
     current: Try | None = None
     last_s = 0.0
+
+    def pick_of(stone: int) -> Pick:
+        pick = newest.get(stone)
+        if pick is None or pick.is_over:
+            pick = newest[stone] = Pick(stone)
+            picks.append(pick)
+        return pick
+
     for entry in entries:
         payload = entry.payload
         if entry.kind == "attempt":
             _cut_off(current, entry.time_s)
-            stone = payload["stone"]
-            current = Try(stone, entry.time_s, payload["grasp"], tuple(payload["centroid_map"]), entry.time_s)
-            pick = picks.setdefault(stone, Pick(stone))
-            pick.tries.append(current)
-            pick.released, pick.estimated_pose = None, None
+            current = Try(
+                payload["stone"], entry.time_s, payload["grasp"], tuple(payload["centroid_map"]), entry.time_s
+            )
+            pick_of(payload["stone"]).tries.append(current)
         elif entry.kind in ("verdict", *_ENDINGS) and current is not None:
             _end(current, entry)
         if entry.kind == "released":
-            picks.setdefault(payload["stone"], Pick(payload["stone"])).released = payload
-        elif entry.kind == "realigned" and payload["stone"] in picks:
-            picks[payload["stone"]].estimated_pose = payload["estimated_pose"]
+            pick_of(payload["stone"]).released = payload
+        elif entry.kind == "realigned" and payload["stone"] in newest:
+            newest[payload["stone"]].estimated_pose = payload["estimated_pose"]
         elif entry.kind == "set_aside":
-            picks.setdefault(payload["stone"], Pick(payload["stone"])).set_aside = payload["reason"]
+            pick_of(payload["stone"]).set_aside = payload["reason"]
         last_s = entry.time_s
     _cut_off(current, last_s)
-    return list(picks.values())
+    return picks
 
 
 def _cut_off(current: Try | None, now_s: float) -> None:

@@ -35,7 +35,7 @@ def counts_from(entries: Sequence[Entry], picks: Sequence[Pick]) -> dict[str, in
     """Count what a person asks for first."""
     kinds = Counter(entry.kind for entry in entries)
     troubles = Counter(entry.payload["trouble"] for entry in entries if entry.kind == "verdict")
-    placed = [pick for pick in picks if pick.released is not None and not pick.set_aside]
+    placed = [pick for pick in picks if pick.released is not None]
     return {
         "picks": len(picks),
         "placed": len(placed),

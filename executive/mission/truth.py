@@ -21,14 +21,18 @@ def truth_of(robot_name: str, mission: Mission, picks: Sequence[Pick]) -> dict[s
     view = MissionView(
         states=mission.states,
         stones=plugins["objects"].stones() if "objects" in plugins else (),
-        first_stones=mission.store.get("stones") if "stones" in mission.store else (),
-        slots={pick.stone: slot for pick in picks if (slot := _slot(pick)) is not None},
+        first_stones=tuple(mission.first_stones.values()),
+        slots=_slots(picks),
         attempts=attempts_from(picks),
     )
     return {"truth": oracle.truth(view)}
 
 
-def _slot(pick: Pick) -> Slot | None:
-    if pick.released is None or pick.set_aside:
-        return None
-    return Slot(pick.released["slot"], np.array(pick.released["slot_position"]))
+def _slots(picks: Sequence[Pick]) -> dict[int, Slot]:
+    """Return where each stone stands by the mission's word: its newest pick decides."""
+    newest = {pick.stone: pick.released for pick in picks}
+    return {
+        stone: Slot(released["slot"], np.array(released["slot_position"]))
+        for stone, released in newest.items()
+        if released is not None
+    }

@@ -56,3 +56,20 @@ def test_counts_what_a_person_asks_for():
     assert counts["picks"] == 2
     assert (counts["placed"], counts["first_attempt"], counts["attempts"]) == (1, 0, 3)
     assert (counts["drops"], counts["slips"], counts["empty"], counts["set_aside"]) == (1, 1, 1, 1)
+
+
+def test_a_stone_that_is_moved_again_is_picked_again():
+    again = journal_of(
+        (10, "attempt", attempt(1)),
+        (40, "released", RELEASED),
+        (60, "attempt", attempt(1)),
+        (90, "released", {**RELEASED, "slot": 5}),
+    )
+    picks = picks_from(again)
+    assert [(pick.stone, pick.as_report()["slot"], len(pick.tries)) for pick in picks] == [(1, 4, 1), (1, 5, 1)]
+    assert counts_from(again, picks)["first_attempt"] == 2
+
+
+def test_an_attempt_that_nothing_ended_lasts_to_the_end_of_the_run():
+    (cut_off,) = picks_from(journal_of((10, "attempt", attempt(1)), (15, "grasped", {"stone": 1}), (22, "ended", {})))
+    assert (cut_off.tries[0].outcome, cut_off.tries[0].ended_s) == ("unfinished", 22)

@@ -1,0 +1,90 @@
+"""A way to a grasp: the first that is free, and after a failure one unlike those before."""
+
+import numpy as np
+import pytest
+
+from executive.behaviours.plan_pick import PlanPick, PlanPickSettings
+from executive.geometry.pose import pose
+from executive.geometry.rotation import from_rpy
+from executive.messages.cloud import Cloud
+from executive.messages.grasp import Grasp
+from executive.messages.request import MotionPlan
+from executive.messages.stone import Stone, StoneState
+from executive.messages.trajectory import JointTrajectory
+
+POINTS = np.random.default_rng(0).uniform(-0.4, 0.4, (50, 3)) + [5, 0, 0.4]
+
+
+class Objects:
+    def __init__(self):
+        self.T_map_object = pose(t=np.array([5.0, 0.0, 0.4]))
+
+    def stone(self, stone_id):
+        return Stone(stone_id, StoneState.ON_GROUND, POINTS, POINTS.mean(axis=0), self.T_map_object, True)
+
+    def stones(self):
+        return (self.stone(1),)
+
+
+class Mapper:
+    def cloud(self):
+        return Cloud("map", POINTS)
+
+
+class Planner:
+    def __init__(self, blocked=()):
+        self.blocked = blocked
+
+    def move(self, request):
+        x = round(float(request.T_map_gripper[0, 3]), 3)
+        if x in self.blocked:
+            return MotionPlan(None, f"blocked at {x}", np.zeros((0, 3)))
+        start = np.stack([request.start, request.start])
+        names = tuple(f"j{i}" for i in range(len(request.start)))
+        return MotionPlan(JointTrajectory(names, np.array([0.0, 1.0]), start, 0 * start), "", np.zeros((0, 3)))
+
+
+def grasp(x, yaw=0.0, T_map_map=None):
+    T = pose(from_rpy(0, np.pi / 2, yaw), np.array([x, 0.0, 1.5]))
+    return Grasp(T if T_map_map is None else T_map_map @ T, 2.0, 1.0, {})
+
+
+@pytest.fixture
+def leaf(fakes):
+    context = fakes.Context(objects=Objects(), mapping=Mapper(), motion=Planner())
+    return PlanPick(PlanPickSettings(), context)
+
+
+def test_takes_the_first_with_a_free_way_and_keeps_the_rest(leaf, fakes):
+    leaf.context.plugins["motion"] = Planner(blocked=(5.0,))
+    outcome = fakes.finish(leaf, stone=1, grasps=[grasp(5.0), grasp(5.3), grasp(5.6)])
+    assert outcome.outputs["grasp"].T_map_gripper[0, 3] == pytest.approx(5.3)
+    assert [g.T_map_gripper[0, 3] for g in outcome.outputs["grasps"]] == [pytest.approx(5.6)]
+    assert leaf.context.notes[0][1]["passed_over"] == ["blocked at 5.0"]
+
+
+def test_no_free_way_is_a_failure_with_all_reasons(leaf, fakes):
+    leaf.context.plugins["motion"] = Planner(blocked=(5.0, 5.3))
+    outcome = fakes.finish(leaf, stone=1, grasps=[grasp(5.0), grasp(5.3)])
+    assert not outcome.success
+    assert "blocked at 5.0; blocked at 5.3" in outcome.reason
+
+
+def test_the_second_attempt_is_unlike_the_first(leaf, fakes):
+    fakes.finish(leaf, stone=1, grasps=[grasp(5.0), grasp(5.3)])
+    again = fakes.finish(leaf, stone=1, grasps=[grasp(5.02), grasp(5.3)])
+    assert again.outputs["grasp"].T_map_gripper[0, 3] == pytest.approx(5.3)
+
+
+def test_likeness_is_judged_on_the_stone_wherever_it_lies_now(leaf, fakes):
+    fakes.finish(leaf, stone=1, grasps=[grasp(5.0), grasp(5.3)])
+    moved = pose(from_rpy(0, 0, 0.7), np.array([0.0, 1.0, 0.0]))
+    leaf.context.plugins["objects"].T_map_object = moved @ leaf.context.plugins["objects"].T_map_object
+    again = fakes.finish(leaf, stone=1, grasps=[grasp(5.0, T_map_map=moved), grasp(5.3, T_map_map=moved)])
+    np.testing.assert_allclose(again.outputs["grasp"].T_map_gripper, grasp(5.3, T_map_map=moved).T_map_gripper)
+
+
+def test_another_stone_is_a_new_story(leaf, fakes):
+    fakes.finish(leaf, stone=1, grasps=[grasp(5.0), grasp(5.3)])
+    other = fakes.finish(leaf, stone=2, grasps=[grasp(5.0), grasp(5.3)])
+    assert other.outputs["grasp"].T_map_gripper[0, 3] == pytest.approx(5.0)
