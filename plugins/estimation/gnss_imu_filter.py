@@ -1,9 +1,8 @@
-"""Estimation by the cabin's inertial sensor, the two satellite antennas and the turn joint."""
+"""Estimation by the cabin's inertial sensor, the satellite antennas and the turn joint."""
 
 from bisect import insort
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,33 +17,30 @@ from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.odometry import LidarIncrement
 from plugins.estimation.chassis import StandingDetector, TurnJoint
+from plugins.estimation.correction import Correction
 from plugins.estimation.doorkeeper import Doorkeeper
 from plugins.estimation.error_state_filter import ErrorStateFilter
 from plugins.estimation.gnss_imu_settings import GnssImuSettings
 from plugins.estimation.inertial_noise import InertialNoise
 from plugins.estimation.inertial_state import POSITION, ROTATION, Inertial, InertialState, propagate, skew
 from plugins.estimation.measurement_models import antenna_residual, rate_residual, standing_residual
+from plugins.estimation.moving_start import MovingStart
 from plugins.estimation.rest_initialisation import RestInitialisation
-from robot_models.machine import Machine
+from robot_models.rig import Rig
 from robot_models.sensor import Imu
 
 INITIALISING, GLOBAL, FALLBACK = "INITIALISING", "GLOBAL", "FALLBACK"
 _MAX_RATE_RAD_S = 35.0  # 2000 deg/s: the range of a MEMS sensor
 _MAX_FORCE_M_S2 = 160.0  # 16 g
 _COVARIANCE_PERIOD_S = 0.049
+_REST_PERIOD_S = 0.1  # between looks for rest, which cost milliseconds, where a long rest is followed for its end
 _POSE = np.r_[ROTATION, POSITION]
-
-
-@dataclass(order=True, frozen=True)
-class _Correction:
-    """A measurement that waits for the filter to reach its time."""
-
-    stamp_s: float
-    apply: Callable[[], None] = field(compare=False)
 
 
 class GnssImuFilter(Estimator):
     """An error-state Kalman filter on the cabin; heading comes with the antennas' lever arms.
+
+    With one antenna it begins after the first metres of motion, and heading is known as far as the body accelerates.
 
     The role of the paper's baseline, the two-state implicit filter: inertial and satellite measurements only (Nubert
     2022, Sec. V). The filter itself trails by `lag_s`, so that measurements of whatever latency are used at their own
@@ -56,7 +52,7 @@ class GnssImuFilter(Estimator):
 
     Settings = GnssImuSettings
 
-    def __init__(self, settings: GnssImuSettings, machine: Machine) -> None:
+    def __init__(self, settings: GnssImuSettings, machine: Rig) -> None:
         self._settings = settings
         self._machine = machine
 
@@ -70,7 +66,7 @@ class GnssImuFilter(Estimator):
         self._turn = TurnJoint(self._machine)
         self._standing = StandingDetector(settings.standing)
         self._datum = None if settings.datum is None else np.array(settings.datum)
-        self._corrections: list[_Correction] = []
+        self._corrections: list[Correction] = []
         self._T_odom_cabin: Float | None = None
         self._last: BaseState | None = None
         self._standing_s = -np.inf
@@ -79,10 +75,12 @@ class GnssImuFilter(Estimator):
     def _restart(self) -> None:
         self._filter: ErrorStateFilter | None = None
         self._rest = RestInitialisation(self._settings.rest, self._antennas_imu, self._noise)
+        arm = next(iter(self._antennas_imu.values()))
+        self._moving = MovingStart(self._settings.moving_start, arm, self._noise)
         self._samples: deque[Inertial] = deque()
         self._corrections.clear()
         self._newest: Inertial | None = None
-        self._begin_s = self._used_fix_s = -np.inf
+        self._begin_s = self._used_fix_s = self._tried_s = -np.inf
         self._gated = 0
         self._predicted: InertialState | None = None
         self._is_corrected = False
@@ -91,19 +89,15 @@ class GnssImuFilter(Estimator):
     def _cabin_imu(self) -> Imu:
         sensor = self._machine.sensors.get(self._settings.imu)
         if not isinstance(sensor, Imu) or sensor.link != self._machine.cabin_link:
-            names = [s.name for s in self._machine.sensors_of("imu") if s.link == self._machine.cabin_link]
-            raise ConfigError(
-                f"estimation: '{self._settings.imu}' is no imu on the cabin; there is: {', '.join(names)}"
-            )
+            names = ", ".join(s.name for s in self._machine.sensors_of("imu") if s.link == self._machine.cabin_link)
+            raise ConfigError(f"estimation: '{self._settings.imu}' is no imu on the cabin; there is: {names}")
         return sensor
 
     def _antennas(self) -> Mapping[str, Float]:
         """Return the antennas' phase centres in IMU axes [m]."""
         gnss = [s for s in self._machine.sensors_of("gnss") if s.link == self._machine.cabin_link]
-        if len(gnss) < 2:
-            raise ConfigError(
-                f"estimation: heading needs two gnss antennas on the cabin; {self._machine.name} has {len(gnss)}"
-            )
+        if not gnss:
+            raise ConfigError(f"estimation: {self._machine.name} has no gnss antenna on the cabin; one is needed")
         return {s.name: transform(self._T_imu_cabin, s.T_link_sensor[:3, 3]) for s in gnss}
 
     @property
@@ -133,11 +127,11 @@ class GnssImuFilter(Estimator):
         if not fix.is_rtk_fixed or not 0 < np.diag(noise).max() < self._settings.max_gnss_std_m**2:
             self._door.refuse(fix.antenna, "too uncertain")
             return
-        if self._datum is None:
-            self._datum = np.array(fix.geodetic)
+        self._datum = np.array(fix.geodetic) if self._datum is None else self._datum
         p_map = enu_from_geodetic(fix.geodetic, self._datum)
         if self._filter is None:
             self._rest.add_fix(fix.stamp_s, fix.antenna, p_map)
+            self._moving.add_fix(fix.stamp_s, p_map)
         self._queue(fix.antenna, fix.stamp_s, lambda: self._correct_by_fix(fix.antenna, fix.stamp_s, p_map, noise))
 
     def add_odometry(self, increment: LidarIncrement) -> None:
@@ -158,7 +152,7 @@ class GnssImuFilter(Estimator):
         if stamp_s < self._filter.state.stamp_s:
             self._door.refuse(stream, "too late")
             return
-        insort(self._corrections, _Correction(stamp_s, apply))
+        insort(self._corrections, Correction(stamp_s, apply))
 
     def _add_cabin_sample(self, sample: Inertial) -> None:
         if sample.since_last_s > self._settings.restart_after_s:
@@ -169,11 +163,27 @@ class GnssImuFilter(Estimator):
             self._samples.append(sample)
             self._advance(sample.stamp_s - self._settings.lag_s)
             return
-        self._rest.add_sample(sample)
-        first = self._rest.state() if abs(self._turn.velocity_rad_s) < self._settings.rest.max_rate_rad_s else None
+        first = self._first_state(sample)
         if first is not None:
-            self._filter = ErrorStateFilter(*first, self._noise)
+            self._filter = self._make_filter(*first)
             self._begin_s = self._used_fix_s = sample.stamp_s
+
+    def _first_state(self, sample: Inertial) -> tuple[InertialState, Float] | None:
+        """Return a state from rest, and with one antenna from the motion after it, as soon as there is one."""
+        self._rest.add_sample(sample)
+        if len(self._antennas_imu) > 1:
+            is_turning = abs(self._turn.velocity_rad_s) >= self._settings.rest.max_rate_rad_s
+            return None if is_turning else self._rest.state()
+        self._moving.add_sample(sample)
+        if sample.stamp_s - self._tried_s >= _REST_PERIOD_S:
+            self._tried_s = sample.stamp_s
+            at_rest = self._rest.state()
+            if at_rest is not None:
+                self._moving.begin(*at_rest)
+        return self._moving.state()
+
+    def _make_filter(self, state: InertialState, covariance: Float) -> ErrorStateFilter:
+        return ErrorStateFilter(state, covariance, self._noise)
 
     def _advance(self, until_s: float) -> None:
         """Predict up to a time, correcting on the way by all that was measured until then."""
@@ -240,8 +250,7 @@ class GnssImuFilter(Estimator):
         return self._last
 
     def _unknown(self) -> BaseState:
-        stamp_s = self._newest.stamp_s if self._newest else 0.0
-        nowhere = np.eye(4)
+        stamp_s, nowhere = self._newest.stamp_s if self._newest else 0.0, np.eye(4)
         return BaseState(stamp_s, nowhere, nowhere, nowhere, np.zeros(3), np.zeros(3), 1e6 * np.eye(6), INITIALISING)
 
     def _head(self) -> tuple[InertialState, InertialState | None]:

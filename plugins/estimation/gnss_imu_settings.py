@@ -4,6 +4,7 @@ from pydantic import Field
 
 from executive.config import Seconds, Settings
 from plugins.estimation.chassis import StandingSettings
+from plugins.estimation.moving_start import MovingStartSettings
 from plugins.estimation.rest_initialisation import RestSettings
 
 
@@ -30,6 +31,9 @@ class GnssImuSettings(Settings):
         5.0, gt=0, le=600, description="Gap of inertial samples that ends the estimate [s]."
     )
     rest: RestSettings = Field(default_factory=RestSettings, description="Initialisation at rest.")
+    moving_start: MovingStartSettings = Field(
+        default_factory=MovingStartSettings, description="Heading from the first motion, with one antenna."
+    )
     standing: StandingSettings = Field(
         default_factory=StandingSettings, description="Correction by a standing chassis."
     )

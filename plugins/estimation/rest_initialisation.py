@@ -68,9 +68,12 @@ class RestInitialisation:
         if not self._is_at_rest(rates, forces, positions):
             return None
         means = {name: p.mean(axis=0) for name, p in positions.items()}
-        R = self._attitude(forces.mean(axis=0), means)
+        force = forces.mean(axis=0)
+        R = self._attitude(force, means)
         position = np.mean([p - R @ self._antennas_imu[name] for name, p in means.items()], axis=0)
-        state = InertialState(self._samples[-1], R, position, np.zeros(3), rates.mean(axis=0), np.zeros(3))
+        # At rest the length of the force is gravity's; across it, bias and tilt look the same.
+        accel_bias = force * (1 - self._noise.gravity_m_s2 / np.linalg.norm(force))
+        state = InertialState(self._samples[-1], R, position, np.zeros(3), rates.mean(axis=0), accel_bias)
         return state, self._covariance(R, rates, positions)
 
     def _is_long_enough(self) -> bool:
@@ -89,22 +92,29 @@ class RestInitialisation:
         )
 
     def _attitude(self, force: Float, means: Mapping[str, Float]) -> Float:
-        """Level by gravity, then turn by the baseline of the two antennas (TRIAD, gravity first)."""
+        """Level by gravity, then turn by the baseline of the two antennas (TRIAD, gravity first).
+
+        One antenna tells no heading at rest: any axis across gravity is then taken to look east.
+        """
+        up = np.array([0.0, 0.0, 1.0])
+        if len(means) == 1:
+            return _triad(up, np.array([1.0, 0.0, 0.0])) @ _triad(force, np.eye(3)[np.argmin(np.abs(force))]).T
         first, second = tuple(means)[:2]
         baseline_map = means[second] - means[first]
         baseline_imu = self._antennas_imu[second] - self._antennas_imu[first]
-        return _triad(np.array([0.0, 0.0, 1.0]), baseline_map) @ _triad(force, baseline_imu).T
+        return _triad(up, baseline_map) @ _triad(force, baseline_imu).T
 
     def _covariance(self, R: Float, rates: Float, positions: Mapping[str, Float]) -> Float:
         noise = self._noise
-        first, second = (self._antennas_imu[name] for name in tuple(positions)[:2])
+        arms = tuple(self._antennas_imu[name] for name in positions)[:2]
         # Twice the standard error of a mean, for neighbouring fixes err alike.
         fix_m = 2 * max(p.std(axis=0).max() / np.sqrt(len(p)) for p in positions.values())
         level = noise.accel_bias_m_s2 / noise.gravity_m_s2  # as good as the accelerometer's bias
-        heading = np.sqrt(2) * fix_m / np.linalg.norm(second - first)  # as good as the fixes over their baseline
+        # As good as the fixes over their baseline; one antenna has none.
+        heading = np.sqrt(2) * fix_m / np.linalg.norm(arms[1] - arms[0]) if len(arms) == 2 else np.pi
         std = np.zeros(DIMENSION)
         std[VELOCITY] = 0.01
-        std[POSITION] = fix_m + level * np.linalg.norm(first)
+        std[POSITION] = fix_m + level * np.linalg.norm(arms[0])
         std[GYRO_BIAS] = max(3 * float(rates.std()) / np.sqrt(len(rates)), 1e-5)
         std[ACCEL_BIAS] = noise.accel_bias_m_s2
         P = np.diag(std**2)

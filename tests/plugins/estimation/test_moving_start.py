@@ -1,0 +1,73 @@
+"""One antenna: the heading comes from the first metres, whichever way they lead."""
+
+import numpy as np
+import pytest
+
+from executive.geometry.geodesy import geodetic_from_enu
+from executive.geometry.rotation import from_rpy, yaw_of
+from executive.messages.gnss import GnssFix
+from executive.messages.imu import ImuSample
+from plugins.estimation.gnss_imu_filter import GnssImuFilter
+from plugins.estimation.gnss_imu_settings import GnssImuSettings
+from robot_models.rig import Rig
+
+DATUM = np.array([47.4084, 8.5106, 440.0])
+NOISE = {
+    "gyro_noise_rad_s": 0.002,
+    "gyro_bias_rad_s": 0.002,
+    "gyro_walk_rad_s": 2e-5,
+    "accel_noise_m_s2": 0.02,
+    "accel_bias_m_s2": 0.03,
+    "accel_walk_m_s2": 3e-4,
+}
+
+
+@pytest.fixture
+def car():
+    mounted = {"link": "base", "provenance": "guess"}
+    imu = {"kind": "imu", "name": "imu", "rate_hz": 100, **NOISE, **mounted}
+    gnss = {"kind": "gnss", "name": "gnss", "rate_hz": 4, "horizontal_noise_m": 0.01, "vertical_noise_m": 0.02}
+    return Rig.model_validate({"name": "car", "sensors": {"imu": imu, "gnss": {**gnss, **mounted}}})
+
+
+def drive(estimator, yaw, direction, seconds):
+    """Rest for 5 s, then accelerate by 1 m/s² along a body axis; return the estimator's states."""
+    rng = np.random.default_rng(3)
+    R, states = from_rpy(0, 0, yaw), []
+    forward = R @ np.asarray(direction, dtype=float)
+    for k in range(round(100 * seconds)):
+        t = k / 100
+        u = max(0.0, t - 5.0)
+        if k % 25 == 0:
+            p = 0.5 * u * u * forward + rng.normal(0, 0.005, 3)
+            estimator.add_gnss(GnssFix(t, "gnss", geodetic_from_enu(p, DATUM), np.eye(3) * 1e-4, True))
+        force = R.T @ (forward * (u > 0) + [0, 0, 9.81]) + rng.normal(0, 0.02, 3)
+        estimator.add_imu(ImuSample(t, "imu", rng.normal(0, 0.002, 3), force))
+        states.append(estimator.state())
+    return states
+
+
+@pytest.mark.parametrize("direction", [(1, 0, 0), (-1, 0, 0), (0, 1, 0)])
+@pytest.mark.parametrize("yaw", [-2.5, 0.4])
+def test_the_heading_is_found_forwards_backwards_and_sideways(car, yaw, direction):
+    estimator = GnssImuFilter(GnssImuSettings(imu="imu"), car)
+    estimator.start()
+    states = drive(estimator, yaw, direction, 14.0)
+    ready = [state for state in states if state.is_ready]
+    assert 8.0 < ready[0].stamp_s < 11.0
+    assert abs(yaw_of(states[-1].T_map_base[:3, :3]) - yaw) < 0.02
+    np.testing.assert_allclose(states[-1].v_map_cabin, from_rpy(0, 0, yaw) @ direction * 9.0, atol=0.1)
+
+
+def test_at_rest_one_antenna_is_not_enough(car):
+    estimator = GnssImuFilter(GnssImuSettings(imu="imu"), car)
+    estimator.start()
+    assert not any(state.is_ready for state in drive(estimator, 0.4, (1, 0, 0), 5.0))
+
+
+def test_a_rig_without_a_turn_joint_is_one_body(car):
+    assert car.cabin_link == car.base_link == "base"
+    estimator = GnssImuFilter(GnssImuSettings(imu="imu"), car)
+    estimator.start()
+    state = drive(estimator, 0.4, (1, 0, 0), 12.0)[-1]
+    np.testing.assert_array_equal(state.T_map_base, state.T_map_cabin)
