@@ -21,4 +21,4 @@ class Job(ABC):
 
     @abstractmethod
     def cancel(self) -> None:
-        """Give the result up; what is computed already is thrown away when it ends."""
+        """Give the result up; a worker process that is still at it after its deadline is replaced."""

@@ -25,6 +25,9 @@ class Runner(ABC):
     def submit(self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]) -> Future[Any]:
         """Begin a computation."""
 
+    def abandon(self, capability: str, future: Future[Any]) -> None:  # noqa: B027 - optional
+        """Take note that nobody waits for a computation that has begun; by default it is left to end."""
+
     def close(self) -> None:  # noqa: B027 - optional
         """End what was begun."""
 
@@ -74,6 +77,10 @@ class ProcessRunner(InlineRunner):
             self._workers[capability] = self._make(capability)
         return self._workers[capability].submit(verb, args)
 
+    def abandon(self, capability: str, future: Future[Any]) -> None:
+        if capability in self._workers:
+            self._workers[capability].abandon(future)
+
     def close(self) -> None:
         for worker in self._workers.values():
             worker.close()
@@ -82,8 +89,11 @@ class ProcessRunner(InlineRunner):
 class PluginJob(Job):
     """One verb under way."""
 
-    def __init__(self, future: Future[Any], clock: Clock, ready_s: float | None) -> None:
+    def __init__(
+        self, future: Future[Any], clock: Clock, ready_s: float | None, abandon: Callable[[Future[Any]], None]
+    ) -> None:
         self._future = future
+        self._abandon = abandon
         self._clock = clock
         self._ready_s = ready_s  # None: against the wall clock, ready when done
 
@@ -96,7 +106,8 @@ class PluginJob(Job):
         return self._future.result()
 
     def cancel(self) -> None:
-        self._future.cancel()
+        if not self._future.cancel():
+            self._abandon(self._future)
 
 
 class Jobs:
@@ -117,7 +128,7 @@ class Jobs:
         future.add_done_callback(lambda _: self._measure(f"{capability}.{verb}", started_s))
         latency_s = plugin.latency_s.get(verb, 0.0)
         ready_s = self._clock.now_s() + latency_s if self._is_lock_step else None
-        return PluginJob(future, self._clock, ready_s)
+        return PluginJob(future, self._clock, ready_s, lambda given_up: self._runner.abandon(capability, given_up))
 
     def _measure(self, stage: str, started_s: float) -> None:
         self.durations_ms.setdefault(stage, []).append(1e3 * (wall_s() - started_s))

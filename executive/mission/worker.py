@@ -11,7 +11,7 @@ from typing import Any
 from executive.errors import RobotError
 from executive.mission.assembly import Selections, assemble, needed_for
 
-_DEADLINE_S = 2.0  # for a worker that is told to end, before it is killed
+_DEADLINE_S = 2.0  # for a worker that is told to end, or to give a call up, before it is killed
 
 
 class WorkerDiedError(RobotError):
@@ -25,6 +25,7 @@ class Worker:
         self._capability = capability
         self._arguments = (capability, needed_for(selections, capability), model, seed)
         self._calls: SimpleQueue[tuple[str, Sequence[Any], Future[Any]] | None] = SimpleQueue()
+        self._computing: Future[Any] | None = None
         self._process: Any = None
         self._connection: Connection | None = None
         self._thread = threading.Thread(target=self._serve, name=f"{capability}-worker", daemon=True)
@@ -35,6 +36,16 @@ class Worker:
         future: Future[Any] = Future()
         self._calls.put((verb, args, future))
         return future
+
+    def abandon(self, future: Future[Any]) -> None:
+        """Give a call up: a process that is still at it at the deadline is killed, and the next one serves."""
+        timer = threading.Timer(_DEADLINE_S, self._kill_if_at, [future])
+        timer.daemon = True
+        timer.start()
+
+    def _kill_if_at(self, future: Future[Any]) -> None:
+        if self._computing is future and self._process is not None:
+            self._process.kill()
 
     def close(self) -> None:
         """End the process; killed if it is busy for longer than the deadline."""
@@ -48,7 +59,9 @@ class Worker:
         while (call := self._calls.get()) is not None:
             verb, args, future = call
             if future.set_running_or_notify_cancel():
+                self._computing = future
                 self._compute(verb, args, future)
+                self._computing = None
         if self._connection is not None:
             self._connection.close()
         if self._process is not None:

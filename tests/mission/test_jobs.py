@@ -1,6 +1,7 @@
 """Long verbs give the same answers wherever they are computed, at the same time on the mission's clock."""
 
 import threading
+import time
 from types import SimpleNamespace
 
 import numpy as np
@@ -137,3 +138,24 @@ def test_an_error_in_a_worker_comes_back_as_it_is():
             worker.submit("segment", [SimpleNamespace(points="nonsense")]).result(60)
     finally:
         worker.close()
+
+
+def test_a_call_that_is_given_up_is_killed_at_its_deadline_and_the_next_is_served():
+    from executive.messages.cloud import Cloud
+
+    rng = np.random.default_rng(0)
+    endless = Cloud("map", rng.uniform(-50, 50, (20_000_000, 3)))
+    runner = ProcessRunner(segmentation(), "m545", 1)
+    plugin = SimpleNamespace(is_stateless=True, latency_s={})
+    jobs = Jobs({"segmentation": plugin}, runner, WallClock(), is_lock_step=False)
+    try:
+        assert jobs.start("segmentation", "segment", [stones_on_a_plane()]).result().segments
+        before = runner._workers["segmentation"]._process.pid
+        worker, job = runner._workers["segmentation"], jobs.start("segmentation", "segment", [endless])
+        while worker._computing is None:
+            time.sleep(0.01)
+        job.cancel()
+        assert jobs.start("segmentation", "segment", [stones_on_a_plane()]).result().segments
+        assert worker._process.pid != before
+    finally:
+        jobs.close()
