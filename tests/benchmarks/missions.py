@@ -1,7 +1,7 @@
 """Run whole missions over seeds and print what came of them, one line a seed.
 
     python tests/benchmarks/missions.py 1 2 3 4 5
-    python tests/benchmarks/missions.py 1 2 3 -- robot.site.stones.folder=../shared/data/stones robot.site.stones.scale=10
+    python tests/benchmarks/missions.py 1 2 3 -- robot.site.stones.folder=DIR robot.site.stones.scale=10
 
 What follows `--` are settings, as of `executive run --set`. Two minutes a seed on an idle core.
 """
