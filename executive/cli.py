@@ -28,6 +28,19 @@ MissionArgument = Annotated[
 SetOption = Annotated[
     list[str] | None, typer.Option("--set", metavar="K=V", help="Override a setting: robot.site.stones.count=3.")
 ]
+LogArgument = Annotated[
+    Path, typer.Argument(metavar="LOG", help="An .mcap file, a .bag file, or a ROS 2 bag's folder.")
+]
+DropOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--drop", metavar="SENSOR:FROM:TO", help="Leave a sensor out, seconds since the log began: gnss:120:165."
+    ),
+]
+TopicOption = Annotated[
+    list[str] | None, typer.Option("--topic", metavar="KIND=NAME", help="Name a topic: imu=/car/imu, gnss=/car/fix.")
+]
+MachineOption = Annotated[str | None, typer.Option(help="Description of the machine; the log's own by default.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Answer on standard output, for machines.")]
 
 
@@ -102,6 +115,57 @@ def show(
 
     form = _one_of("--as", as_, ("text", "dot", "xml"))
     print(export(load_mission(mission, set_ or []), str(form)))
+
+
+@app.command()
+def estimate(  # noqa: PLR0913 - the options of the command line, each a parameter to typer
+    log: LogArgument,
+    out: Annotated[Path, typer.Option(help="Trajectory (TUM); report and plot go beside it.")],
+    estimator: Annotated[str, typer.Option(help="Name of an estimation plugin.")] = "gnss_imu_filter",
+    drop: DropOption = None,
+    topic: TopicOption = None,
+    machine: MachineOption = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="K=V", help="Override a setting of the estimator: lag_s=0.2.")
+    ] = None,
+    realtime: Annotated[bool, typer.Option("--realtime", help="Feed the log at its own pace.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Run an estimator over a recorded log: trajectory, report and plot."""
+    from executive.estimate.files import write_files
+    from executive.estimate.run import Material, Options
+    from executive.estimate.run import estimate as run_estimator
+
+    options = Options(machine, topic or (), drop or (), set_ or (), is_realtime=realtime)
+    material = Material.read(log, options)
+    estimated = run_estimator(material, estimator, options)
+    paths = write_files(out, material, estimated)
+    _say(f"{estimator} on {log}: {len(estimated.track.stamps_s)} states, {', '.join(map(str, paths))}")
+    if as_json:
+        _answer(estimated.report)
+
+
+@app.command("compare-estimators")
+def compare_estimators(
+    log: LogArgument,
+    estimator: Annotated[list[str] | None, typer.Option(help="Which to compare; all that are installed.")] = None,
+    drop: DropOption = None,
+    topic: TopicOption = None,
+    machine: MachineOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Run estimators over one log and lay their figures side by side."""
+    from executive.estimate.compare import compare, table
+    from executive.estimate.run import Material, Options
+    from executive.registry import installed
+
+    options = Options(machine, topic or (), drop or ())
+    names = estimator or [plugin.name for plugin in installed("estimation")]
+    reports = compare(Material.read(log, options), names, options)
+    if as_json:
+        _answer(reports)
+    else:
+        print(table(reports))
 
 
 @app.command()

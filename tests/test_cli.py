@@ -6,7 +6,20 @@ import sys
 
 import pytest
 
-HEAVY = ("open3d", "torch", "rerun", "mujoco", "pinocchio", "gtsam", "scipy", "numba", "ruckig", "fcl")
+HEAVY = (
+    "open3d",
+    "torch",
+    "rerun",
+    "mujoco",
+    "pinocchio",
+    "gtsam",
+    "scipy",
+    "numba",
+    "ruckig",
+    "fcl",
+    "mcap",
+    "matplotlib",
+)
 
 
 def python(code, *, cwd=None):
@@ -18,7 +31,9 @@ def executive(*words, cwd=None):
     return python(code, cwd=cwd)
 
 
-@pytest.mark.parametrize("words", [["--help"], ["plugins", "list"], ["plugins", "list", "--json"], ["run", "--help"]])
+@pytest.mark.parametrize(
+    "words", [["--help"], ["plugins", "list"], ["plugins", "list", "--json"], ["run", "--help"], ["estimate", "--help"]]
+)
 def test_loads_nothing_heavy(words):
     code = f"""
 import sys

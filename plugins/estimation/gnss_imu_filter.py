@@ -258,8 +258,8 @@ class GnssImuFilter(Estimator):
 
         Without a correction since, the last prediction goes on; with one, it begins again `lag_s` ago.
         """
-        last = self._predicted
-        head = self._running().state if last is None or self._is_corrected else last
+        last, behind = self._predicted, self._running().state
+        head = behind if last is None or self._is_corrected or behind.stamp_s >= last.stamp_s else last
         at_last = head if last is not None and head.stamp_s == last.stamp_s else None
         for sample in self._samples:
             if sample.stamp_s > head.stamp_s:

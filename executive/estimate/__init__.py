@@ -1,0 +1,1 @@
+"""Estimators on recorded logs: replay, measures, files."""

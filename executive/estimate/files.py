@@ -1,0 +1,38 @@
+"""What `executive estimate` leaves behind: trajectories (TUM), a report (JSON), a plot (PNG)."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from executive.arrays import Float
+from executive.errors import ConfigError
+from executive.estimate.plot import plot
+from executive.estimate.run import Estimated, Material
+
+
+def write_files(out: Path, material: Material, estimated: Estimated) -> tuple[Path, ...]:
+    """Write the chassis' poses in the map to `out`, and beside it those in the odometry frame, report and plot.
+
+    Raises:
+        ConfigError: If they cannot be written.
+    """
+    paths = (out, out.with_name(f"{out.stem}_odom{out.suffix}"), out.with_suffix(".json"), out.with_suffix(".png"))
+    if len(set(paths)) < len(paths):
+        raise ConfigError(f"--out {out}: .json and .png stand for the report and the plot; name it .tum")
+    track, origin_s = estimated.track, 1e-9 * material.log.origin_ns
+    try:
+        _write_tum(paths[0], origin_s + track.stamps_s, track.T_map_base)
+        _write_tum(paths[1], origin_s + track.stamps_s, track.T_odom_base)
+        paths[2].write_text(json.dumps(estimated.report, indent=2) + "\n", encoding="utf-8")
+        plot(paths[3], estimated, material.drops)
+    except OSError as error:
+        raise ConfigError(f"{error.filename} cannot be written: {error.strerror}") from error
+    return paths
+
+
+def _write_tum(path: Path, stamps_s: Float, poses: Float) -> None:
+    """Write `stamp x y z qx qy qz qw` lines, the format that evo and others read."""
+    rows = np.column_stack([stamps_s, poses[:, :3, 3], Rotation.from_matrix(poses[:, :3, :3]).as_quat()])
+    np.savetxt(path, rows, fmt=["%.6f", *["%.5f"] * 3, *["%.7f"] * 4])

@@ -1,0 +1,147 @@
+"""How good a replayed estimate was: the measures of Nubert 2022, Sec. V, from the states and the fixes of one log."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from executive.arrays import Bool, Float
+from executive.estimate.drop import Drop
+from executive.estimate.replay import Replay
+from executive.geometry.geodesy import enu_from_geodetic
+from executive.messages.gnss import GnssFix
+from robot_models.rig import Rig
+
+_NEAR_S = 0.05  # a state nearer to a fix than this is carried to it by its own velocity
+_SETTLED_S = 0.15  # after a fix, when even an estimator that trails by 0.1 s has taken it in
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Track:
+    """The states of a replay as arrays, n of them.
+
+    Attributes:
+        stamps_s: [s], shape (n,).
+        T_map_base, T_odom_base, T_map_cabin: Shape (n, 4, 4).
+        v_map_cabin: [m/s], shape (n, 3).
+        w_map_cabin_in_cabin: [rad/s], shape (n, 3).
+    """
+
+    stamps_s: Float
+    T_map_base: Float
+    T_odom_base: Float
+    T_map_cabin: Float
+    v_map_cabin: Float
+    w_map_cabin_in_cabin: Float
+
+    @classmethod
+    def of(cls, replay: Replay) -> "Track":
+        """Stack the states of a replay; there is at least one."""
+        names = ("T_map_base", "T_odom_base", "T_map_cabin", "v_map_cabin", "w_map_cabin_in_cabin")
+        stacks = {name: np.stack([getattr(state, name) for state in replay.states]) for name in names}
+        return cls(stamps_s=np.array([state.stamp_s for state in replay.states]), **stacks)
+
+    @property
+    def T_map_odom(self) -> Float:
+        """The correction of the odometry frame, shape (n, 4, 4)."""
+        return np.asarray(self.T_map_base @ np.linalg.inv(self.T_odom_base))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FixErrors:
+    """Estimated minus measured positions of the antennas at the fixes, m of them.
+
+    Attributes:
+        stamps_s: [s], shape (m,).
+        p_map_antenna: The measured positions [m], shape (m, 3).
+        predicted_m: Of the state that was given out at that time, before the fix was known, shape (m, 3).
+        posterior_m: Of the state at that time, after it was taken in, shape (m, 3).
+        is_dropped: Whether the estimator never saw the fix, shape (m,).
+    """
+
+    stamps_s: Float
+    p_map_antenna: Float
+    predicted_m: Float
+    posterior_m: Float
+    is_dropped: Bool
+
+
+def fix_errors(track: Track, fixes: Sequence[GnssFix], rig: Rig, datum: Float, drops: Sequence[Drop]) -> FixErrors:
+    """Compare the track with every fix that has a state just before it and one after it."""
+    T_map_odom = track.T_map_odom
+    rows = []
+    for fix in fixes:
+        before = int(np.searchsorted(track.stamps_s, fix.stamp_s, side="left")) - 1
+        after = int(np.searchsorted(track.stamps_s, fix.stamp_s + _SETTLED_S))
+        if before < 0 or after >= len(track.stamps_s) or fix.stamp_s - track.stamps_s[before] > _NEAR_S:
+            continue
+        sensor = rig.sensors[fix.antenna]
+        T = track.T_map_cabin[before] if sensor.link == rig.cabin_link else track.T_map_base[before]
+        arm = sensor.T_link_sensor[:3, 3]
+        turning = track.T_map_cabin[before, :3, :3] @ np.cross(track.w_map_cabin_in_cabin[before], arm)
+        ahead_s = fix.stamp_s - track.stamps_s[before]
+        predicted = T[:3, :3] @ arm + T[:3, 3] + ahead_s * (track.v_map_cabin[before] + turning)
+        correction = T_map_odom[after] @ np.linalg.inv(T_map_odom[before])
+        posterior = correction[:3, :3] @ predicted + correction[:3, 3]
+        measured = enu_from_geodetic(fix.geodetic, datum)
+        is_dropped = any(drop.takes(fix) for drop in drops)
+        rows.append([fix.stamp_s, *measured, *(predicted - measured), *(posterior - measured), is_dropped])
+    table = np.array(rows, dtype=float).reshape(-1, 11)
+    return FixErrors(table[:, 0], table[:, 1:4], table[:, 4:7], table[:, 7:10], table[:, 10] > 0)
+
+
+def consistency(track: Track) -> Float:
+    """Return by how much each correction moved the pose at its own time [m] (Nubert 2022, Sec. V-B1).
+
+    The odometry frame is the propagated pose, so that a change of T_map_odom is a correction and nothing else.
+    """
+    T_map_odom = track.T_map_odom
+    p_odom = track.T_odom_base[1:, :3, 3]
+    propagated = np.einsum("nij,nj->ni", T_map_odom[:-1, :3, :3], p_odom) + T_map_odom[:-1, :3, 3]
+    steps = np.linalg.norm(propagated - track.T_map_base[1:, :3, 3], axis=1)
+    return np.asarray(steps[steps > 1e-6])  # below: rounding, no correction
+
+
+def outages(errors: FixErrors, drops: Sequence[Drop]) -> list[dict[str, Any]]:
+    """Return what became of the position in each outage of the satellites; the fixes left out are the reference."""
+    answers = []
+    for drop in drops:
+        inside = (errors.stamps_s >= drop.from_s) & (errors.stamps_s < drop.to_s) & errors.is_dropped
+        if not inside.any():
+            continue
+        distance = np.linalg.norm(errors.predicted_m[inside], axis=1)
+        way = float(np.linalg.norm(np.diff(errors.p_map_antenna[inside], axis=0), axis=1).sum())
+        answers.append(
+            {
+                "sensor": drop.sensor,
+                "from_s": drop.from_s,
+                "to_s": drop.to_s,
+                "error_at_end_m": round(float(distance[-1]), 4),
+                "max_error_m": round(float(distance.max()), 4),
+                "way_m": round(way, 2),
+            }
+        )
+    return answers
+
+
+def spread(vectors: Float) -> Mapping[str, float | int]:
+    """Describe errors (n, 3): distance's mean, 95 % and largest, and the standard deviation of a component, n."""
+    if not len(vectors):
+        return {"n": 0}
+    distance = np.linalg.norm(vectors, axis=1)
+    return {**statistics(distance), "std": round(float(vectors.std(axis=0).mean()), 5)}
+
+
+def statistics(values: Float, digits: int = 5) -> Mapping[str, float | int]:
+    """Describe numbers (n,): mean, standard deviation, 95 and 99 %, largest, n."""
+    if not len(values):
+        return {"n": 0}
+    figures = {
+        "mean": values.mean(),
+        "std": values.std(),
+        "p95": np.percentile(values, 95),
+        "p99": np.percentile(values, 99),
+        "max": values.max(),
+    }
+    return {**{name: round(float(value), digits) for name, value in figures.items()}, "n": len(values)}

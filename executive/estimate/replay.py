@@ -1,0 +1,105 @@
+"""Feeds a log to an estimator and keeps what it said: after every inertial sample, how late, and at every fix."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from executive.clock import Clock, wall_s
+from executive.estimate.drop import Drop
+from executive.interfaces.estimation import Estimator
+from executive.interfaces.odometry import LidarOdometry
+from executive.logs.log import Arrival
+from executive.messages.base_state import BaseState
+from executive.messages.gnss import GnssFix
+from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
+from executive.messages.lidar import LidarScan
+from executive.messages.observation import Observation
+from executive.messages.odometry import LidarIncrement
+
+
+@dataclass(slots=True)
+class Replay:
+    """What came of one replay.
+
+    Attributes:
+        states: The estimate after every inertial sample of the main sensor, from the first that may be used.
+        fixes: All fixes of the log that were fixed to the centimetre, dropped ones too: they are the reference.
+        latency_us: From the arrival of each of those samples to the state [µs].
+        counts: Observations fed by kind, and dropped ones.
+        changes: Time [s] and new status at each change.
+        wall_s: Time that the replay took [s].
+        refused: Samples refused by the estimator by reason, where it counts them.
+    """
+
+    states: list[BaseState] = field(default_factory=list)
+    fixes: list[GnssFix] = field(default_factory=list)
+    latency_us: list[float] = field(default_factory=list)
+    counts: Counter[str] = field(default_factory=Counter)
+    changes: list[tuple[float, str]] = field(default_factory=list)
+    wall_s: float = 0.0
+    refused: dict[str, int] = field(default_factory=dict)
+
+
+class Replayer:
+    """Hands arrivals to an estimator; lidar scans go through an odometry first, where one is given."""
+
+    def __init__(self, estimator: Estimator, imu: str, drops: Sequence[Drop], odometry: LidarOdometry | None) -> None:
+        self._estimator = estimator
+        self._imu = imu
+        self._drops = drops
+        self._odometry = odometry
+        self._replay = Replay()
+
+    def run(self, arrivals: Sequence[Arrival], clock: Clock | None) -> Replay:
+        """Feed everything, as fast as it goes, or at a clock's pace."""
+        started_s = wall_s()
+        for arrival in arrivals:
+            if clock is not None:
+                clock.advance(max(0.0, arrival.arrival_s - clock.now_s()))
+            self._take(arrival.observation)
+        self._replay.wall_s = wall_s() - started_s
+        self._replay.refused = dict(getattr(self._estimator, "refused", {}))
+        return self._replay
+
+    def _take(self, observation: Observation | LidarIncrement) -> None:
+        replay = self._replay
+        if isinstance(observation, GnssFix) and observation.is_rtk_fixed:
+            replay.fixes.append(observation)
+        if any(drop.takes(observation) for drop in self._drops):
+            replay.counts["dropped"] += 1
+            return
+        if isinstance(observation, ImuSample):
+            self._take_imu(observation)
+            return
+        replay.counts[type(observation).__name__] += 1
+        if isinstance(observation, GnssFix):
+            self._estimator.add_gnss(observation)
+        elif isinstance(observation, JointSample):
+            self._estimator.add_joints(observation)
+        elif isinstance(observation, LidarIncrement):
+            self._estimator.add_odometry(observation)
+        else:
+            self._take_scan(observation)
+
+    def _take_imu(self, sample: ImuSample) -> None:
+        replay = self._replay
+        replay.counts["ImuSample"] += 1
+        if sample.frame != self._imu:
+            self._estimator.add_imu(sample)
+            return
+        started_s = wall_s()
+        self._estimator.add_imu(sample)
+        state = self._estimator.state()
+        took_us = 1e6 * (wall_s() - started_s)
+        if not replay.changes or replay.changes[-1][1] != state.status:
+            replay.changes.append((sample.stamp_s, state.status))
+        if state.is_ready and (not replay.states or state.stamp_s > replay.states[-1].stamp_s):
+            replay.states.append(state)
+            replay.latency_us.append(took_us)
+
+    def _take_scan(self, scan: LidarScan) -> None:
+        increment = self._odometry.add_scan(scan) if self._odometry is not None else None
+        if increment is not None:
+            self._replay.counts["LidarIncrement"] += 1
+            self._estimator.add_odometry(increment)

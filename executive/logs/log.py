@@ -1,0 +1,150 @@
+"""A recorded log as a stream of observations, and the rig that carried the sensors."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.errors import DataError, did_you_mean
+from executive.geometry.pose import inverse
+from executive.logs import decode
+from executive.logs.extrinsics import rig_from
+from executive.logs.source import Recorded, Source
+from executive.logs.topics import TYPES, Topics
+from executive.messages.observation import Observation
+from executive.messages.odometry import LidarIncrement
+from robot_models.machine import load_machine
+from robot_models.rig import Rig
+
+METADATA = "executive"  # the record by which a log names the machine that it was taken on
+_HEAD = 2000  # messages within which every sensor shows
+_INCREMENT_STD = np.repeat([0.003, 0.02], 3)  # of an increment whose recorder gave none: rotation [rad], position [m]
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """One observation, and when it came [s], since the log's first message."""
+
+    arrival_s: float
+    observation: Observation | LidarIncrement
+
+
+class Log:
+    """A log of inertial and satellite measurements, and whatever else there is.
+
+    Attributes:
+        path: The file or folder.
+        origin_ns: Arrival of the first message [ns]; all times are since then.
+    """
+
+    def __init__(self, path: Path, topics: Topics) -> None:
+        """Open a log.
+
+        Raises:
+            DataError: If it is no whole log, lacks inertial or satellite measurements, or a topic has another type.
+        """
+        self.path = path
+        self._source = Source(path)
+        self._topics = {
+            name: kind for kind, name in topics.model_dump().items() if name in self._source.types or _is_needed(kind)
+        }
+        for name, kind in self._topics.items():
+            self._check(name, kind)
+        first = next(self._source.messages(list(self._topics)), None)
+        if first is None:
+            raise DataError(f"{path}: the log is empty")
+        self.origin_ns = first.arrival_ns
+
+    def rig(self, model: str | None) -> Rig:
+        """Return the machine of a name; without one, the machine that the log names, or a body by its extrinsics.
+
+        Raises:
+            DataError: If the extrinsics of a sensor are missing.
+        """
+        model = model or self._source.metadata(METADATA).get("machine")
+        if model:
+            return load_machine(model)
+        named = {kind: name for name, kind in self._topics.items()}
+        if "tf_static" not in named:
+            raise DataError(f"{self.path}: no extrinsics: record tf_static, or name the machine with --machine")
+        transforms = [
+            t for recorded in self._source.messages([named["tf_static"]]) for t in recorded.message.transforms
+        ]
+        frames: dict[str, str] = {}
+        carried = {name: kind for name, kind in self._topics.items() if kind in ("imu", "gnss", "points", "odometry")}
+        for recorded in islice(self._source.messages(list(carried)), _HEAD):
+            kind = carried[recorded.topic]
+            message = recorded.message
+            frames[message.child_frame_id if kind == "odometry" else message.header.frame_id] = kind
+        return rig_from(transforms, frames, str(self.path))
+
+    def arrivals(self) -> Iterator[Arrival]:
+        """Yield all measurements in order of arrival; receivers' messages without a fix are left out.
+
+        Raises:
+            DataError: If the file breaks off or a message is wrong, such as a value that is not finite.
+        """
+        readers = self._readers()
+        for recorded in self._source.messages(list(self._topics)):
+            read = readers.get(self._topics[recorded.topic])
+            observation = self._read(recorded, read) if read is not None else None
+            if observation is not None:
+                yield Arrival(1e-9 * (recorded.arrival_ns - self.origin_ns), observation)
+
+    def _read(
+        self, recorded: Recorded, read: Callable[[Any, float], Observation | LidarIncrement | None]
+    ) -> Observation | LidarIncrement | None:
+        stamp_s = 1e-9 * (decode.stamp_ns(recorded.message) - self.origin_ns)
+        try:
+            return read(recorded.message, stamp_s)
+        except (DataError, ValueError) as error:
+            at_s = 1e-9 * (recorded.arrival_ns - self.origin_ns)
+            raise DataError(f"{self.path}: {recorded.topic} at {at_s:.3f} s: {error}") from error
+
+    def _readers(self) -> Mapping[str, Callable[[Any, float], Observation | LidarIncrement | None]]:
+        return {
+            "imu": decode.imu_sample,
+            "gnss": decode.gnss_fix,
+            "joints": decode.joint_sample,
+            "points": decode.lidar_scan,
+            "odometry": _Increments(),
+        }
+
+    def _check(self, topic: str, kind: str) -> None:
+        types = self._source.types
+        if topic not in types:
+            there = ", ".join(f"{name} ({typ})" for name, typ in sorted(types.items())) or "nothing"
+            near = did_you_mean(topic, [name for name, typ in types.items() if typ == TYPES[kind]])
+            raise DataError(
+                f"{self.path}: no {topic} for {kind}; name another with --topic {kind}=…. It holds: {there}{near}"
+            )
+        if types[topic] != TYPES[kind]:
+            raise DataError(f"{self.path}: {topic} is {types[topic]}; for {kind}, {TYPES[kind]} is read")
+
+
+class _Increments:
+    """Turns the poses of an odometry into increments, one sensor frame at a time."""
+
+    def __init__(self) -> None:
+        self._last: dict[str, tuple[float, Float]] = {}
+
+    def __call__(self, message: Any, stamp_s: float) -> LidarIncrement | None:
+        """Return the motion since the frame's last pose; its covariance is taken as that of the increment."""
+        frame, T = message.child_frame_id, decode.pose_of(message.pose.pose)
+        last = self._last.get(frame)
+        self._last[frame] = (stamp_s, T)
+        if last is None or stamp_s <= last[0]:
+            return None
+        order = np.r_[3:6, 0:3]  # ROS puts the position first
+        covariance = np.array(message.pose.covariance, dtype=float).reshape(6, 6)[np.ix_(order, order)]
+        if not (np.diag(covariance) > 0).all():
+            covariance = np.diag(_INCREMENT_STD**2)
+        return LidarIncrement(last[0], stamp_s, frame, inverse(last[1]) @ T, covariance)
+
+
+def _is_needed(kind: str) -> bool:
+    return kind in ("imu", "gnss")

@@ -1,0 +1,151 @@
+"""Files that hold ROS messages: MCAP by itself, ROS 1 and ROS 2 bags."""
+
+import sqlite3
+import struct
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mcap.exceptions import McapError
+from mcap.reader import make_reader
+from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.rosbag1 import ReaderError as Bag1Error
+from rosbags.rosbag2 import ReaderError as Bag2Error
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from zstandard import ZstdError
+
+from executive.errors import DataError
+from executive.logs.topics import TYPES
+
+# The readers let through whatever their decoders raise on a damaged file: these were met in tests with flipped bytes.
+_DAMAGED = (
+    McapError,
+    AnyReaderError,
+    Bag1Error,
+    Bag2Error,
+    ZstdError,
+    struct.error,
+    sqlite3.Error,
+    OSError,
+    EOFError,
+    ValueError,
+    LookupError,
+    TypeError,
+    ArithmeticError,
+    AssertionError,
+    RuntimeError,
+    MemoryError,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """One message as it was recorded.
+
+    Attributes:
+        topic: Its topic.
+        arrival_ns: When it was written down [ns].
+        message: The ROS message, as rosbags decodes it.
+    """
+
+    topic: str
+    arrival_ns: int
+    message: Any
+
+
+class Source:
+    """A log file or bag folder.
+
+    Attributes:
+        path: The file or folder.
+        types: ROS type by topic, such as `sensor_msgs/msg/Imu`.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Open a log and read what it holds.
+
+        Raises:
+            DataError: If there is none, or it cannot be read; the message says why.
+        """
+        if not path.exists():
+            raise DataError(f"{path}: no such log; give an .mcap file, a .bag file, or a ROS 2 bag's folder")
+        self.path = path
+        self._is_mcap = path.suffix == ".mcap"
+        with self._explained():
+            self.types: Mapping[str, str] = self._mcap_types() if self._is_mcap else self._bag_types()
+
+    def metadata(self, name: str) -> Mapping[str, str]:
+        """Return a record of text pairs that an MCAP file carries; empty if it has none of that name."""
+        if not self._is_mcap:
+            return {}
+        with self._explained(), self.path.open("rb") as file:
+            return next((record.metadata for record in make_reader(file).iter_metadata() if record.name == name), {})
+
+    def messages(self, topics: Sequence[str]) -> Iterator[Recorded]:
+        """Yield the messages of some topics in order of arrival.
+
+        Raises:
+            DataError: If the file breaks off, or a message cannot be decoded.
+        """
+        with self._explained():
+            yield from self._mcap_messages(topics) if self._is_mcap else self._bag_messages(topics)
+
+    @contextmanager
+    def _explained(self) -> Iterator[None]:
+        try:
+            yield
+        except _DAMAGED as error:
+            reason = str(error) or type(error).__name__
+            raise DataError(f"{self.path}: not a whole log: {reason}; record it again, or repair it") from error
+
+    def _mcap_types(self) -> dict[str, str]:
+        with self.path.open("rb") as file:
+            summary = make_reader(file).get_summary()
+        if summary is None:
+            raise DataError(f"{self.path}: not a whole log: it ends without a summary; repair it with `mcap recover`")
+        names = {channel.topic: summary.schemas.get(channel.schema_id) for channel in summary.channels.values()}
+        return {topic: _full_name(schema.name if schema else "?") for topic, schema in names.items()}
+
+    def _bag_types(self) -> dict[str, str]:
+        with self._bag() as reader:
+            return {connection.topic: connection.msgtype for connection in reader.connections}
+
+    def _bag(self) -> AnyReader:
+        return AnyReader([self.path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
+
+    def _mcap_messages(self, topics: Sequence[str]) -> Iterator[Recorded]:
+        cdr, ros1 = get_typestore(Stores.ROS2_HUMBLE), get_typestore(Stores.ROS1_NOETIC)
+        ros1.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", TYPES["tf_static"]))
+        decoders = {"cdr": cdr.deserialize_cdr, "ros1": ros1.deserialize_ros1}
+        with self.path.open("rb") as file:
+            for schema, channel, message in make_reader(file, validate_crcs=True).iter_messages(topics=topics):
+                decode = decoders.get(channel.message_encoding)
+                if decode is None or schema is None:
+                    encoding = channel.message_encoding
+                    raise DataError(f"{self.path}: {channel.topic} is encoded as '{encoding}'; cdr and ros1 are read")
+                try:
+                    decoded = decode(message.data, _full_name(schema.name))
+                except _DAMAGED as error:
+                    raise self._undecodable(channel.topic, error) from error
+                yield Recorded(channel.topic, message.log_time, decoded)
+
+    def _bag_messages(self, topics: Sequence[str]) -> Iterator[Recorded]:
+        with self._bag() as reader:
+            connections = [connection for connection in reader.connections if connection.topic in topics]
+            for connection, stamp_ns, data in reader.messages(connections=connections):
+                try:
+                    decoded = reader.deserialize(data, connection.msgtype)
+                except _DAMAGED as error:
+                    raise self._undecodable(connection.topic, error) from error
+                yield Recorded(connection.topic, stamp_ns, decoded)
+
+    def _undecodable(self, topic: str, error: Exception) -> DataError:
+        return DataError(f"{self.path}: a message on {topic} is no {self.types[topic]}: {type(error).__name__} {error}")
+
+
+def _full_name(name: str) -> str:
+    """Return `sensor_msgs/msg/Imu` for the ROS 1 name `sensor_msgs/Imu`."""
+    parts = name.split("/")
+    return f"{parts[0]}/msg/{parts[1]}" if len(parts) == 2 else name

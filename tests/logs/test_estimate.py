@@ -1,0 +1,130 @@
+"""A replayed log gives trajectories that lie on the truth, and figures that can be trusted."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from executive.errors import ConfigError, DataError
+from executive.estimate.compare import compare, table
+from executive.estimate.drop import Drop
+from executive.estimate.files import write_files
+from executive.estimate.run import Material, Options, estimate
+
+NAME = "gnss_imu_filter"
+
+
+def executive(*words, cwd):
+    code = f"import sys; sys.argv = ['executive', *{list(words)!r}]; from executive.cli import main; main()"
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, cwd=cwd)
+
+
+@pytest.fixture(scope="module")
+def run(car_log):
+    def run(**options):
+        given = Options(**options)
+        material = Material.read(car_log, given)
+        return material, estimate(material, NAME, given)
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def whole(run):
+    return run()
+
+
+def test_the_way_is_that_of_the_car(whole):
+    _, estimated = whole
+    track = estimated.track
+    u = np.maximum(track.stamps_s - 5.0, 0)
+    # The datum is the first fix of the antenna, 0.5 m ahead of the base, and a fix errs by 5 mm.
+    np.testing.assert_allclose(track.T_map_base[-100:, 0, 3], 0.5 * u[-100:] ** 2 - 0.5, atol=0.05)
+    np.testing.assert_allclose(track.T_map_base[-100:, :3, :3], np.tile(np.eye(3), (100, 1, 1)), atol=0.05)
+    assert track.stamps_s[-1] == pytest.approx(13.99, abs=1e-6)
+
+
+def test_figures_are_small_where_the_fit_is_good(whole):
+    report = whole[1].report
+    assert report["posterior_m"]["n"] > 10
+    assert report["posterior_m"]["mean"] < 0.015
+    assert report["prediction_m"]["p95"] < 0.1
+    assert report["counts"] == {"GnssFix": 56, "ImuSample": 1400}
+    assert [state["status"] for state in report["states"]] == ["INITIALISING", "GLOBAL"]
+    assert report["latency_us"]["n"] == len(whole[1].track.stamps_s)
+
+
+def test_a_dropped_sensor_is_an_outage_with_its_error(run):
+    _, estimated = run(drops=["gnss:11:13"])
+    (outage,) = estimated.report["outages"]
+    assert outage["way_m"] == pytest.approx(0.5 * (7.75**2 - 6**2), abs=0.1)
+    assert 0.0 < outage["error_at_end_m"] < 1.0
+    assert estimated.report["counts"]["dropped"] == 8
+    assert "FALLBACK" in [state["status"] for state in estimated.report["states"]]
+    assert estimated.errors.is_dropped.sum() == 8
+
+
+def test_a_replay_repeats_to_the_bit(whole, run):
+    np.testing.assert_array_equal(whole[1].track.T_map_base, run()[1].track.T_map_base)
+
+
+def test_a_log_without_rest_says_what_is_missing(car_log):
+    given = Options(drops=["gnss:0:99"])
+    material = Material.read(car_log, given)
+    with pytest.raises(DataError, match="seconds at rest"):
+        estimate(material, NAME, given)
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"drops": ["gnss:5"]}, "not SENSOR:FROM:TO"),
+        ({"drops": ["gnss:9:5"]}, "ends before it begins"),
+        ({"topics": ["imuu=/x"]}, "imuu"),
+        ({"settings": ["lag_s=-1"]}, "lag_s"),
+        ({"settings": ["lag_s"]}, "not KEY=VALUE"),
+    ],
+)
+def test_wrong_options_are_named(options, says, car_log):
+    given = Options(**options)
+    with pytest.raises(ConfigError, match=says):
+        estimate(Material.read(car_log, given), NAME, given)
+
+
+def test_a_drop_names_a_kind_or_a_frame(car_log):
+    arrivals = Material.read(car_log, Options()).arrivals
+    for sensor, kind in (("imu", "ImuSample"), ("gnss", "GnssFix")):
+        taken = [a.observation for a in arrivals if Drop(sensor, 1.0, 2.0).takes(a.observation)]
+        assert {type(o).__name__ for o in taken} == {kind}
+        assert all(1.0 <= o.stamp_s < 2.0 for o in taken)
+
+
+def test_trajectories_report_and_plot_are_written(whole, tmp_path):
+    paths = write_files(tmp_path / "way.tum", *whole)
+    assert [path.name for path in paths] == ["way.tum", "way_odom.tum", "way.json", "way.png"]
+    rows = np.loadtxt(paths[0])
+    assert rows.shape == (len(whole[1].track.stamps_s), 8)
+    assert rows[-1, 0] == pytest.approx(1_700_000_013.99, abs=1e-5)
+    np.testing.assert_allclose(rows[:, 1:4], whole[1].track.T_map_base[:, :3, 3], atol=1e-5)
+    np.testing.assert_allclose(np.linalg.norm(rows[:, 4:], axis=1), 1, atol=1e-6)
+    assert json.loads(paths[2].read_text()) == whole[1].report
+    assert paths[3].read_bytes().startswith(b"\x89PNG")
+
+
+def test_estimators_stand_side_by_side(whole):
+    text = table(compare(whole[0], [NAME, NAME], Options()))
+    assert "latency of an inertial sample [µs]" in text
+    assert len({len(line) for line in text.splitlines()}) == 1
+
+
+def test_the_command_answers_and_a_cut_log_ends_with_status_2(car_log, tmp_path):
+    ended = executive("estimate", str(car_log), "--out", "way.tum", "--json", cwd=tmp_path)
+    assert ended.returncode == 0, ended.stderr
+    assert json.loads(ended.stdout)["estimator"] == NAME
+    (tmp_path / "cut.mcap").write_bytes(car_log.read_bytes()[:5000])
+    ended = executive("estimate", "cut.mcap", "--out", "way.tum", cwd=tmp_path)
+    assert ended.returncode == 2
+    assert "cut.mcap: not a whole log" in ended.stderr
+    assert "Traceback" not in ended.stderr

@@ -1,0 +1,129 @@
+"""Logs are read alike from every container, and wrong ones are refused with their place."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from executive.errors import DataError
+from executive.logs.log import Log
+from executive.logs.topics import Topics
+from executive.messages.gnss import GnssFix
+from executive.messages.imu import ImuSample
+from executive.messages.odometry import LidarIncrement
+
+
+def read(path):
+    return [arrival.observation for arrival in Log(path, Topics()).arrivals()]
+
+
+def test_mcap_and_both_kinds_of_bag_hold_the_same(ros1, ros2, car, write_mcap, write_bag, tmp_path):
+    logs = [
+        read(write_mcap(tmp_path / "a.mcap", ros2, car(ros2, 1.0))),
+        read(write_bag(tmp_path / "a.bag", ros1, car(ros1, 1.0))),
+        read(write_bag(tmp_path / "a", ros2, car(ros2, 1.0))),
+    ]
+    for log in logs:
+        assert [type(o) for o in log] == [type(o) for o in logs[0]]
+        for one, other in zip(log, logs[0], strict=True):
+            assert one.stamp_s == other.stamp_s
+            if isinstance(one, ImuSample):
+                np.testing.assert_array_equal(one.specific_force_m_s2, other.specific_force_m_s2)
+    fix = next(o for o in logs[0] if isinstance(o, GnssFix))
+    assert (fix.antenna, fix.is_rtk_fixed, fix.stamp_s) == ("gnss", True, 0.0)
+
+
+def test_a_chain_of_static_transforms_becomes_extrinsics(car_log):
+    rig = Log(car_log, Topics()).rig(None)
+    np.testing.assert_allclose(rig.sensors["gnss"].T_link_sensor[:3, 3], [0.5, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(rig.sensors["imu"].T_link_sensor[:3, :3], np.diag([-1, -1, 1]), atol=1e-12)
+
+
+def test_a_receiver_without_a_fix_is_no_fix_and_a_float_one_is_not_rtk(ros2, write_mcap, tmp_path):
+    messages = [
+        (0.0, "/imu/data", ros2.imu(0.0, "imu", np.zeros(3), np.ones(3))),
+        *[
+            (0.1 + k, "/gnss/fix", ros2.fix(0.1 + k, "gnss", np.zeros(3), status))
+            for k, status in enumerate((-1, 0, 2))
+        ],
+    ]
+    fixes = [o for o in read(write_mcap(tmp_path / "a.mcap", ros2, messages)) if isinstance(o, GnssFix)]
+    assert [fix.is_rtk_fixed for fix in fixes] == [False, True]
+
+
+def test_poses_of_an_odometry_become_increments(ros2, write_mcap, tmp_path):
+    messages = [
+        (0.0, "/imu/data", ros2.imu(0.0, "imu", np.zeros(3), np.ones(3))),
+        (0.0, "/gnss/fix", ros2.fix(0.0, "gnss", np.zeros(3))),
+        *[(k / 10, "/odometry", ros2.odometry(k / 10, "lidar", (k, 0, 0), (0, 0, 0, 1))) for k in range(3)],
+    ]
+    increments = [o for o in read(write_mcap(tmp_path / "a.mcap", ros2, messages)) if isinstance(o, LidarIncrement)]
+    assert [(round(i.from_s, 6), round(i.to_s, 6), i.frame) for i in increments] == [
+        (0, 0.1, "lidar"),
+        (0.1, 0.2, "lidar"),
+    ]
+    # The sensor looks back, so that a step ahead of the odometry frame is one behind its back.
+    np.testing.assert_allclose(increments[0].T_from_to[:3, 3], [-1, 0, 0], atol=1e-12)
+
+
+def damaged(path, kind):
+    raw = path.read_bytes()
+    if kind == "cut":
+        return raw[: len(raw) // 2]
+    if kind == "flipped":
+        middle = len(raw) // 3
+        return raw[:middle] + bytes([raw[middle] ^ 255]) + raw[middle + 1 :]
+    return {"empty": b"", "text": b"stamp,x,y,z\n" * 50}[kind]
+
+
+@pytest.mark.parametrize("suffix", ["mcap", "bag"])
+@pytest.mark.parametrize("kind", ["cut", "flipped", "empty", "text"])
+def test_a_damaged_file_is_refused_by_name(kind, suffix, ros1, ros2, car, write_mcap, write_bag, tmp_path):
+    whole = tmp_path / f"whole.{suffix}"
+    if suffix == "mcap":
+        write_mcap(whole, ros2, car(ros2, 1.0))
+    else:
+        write_bag(whole, ros1, car(ros1, 1.0))
+    bad = tmp_path / f"bad.{suffix}"
+    bad.write_bytes(damaged(whole, kind))
+    if (suffix, kind) == ("bag", "flipped"):
+        return  # a ROS 1 bag carries no checksum
+    with pytest.raises(DataError, match="bad"):
+        read(bad)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"/imu/data": "/imu/raw"}, "no /imu/data for imu"),
+        ({"/gnss/fix": "/fix"}, "no /gnss/fix for gnss"),
+        ({"/imu/data": "/gnss/fix", "/gnss/fix": "/imu/data"}, "is sensor_msgs/msg/NavSatFix; for imu"),
+    ],
+)
+def test_a_missing_topic_or_another_type_is_said_with_the_cure(change, says, ros2, car, write_mcap, tmp_path):
+    messages = [(t, change.get(topic, topic), message) for t, topic, message in car(ros2, 0.5)]
+    with pytest.raises(DataError, match=says):
+        read(write_mcap(tmp_path / "a.mcap", ros2, messages))
+
+
+def test_a_value_that_is_no_number_is_refused_with_its_time(ros2, car, write_mcap, tmp_path):
+    messages = list(car(ros2, 0.5))
+    messages.append((0.6, "/imu/data", ros2.imu(0.6, "imu", (0, np.nan, 0), np.ones(3))))
+    with pytest.raises(DataError, match=r"/imu/data at 0\.600 s: .*not finite"):
+        read(write_mcap(tmp_path / "a.mcap", ros2, messages))
+
+
+def test_a_sensor_without_extrinsics_is_refused_with_its_frame(ros2, car, write_mcap, tmp_path):
+    messages = [m for m in car(ros2, 0.5) if m[1] != "/tf_static"]
+    path = write_mcap(tmp_path / "a.mcap", ros2, messages)
+    with pytest.raises(DataError, match="--machine"):
+        Log(path, Topics()).rig(None)
+    tf = (0.0, "/tf_static", ros2.tf([("base", "imu", (0, 0, 0), (1, 0, 0, 0))]))
+    path = write_mcap(tmp_path / "b.mcap", ros2, [tf, *messages])
+    with pytest.raises(DataError, match="no frame 'gnss'"):
+        Log(path, Topics()).rig(None)
+
+
+def test_no_such_log():
+    with pytest.raises(DataError, match="no such log"):
+        Log(Path("nowhere.mcap"), Topics())
