@@ -15,10 +15,10 @@ class Stopwatch:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Time the body."""
+        """Time the body; a name used again adds up."""
         begun_s = wall_s()
         yield
-        self._stages[name] = (wall_s() - begun_s) * 1e3
+        self._stages[name] = self._stages.get(name, 0.0) + (wall_s() - begun_s) * 1e3
 
     def timings_ms(self) -> dict[str, float]:
         """Return the finished stages, and `total` since the start."""

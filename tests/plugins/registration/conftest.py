@@ -119,23 +119,27 @@ def _surveyed(scene: o3d.t.geometry.RaycastingScene, rng: np.random.Generator, r
     return points + warp
 
 
+def scene_of(
+    seed: int, count: int = 7, rays: int = 250_000, survey_seed: int | None = None, stretch: float | None = None
+) -> Scene:
+    """Return the scene of a seed; with `survey_seed` the drone flew over another site, which must be refused."""
+    rng = np.random.default_rng(seed)
+    scene, stones = _world(rng, count, 3.2, 7.5)
+    centre = np.array([*stones[:, :2].mean(axis=0), 0.3])
+    target = _swept(scene, rng, rays)
+    if survey_seed is not None:
+        scene, stones = _world(np.random.default_rng(survey_seed), count, 3.2, 7.5)
+        centre = np.array([*stones[:, :2].mean(axis=0), 0.3])
+    survey = _surveyed(scene, rng, rays, centre)
+    drawn = float(rng.uniform(0.99, 1.01))
+    stretch = drawn if stretch is None else stretch
+    R = exp_so3(np.array([0, 0, rng.uniform(-np.pi, np.pi)])) @ exp_so3(rng.normal(0, 0.03, 3))
+    T = pose(R, rng.uniform(-15, 15, 3))
+    source = transform(inverse(T), centre + (survey - centre) * stretch)
+    return Scene(Cloud("map", target), Cloud("survey", source), T, stretch, centre, stones)
+
+
 @pytest.fixture(scope="session")
 def make_scene() -> Callable[..., Scene]:
     """Return a maker of scenes by seed."""
-
-    def make(seed: int, count: int = 7, rays: int = 250_000, survey_seed: int | None = None) -> Scene:
-        rng = np.random.default_rng(seed)
-        scene, stones = _world(rng, count, 3.2, 7.5)
-        centre = np.array([*stones[:, :2].mean(axis=0), 0.3])
-        target = _swept(scene, rng, rays)
-        if survey_seed is not None:  # the drone flew over another site
-            scene, stones = _world(np.random.default_rng(survey_seed), count, 3.2, 7.5)
-            centre = np.array([*stones[:, :2].mean(axis=0), 0.3])
-        survey = _surveyed(scene, rng, rays, centre)
-        stretch = float(rng.uniform(0.99, 1.01))
-        R = exp_so3(np.array([0, 0, rng.uniform(-np.pi, np.pi)])) @ exp_so3(rng.normal(0, 0.03, 3))
-        T = pose(R, rng.uniform(-15, 15, 3))
-        source = transform(inverse(T), centre + (survey - centre) * stretch)
-        return Scene(Cloud("map", target), Cloud("survey", source), T, stretch, centre, stones)
-
-    return make
+    return scene_of

@@ -39,7 +39,9 @@ def test_a_survey_is_laid_over_the_map(make_scene: Callable, seed: int, rays: in
     assert angle_between(found.T_target_source[:3, :3], scene.T_target_source[:3, :3]) < np.radians(1.0)
     assert found.scale == pytest.approx(1 / scene.stretch, abs=0.003)
     assert len(found.matched_segments) >= 3
-    assert {"segmentation", "candidates", "verification", "refinement", "gate", "total"} <= set(found.timings_ms)
+    assert {"segmentation", "description", "matching", "verification", "refinement", "gate", "total"} <= set(
+        found.timings_ms
+    )
 
 
 @pytest.mark.parametrize("seed", [300, 309])

@@ -29,7 +29,7 @@ def test_a_known_similarity_is_recovered(scale: float) -> None:
     centre = source.mean(axis=0)
     off[:3, 3] = truth.apply(centre[None])[0] + [0.08, -0.05, 0.06] - off[:3, :3] @ centre
     reaches_m = (0.4, 0.4, 0.3, 0.3, 0.2, 0.2, 0.15, 0.1, 0.1)
-    found = refine(Surface(yard(2), 0.08), source[::4], Similarity(off, 1.0), reaches_m, 0.04)
+    found = refine(Surface.thinned(yard(2), 0.08), source[::4], Similarity(off, 1.0), reaches_m, 0.04)
     assert found.scale == pytest.approx(scale, abs=0.001)
     assert np.linalg.norm(found.apply(source) - truth.apply(source), axis=1).max() < 0.02
     assert angle_between(found.T_target_source[:3, :3], R) < np.radians(0.15)
@@ -37,12 +37,12 @@ def test_a_known_similarity_is_recovered(scale: float) -> None:
 
 def test_the_scale_stays_within_its_bound_and_the_centre_in_place() -> None:
     points = yard(1)
-    found = refine(Surface(points, 0.08), points[::4] / 1.02, Similarity(np.eye(4), 1.0), (0.3,) * 5, 0.005)
+    found = refine(Surface.thinned(points, 0.08), points[::4] / 1.02, Similarity(np.eye(4), 1.0), (0.3,) * 5, 0.005)
     assert found.scale == pytest.approx(1.005)
-    rigid = refine(Surface(points, 0.08), points[::4] / 1.02, Similarity(np.eye(4), 1.0), (0.3,) * 5, 0.0)
+    rigid = refine(Surface.thinned(points, 0.08), points[::4] / 1.02, Similarity(np.eye(4), 1.0), (0.3,) * 5, 0.0)
     assert rigid.scale == 1.0
 
 
 def test_too_few_partners_leave_the_start_alone() -> None:
     start = Similarity(pose(None, np.array([100.0, 0, 0])), 1.0)
-    assert refine(Surface(yard(1), 0.1), yard(2)[::10], start, (0.3,), 0.03) is start
+    assert refine(Surface.thinned(yard(1), 0.1), yard(2)[::10], start, (0.3,), 0.03) is start

@@ -1,0 +1,196 @@
+"""Global registration on segments, whatever proposes the motions: votes rank them, surfaces decide."""
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import small_gicp
+
+from executive.arrays import Float
+from executive.errors import DataError
+from executive.geometry.pose import pose
+from executive.interfaces.alignment import Aligner
+from executive.interfaces.registration import Registrar
+from executive.interfaces.segmentation import Segmenter
+from executive.messages.alignment import Alignment
+from executive.messages.cloud import Cloud
+from executive.messages.segment import Segment, Segmentation
+from plugins.registration.gate import NOTHING, Agreement, measure
+from plugins.registration.segment_settings import SegmentSettings
+from plugins.registration.similarity import Similarity, Surface, refine
+from plugins.registration.stopwatch import Stopwatch
+from plugins.registration.strategy import Strategy
+from plugins.registration.vote import matched_centroids
+
+_CLEAR = 0.5  # a misfit below this share of the truncation needs no rival: wrong motions have twice as much
+
+
+class SegmentRegistrar(Registrar):
+    """Registration by segments (Mascaro 2020, Sec. 4.4), all six steps but the merging of clouds."""
+
+    Settings = SegmentSettings
+    is_stateless = True
+    latency_s = {"register": 1.0}
+
+    def __init__(self, settings: SegmentSettings, segmentation: Segmenter, alignment: Aligner) -> None:
+        self._settings = settings
+        self._segmentation = segmentation
+        self._alignment = alignment
+
+    @abstractmethod
+    def _strategies(self) -> tuple[Strategy, ...]:
+        """Return what proposes motions, in the order in which they are tried."""
+
+    def register(self, target: Cloud, source: Cloud, rng: np.random.Generator) -> Alignment:
+        """Find the similarity that lays a survey over the map; deterministic, `rng` is not used.
+
+        Coordinates are taken about each cloud's mean, so that national coordinates keep their digits.
+
+        Returns:
+            The motion, accepted or refused. With fewer stones in view than `min_matched` it is refused: two stones
+            fit many places. If several strategies are refused, the first one's answer is returned.
+        """
+        watch = Stopwatch()
+        middle_t, middle_s = _middle(target), _middle(source)
+        with watch.stage("segmentation"):
+            try:
+                there = self._segmentation.segment(Cloud(target.frame, target.points - middle_t))
+                here = self._segmentation.segment(self._thinned(source, middle_s))
+            except DataError as error:
+                return _refused(f"a cloud cannot be segmented: {error}", watch)
+        found = self._lay_over(there, here, watch)
+        R, t = found.T_target_source[:3, :3], found.T_target_source[:3, 3]
+        T = pose(R, t + middle_t - found.scale * R @ middle_s)
+        return replace(found, T_target_source=T, timings_ms=watch.timings_ms())
+
+    def _lay_over(self, target: Segmentation, source: Segmentation, watch: Stopwatch) -> Alignment:
+        settings = self._settings
+        fewest = min(len(target.segments), len(source.segments))
+        if fewest < settings.min_matched:
+            found = f"target {len(target.segments)}, source {len(source.segments)}"
+            return _refused(f"too few stones in view: {found}, need {settings.min_matched}", watch)
+        with watch.stage("verification"):
+            stones = Surface.thinned(_joined(target.segments), settings.fine_voxel_m)
+        refusals = []
+        for strategy in self._strategies():
+            attempt = self._attempt(target, source, stones, strategy, watch)
+            if attempt.accepted:
+                return attempt
+            refusals.append(attempt)
+        return refusals[0]
+
+    def _attempt(
+        self, target: Segmentation, source: Segmentation, stones: Surface, strategy: Strategy, watch: Stopwatch
+    ) -> Alignment:
+        candidates = strategy.propose(target, source, watch)
+        with watch.stage("verification"):
+            coarse = self._choose(target, source, stones, candidates)
+        if coarse is None:
+            return _refused("no motion brings enough stones near each other", watch)
+        with watch.stage("refinement"):
+            fine = self._refine(target, source, stones, coarse)
+        with watch.stage("gate"):
+            return self._judge(target, source, fine)
+
+    def _thinned(self, source: Cloud, middle: Float) -> Cloud:
+        if not len(source):
+            return source
+        return Cloud(source.frame, _thin(source.points - middle, self._settings.voxel_m))
+
+    def _choose(
+        self, target: Segmentation, source: Segmentation, stones: Surface, candidates: Sequence[Float]
+    ) -> Similarity | None:
+        """Refine candidates a little on the segments, and take the one whose surfaces lie best on each other.
+
+        Deviation from the paper, which takes the one of most matched centroids: those of half-seen stones are off.
+        The votes only rank the candidates, and the first clear fit ends the search.
+        """
+        s = self._settings
+        points = _thin(_joined(source.segments), 2 * s.fine_voxel_m)
+        votes = [len(self._matched(target, source, Similarity(T, 1.0))) for T in candidates]
+        best, best_misfit = None, np.inf
+        for i in sorted(range(len(candidates)), key=lambda i: -votes[i]):
+            if votes[i] < s.min_matched or best_misfit < _CLEAR * s.truncation_m:
+                break
+            reaches = (s.coarse_reach_m,) * 3 + (0.6 * s.coarse_reach_m,) * 3
+            fitted = refine(stones, points, Similarity(candidates[i], 1.0), reaches, 0.0)
+            distances, _ = stones.nearest(fitted.apply(points), 2 * s.truncation_m)
+            misfit = float(np.minimum(distances, 2 * s.truncation_m).mean())
+            if misfit < best_misfit:
+                best, best_misfit = fitted, misfit
+        return best
+
+    def _matched(self, target: Segmentation, source: Segmentation, motion: Similarity) -> tuple[tuple[int, int], ...]:
+        moved = motion.apply(centroids(source.segments))
+        return matched_centroids(centroids(target.segments), moved, self._settings.max_match_m)
+
+    def _refine(self, target: Segmentation, source: Segmentation, stones: Surface, coarse: Similarity) -> Similarity:
+        """Align the segments (step 5), then the whole clouds with their scale.
+
+        The ground is thinned more than the stones: it levels the motion, and is smooth.
+        """
+        s = self._settings
+        moving = _thin(_joined(source.segments), s.fine_voxel_m)
+        clouds = Cloud(target.frame, stones.points), Cloud(source.frame, moving)
+        aligned = self._alignment.align(*clouds, coarse.T_target_source, 0.6 * s.coarse_reach_m)
+        start = Similarity(aligned.T_target_source, 1.0) if aligned.accepted else coarse
+        surface = stones.joined(Surface.thinned(target.ground.points, s.ground_voxel_m))
+        points = np.vstack([moving, _thin(source.ground.points, s.ground_voxel_m)])
+        reaches = tuple(s.truncation_m * factor for factor in (3, 3, 2, 2, 1.5, 1.5, 1, 1))
+        return refine(surface, points, start, reaches, s.max_scale_error)
+
+    def _judge(self, target: Segmentation, source: Segmentation, fine: Similarity) -> Alignment:
+        """Pass the gate on the segments whose centroids have been matched (step 5)."""
+        s = self._settings
+        pairs = self._matched(target, source, fine)
+        agreements = {
+            (i, j): measure(target.segments[j].points, fine.apply(source.segments[i].points), s.truncation_m, s.voxel_m)
+            for i, j in pairs
+        }
+        agreeing = tuple(pair for pair, a in agreements.items() if a.better.share >= s.min_overlap)
+        whole = sum(agreements.values(), NOTHING)
+        faults = self._faults(whole, len(agreeing))
+        reason = "; ".join(faults) or f"{len(agreeing)} stones agree, {whole}"
+        return Alignment(
+            T_target_source=fine.T_target_source,
+            accepted=not faults,
+            reason=reason,
+            rmse_m=whole.better.rmse_m,
+            overlap=whole.source.share,
+            matched_segments=agreeing,
+            scale=fine.scale,
+        )
+
+    def _faults(self, agreement: Agreement, stones: int) -> list[str]:
+        s = self._settings
+        faults = []
+        if stones < s.min_matched:
+            faults.append(f"{stones} stones agree, need {s.min_matched}")
+        best = agreement.better
+        if best.rmse_m > s.max_rmse_m:
+            faults.append(f"rmse {best.rmse_m * 100:.1f} cm above {s.max_rmse_m * 100:.1f} cm")
+        if best.share < s.min_overlap:
+            faults.append(f"overlap {best.share:.2f} below {s.min_overlap}")
+        return faults
+
+
+def _refused(reason: str, watch: Stopwatch) -> Alignment:
+    return Alignment(np.eye(4), False, reason, 0.0, 0.0, timings_ms=watch.timings_ms())
+
+
+def centroids(segments: Sequence[Segment]) -> Float:
+    """Return the centroids of segments [m], shape (N, 3)."""
+    return np.array([segment.centroid for segment in segments]).reshape(-1, 3)
+
+
+def _middle(cloud: Cloud) -> Float:
+    return np.asarray(cloud.points.mean(axis=0)) if len(cloud) else np.zeros(3)
+
+
+def _joined(segments: Sequence[Segment]) -> Float:
+    return np.vstack([segment.points for segment in segments])
+
+
+def _thin(points: Float, voxel_m: float) -> Float:
+    return np.array(small_gicp.voxelgrid_sampling(points, voxel_m, 1).points()[:, :3])

@@ -1,0 +1,15 @@
+"""One way to propose motions, to be tried until one passes the gate."""
+
+from abc import ABC, abstractmethod
+
+from executive.arrays import Float
+from executive.messages.segment import Segmentation
+from plugins.registration.stopwatch import Stopwatch
+
+
+class Strategy(ABC):
+    """Propose motions that may lay a source over a target; never decide."""
+
+    @abstractmethod
+    def propose(self, target: Segmentation, source: Segmentation, watch: Stopwatch) -> list[Float]:
+        """Return T_target_source of candidates, each (4, 4), the likeliest first; times its stages."""
