@@ -1,0 +1,67 @@
+"""From the state of an IMU on the cabin to what an estimator reports: cabin and chassis, in the map and in odometry."""
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.geometry.pose import inverse, pose
+from executive.messages.base_state import BaseState
+from plugins.estimation.chassis import TurnJoint
+from plugins.estimation.inertial_state import POSITION, ROTATION, InertialState, skew
+
+_POSE = np.r_[ROTATION, POSITION]
+
+
+class CabinReport:
+    """Reports states one after another; the odometry frame goes on by increments and never steps (REP-105)."""
+
+    def __init__(self, T_imu_cabin: Float, turn: TurnJoint) -> None:
+        self._T_imu_cabin = T_imu_cabin
+        self._turn = turn
+        self._T_odom_map = np.eye(4)
+
+    @staticmethod
+    def unknown(stamp_s: float, status: str) -> BaseState:
+        """Return a state that may not be used."""
+        nowhere = np.eye(4)
+        return BaseState(stamp_s, nowhere, nowhere, nowhere, np.zeros(3), np.zeros(3), 1e6 * np.eye(6), status)
+
+    def correct(self, before: InertialState, after: InertialState) -> None:
+        """Move the map under the odometry where a correction moves the IMU at one time (Nubert 2022, Eq. (11)).
+
+        The paper does so when the satellites come back; here each correction does, large or small.
+        """
+        self._T_odom_map = self._T_odom_map @ _pose(before) @ inverse(_pose(after))
+
+    def report(self, head: InertialState, P: Float, status: str) -> BaseState:
+        """Return the state of the machine.
+
+        Args:
+            head: The IMU at the newest sample.
+            P: Covariance of the head's error, shape (15, 15).
+            status: How the estimator stands.
+        """
+        T_map_cabin = _pose(head) @ self._T_imu_cabin
+        T_cabin_base = self._turn.T_cabin_base(head.stamp_s)
+        return BaseState(
+            stamp_s=head.stamp_s,
+            T_map_base=T_map_cabin @ T_cabin_base,
+            T_odom_base=self._T_odom_map @ T_map_cabin @ T_cabin_base,
+            T_map_cabin=T_map_cabin,
+            v_map_cabin=head.v_map_imu + head.R_map_imu @ skew(head.rate) @ self._T_imu_cabin[:3, 3],
+            w_map_cabin_in_cabin=self._T_imu_cabin[:3, :3].T @ head.rate,
+            covariance=self._covariance(head, P),
+            status=status,
+        )
+
+    def _covariance(self, head: InertialState, P: Float) -> Float:
+        """Move the covariance from the IMU, in its axes and the map's, to the cabin's origin and axes."""
+        R_cabin_imu, arm = self._T_imu_cabin[:3, :3].T, self._T_imu_cabin[:3, 3]
+        J = np.zeros((6, 6))
+        J[:3, :3] = R_cabin_imu
+        J[3:, :3] = -R_cabin_imu @ skew(arm)
+        J[3:, 3:] = R_cabin_imu @ head.R_map_imu.T
+        return np.asarray(J @ P[np.ix_(_POSE, _POSE)] @ J.T)
+
+
+def _pose(state: InertialState) -> Float:
+    return pose(state.R_map_imu, state.p_map_imu)

@@ -1,0 +1,40 @@
+"""The first state: from rest with two antennas, from the first metres of motion with one."""
+
+from collections.abc import Mapping
+
+from executive.arrays import Float
+from plugins.estimation.inertial_noise import InertialNoise
+from plugins.estimation.inertial_state import Inertial, InertialState
+from plugins.estimation.moving_start import MovingStart, MovingStartSettings
+from plugins.estimation.rest_initialisation import RestInitialisation, RestSettings
+
+
+class FirstState:
+    """Collects samples and fixes until a state is known."""
+
+    def __init__(
+        self, rest: RestSettings, moving: MovingStartSettings, antennas_imu: Mapping[str, Float], noise: InertialNoise
+    ) -> None:
+        self._max_rate_rad_s = rest.max_rate_rad_s
+        self._has_heading = len(antennas_imu) > 1
+        self._rest = RestInitialisation(rest, antennas_imu, noise)
+        self._moving = MovingStart(moving, next(iter(antennas_imu.values())), noise)
+
+    def add_fix(self, stamp_s: float, antenna: str, p_map_antenna: Float) -> None:
+        """Take the measured position of an antenna in the map."""
+        self._rest.add_fix(stamp_s, antenna, p_map_antenna)
+        self._moving.add_fix(stamp_s, p_map_antenna)
+
+    def add_sample(self, sample: Inertial, turn_rate_rad_s: float) -> tuple[InertialState, Float] | None:
+        """Take an inertial sample; return the state at it and its error's covariance (15, 15), once there is one.
+
+        A cabin that turns steadily would look at rest to its own sensor, but for the turn joint's rate.
+        """
+        self._rest.add_sample(sample)
+        at_rest = None if abs(turn_rate_rad_s) >= self._max_rate_rad_s else self._rest.state()
+        if self._has_heading:
+            return at_rest
+        self._moving.add_sample(sample)
+        if at_rest is not None:
+            self._moving.begin(*at_rest)
+        return self._moving.state()

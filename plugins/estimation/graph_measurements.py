@@ -1,0 +1,60 @@
+"""What crosses the border to the smoother besides inertial samples: plain values, so that they can be sent."""
+
+from dataclasses import dataclass
+
+from executive.arrays import Float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fix:
+    """A position fix of one antenna in the map.
+
+    Attributes:
+        stamp_s: Time of measurement [s].
+        antenna: Name of the antenna.
+        arm_imu: The antenna in IMU axes [m], shape (3,).
+        p_map_antenna: Measured position [m], shape (3,).
+        covariance: In map axes [m²], shape (3, 3).
+    """
+
+    stamp_s: float
+    antenna: str
+    arm_imu: Float
+    p_map_antenna: Float
+    covariance: Float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Increment:
+    """How the IMU moved by lidar odometry.
+
+    Attributes:
+        from_s: Time of the earlier pose [s].
+        stamp_s: Time of the later pose [s].
+        T_from_to: Later IMU pose in the earlier one, shape (4, 4).
+        covariance: As (rotation [rad], translation [m]) in the later IMU axes, shape (6, 6).
+    """
+
+    from_s: float
+    stamp_s: float
+    T_from_to: Float
+    covariance: Float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Standing:
+    """The chassis is seen to stand while the cabin may turn on it.
+
+    Attributes:
+        stamp_s: Time of the joint sample [s].
+        arm_imu: A point on the turn axis in IMU axes [m], shape (3,).
+        rate_imu: Angular velocity by the turn joint, IMU axes [rad/s], shape (3,); None while it turns, for encoders
+            differentiate well at rest only.
+    """
+
+    stamp_s: float
+    arm_imu: Float
+    rate_imu: Float | None
+
+
+Measurement = Fix | Increment | Standing
