@@ -10,9 +10,30 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
+
+
+class _Verbs(TyperGroup):
+    """The verbs written below, and those that installed plugins bring: each is imported when it is asked for."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        from executive.registry import VERBS, installed
+
+        return [*super().list_commands(ctx), *(verb.name for verb in installed(VERBS))]
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        from executive.registry import VERBS, installed, load_verb
+
+        if cmd_name not in {verb.name for verb in installed(VERBS)}:
+            return super().get_command(ctx, cmd_name)
+        alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+        alone.command(cmd_name)(load_verb(cmd_name))
+        return typer.main.get_command(alone)
+
 
 app = typer.Typer(
     name="executive",
+    cls=_Verbs,
     help="Run, check and show missions for machines that move found stones.",
     no_args_is_help=True,
     add_completion=False,

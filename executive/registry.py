@@ -1,7 +1,7 @@
 """Installed plugins by capability and name; only what is selected is imported."""
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
@@ -32,6 +32,7 @@ CAPABILITIES = (
 PLURAL = ("monitoring",)
 BEHAVIOURS = "behaviour"
 ORACLES = "oracle"
+VERBS = "verb"  # functions with typer's annotations: sub-commands of the command line
 
 
 class BrokenPluginError(ConfigError):
@@ -68,18 +69,35 @@ def load(capability: str, name: str) -> type[Any]:
         UnknownPluginError: If none of that name is installed; it says the nearest.
         BrokenPluginError: If its import fails; the message holds the reason.
     """
+    loaded = _loaded(capability, name)
+    if not inspect.isclass(loaded):
+        raise BrokenPluginError(f"{capability} plugin '{name}' ({loaded!r}) is no class")
+    return loaded
+
+
+def load_verb(name: str) -> Callable[..., None]:
+    """Import the function of one sub-command.
+
+    Raises:
+        UnknownPluginError: If none of that name is installed; it says the nearest.
+        BrokenPluginError: If its import fails or it is no function; the message holds the reason.
+    """
+    loaded = _loaded(VERBS, name)
+    if not inspect.isfunction(loaded):
+        raise BrokenPluginError(f"{VERBS} '{name}' ({loaded!r}) is no function")
+    return loaded
+
+
+def _loaded(capability: str, name: str) -> Any:
     points = _entry_points(capability)
     if name not in points:
         raise UnknownPluginError(capability, name, points)
     try:
-        loaded = points[name].load()
+        return points[name].load()
     except (ImportError, AttributeError, SyntaxError, OSError) as error:
         raise BrokenPluginError(
             f"{capability} plugin '{name}' ({points[name].value}) cannot be loaded: {error}"
         ) from error
-    if not inspect.isclass(loaded):
-        raise BrokenPluginError(f"{capability} plugin '{name}' ({points[name].value}) is no class")
-    return loaded
 
 
 def settings_of(capability: str, name: str) -> type[Settings]:
@@ -111,12 +129,12 @@ def describe(capability: str, name: str) -> dict[str, Any]:
 
 
 def diagnose() -> list[dict[str, str]]:
-    """Import every installed plugin and behaviour, and say which are broken and why."""
+    """Import every installed plugin, behaviour and verb, and say which are broken and why."""
     findings = []
-    for capability in (*CAPABILITIES, BEHAVIOURS, ORACLES):
+    for capability in (*CAPABILITIES, BEHAVIOURS, ORACLES, VERBS):
         for one in installed(capability):
             try:
-                load(capability, one.name)
+                load_verb(one.name) if capability == VERBS else load(capability, one.name)
                 problem = ""
             except BrokenPluginError as error:
                 problem = str(error)

@@ -1,16 +1,14 @@
 """Grasps without a classifier: in the paper's order, the best of them rehearsed (Mascaro 2020, Sec. 5)."""
 
-from collections.abc import Iterable
 from typing import ClassVar
 
 import numpy as np
 
-from executive.arrays import Float
 from executive.config import Settings
 from executive.interfaces.motion import MotionPlanner
 from plugins.grasping.planning_cloud import PlanningCloud
 from plugins.grasping.pool import Pool
-from plugins.grasping.sampled_planner import SampledPlanner, SampledPlannerSettings
+from plugins.grasping.sampled_planner import Order, SampledPlanner, SampledPlannerSettings
 from robot_models.machine import Machine
 
 
@@ -26,6 +24,6 @@ class SampledAntipodal(SampledPlanner):
     def __init__(self, settings: SampledAntipodalSettings, machine: Machine, motion: MotionPlanner) -> None:
         super().__init__(settings, machine, motion)
 
-    def ordered(self, scene: PlanningCloud, pool: Pool) -> tuple[Iterable[int], Float]:
+    def ordered(self, scene: PlanningCloud, pool: Pool) -> Order:
         """Return the paper's order (Sec. 5.4); nothing tells what a grasp is worth before it is rehearsed."""
-        return self.paper_order(pool), np.zeros(len(pool))
+        return Order(self.paper_order(pool), np.zeros(len(pool)), {})

@@ -3,6 +3,7 @@
 from abc import abstractmethod
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -20,7 +21,7 @@ from executive.messages.stone import Stone
 from plugins.grasping.arm_reach import ArmReach
 from plugins.grasping.planning_cloud import PlanningCloud
 from plugins.grasping.pool import Pool, Sampler, SamplingSettings
-from plugins.grasping.ranking import ranked_rounds, spread
+from plugins.grasping.ranking import Costs, ranked_rounds, spread
 from plugins.grasping.rehearsal import FALLEN_M, Lifted, Rehearsal
 from plugins.grasping.way_in import WayIn
 from robot_models.machine import Machine
@@ -46,6 +47,21 @@ class SampledPlannerSettings(SamplingSettings):
     max_grasps: int = Field(8, ge=1, description="Most grasps that are returned.")
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Order:
+    """In what order the M grasps of a pool are tried.
+
+    Attributes:
+        indices: Best first; taken as they are asked for.
+        worth: What the score of each begins with, shape (M,).
+        costs: Further costs by name, each of shape (M,).
+    """
+
+    indices: Iterable[int]
+    worth: Float
+    costs: Costs
+
+
 class SampledPlanner(GraspPlanner):
     """Samples ways to hold a stone, orders them, and returns the first that are free and in reach.
 
@@ -61,8 +77,8 @@ class SampledPlanner(GraspPlanner):
         self._sampler = Sampler(settings, machine.gripper)
 
     @abstractmethod
-    def ordered(self, scene: PlanningCloud, pool: Pool) -> tuple[Iterable[int], Float]:
-        """Return the indices of the grasps of a pool to go on with, best first, and what each is worth, shape (M,)."""
+    def ordered(self, scene: PlanningCloud, pool: Pool) -> Order:
+        """Return in what order the grasps of a pool are tried."""
 
     def plan(self, target: Stone, cloud: Cloud, T_map_base: Float, rng: np.random.Generator) -> GraspPlan:
         """Plan grasps, best first; empty with reasons if the stone cannot be held.
@@ -93,10 +109,10 @@ class SampledPlanner(GraspPlanner):
         """Rehearse the first that the arm comes to, and rank them by what they are worth less how far they slip."""
         s, gripper = self._settings, self._machine.gripper
         rehearsal = Rehearsal(gripper, scene.body, scene.ground.normal, scene.volume_m3 * s.density)
-        order, worth = self.ordered(scene, pool)
+        order = self.ordered(scene, pool)
         grasps: list[Grasp] = []
         firm = 0
-        attainable = self._attainable(scene, pool, order, T_map_base, refused)
+        attainable = self._attainable(scene, pool, order.indices, T_map_base, refused)
         for tried, (i, T_map_gripper) in enumerate(attainable, start=1):
             lifted = self._rehearsed(rehearsal, pose(pool.R[i], pool.position[i]), float(pool.jaw_rad[i]))
             cost = round(lifted.get("slip_m", 0.0) + _PUSH_WEIGHT * lifted.get("push_m", 0.0), 2)
@@ -104,8 +120,9 @@ class SampledPlanner(GraspPlanner):
             if cost > s.max_slip_m:
                 refused["slips"] += 1
             else:
-                named = {name: float(values[i]) for name, values in pool.costs.items()} | lifted
-                grasps.append(Grasp(T_map_gripper, gripper.max_opening_m, float(worth[i]) - cost, named))
+                named = {name: float(values[i]) for name, values in (*pool.costs.items(), *order.costs.items())}
+                score = float(order.worth[i]) - cost
+                grasps.append(Grasp(T_map_gripper, gripper.max_opening_m, score, named | lifted))
             if firm == _ENOUGH or tried == max(s.rehearsed, s.max_grasps):
                 break
         grasps.sort(key=lambda grasp: -grasp.score)  # stable: equals keep their order

@@ -1,0 +1,75 @@
+"""Grasps ranked by a network that has learned from physical lifts which succeed (for Mascaro 2020, Sec. 5.4)."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from executive.arrays import Bool
+from executive.config import Settings
+from executive.interfaces.motion import MotionPlanner
+from plugins.grasping.evidence import evidence_of
+from plugins.grasping.outcome_net import FourLayer, TwoStream, load_net, success
+from plugins.grasping.planning_cloud import PlanningCloud
+from plugins.grasping.pool import Pool
+from plugins.grasping.sampled_planner import Order, SampledPlanner, SampledPlannerSettings
+from robot_models.machine import Machine
+
+_SHIPPED = Path(__file__).parent / "weights"
+
+
+def weights_file(name: str) -> Path:
+    """Return the file of shipped weights by their name, or else the path that the name is."""
+    shipped = _SHIPPED / f"m545_{name}.safetensors"
+    return shipped if shipped.exists() else Path(name)
+
+
+class SampledCnnSettings(SampledPlannerSettings):
+    """Which network judges, and how its judgement is used."""
+
+    weights: str = Field("two_stream", description="two_stream or four_layer as shipped, or a safetensors file.")
+    ranking: Literal["learned", "paper"] = Field(
+        "learned", description="By predicted success, or the paper's stages on what is predicted to succeed."
+    )
+    min_success: float = Field(0.5, ge=0, le=1, description="Predicted success that the paper's ranking asks for.")
+    rehearsed: int = Field(0, ge=0, le=500, description="Most lifts that are rehearsed on top; 0 for none.")
+
+
+class SampledCnn(SampledPlanner):
+    """Samples as `sampled_antipodal` does, and ranks by the success that a network predicts from grasp images."""
+
+    Settings: ClassVar[type[Settings]] = SampledCnnSettings
+
+    def __init__(self, settings: SampledCnnSettings, machine: Machine, motion: MotionPlanner) -> None:
+        super().__init__(settings, machine, motion)
+        self._judging = settings
+        self._net: FourLayer | TwoStream | None = None
+
+    def start(self) -> None:
+        """Read the weights.
+
+        Raises:
+            DataError: If the file cannot be used.
+        """
+        self._loaded()
+
+    def ordered(self, scene: PlanningCloud, pool: Pool) -> Order:
+        """Return the pool by predicted success, or by the paper's stages on what is predicted to succeed."""
+        likely = success(self._loaded(), evidence_of(scene, pool, self._machine.gripper))
+        by_success = (int(i) for i in np.argsort(-likely, kind="stable"))
+        is_paper = self._judging.ranking == "paper"
+        order = self._paper_first(pool, likely >= self._judging.min_success, by_success) if is_paper else by_success
+        return Order(order, np.zeros(len(pool)) if is_paper else likely, {"failure": 1.0 - likely})
+
+    def _paper_first(self, pool: Pool, is_accepted: Bool, by_success: Iterator[int]) -> Iterator[int]:
+        """Yield what is accepted in the paper's order; then the others, the likeliest first."""
+        accepted = np.flatnonzero(is_accepted)
+        yield from (int(accepted[i]) for i in self.paper_order(pool.taken(accepted)))
+        yield from (i for i in by_success if not is_accepted[i])
+
+    def _loaded(self) -> FourLayer | TwoStream:
+        if self._net is None:
+            self._net = load_net(weights_file(self._judging.weights))
+        return self._net

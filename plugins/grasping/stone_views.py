@@ -1,0 +1,137 @@
+"""Scenes to learn from: a stone at rest on level ground, and the partial, noisy cloud that is known of it.
+
+Seen by a pair of lidars on a swinging cabin, and, in a part of the scenes, also by a drone from above.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from executive.arrays import Bool, Float
+from executive.geometry.convex import convex_corners, half_spaces
+from executive.geometry.pose import pose, transform
+from executive.geometry.rotation import about_axis, exp_so3, from_quaternion
+from plugins.grasping.planning_cloud import thinned
+
+Solid = Callable[[Float, Float], Float]  # origin (3,) and unit directions (K, 3) to ranges (K,), inf for a miss
+
+_TILT_RAD = 0.15  # spread of how far from flat a stone is dropped
+_SETTLING_S, _DAMPING_S, _TIMESTEP_S, _STILL = 6.0, 0.5, 0.004, 1e-3
+_RADIUS_M, _HEIGHT_M = (4.0, 8.0), (2.2, 3.2)  # of the lidars from the stone, and above the ground
+_APART_RAD = 0.3  # spread of the directions from which the lidars of a swinging cabin see it
+_DRONE_RADIUS_M, _DRONE_HEIGHT_M = 5.0, 9.0
+_RAYS, _SIGHTS = 6000, 3
+_NOISE_M, _GROUND_NOISE_M = (0.01, 0.03), 0.02
+_WINDOW_M = np.array([2.4, 2.4, 1.4])  # rays go to places in this box about the stone
+_FOOT_M = 0.06  # segmentation takes what is lower for ground
+_NEIGHBOUR_M = (1.5, 2.2)  # from centre to centre
+_MAP_CELL_M = 0.03
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StoneView:
+    """What a planner is given.
+
+    Attributes:
+        stone: Known points of the target [m], shape (T, 3).
+        cloud: All points, those of the target included [m], shape (N, 3).
+    """
+
+    stone: Float
+    cloud: Float
+
+
+def at_rest(hull: Float, rng: np.random.Generator) -> Float | None:
+    """Drop a convex stone nearly flat on the ground z = 0 and return T_world_stone when it lies still, or None.
+
+    Args:
+        hull: Corners in the stone's frame [m], shape (V, 3).
+        rng: Chance of its heading and tilt.
+    """
+    R = about_axis(np.array([0.0, 0.0, 1.0]), rng.uniform(0, 2 * np.pi))
+    R = R @ exp_so3(np.append(rng.normal(0.0, _TILT_RAD, 2), 0.0)) @ _flat(hull)
+    drop = pose(R, np.array([0.0, 0.0, 0.02 - float((hull @ R.T)[:, 2].min())]))
+    spec = mujoco.MjSpec()
+    spec.option.timestep, spec.option.jacobian = _TIMESTEP_S, mujoco.mjtJacobian.mjJAC_DENSE
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[9, 9, 1])
+    spec.add_mesh(name="stone", uservert=transform(drop, hull).ravel())
+    stone = spec.worldbody.add_body(name="stone")
+    stone.add_freejoint()
+    stone.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="stone", density=2600.0)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    for _ in range(int(_SETTLING_S / _TIMESTEP_S)):
+        mujoco.mj_step(model, data)
+        data.qvel *= 1 - _TIMESTEP_S / _DAMPING_S
+        if data.time > _DAMPING_S and np.abs(data.qvel).max() < _STILL:
+            return pose(from_quaternion(data.qpos[3:]), data.qpos[:3]) @ drop
+    return None
+
+
+def convex_solid(hull: Float) -> Solid:
+    """Return the ray caster of a convex polyhedron with given corners [m]."""
+    faces = half_spaces(hull)
+
+    def cast(origin: Float, directions: Float) -> Float:
+        toward = directions @ faces[:, :3].T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            crossing = (faces[:, 3] - faces[:, :3] @ origin) / toward
+        entry = np.where(toward < 0, crossing, -np.inf).max(axis=1)
+        leave = np.where(toward > 0, crossing, np.inf).min(axis=1)
+        return np.asarray(np.where((entry <= leave) & (entry > 0), entry, np.inf))
+
+    return cast
+
+
+def look_at(target: Solid, neighbours: tuple[Solid, ...], rng: np.random.Generator) -> StoneView:
+    """Return what two lidars, and in half of the scenes a drone, see of a stone about the origin."""
+    noise_m = rng.uniform(*_NOISE_M)
+    sensors = _lidars(rng) + (_drone(rng) if rng.random() < 0.5 else [])
+    sights = [_sight((target, *neighbours), sensor, noise_m, rng) for sensor in sensors]
+    points = np.concatenate([points for points, _ in sights])
+    is_target = np.concatenate([of_target for _, of_target in sights]) & (points[:, 2] > _FOOT_M)
+    stone = thinned(points[is_target], _MAP_CELL_M)
+    return StoneView(stone, np.concatenate([stone, thinned(points[~is_target], _MAP_CELL_M)]))
+
+
+def neighbour_place(rng: np.random.Generator) -> Float:
+    """Draw where a neighbour lies, from the stone [m], shape (3,)."""
+    azimuth, distance = rng.uniform(0, 2 * np.pi), rng.uniform(*_NEIGHBOUR_M)
+    return np.array([distance * np.cos(azimuth), distance * np.sin(azimuth), 0.0])
+
+
+def _sight(solids: tuple[Solid, ...], sensor: Float, noise_m: float, rng: np.random.Generator) -> tuple[Float, Bool]:
+    """Return the points that one sensor at a place sees, and which are the first solid's."""
+    toward = (rng.random((_RAYS, 3)) - (0.5, 0.5, 0.0)) * 2 * _WINDOW_M * (1, 1, 0.5) - sensor
+    directions = toward / np.linalg.norm(toward, axis=1, keepdims=True)
+    with np.errstate(divide="ignore"):
+        ground = np.where(directions[:, 2] < 0, -sensor[2] / directions[:, 2], np.inf)
+    ranges = np.stack([*(solid(sensor, directions) for solid in solids), ground])
+    first = ranges.argmin(axis=0)
+    hit = ranges.min(axis=0)
+    points = sensor + directions * (hit + rng.normal(0.0, noise_m, _RAYS))[:, None]
+    points[:, 2] += np.where(first == len(solids), rng.normal(0.0, _GROUND_NOISE_M, _RAYS), 0.0)
+    seen = np.isfinite(hit)
+    return points[seen], first[seen] == 0
+
+
+def _lidars(rng: np.random.Generator) -> list[Float]:
+    radius, azimuth = rng.uniform(*_RADIUS_M), rng.uniform(0, 2 * np.pi)
+    around = azimuth + rng.normal(0.0, _APART_RAD, _SIGHTS)
+    return [np.array([radius * np.cos(a), radius * np.sin(a), rng.uniform(*_HEIGHT_M)]) for a in around]
+
+
+def _drone(rng: np.random.Generator) -> list[Float]:
+    around = rng.uniform(0, 2 * np.pi) + np.arange(_SIGHTS) * 2 * np.pi / _SIGHTS
+    return [np.array([_DRONE_RADIUS_M * np.cos(a), _DRONE_RADIUS_M * np.sin(a), _DRONE_HEIGHT_M]) for a in around]
+
+
+def _flat(hull: Float) -> Float:
+    """Return the rotation that brings the axis of least spread up."""
+    corners = convex_corners(hull)
+    _, axes = np.linalg.eigh(np.cov(corners.T))
+    axes = axes[:, ::-1]
+    axes[:, 0] *= np.sign(np.linalg.det(axes))
+    return np.asarray(axes.T)
