@@ -1,5 +1,6 @@
 """The dual graph on a swinging cabin whose motion is known in closed form, with outages, wrong fixes, bad samples."""
 
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import pairwise
@@ -289,6 +290,17 @@ def test_refuses_to_begin_while_the_cabin_turns(cabin, begin) -> None:
 def test_the_same_samples_give_the_same_state(cabin, begin) -> None:
     first, second = (run(begin(), with_lidar(cabin, cabin.observations(7.0)))[-1] for _ in range(2))
     np.testing.assert_array_equal(first.T_map_cabin, second.T_map_cabin)
+
+
+def test_in_a_process_of_its_own_it_follows_the_cabin_as_well(cabin, begin) -> None:
+    estimator = begin(process=True)
+    states = []
+    for observation in cabin.observations(9.0):
+        states += run(estimator, [observation])
+        if isinstance(observation, ImuSample):
+            time.sleep(0.002)  # the child needs time of its own, though less than on the machine
+    assert errors_m(cabin, states, 6.0).max() < 0.06
+    assert states[-1].status == "GLOBAL"
 
 
 def test_an_unknown_imu_is_refused_at_the_start_with_the_known_ones(machine) -> None:
