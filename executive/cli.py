@@ -61,6 +61,7 @@ DropOption = Annotated[
 TopicOption = Annotated[
     list[str] | None, typer.Option("--topic", metavar="KIND=NAME", help="Name a topic: imu=/car/imu, gnss=/car/fix.")
 ]
+OdometryOption = Annotated[str, typer.Option(help="Odometry plugin for lidar scans; empty to leave them alone.")]
 MachineOption = Annotated[str | None, typer.Option(help="Description of the machine; the log's own by default.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Answer on standard output, for machines.")]
 
@@ -73,6 +74,9 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
     run_dir: Annotated[Path | None, typer.Option(help="Folder for the run; a new one under runs/ by default.")] = None,
     record: Annotated[bool, typer.Option("--record", help="Write recording.rrd for the viewer.")] = False,
     real_time: Annotated[bool, typer.Option("--real-time", help="Tick on the wall clock, not in lock-step.")] = False,
+    record_log: Annotated[
+        Path | None, typer.Option(help="Write what the robot measures to an MCAP log, for `executive estimate`.")
+    ] = None,
     stones: Annotated[Path | None, typer.Option(help="Folder of meshes for the simulated stones.")] = None,
     runner: Annotated[str | None, typer.Option(help="Where long verbs run: inline, thread or process.")] = None,
     answer: Annotated[str | None, typer.Option(help="Answer the mission's questions: yes or no.")] = None,
@@ -90,6 +94,7 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
         seed=seed,
         run_dir=run_dir,
         record=record,
+        record_log=record_log,
         real_time=real_time,
         runner=_one_of("--runner", runner, ("inline", "thread", "process")),
         answer={"yes": True, "no": False, None: None}[_one_of("--answer", answer, ("yes", "no"))],
@@ -146,6 +151,7 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
     drop: DropOption = None,
     topic: TopicOption = None,
     machine: MachineOption = None,
+    odometry: OdometryOption = "scan_to_submap",
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="K=V", help="Override a setting of the estimator: lag_s=0.2.")
     ] = None,
@@ -157,7 +163,7 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
     from executive.estimate.run import Material, Options
     from executive.estimate.run import estimate as run_estimator
 
-    options = Options(machine, topic or (), drop or (), set_ or (), is_realtime=realtime)
+    options = Options(machine, topic or (), drop or (), set_ or (), odometry, realtime)
     material = Material.read(log, options)
     estimated = run_estimator(material, estimator, options)
     paths = write_files(out, material, estimated)
@@ -173,6 +179,7 @@ def compare_estimators(
     drop: DropOption = None,
     topic: TopicOption = None,
     machine: MachineOption = None,
+    odometry: OdometryOption = "scan_to_submap",
     as_json: JsonOption = False,
 ) -> None:
     """Run estimators over one log and lay their figures side by side."""
@@ -180,7 +187,7 @@ def compare_estimators(
     from executive.estimate.run import Material, Options
     from executive.registry import installed
 
-    options = Options(machine, topic or (), drop or ())
+    options = Options(machine, topic or (), drop or (), odometry=odometry)
     names = estimator or [plugin.name for plugin in installed("estimation")]
     reports = compare(Material.read(log, options), names, options)
     if as_json:

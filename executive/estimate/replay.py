@@ -7,13 +7,11 @@ from dataclasses import dataclass, field
 from executive.clock import Clock, wall_s
 from executive.estimate.drop import Drop
 from executive.interfaces.estimation import Estimator
-from executive.interfaces.odometry import LidarOdometry
 from executive.logs.log import Arrival
 from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
-from executive.messages.lidar import LidarScan
 from executive.messages.observation import Observation
 from executive.messages.odometry import LidarIncrement
 
@@ -42,13 +40,12 @@ class Replay:
 
 
 class Replayer:
-    """Hands arrivals to an estimator; lidar scans go through an odometry first, where one is given."""
+    """Hands arrivals to an estimator; lidar scans have become increments before."""
 
-    def __init__(self, estimator: Estimator, imu: str, drops: Sequence[Drop], odometry: LidarOdometry | None) -> None:
+    def __init__(self, estimator: Estimator, imu: str, drops: Sequence[Drop]) -> None:
         self._estimator = estimator
         self._imu = imu
         self._drops = drops
-        self._odometry = odometry
         self._replay = Replay()
 
     def run(self, arrivals: Sequence[Arrival], clock: Clock | None) -> Replay:
@@ -79,8 +76,6 @@ class Replayer:
             self._estimator.add_joints(observation)
         elif isinstance(observation, LidarIncrement):
             self._estimator.add_odometry(observation)
-        else:
-            self._take_scan(observation)
 
     def _take_imu(self, sample: ImuSample) -> None:
         replay = self._replay
@@ -97,9 +92,3 @@ class Replayer:
         if state.is_ready and (not replay.states or state.stamp_s > replay.states[-1].stamp_s):
             replay.states.append(state)
             replay.latency_us.append(took_us)
-
-    def _take_scan(self, scan: LidarScan) -> None:
-        increment = self._odometry.add_scan(scan) if self._odometry is not None else None
-        if increment is not None:
-            self._replay.counts["LidarIncrement"] += 1
-            self._estimator.add_odometry(increment)

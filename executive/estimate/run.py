@@ -1,6 +1,6 @@
 """One estimator over one log, from options to report."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -43,7 +43,7 @@ class Options:
         topics: `KIND=NAME` pairs.
         drops: Outages to make.
         settings: `KEY=VALUE` pairs for the estimator, dots for nested ones.
-        odometry: Name of the lidar odometry for logs that hold scans.
+        odometry: Name of the lidar odometry for logs that hold scans; empty to leave them alone.
         is_realtime: Whether to feed at the log's own pace.
     """
 
@@ -74,7 +74,7 @@ class Material:
         """
         log = Log(path, _validated(Topics, _nested(options.topics), "--topic"))
         rig = log.rig(options.machine)
-        arrivals = list(log.arrivals())
+        arrivals = list(_without_scans(log, options, rig))
         fixes = [a.observation for a in arrivals if isinstance(a.observation, GnssFix)]
         first = next((fix for fix in fixes if fix.is_rtk_fixed), None)
         if first is None:
@@ -111,16 +111,12 @@ def estimate(material: Material, name: str, options: Options) -> Estimated:
     settings = _validated(plugin.Settings, _settings(plugin.Settings, material, imu, options), "--set")
     datum = getattr(settings, "datum", None)
     estimator: Estimator = _made(plugin, settings, material.rig)
-    odometry = _odometry(material, options)
-    parts: list[Plugin] = [estimator, *([odometry] if odometry is not None else [])]
     try:
-        for part in parts:
-            part.start()
-        replayer = Replayer(estimator, imu, material.drops, odometry)
+        estimator.start()
+        replayer = Replayer(estimator, imu, material.drops)
         replay = replayer.run(material.arrivals, WallClock() if options.is_realtime else None)
     finally:
-        for part in parts:
-            part.close()
+        estimator.close()
     if not replay.states:
         refused = ", ".join(f"{reason} ×{n}" for reason, n in replay.refused.items()) or "nothing"
         raise DataError(
@@ -178,11 +174,25 @@ def _made(plugin: type[Plugin], settings: Settings, rig: Rig) -> Any:
     return plugin(settings, **{name: services[name] for name in needed})  # type: ignore[call-arg]
 
 
-def _odometry(material: Material, options: Options) -> LidarOdometry | None:
-    if not any(isinstance(arrival.observation, LidarScan) for arrival in material.arrivals):
-        return None
-    plugin = registry.load("odometry", options.odometry)
-    return _made(plugin, plugin.Settings(), material.rig)  # type: ignore[no-any-return]
+def _without_scans(log: Log, options: Options, rig: Rig) -> Iterator[Arrival]:
+    """Yield a log's arrivals, its lidar scans turned into increments: a hundredth of the memory, and once for all."""
+    odometry: LidarOdometry | None = None
+    try:
+        for arrival in log.arrivals():
+            scan = arrival.observation
+            if not isinstance(scan, LidarScan):
+                yield arrival
+            elif options.odometry:
+                if odometry is None:
+                    plugin = registry.load("odometry", options.odometry)
+                    odometry = _made(plugin, plugin.Settings(), rig)
+                    odometry.start()
+                increment = odometry.add_scan(scan)
+                if increment is not None:
+                    yield Arrival(arrival.arrival_s, increment)
+    finally:
+        if odometry is not None:
+            odometry.close()
 
 
 def _nested(pairs: Sequence[str]) -> dict[str, Any]:

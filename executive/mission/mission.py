@@ -11,6 +11,7 @@ from executive.clock import Clock, wall_s
 from executive.errors import RobotError
 from executive.interfaces.robot import Robot
 from executive.journal import Journal
+from executive.logs.recorder import Recorder
 from executive.messages.base_state import BaseState
 from executive.messages.stone import Stone
 from executive.messages.verdict import Verdict
@@ -43,6 +44,7 @@ class Setup:
     jobs: Jobs
     journal: Journal
     operator: Operator
+    recorder: Recorder | None = None
 
 
 class Mission(Runtime):
@@ -145,6 +147,8 @@ class Mission(Runtime):
         started_s = wall_s()
         observations = self._robot.read(self.clock.now_s())
         read_s = wall_s()
+        if self._setup.recorder is not None:
+            self._setup.recorder.write(observations, self.clock.now_s())
         self.services.streams.process(observations)
         durations = self._setup.jobs.durations_ms
         durations.setdefault("robot.read", []).append(1e3 * (read_s - started_s))

@@ -9,6 +9,7 @@ from executive.clock import SimulatedClock, WallClock, wall_s
 from executive.errors import ConfigError, RobotError
 from executive.interfaces.robot import RobotSettings
 from executive.journal import Journal
+from executive.logs.recorder import Recorder
 from executive.mission.assembly import Assembly, Selections, assemble
 from executive.mission.interrupts import Aborted, stop_on_interrupt
 from executive.mission.jobs import InlineRunner, Jobs, ProcessRunner, Runner, ThreadRunner
@@ -32,6 +33,7 @@ class Options:
     seed: int = 1
     run_dir: Path | None = None
     record: bool = False
+    record_log: Path | None = None
     real_time: bool = False
     runner: str | None = None
     answer: bool | None = None
@@ -78,6 +80,7 @@ class Run:
             jobs=Jobs(self._assembly.plugins, runner, clock, is_lock_step=not options.real_time),
             journal=Journal(self.folder.journal),
             operator=Operator(options.answer),
+            recorder=self._recorder(),
         )
         self._mission: Mission | None = None
 
@@ -97,6 +100,8 @@ class Run:
                 report |= self._truth()
                 write_report(self.folder.report, report)
             finally:
+                if self._setup.recorder is not None:
+                    self._setup.recorder.close()
                 self._setup.journal.close()
                 self._setup.jobs.close()
                 self._assembly.close()
@@ -117,6 +122,10 @@ class Run:
             return Ending("stopped", str(error))
         except RobotError as error:
             return Ending("fault", str(error))
+
+    def _recorder(self) -> Recorder | None:
+        path = self._options.record_log
+        return None if path is None else Recorder(path, self._assembly.machine, self._model)
 
     def _runner(self, name: str) -> Runner:
         runners: dict[str, Callable[[], Runner]] = {

@@ -6,11 +6,11 @@ from typing import ClassVar
 import numpy as np
 from pydantic import Field
 
+from executive.clouds.reader import read_points
 from executive.config import Meters, Settings
 from executive.errors import DataError
 from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
-from plugins.surveying.cloud_reader import read_points
 from plugins.surveying.reconstruction import merge
 
 FRAME = "survey"

@@ -9,11 +9,13 @@ import numpy as np
 import open3d as o3d
 
 from executive.arrays import Float
+from executive.clouds.pcd_header import check_pcd
+from executive.clouds.ply_header import check_ply
 from executive.errors import DataError
-from plugins.surveying.pcd_header import check_pcd
-from plugins.surveying.ply_header import check_ply
 
 _CHECKS = {".ply": check_ply, ".pcd": check_pcd, ".xyz": None}
+_SITE_M = (0.5, 500.0)
+_UNITS = {"millimetres": 0.001, "centimetres": 0.01}  # that sites were seen in, the likelier first
 _FARTHEST_M = 1e7  # national grids end before; beyond, a float has no centimetres left
 
 
@@ -24,7 +26,7 @@ def read_points(path: Path) -> Float:
         DataError: If it is missing, of another kind, cut short, empty, or holds absurd coordinates.
     """
     if not path.is_file():
-        raise DataError(f"{path}: no such file; give surveying.path of a PLY, PCD or XYZ cloud")
+        raise DataError(f"{path}: no such file; give the path of a PLY, PCD or XYZ cloud")
     suffix = path.suffix.lower()
     if suffix not in _CHECKS:
         raise DataError(f"{path}: not a kind of cloud that can be read; convert it to {', '.join(_CHECKS)}")
@@ -36,6 +38,28 @@ def read_points(path: Path) -> Float:
         with o3d.utility.VerbosityContextManager(o3d.utility.VerbosityLevel.Error):
             points = np.asarray(o3d.io.read_point_cloud(path, remove_nan_points=False).points)
     _check_points(path, points)
+    return points
+
+
+def read_site(path: Path) -> Float:
+    """Return the points of a file that holds a site in metres, shape (N, 3) [m].
+
+    Raises:
+        DataError: As `read_points`; or if the cloud is too small or too wide for a site, which is often another unit.
+    """
+    points = read_points(path)
+    extent = float(np.ptp(points, axis=0).max())
+    least_m, most_m = _SITE_M
+    if extent > most_m:
+        guess = next((f for f in _UNITS if least_m <= extent * _UNITS[f] <= most_m), "")
+        unit = (
+            f"in {guess} it would be {extent * _UNITS[guess]:.3g} m: scale it by {_UNITS[guess]}"
+            if guess
+            else "crop it"
+        )
+        raise DataError(f"{path}: {extent:.6g} across is no site in metres (at most {most_m:g} m); {unit}")
+    if extent < least_m:
+        raise DataError(f"{path}: {extent:.3g} m across is no site (at least {least_m:g} m); is its unit the metre?")
     return points
 
 

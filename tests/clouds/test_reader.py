@@ -6,8 +6,8 @@ import numpy as np
 import open3d as o3d
 import pytest
 
+from executive.clouds.reader import read_points
 from executive.errors import DataError
-from plugins.surveying.cloud_reader import read_points
 
 POINTS = np.random.default_rng(0).uniform(-5, 5, (400, 3)).astype(np.float32).astype(float)
 
@@ -94,5 +94,5 @@ def test_refuses_what_is_no_cloud(tmp_path: Path, name: str, content: bytes, wor
 
 
 def test_refuses_a_file_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(DataError, match=r"nowhere\.ply: no such file; give surveying\.path"):
+    with pytest.raises(DataError, match=r"nowhere\.ply: no such file; give the path"):
         read_points(tmp_path / "nowhere.ply")

@@ -1,0 +1,1 @@
+"""Segmentation and registration of clouds from files, without a mission."""
