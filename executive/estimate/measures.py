@@ -58,6 +58,7 @@ class FixErrors:
         predicted_m: Of the state that was given out at that time, before the fix was known, shape (m, 3).
         posterior_m: Of the state at that time, after it was taken in, shape (m, 3).
         is_dropped: Whether the estimator never saw the fix, shape (m,).
+        antennas: Name of each fix's antenna, m of them.
     """
 
     stamps_s: Float
@@ -65,12 +66,13 @@ class FixErrors:
     predicted_m: Float
     posterior_m: Float
     is_dropped: Bool
+    antennas: tuple[str, ...]
 
 
 def fix_errors(track: Track, fixes: Sequence[GnssFix], rig: Rig, datum: Float, drops: Sequence[Drop]) -> FixErrors:
     """Compare the track with every fix that has a state just before it and one after it."""
     T_map_odom = track.T_map_odom
-    rows = []
+    rows, antennas = [], []
     for fix in fixes:
         before = int(np.searchsorted(track.stamps_s, fix.stamp_s, side="left")) - 1
         after = int(np.searchsorted(track.stamps_s, fix.stamp_s + _SETTLED_S))
@@ -86,9 +88,10 @@ def fix_errors(track: Track, fixes: Sequence[GnssFix], rig: Rig, datum: Float, d
         posterior = correction[:3, :3] @ predicted + correction[:3, 3]
         measured = enu_from_geodetic(fix.geodetic, datum)
         is_dropped = any(drop.takes(fix) for drop in drops)
+        antennas.append(fix.antenna)
         rows.append([fix.stamp_s, *measured, *(predicted - measured), *(posterior - measured), is_dropped])
     table = np.array(rows, dtype=float).reshape(-1, 11)
-    return FixErrors(table[:, 0], table[:, 1:4], table[:, 4:7], table[:, 7:10], table[:, 10] > 0)
+    return FixErrors(table[:, 0], table[:, 1:4], table[:, 4:7], table[:, 7:10], table[:, 10] > 0, tuple(antennas))
 
 
 def consistency(track: Track) -> Float:
@@ -111,7 +114,8 @@ def outages(errors: FixErrors, drops: Sequence[Drop]) -> list[dict[str, Any]]:
         if not inside.any():
             continue
         distance = np.linalg.norm(errors.predicted_m[inside], axis=1)
-        way = float(np.linalg.norm(np.diff(errors.p_map_antenna[inside], axis=0), axis=1).sum())
+        first = np.array([antenna == errors.antennas[0] for antenna in errors.antennas])  # two would zigzag
+        way = float(np.linalg.norm(np.diff(errors.p_map_antenna[inside & first], axis=0), axis=1).sum())
         answers.append(
             {
                 "sensor": drop.sensor,
