@@ -22,13 +22,13 @@ from plugins.registration import stopwatch
 from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
 
 METHODS = ("segment_fpfh", "segment_shot")
-# Milliseconds of both maps together, mean of the two experiments, on a Xeon E-2176M (Mascaro 2020, Table 1).
+# Milliseconds of both maps together, mean of the two experiments, on another computer (Mascaro 2020, Table 1).
 PAPER_MS = {
     "segmentation": 115, "keypoints": 103, "description": 38, "matching": 282, "verification": 8, "refinement": 445,
     "gate": None, "total": 986,
 }  # fmt: skip
-RAYS = 250_000  # a swing of 20 s: about 125,000 points in the map, 100,000 in the thinned survey
-SHORT_RAYS = 100_000  # a swing of 8 s
+RAYS = 250_000  # 125,000 points in the map: a little more than a swing of 20 s leaves
+SHORT_RAYS = 100_000  # 65,000 points: about half of that
 
 
 def _scenes() -> ModuleType:
