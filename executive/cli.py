@@ -12,6 +12,8 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from executive.perception.commands import register, segment
+
 
 class _Verbs(TyperGroup):
     """The verbs written below, and those that installed plugins bring: each is imported when it is asked for."""
@@ -42,6 +44,8 @@ app = typer.Typer(
 )
 plugins_app = typer.Typer(help="What is installed, by capability.", no_args_is_help=True, rich_markup_mode=None)
 app.add_typer(plugins_app, name="plugins")
+app.command()(segment)
+app.command()(register)
 
 MissionArgument = Annotated[
     str, typer.Argument(metavar="MISSION", help="A mission file, or the name of a shipped one.")
@@ -134,13 +138,19 @@ def show(
     mission: MissionArgument,
     set_: SetOption = None,
     as_: Annotated[str, typer.Option("--as", help="text, dot, or xml (BehaviorTree.CPP 4, for Groot2).")] = "text",
+    as_json: JsonOption = False,
 ) -> None:
-    """Print a mission's tree."""
+    """Print a mission's tree; with --json the whole mission, all layers of settings resolved."""
     from executive.tree.export import export
     from executive.tree.load import load_mission
+    from executive.tree.resolved import resolved_document
 
     form = _one_of("--as", as_, ("text", "dot", "xml"))
-    print(export(load_mission(mission, set_ or []), str(form)))
+    description = load_mission(mission, set_ or [])
+    if as_json:
+        _answer(resolved_document(description))
+    else:
+        print(export(description, str(form)))
 
 
 @app.command()

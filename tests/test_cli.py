@@ -92,3 +92,11 @@ def test_a_run_folder_is_not_used_twice(tmp_path):
     ended = executive("run", "map_site", "--run-dir", str(tmp_path), "--quiet")
     assert ended.returncode == 2
     assert "holds a run already" in ended.stderr
+
+
+def test_shows_a_whole_mission_for_machines(tmp_path):
+    shown = json.loads(
+        executive("show", "map_site", "--json", "--set", "robot.site.stones.count=3", cwd=tmp_path).stdout
+    )
+    assert shown["plugins"]["robot"]["site"]["stones"]["count"] == 3
+    assert set(shown["trees"]) == {"main", "map_and_segment"}

@@ -39,13 +39,19 @@ from executive.tree.sources import API
 
 def resolved_yaml(mission: MissionFile) -> str:
     """Return a complete mission file; loading it gives the same mission."""
+    document = resolved_document(mission)
+    return yaml.dump(document, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
+
+
+def resolved_document(mission: MissionFile) -> dict[str, Any]:
+    """Return the content of a complete mission file: mappings, lists and scalars."""
     document: dict[str, Any] = {"api": API, "mission": mission.name}
     if mission.description:
         document["description"] = mission.description
     document["loop"] = settings_dump(mission.loop)
     document["plugins"] = {c: _selections(c, several) for c, several in mission.plugins.items()}
     document["trees"] = {name: _tree(tree) for name, tree in mission.trees.items()}
-    return yaml.dump(document, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
+    return document
 
 
 class _Dumper(yaml.SafeDumper):
