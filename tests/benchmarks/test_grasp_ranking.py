@@ -2,11 +2,13 @@
 
 Stones are unseen in training; all rankings get the same clouds, pools and lifts: a free gripper, noise on pose (±5 cm,
 ±5°), friction 0.4–0.8 and density 2,300–2,900, four lifts a grasp. `pytest tests/benchmarks/test_grasp_ranking.py -s`.
-EXECUTIVE_STONES names a folder of scans in decimetres; without it, only generated stones are tried.
+EXECUTIVE_STONES names a folder of scans in decimetres; without it, only generated stones are tried, and of both no more
+than EXECUTIVE_BENCH_STONES, 40 if it is not given.
 """
 
 import os
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -34,7 +36,7 @@ from plugins.grasping.training import area_under_curve
 from plugins.robot.mujoco.stone_meshes import mesh_files, read_skin
 from robot_models.machine import Machine, load_machine
 
-SEED, GENERATED, LIFTS, LABELS = 77, int(os.environ.get("EXECUTIVE_BENCH_STONES", "40")), 4, 16
+SEED, STONES, LIFTS, LABELS = 77, int(os.environ.get("EXECUTIVE_BENCH_STONES", "40")), 4, 16
 SCALE, MAX_VOLUME_M3 = 10.0, 1.05
 NETWORKS = ("two_stream", "four_layer")
 
@@ -66,7 +68,7 @@ def rankings(machine: Machine) -> dict[str, GraspPlanner]:
 
 
 def generated() -> Iterator[tuple[Float, Solid]]:
-    for i in range(GENERATED):
+    for i in range(STONES):
         hull = resting_block((0.35, 1.05), np.random.default_rng((SEED, i)))
         yield hull, convex_solid(hull)
 
@@ -112,7 +114,7 @@ def test_first_ranked_grasps_and_auc(stones: str) -> None:
     spans: dict[str, list[float]] = {name: [] for name in planners}
     likely: dict[str, list[float]] = {name: [] for name in nets}
     outcome: list[bool] = []
-    for i, (hull, solid) in enumerate(generated() if stones == "generated" else scanned()):
+    for i, (hull, solid) in enumerate(islice(generated() if stones == "generated" else scanned(), STONES)):
         rng = np.random.default_rng((SEED, i, 1))
         view, trials = look_at(solid, (), rng), LiftTrials(gripper, hull)
         seen = Stone(1, StoneState.ON_GROUND, view.stone, view.stone.mean(axis=0), np.eye(4), True)
