@@ -23,12 +23,15 @@ class GnssGateSettings(Settings):
     window_drift_m: Meters = Field(
         0.1, gt=0, le=5, description="Largest drift of fixes against it over the window [m]."
     )
-    recover_after: int = Field(8, ge=1, le=1000, description="Fixes in a row that must agree to be believed again.")
+    recover_after: int = Field(5, ge=1, le=1000, description="Fixes in a row that must agree to be believed again.")
     recover_after_s: Seconds = Field(0.8, ge=0, le=60, description="Time over which they must agree [s].")
     recover_drift_m: Meters = Field(0.04, gt=0, le=5, description="Largest drift among them [m].")
     jump_m: Meters = Field(0.3, gt=0, le=10, description="Largest jump between two of them [m].")
     odometry_drift: float = Field(0.01, ge=0, le=0.5, description="Drift in fallback as a share of the way.")
     odometry_drift_m_s: float = Field(0.01, ge=0, le=1, description="Drift in fallback in a second [m/s].")
+    inertial_drift_m_s2: float = Field(
+        0.5, ge=0, le=10, description="Error of acceleration in fallback without lidar, 3° of tilt [m/s²]."
+    )
     reanchor_after_s: Seconds = Field(
         10.0, gt=0, le=600, description="Fixes that agree for so long are believed wherever they are [s]."
     )
@@ -47,7 +50,8 @@ class Compared:
         covariance: Of the residual [m²], shape (3, 3).
         p_odometry_antenna: The antenna by odometry alone, in the odometry's own frame [m], shape (3,).
         R_map_odometry: Attitude of that frame, shape (3, 3).
-        slack_m: What the odometry may be wrong by besides [m].
+        has_odometry: Whether that is a lidar's; else it is the estimate itself, which drifts without fixes.
+        slack_m: What it may be wrong by besides [m].
     """
 
     fix: Fix
@@ -55,7 +59,8 @@ class Compared:
     covariance: Float
     p_odometry_antenna: Float
     R_map_odometry: Float
-    slack_m: float
+    has_odometry: bool
+    slack_m: float = 0.0
 
     @property
     def distance2(self) -> float:
@@ -87,11 +92,11 @@ class GnssGate:
         self._window.clear()
         self._run.clear()
 
-    def refusal(self, compared: Compared, has_odometry: bool) -> str:
+    def refusal(self, compared: Compared) -> str:
         """Return why a fix is not to be believed while the estimate is global; empty if it is."""
         if compared.distance2 > self._settings.innovation:
             return f"{_norm(compared.residual):.2f} m off the estimate"
-        if not has_odometry:
+        if not compared.has_odometry:
             return ""
         self._window.append(compared)
         while self._window[0].fix.stamp_s < compared.fix.stamp_s - self._settings.window_s:
@@ -112,8 +117,9 @@ class GnssGate:
             self._run = [compared]
             return False
         self._run.append(compared)
-        recent = self._since(compared.fix.stamp_s - self._settings.recover_after_s)
-        if _drift(recent, self._settings.recover_drift_m, 0.9 * self._settings.recover_after_s):
+        settings = self._settings
+        recent = self._since(compared.fix.stamp_s - settings.recover_after_s)
+        if compared.has_odometry and _drift(recent, settings.recover_drift_m, 0.9 * settings.recover_after_s):
             self._run = self._run[-1:]
             return False
         return True
@@ -131,6 +137,8 @@ class GnssGate:
         enough = len(self._run) >= settings.recover_after and lasted_s >= settings.recover_after_s - 1e-6
         spread_m = _SIGMAS * float(np.sqrt(np.linalg.eigvalsh(last.covariance)[-1]))
         drift_m = settings.odometry_drift * way_m + settings.odometry_drift_m_s * (now_s - lost_s)
+        if not last.has_odometry:
+            drift_m += 0.5 * settings.inertial_drift_m_s2 * (now_s - lost_s) ** 2
         if enough and off_m < spread_m + drift_m:
             return f"{len(self._run)} fixes in a row agree, {off_m:.2f} m off"
         if lasted_s > settings.reanchor_after_s:
@@ -164,7 +172,7 @@ def _drift(compared: Sequence[Compared], limit_m: float, least_s: float) -> floa
     offsets = np.array([c.fix.p_map_antenna - newest.R_map_odometry @ c.p_odometry_antenna for c in compared])
     noise_m = _SIGMAS * float(np.sqrt(2 * np.trace(newest.fix.covariance) / third))
     moved_m = _norm(offsets[-third:].mean(axis=0) - offsets[:third].mean(axis=0))
-    return moved_m if moved_m > limit_m + noise_m + newest.slack_m else 0.0
+    return moved_m if moved_m > limit_m + noise_m else 0.0
 
 
 def _norm(v: Float) -> float:

@@ -217,7 +217,7 @@ class GraphSmoother:
         if self._modes.is_fallen_back:
             self._recover(compared)
             return
-        refusal = self._gate.refusal(compared, self._chain.before(fix.stamp_s, _SCAN_S) is not None)
+        refusal = self._gate.refusal(compared)
         if refusal:
             self._refuse(fix, refusal)
             return
@@ -300,9 +300,9 @@ class GraphSmoother:
         scan = self._chain.before(fix.stamp_s, _SCAN_S)
         if scan is None or scan[0] <= window.oldest_s:
             slack_m = 3 * float(np.sqrt(np.linalg.eigvalsh(H @ P @ H.T)[-1]))
-            return Compared(fix, residual, S, fix.p_map_antenna - residual, np.eye(3), slack_m)
+            return Compared(fix, residual, S, fix.p_map_antenna - residual, np.eye(3), False, slack_m)
         T_chain_imu, R_map_chain = self._reckoned(state, *scan)
-        return Compared(fix, residual, S, transform(T_chain_imu, fix.arm_imu), R_map_chain, 0.0)
+        return Compared(fix, residual, S, transform(T_chain_imu, fix.arm_imu), R_map_chain, True)
 
     def _reckoned(self, state: InertialState, scan_s: float, T_chain_scan: Float) -> tuple[Float, Float]:
         """Return the IMU by the lidar chain, carried on from the last scan, and the chain's attitude in the map."""

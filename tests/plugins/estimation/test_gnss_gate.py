@@ -11,14 +11,13 @@ R_MAP_ODOMETRY = from_rpy(0.0, 0.0, 1.2)
 VELOCITY = np.array([0.8, -0.2, 0.0])
 
 
-def compare(t, error, rng, estimate_error=0.0):
+def compare(t, error, rng, estimate_error=0.0, has_odometry=True):
     """Compare a fix that is wrong by `error` with a right estimate and a right odometry in a frame of its own."""
     truth = t * VELOCITY
     measured = truth + error + rng.normal(0, 0.01, 3)
     fix = Fix(t, "gnss_left", np.zeros(3), measured, 1e-4 * np.eye(3))
-    return Compared(
-        fix, measured - truth - estimate_error, 2e-4 * np.eye(3), R_MAP_ODOMETRY.T @ truth, R_MAP_ODOMETRY, 0.0
-    )
+    residual, p_odometry = measured - truth - estimate_error, R_MAP_ODOMETRY.T @ truth
+    return Compared(fix, residual, 2e-4 * np.eye(3), p_odometry, R_MAP_ODOMETRY, has_odometry)
 
 
 @pytest.fixture
@@ -32,12 +31,12 @@ def rng() -> np.random.Generator:
 
 
 def test_clean_fixes_pass_for_minutes(gate, rng) -> None:
-    refused = [gate.refusal(compare(k / 20, np.zeros(3), rng), has_odometry=True) for k in range(3000)]
+    refused = [gate.refusal(compare(k / 20, np.zeros(3), rng)) for k in range(3000)]
     assert set(refused) == {""}
 
 
 def test_a_jump_is_refused_by_its_innovation(gate, rng) -> None:
-    reason = gate.refusal(compare(0.0, np.array([3.0, 0, 0]), rng), has_odometry=True)
+    reason = gate.refusal(compare(0.0, np.array([3.0, 0, 0]), rng))
     assert reason.endswith("m off the estimate")
 
 
@@ -46,7 +45,7 @@ def test_a_ramp_that_the_estimate_follows_is_refused_by_the_odometry_alone(rng) 
         gate = GnssGate(GnssGateSettings())
         for k in range(200):
             ramp = np.array([0.1 * k / 20, 0, 0])
-            if gate.refusal(compare(k / 20, ramp, rng, estimate_error=ramp), has_odometry):
+            if gate.refusal(compare(k / 20, ramp, rng, estimate_error=ramp, has_odometry=has_odometry)):
                 return k / 20
         return np.inf
 
@@ -97,5 +96,5 @@ def test_drift_of_the_odometry_over_a_long_outage_is_allowed_for(gate, rng) -> N
 def test_what_is_agreed_on_reaches_back_no_further_than_recovery_takes(gate, rng) -> None:
     recovered_s(gate, rng, lambda t: np.array([5.0, 0, 0]))
     stamps = [compared.fix.stamp_s for compared in gate.agreed(after_s=0.0)]
-    assert len(stamps) >= 8
+    assert len(stamps) >= 15
     assert stamps[-1] - stamps[0] < 0.85
