@@ -22,8 +22,8 @@ from plugins.estimation.dual_graph_settings import DualGraphSettings
 from plugins.estimation.error_state_filter import ErrorStateFilter
 from plugins.estimation.estimator_modes import Mode, ModeChange
 from plugins.estimation.first_state import FirstState
+from plugins.estimation.graph_estimate import Estimate
 from plugins.estimation.graph_measurements import Fix, Increment, Measurement, Standing
-from plugins.estimation.graph_smoother import Estimate
 from plugins.estimation.inertial_noise import InertialNoise
 from plugins.estimation.inertial_state import Inertial, InertialState, propagate, skew
 from plugins.estimation.smoother_process import InlineSmoother, ProcessSmoother, SmootherHost

@@ -2,7 +2,6 @@
 
 from bisect import insort
 from collections import Counter
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,8 +9,9 @@ import numpy as np
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose, transform
 from plugins.estimation.error_state_filter import ErrorStateFilter
-from plugins.estimation.estimator_modes import Mode, ModeChange, Modes
+from plugins.estimation.estimator_modes import Mode, Modes
 from plugins.estimation.gnss_gate import Compared, GnssGate
+from plugins.estimation.graph_estimate import Estimate
 from plugins.estimation.graph_factors import (
     GAP_ACCELERATION_M_S2,
     GAP_RATE_RAD_S,
@@ -33,25 +33,6 @@ from plugins.estimation.smoother_settings import SmootherSettings
 _SCAN_S = 0.3  # a fix is compared with the odometry of a scan at most so long before it
 _FIX = "fix"
 _BREAK_S = 0.3  # a gap of samples over which the graph is cut
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Estimate:
-    """What one update gives.
-
-    Attributes:
-        state: At the newest measurement.
-        covariance: Of its error, shape (15, 15).
-        mode: How the estimator stands.
-        changes: Changes of the mode since the last update.
-        refused: Number of measurements refused since the last update, by stream and reason.
-    """
-
-    state: InertialState
-    covariance: Float
-    mode: Mode
-    changes: tuple[ModeChange, ...]
-    refused: Mapping[str, int]
 
 
 @dataclass(order=True, frozen=True, slots=True)

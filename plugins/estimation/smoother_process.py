@@ -9,8 +9,9 @@ from collections import deque
 from multiprocessing.connection import Connection
 
 from executive.arrays import Float
+from plugins.estimation.graph_estimate import Estimate
 from plugins.estimation.graph_measurements import Measurement
-from plugins.estimation.graph_smoother import Estimate, GraphSmoother
+from plugins.estimation.graph_smoother import GraphSmoother
 from plugins.estimation.inertial_noise import InertialNoise
 from plugins.estimation.inertial_state import Inertial, InertialState
 from plugins.estimation.smoother_settings import SmootherSettings

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from plugins.estimation.graph_estimate import Estimate
 from plugins.estimation.graph_measurements import Fix
-from plugins.estimation.graph_smoother import Estimate
 from plugins.estimation.inertial_noise import InertialNoise
 from plugins.estimation.inertial_state import Inertial, InertialState
 from plugins.estimation.smoother_process import InlineSmoother, ProcessSmoother
