@@ -22,6 +22,7 @@ from executive.config import Settings
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import pose, transform
 from executive.geometry.quarried_block import block
+from executive.geometry.rounded_stone import rounded_stone
 from plugins.grasping.evidence import evidence_of
 from plugins.grasping.lift_trials import LIFTED_M, LiftTrials
 from plugins.grasping.pool import Pool, Sampler, SamplingSettings
@@ -41,7 +42,8 @@ class LabelSettings(Settings):
     machine: str = Field("m545", description="Machine whose gripper lifts: a name or a folder.")
     seed: int = Field(1, ge=0, description="All chance follows from it and the stone's number.")
     grasps_per_stone: int = Field(24, ge=1, le=1000, description="Half of them the paper's first, half at random.")
-    volume_m3: tuple[float, float] = Field((0.35, 1.05), description="Least and largest volume of a stone [m³].")
+    volume_m3: tuple[float, float] = Field((0.1, 1.1), description="Least and largest volume of a stone [m³].")
+    rounded: float = Field(0.5, ge=0, le=1, description="Part of the stones that are rounded; the others are blocks.")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,9 +132,9 @@ def _sampler(machine: str) -> tuple[Gripper, Sampler]:
 def _label_stone(folder: Path, settings: LabelSettings, index: int) -> None:
     rng = np.random.default_rng((settings.seed, index))
     gripper, sampler = _sampler(settings.machine)
-    hull = resting_block(settings.volume_m3, rng)
+    hull = resting_stone(settings, rng)
     neighbours = tuple(
-        convex_solid(resting_block(settings.volume_m3, rng) + neighbour_place(rng)) for _ in range(rng.integers(3))
+        convex_solid(resting_stone(settings, rng) + neighbour_place(rng)) for _ in range(rng.integers(3))
     )
     view = look_at(convex_solid(hull), neighbours, rng)
     scene = sampler.scene(view.stone, view.cloud, rng)
@@ -148,10 +150,15 @@ def _label_stone(folder: Path, settings: LabelSettings, index: int) -> None:
     unfinished.rename(_file(folder, index))
 
 
-def resting_block(volume_m3: tuple[float, float], rng: np.random.Generator) -> Float:
-    """Draw a block until one comes to rest; return its corners there, the middle above the origin [m]."""
+def resting_stone(settings: LabelSettings, rng: np.random.Generator) -> Float:
+    """Draw a stone until one comes to rest; return its corners there, the middle above the origin [m].
+
+    Sizes are drawn evenly by length: a small stone is as hard to hold as a large one.
+    """
+    least, most = np.cbrt(settings.volume_m3)
     while True:
-        hull = block(rng.uniform(*volume_m3), rng)
+        volume_m3 = float(rng.uniform(least, most)) ** 3
+        hull = rounded_stone(volume_m3, rng) if rng.random() < settings.rounded else block(volume_m3, rng)
         T = at_rest(hull, rng)
         if T is not None:
             corners = transform(T, hull)

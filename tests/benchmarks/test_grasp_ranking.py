@@ -25,7 +25,7 @@ from executive.messages.cloud import Cloud
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.stone import Stone, StoneState
 from plugins.grasping.evidence import evidence_of
-from plugins.grasping.labels import chosen_for_lifts, resting_block
+from plugins.grasping.labels import LabelSettings, chosen_for_lifts, resting_stone
 from plugins.grasping.lift_trials import LIFTED_M, LiftTrials
 from plugins.grasping.outcome_net import load_net, success
 from plugins.grasping.pool import Sampler, SamplingSettings
@@ -69,7 +69,7 @@ def rankings(machine: Machine) -> dict[str, GraspPlanner]:
 
 def generated() -> Iterator[tuple[Float, Solid]]:
     for i in range(STONES):
-        hull = resting_block((0.35, 1.05), np.random.default_rng((SEED, i)))
+        hull = resting_stone(LabelSettings(), np.random.default_rng((SEED, i)))
         yield hull, convex_solid(hull)
 
 
