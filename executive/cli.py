@@ -13,6 +13,7 @@ import typer
 from typer.core import TyperGroup
 
 from executive.perception.commands import register, segment
+from executive.perception.grasp import grasp
 
 
 class _Verbs(TyperGroup):
@@ -46,6 +47,7 @@ plugins_app = typer.Typer(help="What is installed, by capability.", no_args_is_h
 app.add_typer(plugins_app, name="plugins")
 app.command()(segment)
 app.command()(register)
+app.command()(grasp)
 
 MissionArgument = Annotated[
     str, typer.Argument(metavar="MISSION", help="A mission file, or the name of a shipped one.")
