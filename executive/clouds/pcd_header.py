@@ -1,49 +1,90 @@
-"""The header of a PCD file, held against the file's size."""
+"""The header of a PCD file."""
 
+from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from executive.errors import DataError
 
 _LONGEST_HEADER = 1 << 14
+_KINDS = {"F": "f", "I": "i", "U": "u"}
+_FORMS = ("ascii", "binary", "binary_compressed")
 
 
-def check_pcd(path: Path) -> None:
-    """Refuse a PCD file without coordinates, or shorter than its header says.
+@dataclass(frozen=True, slots=True)
+class PcdHeader:
+    """Where the points of a PCD file are.
+
+    Attributes:
+        form: `ascii`, `binary` or `binary_compressed`.
+        count: Number of points.
+        row: A point's fields; one of several values has a shape.
+        start: Byte at which the points begin.
+        lines: Lines of the header.
+    """
+
+    form: str
+    count: int
+    row: np.dtype
+    start: int
+    lines: int
+
+    @property
+    def columns(self) -> list[int]:
+        """Return where x, y and z stand in a line of a text file."""
+        widths = [int(np.prod(self.row[name].shape)) for name in self.row.names or ()]
+        starts = dict(zip(self.row.names or (), np.cumsum([0, *widths]).tolist(), strict=False))
+        return [starts[axis] for axis in "xyz"]
+
+    @property
+    def columns_of_a_line(self) -> int:
+        """Return how many numbers a line of a text file holds."""
+        return sum(int(np.prod(self.row[name].shape)) for name in self.row.names or ())
+
+
+def read_pcd_header(path: Path) -> PcdHeader:
+    """Read the header and refuse a file without coordinates.
 
     Raises:
         DataError: It names the file, what is wrong and the cure.
     """
-    fields, start = _header(path)
+    fields, start, lines = _fields(path)
     if not {"x", "y", "z"} <= set(fields["FIELDS"]):
         raise DataError(f"{path}: the header names no fields x, y and z; export it as a point cloud")
-    body = path.read_bytes()[start:]
     try:
-        points = int(fields["POINTS"][0])
-        sizes = [int(size) for size in fields["SIZE"]]
-        counts = [int(count) for count in fields.get("COUNT", ["1"] * len(sizes))]
-        point_bytes = sum(size * count for size, count in zip(sizes, counts, strict=True))
-        have, want, what = _sizes(fields["DATA"][0], body, (points * sum(counts), points * point_bytes))
-    except (IndexError, ValueError) as error:
+        return PcdHeader(_form(fields), int(fields["POINTS"][0]), _row(fields), start, lines)
+    except (IndexError, ValueError, KeyError, TypeError) as error:
         raise DataError(f"{path}: the PCD header cannot be understood ({error}); export it again") from error
-    if have < want:
-        raise DataError(
-            f"{path}: cut short: the header promises {points} points ({want} {what}), the file has {have} {what}; "
-            "copy or export it again"
+
+
+def _form(fields: dict[str, list[str]]) -> str:
+    form, points = fields["DATA"][0], int(fields["POINTS"][0])
+    if form not in _FORMS:
+        raise ValueError(f"unknown DATA {form}")
+    if points < 0:
+        raise ValueError(f"{points} points")
+    if {"WIDTH", "HEIGHT"} <= set(fields) and int(fields["WIDTH"][0]) * int(fields["HEIGHT"][0]) != points:
+        raise ValueError(f"WIDTH times HEIGHT is not {points}")
+    return form
+
+
+def _row(fields: dict[str, list[str]]) -> np.dtype:
+    names = fields["FIELDS"]
+    kinds = fields.get("TYPE", ["F"] * len(names))
+    counts = [int(count) for count in fields.get("COUNT", ["1"] * len(names))]
+    described = []
+    for i, (name, kind, size, count) in enumerate(zip(names, kinds, fields["SIZE"], counts, strict=True)):
+        if count < 1 or (name in ("x", "y", "z") and count != 1):
+            raise ValueError(f"field {name} has {count} values")
+        unique = name if name in ("x", "y", "z") else f"{i}"  # padding fields share the name _
+        described.append(
+            (unique, f"<{_KINDS[kind]}{size}", (count,)) if count > 1 else (unique, f"<{_KINDS[kind]}{size}")
         )
+    return np.dtype(described)
 
 
-def _sizes(data: str, body: bytes, wanted: tuple[int, int]) -> tuple[int, int, str]:
-    """Return how much there is, how much there must be, and the unit; wanted are numbers (ASCII) and bytes."""
-    if data == "ascii":
-        return len(body.split()), wanted[0], "numbers"
-    if data == "binary":
-        return len(body), wanted[1], "bytes"
-    if data == "binary_compressed":
-        return len(body), 8 + int.from_bytes(body[:4], "little"), "bytes"  # two lengths, then the compressed points
-    raise ValueError(f"unknown DATA {data}")
-
-
-def _header(path: Path) -> tuple[dict[str, list[str]], int]:
+def _fields(path: Path) -> tuple[dict[str, list[str]], int, int]:
     with path.open("rb") as file:
         beginning = file.read(_LONGEST_HEADER)
     start = beginning.find(b"\nDATA ")
@@ -52,4 +93,4 @@ def _header(path: Path) -> tuple[dict[str, list[str]], int]:
     fields = {words[0]: words[1:] for line in lines if (words := line.split()) and not words[0].startswith("#")}
     if start < 0 or stop < 0 or not {"FIELDS", "SIZE", "POINTS", "DATA"} <= set(fields):
         raise DataError(f"{path}: no PCD file: it lacks a header with FIELDS, SIZE, POINTS and DATA; export it again")
-    return fields, stop + 1
+    return fields, stop + 1, len(lines)

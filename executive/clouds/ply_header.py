@@ -3,12 +3,16 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from executive.errors import DataError
 
-_BYTES = {
-    "char": 1, "uchar": 1, "int8": 1, "uint8": 1, "short": 2, "ushort": 2, "int16": 2, "uint16": 2,
-    "int": 4, "uint": 4, "int32": 4, "uint32": 4, "float": 4, "float32": 4, "double": 8, "float64": 8,
+_CODES = {
+    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
+    "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
+    "double": "f8", "float64": "f8",
 }  # fmt: skip
+_ORDERS = {"ascii": "=", "binary_little_endian": "<", "binary_big_endian": ">"}
 _LONGEST_HEADER = 1 << 16
 
 
@@ -16,11 +20,33 @@ _LONGEST_HEADER = 1 << 16
 class _Element:
     name: str
     count: int
-    sizes: dict[str, int] = field(default_factory=dict)  # bytes by property
+    fields: list[tuple[str, str]] = field(default_factory=list)  # name and numpy's code
+    has_list: bool = False
 
 
-def check_ply(path: Path) -> None:
-    """Refuse a PLY file without coordinates, or shorter than its header says.
+@dataclass(frozen=True, slots=True)
+class PlyHeader:
+    """Where the points of a PLY file are.
+
+    Attributes:
+        is_text: Whether rows are lines.
+        count: Number of points.
+        row: A point's fields.
+        start: Byte at which its body begins; in a binary file, its points.
+        skipped_lines: Lines of the body before the points of a text file.
+        lines: Lines of the header.
+    """
+
+    is_text: bool
+    count: int
+    row: np.dtype
+    start: int
+    skipped_lines: int
+    lines: int
+
+
+def read_ply_header(path: Path) -> PlyHeader:
+    """Read the header, and refuse a file without coordinates, or shorter than its header says.
 
     Raises:
         DataError: It names the file, what is wrong and the cure.
@@ -28,28 +54,23 @@ def check_ply(path: Path) -> None:
     text, start = _header(path)
     form, elements = _parse(path, text)
     vertex = next((element for element in elements if element.name == "vertex"), None)
-    if vertex is None or not {"x", "y", "z"} <= set(vertex.sizes):
+    if vertex is None or not {"x", "y", "z"} <= {name for name, _ in vertex.fields}:
         raise DataError(f"{path}: the header names no vertices with x, y and z; export it as a point cloud")
-    # A list's length is not in the header: what follows the points counts as nothing, and this is a lower bound.
-    needed = elements[: elements.index(vertex) + 1]
-    if form == "ascii":
-        have, what = _numbers(path, start), "numbers"
-        want = sum(element.count * len(element.sizes) for element in needed)
-    else:
-        have, what = path.stat().st_size - start, "bytes"
-        want = sum(element.count * sum(element.sizes.values()) for element in needed)
-    if have < want:
+    before = elements[: elements.index(vertex)]
+    is_text = form == "ascii"
+    if vertex.has_list or (not is_text and any(element.has_list for element in before)):
+        raise DataError(f"{path}: has lists in its vertices or before them; export it as a point cloud")
+    row = np.dtype([(name, _ORDERS[form] + code) for name, code in vertex.fields])
+    skipped = 0 if is_text else sum(e.count * sum(np.dtype(code).itemsize for _, code in e.fields) for e in before)
+    header = PlyHeader(is_text, vertex.count, row, start + skipped, sum(e.count for e in before), text.count("\n") + 1)
+    # The shortest line of n numbers takes 2n bytes; what follows the points counts as nothing.
+    least = vertex.count * (2 * len(vertex.fields) if is_text else row.itemsize) - is_text
+    if path.stat().st_size - header.start < least:
         raise DataError(
-            f"{path}: cut short: the header promises {vertex.count} points ({want} {what}), the file has {have} {what}"
-            "; copy or export it again"
+            f"{path}: cut short: the header promises {vertex.count} points (at least {least} bytes), the file has "
+            f"{max(0, path.stat().st_size - header.start)} bytes; copy or export it again"
         )
-
-
-def _numbers(path: Path, start: int) -> int:
-    """Count words line by line: all of them at once would take many times the file's size."""
-    with path.open("rb") as file:
-        file.seek(start)
-        return sum(len(line.split()) for line in file)
+    return header
 
 
 def _header(path: Path) -> tuple[str, int]:
@@ -70,8 +91,14 @@ def _parse(path: Path, text: str) -> tuple[str, list[_Element]]:
                 form = words[1]
             elif words[:1] == ["element"]:
                 elements.append(_Element(words[1], int(words[2])))
-            elif words[:1] == ["property"] and words[1] != "list":
-                elements[-1].sizes[words[2]] = _BYTES[words[1]]
+            elif words[:2] == ["property", "list"]:
+                elements[-1].has_list = True
+            elif words[:1] == ["property"]:
+                elements[-1].fields.append((words[2], _CODES[words[1]]))
+        if form not in _ORDERS or any(element.count < 0 for element in elements):
+            raise ValueError(f"format '{form}'" if form not in _ORDERS else "a negative number of elements")
+        for element in elements:
+            np.dtype(element.fields)  # refuses a name that is there twice
     except (IndexError, ValueError, KeyError) as error:
         raise DataError(f"{path}: the PLY header cannot be understood ({error}); export it again") from error
     return form, elements

@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from executive.clouds.reader import read_points
+from executive.clouds.units import check_site
 from executive.config import Meters, Settings
 from executive.errors import DataError
 from executive.interfaces.surveying import Survey
@@ -19,7 +20,7 @@ FRAME = "survey"
 class PointCloudFileSettings(Settings):
     """Which file, and what to expect of it."""
 
-    path: Path = Field(description="PLY, PCD or XYZ file; coordinates in metres.")
+    path: Path = Field(description="PLY, PCD, LAS, LAZ or XYZ file; coordinates in metres.")
     voxel_m: Meters = Field(0.03, gt=0.005, le=0.5, description="Grid on which points are merged [m].")
     min_points: int = Field(100, ge=1, description="Fewer points are no survey.")
     max_extent_m: Meters = Field(500.0, gt=1, description="A larger cloud is no site, or not in metres [m].")
@@ -48,11 +49,6 @@ class PointCloudFile(Survey):
                 f"{settings.path}: {len(points)} points, at least {settings.min_points} are a survey; "
                 "export the dense cloud, or lower surveying.min_points"
             )
-        extent_m = float(np.ptp(points, axis=0).max())
-        if not 0.5 <= extent_m <= settings.max_extent_m:
-            raise DataError(
-                f"{settings.path}: {extent_m:.3g} m across, allowed is 0.5 to {settings.max_extent_m:g} m; "
-                "coordinates are in metres: scale the cloud, cut off far points, or raise surveying.max_extent_m"
-            )
+        check_site(settings.path, points, settings.max_extent_m)
         middle = (points.min(axis=0) + points.max(axis=0)) / 2
         return Cloud(FRAME, merge(points - np.round(middle), settings.voxel_m))

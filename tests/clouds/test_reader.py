@@ -55,12 +55,26 @@ def test_reads_an_xyz_with_commas_comments_and_colours(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("suffix", ["ply", "pcd", "xyz"])
-def test_counts_points_that_are_not_finite(tmp_path: Path, suffix: str) -> None:
+def test_leaves_out_points_that_are_not_finite_and_says_how_many(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, suffix: str
+) -> None:
     points = POINTS.copy()
-    points[7, 1] = np.nan
-    path = write(tmp_path / f"site.{suffix}", points)
-    with pytest.raises(DataError, match=r"1 of 400 points are not finite \(the first is number 7\)"):
+    points[7, 1], points[8, 2] = np.nan, np.inf
+    read = read_points(write(tmp_path / f"site.{suffix}", points))
+    assert np.allclose(read, np.delete(POINTS, [7, 8], axis=0), atol=1e-6)
+    assert f"site.{suffix}: 2 of 400 points are not finite and are left out" in caplog.text
+
+
+def test_refuses_a_cloud_of_which_nothing_is_finite(tmp_path: Path) -> None:
+    path = write(tmp_path / "site.pcd", np.full((9, 3), np.nan))
+    with pytest.raises(DataError, match="none of its 9 points is finite"):
         read_points(path)
+
+
+def test_keeps_each_point_once_in_its_order(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    twice = np.vstack([POINTS, POINTS[::-1], POINTS[:7]])
+    assert np.array_equal(read_points(write(tmp_path / "site.ply", twice)), POINTS)
+    assert "407 of 807 points are there already" in caplog.text
 
 
 def test_refuses_coordinates_beyond_any_grid(tmp_path: Path) -> None:
@@ -82,7 +96,8 @@ def test_refuses_coordinates_beyond_any_grid(tmp_path: Path) -> None:
         ("flat.pcd", b"FIELDS x y\nSIZE 4 4\nPOINTS 1\nDATA ascii\n1 2\n", "no fields x, y and z"),
         ("odd.pcd", b"FIELDS x y z\nSIZE 4 4 4\nPOINTS 1\nDATA morse\n1 2 3\n", "cannot be understood"),
         ("empty.xyz", b"", "holds no points"),
-        ("site.las", b"LASF", "not a kind of cloud that can be read; convert it to .ply, .pcd, .xyz"),
+        ("site.e57", b"ASTM-E57", "not a kind of cloud that can be read; convert it to .ply, .pcd, .las, .laz, .xyz"),
+        ("site.ply.gz", b"\x1f\x8b\x08", "packed by gzip; unpack it"),
     ],
 )  # fmt: skip
 def test_refuses_what_is_no_cloud(tmp_path: Path, name: str, content: bytes, words: str) -> None:

@@ -95,7 +95,7 @@ CLAIM = b"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n" + b
     [
         ("claim.ply", CLAIM + b"end_header\n" + b"\0" * 1200, "cut short: the header promises 4000000000 points"),
         ("empty.ply", b"", "lacks a header"),
-        ("nan.xyz", b"1 2 3\nnan 5 6\n", "1 of 2 points are not finite"),
+        ("nan.xyz", b"nan 2 3\n1 nan 6\n", "none of its 2 points is finite"),
         ("one.xyz", b"1 2 3\n", "0 m across is no site"),
         ("same.xyz", b"1 2 3\n" * 500, "0 m across is no site"),
         ("few.xyz", b"1 2 3\n4 5 6\n", "has no ground"),

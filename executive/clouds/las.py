@@ -1,0 +1,85 @@
+"""Points from LAS and LAZ files: whole numbers times a scale plus an offset, of all returns and classes."""
+
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.clouds.point_collector import CHUNK, PointCollector
+from executive.errors import DataError
+
+_LINEAR_UNITS_KEY = 3076  # GeoTIFF: ProjLinearUnitsGeoKey
+_MODEL_TYPE_KEY, _GEOGRAPHIC = 1024, 2  # GeoTIFF: GTModelTypeGeoKey; latitude and longitude
+_METRE = 9001  # EPSG
+_UNITS = {9002: "feet", 9003: "US survey feet"}
+_BOX_SLACK = 0.01  # of the header's box: how far a point may be out of it
+
+
+def read_las(path: Path) -> Float:
+    """Return the points of a LAS or LAZ file [m], shape (N, 3).
+
+    Raises:
+        DataError: If it is cut short or damaged, or says that its unit is not the metre.
+    """
+    import laspy  # takes a while to import; most files do without
+    import lazrs
+
+    damage = (laspy.errors.LaspyException, lazrs.LazrsError, ValueError, IndexError, KeyError, OSError, struct.error)
+    try:
+        with laspy.open(path, laz_backend=laspy.LazBackend.Lazrs) as file:
+            _check_header(path, file.header)
+            collector = PointCollector(path, file.header.point_count)
+            for rows in file.chunk_iterator(CHUNK):
+                collector.add(rows.x, rows.y, rows.z)
+            points = collector.points()
+            _check_box(path, file.header, points)
+    except damage as error:
+        raise DataError(f"{path}: cut short or damaged ({error}); copy or export it again") from error
+    return points
+
+
+def _check_header(path: Path, header: Any) -> None:
+    """Hold the header against the file's size, and its unit against the metre."""
+    if not (np.isfinite([*header.scales, *header.offsets]).all() and (header.scales > 0).all()):
+        raise DataError(f"{path}: its scale {header.scales} or offset {header.offsets} is none; export it again")
+    wanted = header.offset_to_point_data + header.point_count * header.point_format.size
+    if not header.are_points_compressed and path.stat().st_size < wanted:
+        raise DataError(
+            f"{path}: cut short: the header promises {header.point_count} points ({wanted} bytes), the file has "
+            f"{path.stat().st_size} bytes; copy or export it again"
+        )
+    unit = _unit(header.vlrs)
+    if unit:
+        raise DataError(f"{path}: its coordinates are in {unit} by its own word; project it to metres")
+
+
+def _unit(records: Any) -> str:
+    """Return the unit that the file's coordinate system names, or nothing if it is the metre or not told."""
+    keys = {key.id: key.value_offset for record in records.get("GeoKeyDirectoryVlr") for key in record.geo_keys}
+    if keys.get(_MODEL_TYPE_KEY) == _GEOGRAPHIC:
+        return "degrees"
+    if keys.get(_LINEAR_UNITS_KEY, _METRE) != _METRE:
+        code = keys[_LINEAR_UNITS_KEY]
+        return _UNITS.get(code, f"the unit EPSG:{code}")
+    for record in records.get("WktCoordinateSystemVlr"):
+        text = record.string.upper()
+        if text.startswith("GEOGCS"):
+            return "degrees"
+        if "FOOT" in text or "FEET" in text:
+            return "feet"
+    return ""
+
+
+def _check_box(path: Path, header: Any, points: Float) -> None:
+    """Refuse points out of the box that the header tells: the one or the other is damaged."""
+    low, high = np.asarray(header.mins), np.asarray(header.maxs)
+    if not (high > low).any():  # some programs write none
+        return
+    slack = _BOX_SLACK * float((high - low).max()) + 2 * header.scales
+    if (points.min(axis=0) < low - slack).any() or (points.max(axis=0) > high + slack).any():
+        raise DataError(
+            f"{path}: has points out of the box of its header ({low} to {high}): one of both is damaged; "
+            "copy or export it again"
+        )

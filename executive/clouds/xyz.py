@@ -1,0 +1,31 @@
+"""Points from lines of x y z and whatever follows."""
+
+import re
+from pathlib import Path
+
+from executive.arrays import Float
+from executive.clouds.point_collector import PointCollector
+from executive.clouds.text_rows import collect_lines, count_lines
+from executive.errors import DataError
+
+_TITLES = re.compile(rb"\s*\"?x\"?[\s,;]+\"?y\"?[\s,;]+\"?z\"?\b[^\n]*\n", re.IGNORECASE)  # of a table's columns
+_COUNT = re.compile(rb"\s*\d+\s*\n")  # a PTS file begins with its number of points
+
+
+def read_xyz(path: Path) -> Float:
+    """Return the points of a text file [m], shape (N, 3); a first line `x y z` or, in PTS files, a count is skipped.
+
+    Raises:
+        DataError: If a line is none of three numbers or more; it is named.
+    """
+    with path.open("rb") as file:
+        beginning = file.read(4096)
+    if beginning[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise DataError(f"{path}: is text in UTF-16; save it as UTF-8 or plain ASCII")
+    body = beginning.removeprefix(b"\xef\xbb\xbf")
+    first = _TITLES.match(body) or (_COUNT.match(body) if path.suffix.lower() == ".pts" else None)
+    start = len(beginning) - len(body) + (first.end() if first else 0)
+    lines = count_lines(path)
+    collector = PointCollector(path, lines)
+    collect_lines(path, start, 2 if first else 1, (0, 1, 2), lines, collector)
+    return collector.points()

@@ -1,0 +1,108 @@
+"""LAS and LAZ files: scale and offset, units by the file's own word, and damage of every kind."""
+
+import struct
+from pathlib import Path
+
+import laspy
+import numpy as np
+import pytest
+
+from executive.clouds.reader import read_points
+from executive.errors import DataError
+
+OFFSET = np.array([412_000.0, 5_246_000.0, 440.0])
+POINTS = np.round(np.random.default_rng(0).uniform(0, 10, (1000, 3)), 3) + OFFSET
+
+
+def las(path: Path, version: str = "1.2", point_format: int = 3) -> Path:
+    header = laspy.LasHeader(point_format=point_format, version=version)
+    header.scales, header.offsets = np.full(3, 0.001), OFFSET
+    data = laspy.LasData(header)
+    data.xyz = POINTS
+    data.classification = np.arange(1000) % 3
+    data.write(path)
+    return path
+
+
+def declare(path: Path, key: int, value: int) -> Path:
+    """Add a GeoTIFF key to a file."""
+    data = laspy.read(path)
+    record = laspy.VLR("LASF_Projection", 34735, record_data=struct.pack("<8H", 1, 1, 0, 1, key, 0, 1, value))
+    data.header.vlrs.append(record)
+    data.write(path)
+    return path
+
+
+@pytest.mark.parametrize("suffix", ["las", "laz"])
+@pytest.mark.parametrize(("version", "point_format"), [("1.2", 0), ("1.2", 3), ("1.4", 6), ("1.4", 7)])
+def test_national_coordinates_are_read_to_the_files_own_millimetre(
+    tmp_path: Path, suffix: str, version: str, point_format: int
+) -> None:
+    # 1 µm: doubles have 1 nm left at 5,246 km.
+    assert np.allclose(read_points(las(tmp_path / f"site.{suffix}", version, point_format)), POINTS, atol=1e-6, rtol=0)
+
+
+@pytest.mark.parametrize("suffix", ["las", "laz"])
+@pytest.mark.parametrize("share", [0.01, 0.1, 0.5, 0.99])
+def test_a_file_cut_short_is_refused(tmp_path: Path, suffix: str, share: float) -> None:
+    path = las(tmp_path / f"site.{suffix}")
+    content = path.read_bytes()
+    path.write_bytes(content[: int(share * len(content))])
+    with pytest.raises(DataError, match=rf"site\.{suffix}: cut short.*copy or export it again"):
+        read_points(path)
+
+
+@pytest.mark.parametrize("suffix", ["las", "laz"])
+def test_a_claim_of_billions_of_points_is_refused(tmp_path: Path, suffix: str) -> None:
+    path = las(tmp_path / f"site.{suffix}")
+    content = bytearray(path.read_bytes())
+    struct.pack_into("<I", content, 107, 4_000_000_000)
+    path.write_bytes(content)
+    with pytest.raises(DataError, match=r"cut short|this computer gives at most"):
+        read_points(path)
+
+
+def test_points_out_of_the_headers_box_are_refused(tmp_path: Path) -> None:
+    path = las(tmp_path / "site.las")
+    content = bytearray(path.read_bytes())
+    start = struct.unpack_from("<I", content, 96)[0]
+    struct.pack_into("<i", content, start, 2_000_000)  # x of the first point: 2 km from the others
+    path.write_bytes(content)
+    with pytest.raises(DataError, match="out of the box of its header"):
+        read_points(path)
+
+
+def test_a_scale_of_nothing_is_refused(tmp_path: Path) -> None:
+    path = las(tmp_path / "site.las")
+    content = bytearray(path.read_bytes())
+    struct.pack_into("<d", content, 131, float("nan"))
+    path.write_bytes(content)
+    with pytest.raises(DataError, match=r"its scale .* is none"):
+        read_points(path)
+
+
+@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("suffix", ["las", "laz"])
+def test_damage_is_an_error_or_is_read_but_never_crashes(tmp_path: Path, suffix: str, seed: int) -> None:
+    path = las(tmp_path / f"site.{suffix}")
+    content, rng = bytearray(path.read_bytes()), np.random.default_rng(seed)
+    for place in rng.integers(0, 400 if seed % 2 else len(content), 4):
+        content[place] = rng.integers(0, 256)
+    path.write_bytes(content)
+    try:
+        assert np.isfinite(read_points(path)).all()
+    except DataError as refusal:
+        assert path.name in str(refusal)  # noqa: PT017 - either way is right
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "unit"), [(3076, 9002, "feet"), (3076, 9003, "US survey feet"), (1024, 2, "degrees")]
+)
+def test_another_unit_is_named(tmp_path: Path, key: int, value: int, unit: str) -> None:
+    path = declare(las(tmp_path / "site.las"), key, value)
+    with pytest.raises(DataError, match=f"its coordinates are in {unit} by its own word; project it to metres"):
+        read_points(path)
+
+
+def test_the_metre_may_be_named(tmp_path: Path) -> None:
+    assert len(read_points(declare(las(tmp_path / "site.las"), 3076, 9001))) == 1000
