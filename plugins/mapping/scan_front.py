@@ -10,9 +10,9 @@ from executive.geometry.pose import inverse
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
 from plugins.mapping.deskew import cabin_poses, place, time_slices
-from plugins.mapping.self_filter import SelfFilter
 from robot_models.kinematics import Kinematics
 from robot_models.machine import Machine
+from robot_models.self_filter import SelfFilter
 
 
 class ScanFront:
