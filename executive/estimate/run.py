@@ -31,7 +31,7 @@ from robot_models.rig import Rig
 S = TypeVar("S", bound=Settings)
 
 # On a body that no description knows: an engine shakes it, yet it stands; fixes are as good as they say, and twice.
-_UNKNOWN_BODY = {"rest": {"max_rate_std_rad_s": 0.15}, "gate": 60.0}
+_UNKNOWN_BODY = {"rest": {"max_rate_std_rad_s": 0.15}, "gate": 60.0, "smoother": {"gate": {"innovation": 60.0}}}
 
 
 @dataclass(frozen=True, slots=True)
