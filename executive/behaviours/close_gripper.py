@@ -15,7 +15,7 @@ from executive.messages.hold import Hold
 class CloseGripperSettings(Settings):
     force: Newtons | None = Field(None, gt=0, description="Force at each tip [N]; by default the gripper's own.")
     empty_below: Radians = Field(0.08, ge=0, le=1, description="Jaws that close further hold nothing [rad].")
-    removal_radius: Meters = Field(1.0, gt=0, le=3, description="R_obj: radius of what the map forgets [m].")
+    removal_radius: Meters = Field(1.0, gt=0, le=3, description="R_obj: least radius of what the map forgets [m].")
 
 
 class CloseGripper(Action):
@@ -38,8 +38,11 @@ class CloseGripper(Action):
         hold = Hold(inputs["stone"], self.context.gripper(), angle)
         stone = self.context.plugin("objects").grasp(hold.stone_id, hold.T_map_gripper, self.context.now_s())
         mapping = self.context.plugin("mapping")
-        removed = mapping.remove_sphere(stone.centroid_map, self.settings.removal_radius)
-        mapping.mask_held(_reach_of(stone.points_map, stone.centroid_map))
+        reach_m = _reach_of(stone.points_map, stone.centroid_map)
+        # Deviation from the paper: the sphere takes in the whole stone. What a long one left outside R_obj was segmented
+        # as another stone later.
+        removed = mapping.remove_sphere(stone.centroid_map, max(self.settings.removal_radius, reach_m))
+        mapping.mask_held(reach_m)
         self.context.begin_hold()
         self.context.note("grasped", stone=stone.id, jaw_rad=angle, removed_points=removed)
         return succeeded(hold=hold)

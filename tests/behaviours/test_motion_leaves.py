@@ -161,6 +161,16 @@ def test_closing_on_a_stone_tells_database_map_and_monitors(fakes):
     assert isinstance(context.plugins["robot"].commands[0], MoveJaws)
 
 
+def test_the_map_forgets_the_whole_of_a_long_stone(fakes):
+    long_stone = Stone(
+        3, StoneState.HELD, np.array([[5.0, 0, -1.3], [5.0, 0, 1.3]]), np.array([5, 0, 0]), np.eye(4), True
+    )
+    context = fakes.Context(robot=Robot(), objects=Objects(long_stone), mapping=Mapper(), monitoring=())
+    context.jaw = lambda t: max(0.9 - 0.4 * t, 0.35)
+    fakes.finish(CloseGripper(CloseGripperSettings(), context), stone=3)
+    assert context.plugins["mapping"].removed == [((5, 0, 0), pytest.approx(1.4))]
+
+
 def test_closing_on_nothing_is_a_failure_that_holds_nothing(fakes):
     context = fakes.Context(robot=Robot(), objects=Objects(STONE), mapping=Mapper(), monitoring=())
     context.jaw = lambda t: max(0.9 - 0.4 * t, 0.01)
