@@ -39,8 +39,8 @@ class CloseGripper(Action):
         stone = self.context.plugin("objects").grasp(hold.stone_id, hold.T_map_gripper, self.context.now_s())
         mapping = self.context.plugin("mapping")
         reach_m = _reach_of(stone.points_map, stone.centroid_map)
-        # Deviation from the paper: the sphere takes in the whole stone. What a long one left outside R_obj was segmented
-        # as another stone later.
+        # Deviation from the paper: the sphere takes in the whole stone. What a long one left outside R_obj was
+        # segmented as another stone later.
         removed = mapping.remove_sphere(stone.centroid_map, max(self.settings.removal_radius, reach_m))
         mapping.mask_held(reach_m)
         self.context.begin_hold()
