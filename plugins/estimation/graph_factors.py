@@ -58,17 +58,14 @@ def insert(values: gtsam.Values, node: int, state: InertialState) -> None:
     values.insert(b, bias_of(state))
 
 
-def extract(values: gtsam.Values, node: int, sample: Inertial) -> InertialState:
-    """Read a node's values as a state at the end of a sample."""
+def extract(values: gtsam.Values, node: int, sample: Inertial, step: gtsam.VectorValues | None = None) -> InertialState:
+    """Read a node's values, moved by a step if there is one, as a state at the end of a sample."""
     x, v, b = keys(node)
-    T, bias = values.atPose3(x), values.atConstantBias(b)
+    T, velocity, bias = values.atPose3(x), values.atVector(v), values.atConstantBias(b).vector()
+    if step is not None:
+        T, velocity, bias = T.retract(step.at(x)), velocity + step.at(v), bias + step.at(b)
     return InertialState(
-        sample,
-        T.rotation().matrix(),
-        np.array(T.translation()),
-        np.array(values.atVector(v)),
-        np.array(bias.gyroscope()),
-        np.array(bias.accelerometer()),
+        sample, T.rotation().matrix(), np.array(T.translation()), np.array(velocity), bias[3:].copy(), bias[:3].copy()
     )
 
 
