@@ -1,0 +1,1 @@
+"""Simulated measurements with truth, and what can be wrong with them."""

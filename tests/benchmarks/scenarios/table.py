@@ -1,0 +1,113 @@
+"""The table: one row a figure, one column an estimator, beside what must be and what was hoped for."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+Values = Mapping[str, Mapping[str, Sequence[float]]]  # estimator → figure → one value a trial
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One figure.
+
+    Attributes:
+        label: What is measured, with its unit.
+        figure: Its name in a trial's figures; several are pooled.
+        must, stretch: Bounds on it; None where there is none.
+        is_mean: Whether the mean over trials is held against the bounds; else the worst.
+        is_least: Whether the bounds are lower ones.
+        digits: Decimals.
+    """
+
+    label: str
+    figure: str | tuple[str, ...]
+    must: float | None = None
+    stretch: float | None = None
+    is_mean: bool = False
+    is_least: bool = False
+    digits: int = 1
+
+    def of(self, values: Mapping[str, Sequence[float]]) -> Sequence[float]:
+        """Return this figure's values of all trials."""
+        names = (self.figure,) if isinstance(self.figure, str) else self.figure
+        return [value for name in names for value in values.get(name, ())]
+
+    def held(self, values: Sequence[float]) -> float:
+        """Return the number that is held against the bounds."""
+        if self.is_mean:
+            return float(np.mean(values))
+        return float(min(values) if self.is_least else max(values))
+
+    def meets(self, bound: float | None, values: Sequence[float]) -> bool:
+        """Return whether a bound is kept, or there is none."""
+        if bound is None:
+            return True
+        held = round(self.held(values), 6)
+        return held >= bound if self.is_least else held <= bound
+
+
+_OUTAGES = tuple(f"outage {d} s, {kind}" for d in (45, 160) for kind in ("driving", "swinging"))
+
+ROWS = (
+    Row("position error, bias [cm]", "position: bias", 0.18, 0.15, is_mean=True, digits=2),
+    Row("position error, std [cm]", "position: std", 1.28, 0.6, is_mean=True, digits=2),
+    Row("position error, distance [cm]", "position: distance", is_mean=True, digits=2),
+    Row("consistency, mean [cm]", "consistency: mean", 0.58, 0.3, is_mean=True, digits=2),
+    Row("consistency, std [cm]", "consistency: std", 3.16, 0.5, is_mean=True, digits=2),
+    Row("error squared over covariance, inside the 99 % bound [%]", "nees: inside", 90, is_least=True, is_mean=True),
+    Row("the same, mean (6 if honest)", "nees: mean", is_mean=True, digits=2),
+    Row("clean data: fixes rejected [%]", "clean: rejected", 0.5, 0.0, digits=2),
+    Row("clean data: time not GLOBAL [%]", "clean: not global", digits=2),
+    Row("the same without lidar: fixes rejected [%]", "no lidar, clean: rejected", 0.5, 0.0, digits=2),
+    Row("spikes of 3 to 4 m: error [cm]", "spikes: error", 8, 4),
+    Row("plateau of 1 m for 5 s: error [cm]", "plateau: error", 15, 8),
+    Row("ramp of 0.1 m/s to 2 m: flagged after [s]", "ramp: flagged", 20),
+    Row("ramp of 0.1 m/s to 2 m: error [cm]", "ramp: error", 30, 15),
+    Row("datum moved by 5 m: anchored anew after [s]", "datum: anchored", 15),
+    Row("datum moved by 5 m: flagged", "datum: flagged", 1, is_least=True, digits=0),
+    *(Row(f"{o}: error [% of way]", f"{o}: share", 0.7, digits=2) for o in _OUTAGES),
+    *(Row(f"{o}: beyond odometry's own [% of way]", f"{o}: beyond", None, 0.2, digits=2) for o in _OUTAGES),
+    Row("odometry frame: step beyond v·dt [mm]", ("plateau: step", *(f"{o}: step" for o in _OUTAGES)), 10, 2),
+    Row(
+        "back in GLOBAL after good fixes [s]", ("plateau: back", *(f"{o}: back" for o in _OUTAGES)), 1.5, 1.0, digits=2
+    ),
+)
+
+
+def table(rows: Sequence[Row], values: Values) -> str:
+    """Return the rows as Markdown, median and worst of all trials, and below it what is missed."""
+    names = tuple(values)
+    lines = ["| what | must | stretch | n | " + " | ".join(f"`{name}`" for name in names) + " |"]
+    lines.append("|---" * (4 + len(names)) + "|")
+    missed = []
+    for row in rows:
+        per_name = [row.of(values[name]) for name in names]
+        if not any(per_name):
+            continue
+        n = max(len(v) for v in per_name)
+        cells = [_cell(row, v) for v in per_name]
+        bounds = f"{_bound(row.must, row)} | {_bound(row.stretch, row)}"
+        lines.append(f"| {row.label} | {bounds} | {n} | " + " | ".join(cells) + " |")
+        missed += [
+            f"`{name}` {row.label}: {row.held(v):.{row.digits}f}, must {row.must:g}"
+            for name, v in zip(names, per_name, strict=True)
+            if v and row.must is not None and not row.meets(row.must, v)
+        ]
+    return "\n".join([*lines, "", "Missed: " + ("; ".join(missed) if missed else "nothing") + "."])
+
+
+def _bound(bound: float | None, row: Row) -> str:
+    return "" if bound is None else f"{'≥' if row.is_least else '≤'} {bound:g}"
+
+
+def _cell(row: Row, values: Sequence[float]) -> str:
+    """Median and worst, or mean and spread; bold where the must is missed, a star where the stretch is reached."""
+    if not values:
+        return ""
+    first, second = (np.mean(values), np.std(values)) if row.is_mean else (np.median(values), row.held(values))
+    joined = f"{first:.{row.digits}f} {'±' if row.is_mean else '…'} {second:.{row.digits}f}"
+    if not row.meets(row.must, values):
+        return f"**{joined}**"
+    return f"{joined} *" if row.stretch is not None and row.meets(row.stretch, values) else joined
