@@ -15,7 +15,7 @@ def node_of(key: int) -> int:
     return key & _INDEX
 
 
-def nodes_of(factor: gtsam.NonlinearFactor | gtsam.JacobianFactor) -> frozenset[int]:
+def nodes_of(factor: gtsam.NonlinearFactor | gtsam.GaussianFactor) -> frozenset[int]:
     """Return the nodes that a factor touches."""
     return frozenset(key & _INDEX for key in factor.keys())  # noqa: SIM118 - GTSAM's, no mapping's
 

@@ -17,21 +17,20 @@ from plugins.estimation.graph_factors import (
     GAP_RATE_RAD_S,
     between_factor,
     fix_factor,
-    gyro_bias_factor,
     pose_factor,
-    velocity_factor,
 )
 from plugins.estimation.graph_measurements import Fix, Increment, Measurement, Standing
+from plugins.estimation.graph_standing import StandingBelief
 from plugins.estimation.graph_window import GraphWindow, UnsolvableError
 from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import Inertial, InertialState, skew
+from plugins.estimation.inertial_state import Inertial, InertialState
 from plugins.estimation.lidar_chain import LidarChain
 from plugins.estimation.measurement_models import antenna_residual
 from plugins.estimation.sample_buffer import SampleBuffer
 from plugins.estimation.smoother_settings import SmootherSettings
 
 _SCAN_S = 0.3  # a fix is compared with the odometry of a scan at most so long before it
-_FIX = "fix"
+_FIX, _STANDING = "fix", "standing"
 _BREAK_S = 0.3  # a gap of samples over which the graph is cut
 
 
@@ -62,6 +61,7 @@ class GraphSmoother:
         self._refused: Counter[str] = Counter()
         self._used_fix_s = state.stamp_s
         self._used_fix_way_m = 0.0
+        self._standing = StandingBelief(settings)
 
     @property
     def _leading(self) -> GraphWindow:
@@ -149,16 +149,15 @@ class GraphSmoother:
             self._take_standing(measurement)
 
     def _take_standing(self, standing: Standing) -> None:
-        """The speed of a point on the turn axis, v + R (ω × l), is zero; R and ω are taken as estimated now."""
-        state = self._leading.state_at(standing.stamp_s)
-        speed = state.R_map_imu @ skew(state.rate) @ standing.arm_imu
-        for window in self._windows():
-            node = window.node_at(standing.stamp_s)
-            factors = [velocity_factor(node, -speed, self._settings.standing_velocity_std_m_s)]
-            if standing.rate_imu is not None:
-                bias = state.sample.rate - standing.rate_imu
-                factors.append(gyro_bias_factor(node, bias, self._settings.standing_rate_std_rad_s))
-            window.add("standing", standing.stamp_s, factors)
+        """Where the estimate knows better, what was said of standing lately was wrong as well."""
+        state, P = self._predicted(standing.stamp_s)
+        if self._standing.contradicts(standing, state, P):
+            for window in self._windows():
+                window.take_back(_STANDING, standing.stamp_s - self._settings.standing_doubt_s)
+        if self._standing.is_believed(standing.stamp_s):
+            for window in self._windows():
+                node = window.node_at(standing.stamp_s)
+                window.add(_STANDING, standing.stamp_s, self._standing.factors(node, standing, state))
 
     def _take_increment(self, increment: Increment) -> None:
         begun = self._chain.begun
@@ -271,11 +270,7 @@ class GraphSmoother:
     def _compared(self, fix: Fix) -> Compared:
         """Hold a fix against the leading estimate, and against the odometry alone."""
         window = self._leading
-        state = window.state_at(fix.stamp_s)
-        ahead_s = fix.stamp_s - window.newest_s
-        P = window.covariance
-        if ahead_s > 0:
-            P = ErrorStateFilter(state, P, self._noise).covariance_after(ahead_s)
+        state, P = self._predicted(fix.stamp_s)
         residual, H = antenna_residual(state, fix.arm_imu, fix.p_map_antenna)
         S = H @ P @ H.T + fix.covariance
         scan = self._chain.before(fix.stamp_s, _SCAN_S)
@@ -284,6 +279,14 @@ class GraphSmoother:
             return Compared(fix, residual, S, fix.p_map_antenna - residual, np.eye(3), False, slack_m)
         T_chain_imu, R_map_chain = self._reckoned(state, *scan)
         return Compared(fix, residual, S, transform(T_chain_imu, fix.arm_imu), R_map_chain, True)
+
+    def _predicted(self, stamp_s: float) -> tuple[InertialState, Float]:
+        """Return what leads, at a time, and its covariance: the newest node's, grown by the time since."""
+        window = self._leading
+        state, ahead_s = window.state_at(stamp_s), stamp_s - window.newest_s
+        if ahead_s <= 0:
+            return state, window.covariance
+        return state, ErrorStateFilter(state, window.covariance, self._noise).covariance_after(ahead_s)
 
     def _reckoned(self, state: InertialState, scan_s: float, T_chain_scan: Float) -> tuple[Float, Float]:
         """Return the IMU by the lidar chain, carried on from the last scan, and the chain's attitude in the map."""

@@ -25,3 +25,9 @@ class SmootherSettings(Settings):
         0.01, gt=0, le=1, description="Speed that a standing chassis may have [m/s]."
     )
     standing_rate_std_rad_s: RadiansPerSecond = Field(0.005, gt=0, le=1, description="Turn that it may have [rad/s].")
+    standing_gate: float = Field(
+        11.3, gt=0, description="Largest squared Mahalanobis distance of a standing chassis (χ², 3: 1 in 100)."
+    )
+    standing_doubt_s: Seconds = Field(
+        1.0, ge=0, le=30, description="Time around one that is farther off in which it is not believed [s]."
+    )

@@ -1,0 +1,45 @@
+"""A chassis that looks as if it stood, and does not."""
+
+import numpy as np
+import pytest
+
+from plugins.estimation.graph_measurements import Standing
+from plugins.estimation.graph_standing import StandingBelief
+from plugins.estimation.inertial_state import VELOCITY, Inertial, InertialState
+from plugins.estimation.smoother_settings import SmootherSettings
+
+ARM = np.array([0.2, -0.3, -0.4])
+
+
+def moving(v, rate=(0.0, 0.0, 0.0)) -> InertialState:
+    sample = Inertial(1.0, np.array(rate, dtype=float), np.array([0.0, 0.0, 9.81]))
+    return InertialState(sample, np.eye(3), np.zeros(3), np.array(v, dtype=float), np.zeros(3), np.zeros(3))
+
+
+def known(std_m_s: float) -> np.ndarray:
+    P = 1e-8 * np.eye(15)
+    P[VELOCITY, VELOCITY] = std_m_s**2 * np.eye(3)
+    return P
+
+
+@pytest.fixture
+def belief() -> StandingBelief:
+    return StandingBelief(SmootherSettings())
+
+
+def test_a_drive_that_is_known_to_the_estimate_is_not_taken_for_standing(belief) -> None:
+    standing = Standing(1.0, ARM, None)
+    assert belief.contradicts(standing, moving([0.2, 0, 0]), known(0.01))
+    assert not belief.is_believed(1.9)
+    assert belief.is_believed(2.0)
+
+
+def test_an_estimate_that_does_not_know_its_speed_is_told_by_a_standing_chassis(belief) -> None:
+    assert not belief.contradicts(Standing(1.0, ARM, None), moving([0.2, 0, 0]), known(0.2))
+    assert belief.is_believed(1.0)
+
+
+def test_a_sensor_that_swings_about_the_turn_axis_stands(belief) -> None:
+    rate = np.array([0.0, 0.0, 0.8])
+    swinging = moving(-np.cross(rate, ARM), rate)
+    assert not belief.contradicts(Standing(1.0, ARM, None), swinging, known(0.001))
