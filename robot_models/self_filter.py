@@ -13,23 +13,62 @@ from robot_models.machine import Machine
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _inside(points: Float, slices: Int, planes: Float, starts: Int, spheres: Float) -> Bool:
-    """Tell which points are in a shape: within its sphere and behind all its planes."""  # pragma: no cover - compiled
+def _is_inside(point: Float, planes: Float, first: int, last: int) -> bool:  # pragma: no cover - compiled
+    for p in range(first, last):
+        if planes[p, 0] * point[0] + planes[p, 1] * point[1] + planes[p, 2] * point[2] > planes[p, 3]:
+            return False
+    return True
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _is_behind(point: Float, planes: Float, first: int, last: int, inset: float) -> bool:  # pragma: no cover - compiled
+    """Tell whether the way from the sensor, the origin, to a point leads through a shape made smaller by an inset."""
+    begin, end = 0.0, 1.0
+    for p in range(first, last):
+        d = planes[p, 3] - inset
+        rise = planes[p, 0] * point[0] + planes[p, 1] * point[1] + planes[p, 2] * point[2]
+        if rise > 0.0:
+            end = min(end, d / rise)
+        elif rise < 0.0:
+            begin = max(begin, d / rise)
+        elif d < 0.0:
+            return False
+        if begin >= end:
+            return False
+    return begin > 0.0  # a sensor within a shape sees out of it
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _near_way(point: Float, sphere: Float) -> tuple[bool, bool]:  # pragma: no cover - compiled
+    """Tell whether the way from the origin to a point meets a sphere, and whether the point lies in it."""
+    x, y, z = point[0] - sphere[0], point[1] - sphere[1], point[2] - sphere[2]
+    square = sphere[3] * sphere[3]
+    if x * x + y * y + z * z <= square:
+        return True, True
+    along = point[0] * sphere[0] + point[1] * sphere[1] + point[2] * sphere[2]
+    length2 = point[0] ** 2 + point[1] ** 2 + point[2] ** 2
+    if along <= 0.0 or along >= length2:
+        return False, False
+    off2 = sphere[0] ** 2 + sphere[1] ** 2 + sphere[2] ** 2 - along * along / length2
+    return off2 <= square, False
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _own(
+    points: Float, slices: Int, planes: Float, starts: Int, spheres: Float, casts: Bool, inset: float
+) -> Bool:  # pragma: no cover - compiled
+    """Tell which points are in a shape, within its sphere and behind all its planes, or in its shadow."""
     found = np.zeros(len(points), dtype=np.bool_)
     for n in range(len(points)):
-        x, y, z = points[n]
         s = slices[n]
         for shape in range(len(starts) - 1):
-            cx, cy, cz, radius = spheres[s, shape]
-            if (x - cx) ** 2 + (y - cy) ** 2 + (z - cz) ** 2 > radius * radius:
+            is_near, is_in = _near_way(points[n], spheres[s, shape])
+            if not is_near:
                 continue
-            inside = True
-            for p in range(starts[shape], starts[shape + 1]):
-                a, b, c, d = planes[s, p]
-                if a * x + b * y + c * z > d:
-                    inside = False
-                    break
-            if inside:
+            first, last = starts[shape], starts[shape + 1]
+            if (is_in and _is_inside(points[n], planes[s], first, last)) or (
+                casts[shape] and _is_behind(points[n], planes[s], first, last, inset)
+            ):
                 found[n] = True
                 break
     return found
@@ -46,20 +85,34 @@ class _Hull:
 
 
 class SelfFilter:
-    """Padded hulls of all links, and the ball of a held stone."""
+    """Padded hulls of all links with their shadows, and the ball of a held stone.
 
-    def __init__(self, machine: Machine, padding_m: float) -> None:
+    A return behind a link is a shadow: the beam's edge caught the link, or the joints were a little elsewhere. The link
+    that carries the sensor casts none, for the sensor may sit within its hull.
+    """
+
+    def __init__(self, machine: Machine, padding_m: float, shadow_m: float = 0.0) -> None:
+        """Prepare the shapes.
+
+        Args:
+            machine: Its links' shapes are taken.
+            padding_m: Returns this near to a link are its own [m].
+            shadow_m: Returns whose ray passes this near to a link on its way are shadows; 0 for none [m].
+        """
         shapes = [(name, shape.vertices) for name, link in machine.links.items() for shape in link.shapes]
         self._hulls = tuple(_hull(name, vertices, padding_m) for name, vertices in shapes)
         counts = [len(hull.planes) for hull in self._hulls]
         # The last shape has no planes: a ball alone, around what the gripper holds.
         self._starts = np.concatenate([[0], np.cumsum([*counts, 0])]).astype(np.int64)
         self._grasp_centre = machine.gripper.grasp_centre
+        self._inset_m = padding_m - shadow_m
+        self._has_shadows = shadow_m > 0
+        self._carriers = {sensor.name: sensor.link for sensor in machine.sensors_of("lidar")}
 
     def inside(
         self, points_lidar: Float, slices: Int, lidar: str, frames: list[Mapping[str, Float]], held_radius_m: float
     ) -> Bool:
-        """Tell which returns lie on the machine or on what it holds.
+        """Tell which returns lie on the machine, in its shadow, or on what it holds.
 
         Args:
             points_lidar: Returns in the sensor's frame [m], shape (N, 3).
@@ -70,7 +123,9 @@ class SelfFilter:
         """
         posed = [self._posed(frame, inverse(frame[lidar]), held_radius_m) for frame in frames]
         planes, spheres = (np.array([each[k] for each in posed]) for k in (0, 1))
-        return np.asarray(_inside(points_lidar, slices, planes, self._starts, spheres))
+        carrier = self._carriers[lidar]
+        casts: Bool = np.array([*(self._has_shadows and hull.link != carrier for hull in self._hulls), False])
+        return np.asarray(_own(points_lidar, slices, planes, self._starts, spheres, casts, self._inset_m))
 
     def _posed(self, frames: Mapping[str, Float], T_lidar_base: Float, held_radius_m: float) -> tuple[Float, Float]:
         """Return all planes and spheres in the sensor's frame, shapes (P, 4) and (S, 4)."""

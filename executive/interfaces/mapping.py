@@ -30,5 +30,12 @@ class Mapper(Plugin, ABC):
         """Forget all points in a sphere (Sec. 4.5) and return how many."""
 
     @abstractmethod
+    def add_surface(self, points_map: Float) -> None:
+        """Put known surface into the map [m], shape (N, 3), as if it had been seen there.
+
+        A removed sphere may cut into a neighbour whose shape is known (Sec. 4.5); this puts it back.
+        """
+
+    @abstractmethod
     def cloud(self) -> Cloud:
         """Return the map as it stands, in the frame `map`; deterministic in order."""

@@ -10,6 +10,7 @@ from executive.geometry.pose import inverse
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
 from plugins.mapping.deskew import cabin_poses, place, time_slices
+from plugins.mapping.map_settings import MapSettings
 from robot_models.kinematics import Kinematics
 from robot_models.machine import Machine
 from robot_models.self_filter import SelfFilter
@@ -18,7 +19,7 @@ from robot_models.self_filter import SelfFilter
 class ScanFront:
     """Self-filter and motion correction of one machine's lidars."""
 
-    def __init__(self, machine: Machine, padding_m: float, nearest_m: float, slice_s: float) -> None:
+    def __init__(self, machine: Machine, settings: MapSettings) -> None:
         """Prepare the shapes, and compile the inner loops.
 
         Raises:
@@ -29,9 +30,9 @@ class ScanFront:
         if not self._lidars:
             raise ConfigError(f"machine {machine.name} has no lidar to map with: add one to its robot.yaml")
         self._kinematics = Kinematics(machine)
-        self._filter = SelfFilter(machine, padding_m)
-        self._nearest_m = nearest_m
-        self._slice_s = slice_s
+        self._filter = SelfFilter(machine, settings.padding_m, settings.shadow_m)
+        self._nearest_m = settings.nearest_m
+        self._slice_s = settings.slice_s
         names = machine.joint_names
         scan = LidarScan(0.0, self._lidars[0], np.full((1, 3), 3.0), np.zeros(1))
         self.place(scan, Motion(np.zeros(1), np.eye(4)[None], names, np.zeros((1, len(names)))), 0.0)

@@ -67,6 +67,14 @@ class VoxelGrid:
         self._size = 0
         self._allocate(_FIRST_CAPACITY)
 
+    @classmethod
+    def compile(cls) -> None:
+        """Compile the inner loops."""
+        rehearsal = cls(1.0, 1)
+        rehearsal.insert(np.zeros((1, 3)))
+        rehearsal.keep(np.ones(1, dtype=bool))
+        rehearsal.surface(1.0)
+
     def __len__(self) -> int:
         return self._size
 
@@ -95,6 +103,20 @@ class VoxelGrid:
         rows = self._rows()
         means, counts = self._means[rows], self._counts[rows]
         return smoothed(self._keys[rows], means, np.minimum(counts, self._memory), reach_m), counts
+
+    def copy(self) -> "VoxelGrid":
+        """Return an independent grid of the same content."""
+        twin = VoxelGrid(self._voxel_m, self._memory)
+        twin._keys, twin._means, twin._counts = self._keys.copy(), self._means.copy(), self._counts.copy()
+        twin._size = self._size
+        return twin
+
+    def forget_sphere(self, centre: Float, radius_m: float, least: int) -> int:
+        """Forget the voxels in a sphere; return how many of them had at least so many points."""
+        means, counts = self.points()
+        kept = ((means - centre) ** 2).sum(axis=1) > radius_m**2
+        self.keep(kept)
+        return int((~kept & (counts >= least)).sum())
 
     def keep(self, kept: Bool) -> None:
         """Forget the voxels that are False in the order of `points`."""

@@ -7,34 +7,23 @@ estimate is good to a centimetre, so that the mean over many returns is sharper 
 from collections.abc import Sequence
 
 import numpy as np
-from pydantic import Field
 
-from executive.arrays import Bool, Float, checked
-from executive.config import Meters, Seconds, Settings
+from executive.arrays import Float, checked
 from executive.errors import ConfigError, DataError
-from executive.geometry.voxels import voxel_means
 from executive.interfaces.mapping import Mapper
 from executive.messages.cloud import Cloud
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
+from plugins.mapping.cylinder import Cylinder
+from plugins.mapping.map_cloud import cloud_of
+from plugins.mapping.map_settings import MapSettings
 from plugins.mapping.scan_front import ScanFront
 from plugins.mapping.voxel_grid import VoxelGrid
 from robot_models.machine import Machine
 
-_STRIDE_M = 0.5  # of the machine, before the cylinder follows: less would rebuild the grid for the swing's wobble
 
-
-class VoxelMapSettings(Settings):
+class VoxelMapSettings(MapSettings):
     """Extent and grain of the map."""
-
-    voxel_m: Meters = Field(0.03, gt=0, le=1, description="Edge of a voxel, res_voxel [m].")
-    min_points: int = Field(2, ge=1, description="Returns that make a voxel occupied, n_min.")
-    radius_m: Meters = Field(10.0, gt=0, description="Radius of the mapped cylinder around the cabin, R_map [m].")
-    padding_m: Meters = Field(0.10, ge=0, le=1, description="Returns this near to a link are the machine's [m].")
-    nearest_m: Meters = Field(0.6, ge=0, description="Nearer returns are dropped [m].")
-    slice_s: Seconds = Field(0.01, gt=0, description="Time over which joints are taken as still [s].")
-    smoothing_m: Meters = Field(0.045, ge=0, le=1, description="Reach over which range noise is averaged; 0: none [m].")
-    memory: int = Field(100, ge=1, description="Returns over which a voxel's mean is taken.")
 
 
 class VoxelMap(Mapper):
@@ -49,17 +38,13 @@ class VoxelMap(Mapper):
         self._grid: VoxelGrid | None = None
         self._cloud: Cloud | None = None
         self._held_radius_m = 0.0
-        self._centre_map = np.zeros(3)
+        self._cylinder = Cylinder(settings.radius_m)
 
     def start(self) -> None:
         """Prepare the shapes and compile the inner loops, so that no scan has to wait for them."""
-        s = self._settings
-        self._front = ScanFront(self._machine, s.padding_m, s.nearest_m, s.slice_s)
-        rehearsal = VoxelGrid(s.voxel_m, s.memory)
-        rehearsal.insert(np.zeros((1, 3)))
-        rehearsal.keep(np.ones(1, dtype=bool))
-        rehearsal.surface(s.voxel_m)
-        self._grid = VoxelGrid(s.voxel_m, s.memory)
+        self._front = ScanFront(self._machine, self._settings)
+        VoxelGrid.compile()
+        self._grid = VoxelGrid(self._settings.voxel_m, self._settings.memory)
 
     def close(self) -> None:
         """Give the map's memory back."""
@@ -75,8 +60,9 @@ class VoxelMap(Mapper):
         parts = [front.place(scan, motion, self._held_radius_m) for scan in scans]
         pair_map = np.vstack([np.empty((0, 3)), *parts])
         self._cloud = None
-        self._follow(motion.T_map_cabin[-1][:3, 3], grid)
-        grid.insert(pair_map[self._is_in_cylinder(pair_map)])
+        if self._cylinder.follow(motion.T_map_cabin[-1][:3, 3]):
+            grid.keep(self._cylinder.contains(grid.points()[0]))
+        grid.insert(pair_map[self._cylinder.contains(pair_map)])
         return len(pair_map)
 
     def mask_held(self, radius_m: float) -> None:
@@ -88,37 +74,22 @@ class VoxelMap(Mapper):
     def remove_sphere(self, centre_map: Float, radius_m: float) -> int:
         """Forget all voxels in a sphere; they stay away until they are seen again."""
         _, grid = self._running()
-        centre = checked("centre_map", centre_map, 3)
-        points, counts = grid.points()
-        kept = ((points - centre) ** 2).sum(axis=1) > radius_m**2
-        grid.keep(kept)
         self._cloud = None
-        return int((~kept & (counts >= self._settings.min_points)).sum())
+        return grid.forget_sphere(checked("centre_map", centre_map, 3), radius_m, self._settings.min_points)
+
+    def add_surface(self, points_map: Float) -> None:
+        """Put points into the map as often as makes their voxels occupied; new returns are averaged with them."""
+        _, grid = self._running()
+        points = checked("points_map", points_map, None, 3)
+        self._cloud = None
+        grid.insert(np.repeat(points[self._cylinder.contains(points)], self._settings.min_points, axis=0))
 
     def cloud(self) -> Cloud:
-        """Return one point for each occupied voxel in the cylinder, range noise smoothed out.
-
-        The order is that of the voxels. About 100 ms for 300,000 voxels; the answer is kept until the map changes.
-        """
+        """Return one point for each occupied voxel; 100 ms for 300,000 voxels, kept until the map changes."""
         _, grid = self._running()
         if self._cloud is None:
-            s = self._settings
-            points, counts = grid.surface(s.smoothing_m) if s.smoothing_m else grid.points()
-            points = points[(counts >= s.min_points) & self._is_in_cylinder(points)]
-            self._cloud = Cloud("map", voxel_means(points, s.voxel_m))
+            self._cloud = cloud_of(grid, self._settings, self._cylinder)
         return self._cloud
-
-    def _follow(self, centre_map: Float, grid: VoxelGrid) -> None:
-        """Move the cylinder with the machine, and forget what it leaves behind, now and then."""
-        if np.linalg.norm(centre_map - self._centre_map) > _STRIDE_M:
-            self._centre_map = centre_map
-            grid.keep(self._is_in_cylinder(grid.points()[0]))
-
-    def _is_in_cylinder(self, points_map: Float) -> Bool:
-        """Tell which points are near the machine; in height as far as in width."""
-        offset = points_map - self._centre_map
-        radius_m = self._settings.radius_m
-        return np.asarray(((offset[:, :2] ** 2).sum(axis=1) < radius_m**2) & (np.abs(offset[:, 2]) < radius_m))
 
     def _running(self) -> tuple[ScanFront, VoxelGrid]:
         if self._front is None or self._grid is None:

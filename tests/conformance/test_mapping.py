@@ -102,6 +102,21 @@ def test_a_removed_sphere_is_empty(make_mapper: Callable[[], Mapper]) -> None:
     assert np.linalg.norm(points - centre, axis=1).min() > 0.97  # and may round its surfaces by a voxel
 
 
+def test_a_surface_that_is_put_back_is_shown(make_mapper: Callable[[], Mapper]) -> None:
+    mapper = filled(make_mapper())
+    centre = np.array([6.0, 2.0, 0.0])
+    before = mapper.cloud().points
+    cut = before[np.linalg.norm(before - centre, axis=1) < 0.8]
+    mapper.remove_sphere(centre, 1.0)
+    mapper.add_surface(cut)
+    back = mapper.cloud().points
+    back = back[np.linalg.norm(back - centre, axis=1) < 0.9]
+    assert 0.6 * len(cut) < len(back) <= len(cut)  # a mapper may round, and thin once more
+    assert np.abs(back[:, 2]).max() < 0.03
+    with pytest.raises(DataError, match="points_map"):
+        mapper.add_surface(np.zeros((5, 2)))
+
+
 def test_a_handed_out_cloud_does_not_change(make_mapper: Callable[[], Mapper]) -> None:
     mapper = filled(make_mapper())
     cloud = mapper.cloud()

@@ -92,6 +92,20 @@ def test_the_filter_follows_the_joints(make_map: Callable, make_yard: Callable, 
     assert make_map().add_scan_pair([scan], Motion(np.ones(1), T, machine.joint_names, lowered[None])) == 2
 
 
+def test_what_lies_behind_a_link_is_a_shadow(make_map: Callable, make_yard: Callable, machine: Machine) -> None:
+    yard = make_yard(rate_rad_s=0.0)
+    sensor, dipper = yard.T_cabin["lidar_horizontal"][:3, 3], yard.T_cabin["dipper"]
+    vertices = np.vstack([shape.vertices for shape in machine.links["dipper"].shapes])
+    through = transform(dipper, 0.5 * (vertices.min(axis=0) + vertices.max(axis=0)))
+    way = (through - sensor) / np.linalg.norm(through - sensor)
+    length_m = np.linalg.norm(through - sensor)
+    behind = sensor + np.outer([length_m + 2.0, length_m + 4.0], way)
+    beside = sensor + np.array([[1.0, 4.0, 1.0], [1.0, 6.0, 1.0]])  # to the left, away from the arm
+    scan = yard.as_scan(np.vstack([behind, beside]), "lidar_horizontal")
+    assert make_map().add_scan_pair([scan], yard.motion(1.0)) == 2
+    assert make_map(shadow_m=0.0).add_scan_pair([scan], yard.motion(1.0)) == 4
+
+
 def test_a_held_stone_is_masked_only_while_it_is_held(
     make_map: Callable, make_yard: Callable, machine: Machine
 ) -> None:

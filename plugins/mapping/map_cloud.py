@@ -1,0 +1,14 @@
+"""From voxels to the cloud that is handed out."""
+
+from executive.geometry.voxels import voxel_means
+from executive.messages.cloud import Cloud
+from plugins.mapping.cylinder import Cylinder
+from plugins.mapping.map_settings import MapSettings
+from plugins.mapping.voxel_grid import VoxelGrid
+
+
+def cloud_of(grid: VoxelGrid, settings: MapSettings, cylinder: Cylinder) -> Cloud:
+    """Return one point for each occupied voxel in the cylinder, range noise smoothed out, in order of the voxels."""
+    points, counts = grid.surface(settings.smoothing_m) if settings.smoothing_m else grid.points()
+    points = points[(counts >= settings.min_points) & cylinder.contains(points)]
+    return Cloud("map", voxel_means(points, settings.voxel_m))
