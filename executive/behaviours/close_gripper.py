@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import numpy as np
 from pydantic import Field
 
 from executive.behaviours.action import Action, Steps
@@ -10,6 +11,9 @@ from executive.behaviours.outcome import failed, succeeded
 from executive.behaviours.port import Port
 from executive.config import Meters, Newtons, Radians, Settings
 from executive.messages.hold import Hold
+from executive.messages.stone import Stone, StoneState
+
+_STANDING = (StoneState.ON_GROUND, StoneState.PLACED, StoneState.SET_ASIDE)
 
 
 class CloseGripperSettings(Settings):
@@ -22,6 +26,8 @@ class CloseGripper(Action):
     """Close the jaws, and if they hold something, say so to the database, the map and the monitors.
 
     Mascaro 2020, Sec. 4.5: the gripper's pose is stored with the stone, and the map forgets a sphere of R_obj = 1 m.
+    Beyond the paper: what the sphere takes from stones beside this one is put back from the database, for no scan may
+    come before the next plan.
     """
 
     Settings = CloseGripperSettings
@@ -41,11 +47,23 @@ class CloseGripper(Action):
         reach_m = _reach_of(stone.points_map, stone.centroid_map)
         # Deviation from the paper: the sphere takes in the whole stone. What a long one left outside R_obj was
         # segmented as another stone later.
-        removed = mapping.remove_sphere(stone.centroid_map, max(self.settings.removal_radius, reach_m))
+        radius_m = max(self.settings.removal_radius, reach_m)
+        removed = mapping.remove_sphere(stone.centroid_map, radius_m)
+        put_back = self._put_back_neighbours(stone, radius_m)
         mapping.mask_held(reach_m)
         self.context.begin_hold()
-        self.context.note("grasped", stone=stone.id, jaw_rad=angle, removed_points=removed)
+        self.context.note("grasped", stone=stone.id, jaw_rad=angle, removed_points=removed, put_back_points=put_back)
         return succeeded(hold=hold)
+
+    def _put_back_neighbours(self, held: Stone, radius_m: float) -> int:
+        """Put back what the sphere took from the models of other stones; return the number of points."""
+        put_back = 0
+        for stone in self.context.plugin("objects").stones():
+            if stone.id != held.id and stone.state in _STANDING:
+                cut = stone.points_map[np.linalg.norm(stone.points_map - held.centroid_map, axis=1) <= radius_m]
+                self.context.plugin("mapping").add_surface(cut)
+                put_back += len(cut)
+        return put_back
 
 
 def _reach_of(points: Any, centre: Any) -> float:

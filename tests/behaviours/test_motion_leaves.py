@@ -30,6 +30,7 @@ class Robot:
 class Mapper:
     def __init__(self):
         self.removed = []
+        self.added = []
         self.masks = []
 
     def cloud(self):
@@ -38,6 +39,9 @@ class Mapper:
     def remove_sphere(self, centre, radius_m):
         self.removed.append((tuple(centre), radius_m))
         return 12
+
+    def add_surface(self, points_map):
+        self.added.append(points_map)
 
     def mask_held(self, radius_m):
         self.masks.append(radius_m)
@@ -136,9 +140,13 @@ def test_jaws_that_open_are_a_success(fakes):
 
 
 class Objects:
-    def __init__(self, stone):
+    def __init__(self, stone, others=()):
         self.calls = []
         self._stone = stone
+        self._others = others
+
+    def stones(self):
+        return (self._stone, *self._others)
 
     def grasp(self, stone_id, T_map_gripper, stamp_s):
         self.calls.append(("grasp", stone_id))
@@ -169,6 +177,20 @@ def test_the_map_forgets_the_whole_of_a_long_stone(fakes):
     context.jaw = lambda t: max(0.9 - 0.4 * t, 0.35)
     fakes.finish(CloseGripper(CloseGripperSettings(), context), stone=3)
     assert context.plugins["mapping"].removed == [((5, 0, 0), pytest.approx(1.4))]
+
+
+def test_what_the_map_forgets_of_other_stones_is_put_back(fakes):
+    def other(stone_id, state, *points):
+        return Stone(stone_id, state, np.array(points), np.mean(points, axis=0), np.eye(4), True)
+
+    beside = other(4, StoneState.PLACED, [5.9, 0, 0.5], [6.1, 0, 0.5])  # 0.9 and 1.1 m away
+    lost = other(5, StoneState.LOST, [5.0, 0.5, 0.5])
+    context = fakes.Context(robot=Robot(), objects=Objects(STONE, [beside, lost]), mapping=Mapper(), monitoring=())
+    context.jaw = lambda t: max(0.9 - 0.4 * t, 0.35)
+    fakes.finish(CloseGripper(CloseGripperSettings(), context), stone=3)
+    (added,) = context.plugins["mapping"].added
+    np.testing.assert_array_equal(added, [[5.9, 0, 0.5]])
+    assert dict(context.notes)["grasped"]["put_back_points"] == 1
 
 
 def test_closing_on_nothing_is_a_failure_that_holds_nothing(fakes):
