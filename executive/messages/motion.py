@@ -18,12 +18,14 @@ class Motion:
         T_map_cabin: Estimated cabin poses, shape (k, 4, 4).
         joint_names: n names.
         joint_position: Joint positions [rad] or [m], shape (k, n).
+        covariance: Of the newest cabin pose, as in `BaseState`, shape (6, 6); None where it is not known.
     """
 
     stamps_s: Float
     T_map_cabin: Float
     joint_names: tuple[str, ...]
     joint_position: Float
+    covariance: Float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "stamps_s", checked("stamps_s", self.stamps_s, None))
@@ -31,6 +33,8 @@ class Motion:
         object.__setattr__(self, "T_map_cabin", checked("T_map_cabin", self.T_map_cabin, k, 4, 4))
         position = checked("joint_position", self.joint_position, k, len(self.joint_names))
         object.__setattr__(self, "joint_position", position)
+        if self.covariance is not None:
+            object.__setattr__(self, "covariance", checked("covariance", self.covariance, 6, 6))
         if k == 0 or not (np.diff(self.stamps_s) > 0).all():
             raise DataError("a motion needs at least one sample and rising stamps")
 
