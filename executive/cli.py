@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from executive.perception.align import align
 from executive.perception.commands import register, segment
 from executive.perception.grasp import grasp
 
@@ -47,6 +48,7 @@ plugins_app = typer.Typer(help="What is installed, by capability.", no_args_is_h
 app.add_typer(plugins_app, name="plugins")
 app.command()(segment)
 app.command()(register)
+app.command()(align)
 app.command()(grasp)
 
 MissionArgument = Annotated[
