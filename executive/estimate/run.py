@@ -24,7 +24,10 @@ from executive.logs.log import Arrival, Log
 from executive.logs.topics import Topics
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
+from executive.messages.observation import Observation
+from executive.messages.odometry import LidarIncrement
 from robot_models.machine import Machine
 from robot_models.rig import Rig
 
@@ -176,23 +179,43 @@ def _made(plugin: type[Plugin], settings: Settings, rig: Rig) -> Any:
 
 def _without_scans(log: Log, options: Options, rig: Rig) -> Iterator[Arrival]:
     """Yield a log's arrivals, its lidar scans turned into increments: a hundredth of the memory, and once for all."""
-    odometry: LidarOdometry | None = None
+    odometry = _odometry(options, rig)
     try:
         for arrival in log.arrivals():
-            scan = arrival.observation
-            if not isinstance(scan, LidarScan):
+            if not isinstance(arrival.observation, LidarScan):
                 yield arrival
-            elif options.odometry:
-                if odometry is None:
-                    plugin = registry.load("odometry", options.odometry)
-                    odometry = _made(plugin, plugin.Settings(), rig)
-                    odometry.start()
-                increment = odometry.add_scan(scan)
-                if increment is not None:
-                    yield Arrival(arrival.arrival_s, increment)
+            if odometry is None:
+                continue
+            increment = _followed(odometry, arrival.observation)
+            if increment is not None:
+                yield Arrival(arrival.arrival_s, increment)
     finally:
         if odometry is not None:
             odometry.close()
+
+
+def _odometry(options: Options, rig: Rig) -> LidarOdometry | None:
+    """Return the odometry, started; it follows the lidar that it does by default, or the rig's first."""
+    lidars = [sensor.name for sensor in rig.sensors_of("lidar")]
+    if not options.odometry or not lidars:
+        return None
+    plugin = registry.load("odometry", options.odometry)
+    frame = plugin.Settings.model_fields.get("frame")
+    known = {"frame": lidars[0]} if frame is not None and frame.default not in lidars else {}
+    odometry: LidarOdometry = _made(plugin, plugin.Settings(**known), rig)
+    odometry.start()
+    return odometry
+
+
+def _followed(odometry: LidarOdometry, observation: Observation | LidarIncrement) -> LidarIncrement | None:
+    match observation:
+        case LidarScan():
+            return odometry.add_scan(observation)
+        case ImuSample():
+            odometry.add_imu(observation)
+        case JointSample():
+            odometry.add_joints(observation)
+    return None
 
 
 def _nested(pairs: Sequence[str]) -> dict[str, Any]:

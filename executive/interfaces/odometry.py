@@ -3,6 +3,8 @@
 from abc import ABC, abstractmethod
 
 from executive.interfaces.plugin import Plugin
+from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.odometry import LidarIncrement
 
@@ -13,3 +15,9 @@ class LidarOdometry(Plugin, ABC):
     @abstractmethod
     def add_scan(self, scan: LidarScan) -> LidarIncrement | None:
         """Match one scan; None for the first, or where the match is not to be trusted."""
+
+    def add_imu(self, sample: ImuSample) -> None:
+        """Take an inertial sample, to undistort scans by; all samples up to a scan's stamp come before it."""
+
+    def add_joints(self, sample: JointSample) -> None:
+        """Take a joint sample, to undistort scans by and to know the machine's own returns."""

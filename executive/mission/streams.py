@@ -44,7 +44,7 @@ class Streams:
     def process(self, observations: Sequence[Observation]) -> None:
         """Take all observations of one tick."""
         handlers: Mapping[type, Callable[[Any], None]] = {
-            ImuSample: self._estimator.add_imu,
+            ImuSample: self._take_imu,
             GnssFix: self._estimator.add_gnss,
             JointSample: self._take_joints,
             LidarScan: self._take_scan,
@@ -56,8 +56,15 @@ class Streams:
         """Return the newest state estimate."""
         return self._estimator.state()
 
+    def _take_imu(self, sample: ImuSample) -> None:
+        self._estimator.add_imu(sample)
+        if self._odometry is not None:
+            self._odometry.add_imu(sample)
+
     def _take_joints(self, sample: JointSample) -> None:
         self._estimator.add_joints(sample)
+        if self._odometry is not None:
+            self._odometry.add_joints(sample)
         self.joints = sample
         for monitor in self._monitors:
             verdict = monitor.update(sample)
@@ -89,4 +96,5 @@ class Streams:
             T_map_cabin=np.stack([state.T_map_cabin for state in states]),
             joint_names=samples[0].names,
             joint_position=np.stack([sample.position for sample in samples]),
+            covariance=states[-1].covariance,
         )

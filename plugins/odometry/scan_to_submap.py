@@ -1,4 +1,4 @@
-"""Lidar odometry against a rolling map of what was seen lately, by distribution-to-distribution matching."""
+"""Lidar odometry against a rolling map of what was seen lately, each scan undistorted by inertia and joints."""
 
 from dataclasses import dataclass
 
@@ -7,13 +7,22 @@ import small_gicp
 from pydantic import Field
 
 from executive.arrays import Float
-from executive.config import Meters, MetersPerSecond, Radians, RadiansPerSecond, Settings
-from executive.geometry.pose import inverse, pose
-from executive.geometry.rotation import angle_between, exp_so3, log_so3
+from executive.config import Meters, Radians, Settings
+from executive.geometry.pose import inverse
+from executive.geometry.rotation import skew
 from executive.interfaces.odometry import LidarOdometry
+from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.odometry import LidarIncrement
-from plugins.odometry.sweep import undistort
+from plugins.odometry.dead_reckoning import DeadReckoning
+from plugins.odometry.own_returns import OwnReturns
+from plugins.odometry.plane_fit import Guess, PlaneFit, fit
+from plugins.odometry.plane_map import PlaneMap
+from plugins.odometry.sensor_path import SensorPath
+from robot_models.rig import Rig
+
+_REVOLUTION_S = 0.1  # what the first scan is undistorted over
 
 
 class ScanToSubmapSettings(Settings):
@@ -22,123 +31,141 @@ class ScanToSubmapSettings(Settings):
     frame: str = Field("lidar_horizontal", description="The lidar to follow; scans of others are left alone.")
     near_m: Meters = Field(2.5, ge=0, description="Returns nearer than this are the machine's own [m].")
     far_m: Meters = Field(60.0, gt=0, description="Returns farther than this are left out [m].")
-    scan_voxel_m: Meters = Field(0.25, gt=0, le=2, description="Grid edge to thin a scan [m].")
-    map_voxel_m: Meters = Field(0.5, gt=0, le=5, description="Grid edge of the submap's Gaussians [m].")
-    neighbours: int = Field(15, ge=5, le=100, description="Points for a return's covariance.")
-    max_distance_m: Meters = Field(1.0, gt=0, description="Largest distance of a correspondence [m].")
-    least_inliers: float = Field(0.5, gt=0, le=1, description="Share of a scan's points that must match.")
-    max_speed_m_s: MetersPerSecond = Field(3.0, gt=0, description="Fastest sensor motion that is believed [m/s].")
-    max_rate_rad_s: RadiansPerSecond = Field(1.5, gt=0, description="Fastest turn that is believed [rad/s].")
-    key_distance_m: Meters = Field(0.3, gt=0, description="Motion after which a scan joins the submap [m].")
-    key_angle_rad: Radians = Field(0.15, gt=0, description="Turn after which a scan joins the submap [rad].")
+    scan_voxel_m: Meters = Field(0.15, gt=0, le=2, description="Grid edge to thin a scan [m].")
+    map_voxel_m: Meters = Field(0.15, gt=0, le=2, description="Grid edge to thin the submap [m].")
+    plane_radius_m: Meters = Field(0.45, gt=0, le=5, description="Reach of a point's neighbours in its plane [m].")
+    neighbours: int = Field(16, ge=6, le=100, description="Most neighbours in a plane.")
+    first_distance_m: Meters = Field(1.0, gt=0, description="Largest distance of a correspondence, at first [m].")
+    last_distance_m: Meters = Field(0.3, gt=0, description="Largest distance of a correspondence, at last [m].")
+    least_share: float = Field(
+        0.1, gt=0, le=1, description="Share of a scan's points that must lie on planes; one scan alone holds few."
+    )
+    key_distance_m: Meters = Field(0.5, gt=0, description="Distance from the submap's scans that admits another [m].")
+    key_angle_rad: Radians = Field(0.12, gt=0, description="Turn against them that admits another [rad].")
+    key_scans: int = Field(40, ge=1, le=500, description="Most scans in the submap.")
     restart_after: int = Field(10, gt=0, description="Scans refused in a row until the submap is begun anew.")
-    rotation_std_rad: Radians = Field(0.003, gt=0, description="Standard deviation of an increment's rotation [rad].")
-    translation_std_m: Meters = Field(0.02, gt=0, description="Standard deviation of its translation [m].")
+    guess_rotation_std_rad: Radians = Field(0.05, gt=0, description="Error of a scan's dead reckoning [rad].")
+    guess_translation_std_m: Meters = Field(0.1, gt=0, description="Error of a scan's dead reckoning [m].")
+    doubt: float = Field(
+        2.0, ge=1, le=10, description="Factor on the fit's standard deviation: returns on one plane share its error."
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Track:
-    """The last trusted pose of the sensor in the submap, and the motion that led to it."""
+    """The last trusted pose of the sensor in the submap, and the covariance of its fit."""
 
     stamp_s: float
     T_map_lidar: Float
-    increment: Float
-    duration_s: float
+    covariance: Float
 
 
 class ScanToSubmap(LidarOdometry):
-    """The registration part of a lidar odometry and mapping system (Nubert 2022, Sec. IV-A4), in its plain form.
+    """The registration part of a lidar odometry and mapping system (Nubert 2022, Sec. IV-A4).
 
-    Each scan is undistorted by the last motion, matched to a map of Gaussians (voxelised GICP, Koide 2021), and added
-    to it after some motion. The paper's front end, CompSLAM, uses edge and plane features instead.
+    Each scan is cleared of the machine's own returns, undistorted by gyroscope and joints, laid onto the planes of a
+    map of earlier scans, and added to it if none was taken from near there. Deviations from the paper: its front end,
+    CompSLAM, matches edge and plane features of single rings; and the covariance here is the fit's own.
+
+    Inertia serves as guess and for undistortion only: an increment that leans on the gyroscope would tell an
+    estimator, which has the gyroscope already, that its bias is zero.
     """
 
     Settings = ScanToSubmapSettings
 
-    def __init__(self, settings: ScanToSubmapSettings) -> None:
+    def __init__(self, settings: ScanToSubmapSettings, machine: Rig) -> None:
         self._settings = settings
+        self._machine = machine
 
     def start(self) -> None:
         self._track: _Track | None = None
+        self._refusals = 0
+        self._own = OwnReturns(self._machine)
+        self._reckoning: DeadReckoning | None = None
+        if self._settings.frame in self._machine.sensors:
+            self._reckoning = DeadReckoning(self._machine, self._settings.frame)
+
+    def add_imu(self, sample: ImuSample) -> None:
+        if self._reckoning is not None:
+            self._reckoning.add_imu(sample)
+
+    def add_joints(self, sample: JointSample) -> None:
+        if self._reckoning is not None:
+            self._reckoning.add_joints(sample)
+        self._own.add_joints(sample)
 
     def add_scan(self, scan: LidarScan) -> LidarIncrement | None:
-        if scan.frame != self._settings.frame:
-            return None
-        if self._track is None:
-            self._begin(scan)
+        if scan.frame != self._settings.frame or self._reckoning is None:
             return None
         track = self._track
-        duration_s = scan.stamp_s - track.stamp_s
-        if duration_s <= 0:
+        from_s = scan.stamp_s - _REVOLUTION_S if track is None else min(track.stamp_s, scan.stamp_s - _REVOLUTION_S)
+        if track is not None and scan.stamp_s <= track.stamp_s:
             return None
-        ahead = _repeated(track.increment, duration_s / track.duration_s)
-        source = self._thinned(undistort(scan, ahead, duration_s))
-        if source.size() < self._settings.neighbours:
-            self._refuse(scan)
+        path = self._reckoning.path(from_s, scan.stamp_s)
+        points = self._points(scan, path)
+        if track is None:
+            self._begin(scan.stamp_s, points)
             return None
-        result = small_gicp.align(
-            self._submap,
-            source,
-            init_T_target_source=track.T_map_lidar @ ahead,
-            max_correspondence_distance=self._settings.max_distance_m,
-            num_threads=1,
-        )
-        T_from_to = inverse(track.T_map_lidar) @ result.T_target_source
-        if not self._is_plausible(result, source.size(), T_from_to, duration_s):
-            self._refuse(scan)
+        fitted = self._fitted(points, track.T_map_lidar @ inverse(path.T_end_then(track.stamp_s)))
+        if fitted is None:
+            self._refuse(scan.stamp_s, points)
             return None
-        self._accept(_Track(scan.stamp_s, np.array(result.T_target_source), T_from_to, duration_s), source)
-        return LidarIncrement(track.stamp_s, scan.stamp_s, scan.frame, T_from_to, self._covariance())
+        return self._accept(track, scan.stamp_s, fitted, points)
 
-    def _begin(self, scan: LidarScan) -> None:
-        """Found a new submap on one scan, taken as if the sensor stood still."""
-        source = self._thinned(scan.points_lidar)
-        if source.size() < self._settings.neighbours:
+    def _points(self, scan: LidarScan, path: SensorPath) -> Float:
+        """Return the surroundings' returns, undistorted and thinned, shape (N, 3)."""
+        distance = np.linalg.norm(scan.points_lidar, axis=1)
+        kept = (distance > self._settings.near_m) & (distance < self._settings.far_m) & ~self._own.among(scan)
+        points = path.undistort(scan.points_lidar[kept], scan.point_stamps_s[kept])
+        if not len(points):
+            return points
+        return np.array(small_gicp.voxelgrid_sampling(points, self._settings.scan_voxel_m, 1).points()[:, :3])
+
+    def _begin(self, stamp_s: float, points: Float) -> None:
+        """Found a new submap on one scan."""
+        settings = self._settings
+        if len(points) < settings.neighbours:
             return
-        self._submap = small_gicp.GaussianVoxelMap(self._settings.map_voxel_m)
-        self._submap.insert(source)
-        self._T_map_key = np.eye(4)
+        self._map = PlaneMap(settings.map_voxel_m, settings.plane_radius_m, settings.neighbours, settings.key_scans)
+        self._map.add(np.eye(4), points)
         self._refusals = 0
-        self._track = _Track(scan.stamp_s, np.eye(4), np.eye(4), 1.0)
+        self._track = _Track(stamp_s, np.eye(4), np.zeros((6, 6)))
 
-    def _thinned(self, points: Float) -> small_gicp.PointCloud:
+    def _fitted(self, points: Float, T_map_lidar: Float) -> PlaneFit | None:
+        """Lay a scan onto the map; None where that is not to be trusted."""
         settings = self._settings
-        distance = np.linalg.norm(points, axis=1)
-        kept = points[(distance > settings.near_m) & (distance < settings.far_m)]
-        if not len(kept):
-            return small_gicp.PointCloud(np.zeros((0, 3)))
-        return small_gicp.preprocess_points(kept, settings.scan_voxel_m, settings.neighbours, 1)[0]
+        if len(points) < settings.neighbours:
+            return None
+        std = np.repeat([settings.guess_rotation_std_rad, settings.guess_translation_std_m], 3)
+        guess = Guess(T_map_lidar, std)
+        fitted = fit(points, self._map, guess, settings.first_distance_m, settings.last_distance_m)
+        return fitted if fitted.has_converged and fitted.share >= settings.least_share else None
 
-    def _is_plausible(
-        self, result: small_gicp.RegistrationResult, size: int, T_from_to: Float, duration_s: float
-    ) -> bool:
-        settings = self._settings
-        speed_m_s = float(np.linalg.norm(T_from_to[:3, 3])) / duration_s
-        rate_rad_s = angle_between(np.eye(3), T_from_to[:3, :3]) / duration_s
-        has_matched = result.converged and result.num_inliers >= settings.least_inliers * size
-        return bool(has_matched and speed_m_s < settings.max_speed_m_s and rate_rad_s < settings.max_rate_rad_s)
-
-    def _accept(self, track: _Track, source: small_gicp.PointCloud) -> None:
-        self._track = track
+    def _accept(self, track: _Track, stamp_s: float, fitted: PlaneFit, points: Float) -> LidarIncrement:
+        settings, T = self._settings, fitted.T_map_lidar
+        T_from_to = inverse(track.T_map_lidar) @ T
+        covariance = settings.doubt**2 * fitted.covariance
+        self._track = _Track(stamp_s, T, covariance)
         self._refusals = 0
-        T_key_lidar = inverse(self._T_map_key) @ track.T_map_lidar
-        moved_m = np.linalg.norm(T_key_lidar[:3, 3])
-        turned_rad = angle_between(np.eye(3), T_key_lidar[:3, :3])
-        if moved_m > self._settings.key_distance_m or turned_rad > self._settings.key_angle_rad:
-            self._submap.insert(source, track.T_map_lidar)
-            self._T_map_key = track.T_map_lidar
+        if self._reckoning is not None:
+            self._reckoning.correct(track.stamp_s, stamp_s, T_from_to)
+        if self._map.is_new(T, settings.key_distance_m, settings.key_angle_rad):
+            self._map.add(T, points)
+        # Both ends were fitted: the earlier one's error moves the increment as seen from the later frame.
+        J = _adjoint(inverse(T_from_to))
+        return LidarIncrement(
+            track.stamp_s, stamp_s, settings.frame, T_from_to, J @ track.covariance @ J.T + covariance
+        )
 
-    def _refuse(self, scan: LidarScan) -> None:
+    def _refuse(self, stamp_s: float, points: Float) -> None:
         self._refusals += 1
         if self._refusals >= self._settings.restart_after:
-            self._begin(scan)
-
-    def _covariance(self) -> Float:
-        """Return a fixed covariance: the Hessian of a match speaks of its noise, not of the scene's shape."""
-        std = np.repeat([self._settings.rotation_std_rad, self._settings.translation_std_m], 3)
-        return np.asarray(np.diag(std**2))
+            self._begin(stamp_s, points)
 
 
-def _repeated(T: Float, times: float) -> Float:
-    """Return a motion a number of times, as for a body that keeps its speed: rotation and translation apart."""
-    return pose(exp_so3(times * log_so3(T[:3, :3])), times * T[:3, 3])
+def _adjoint(T: Float) -> Float:
+    """Return the map of (rotation, translation) errors in the second frame to the first, shape (6, 6)."""
+    J = np.zeros((6, 6))
+    J[:3, :3] = J[3:, 3:] = T[:3, :3]
+    J[3:, :3] = skew(T[:3, 3]) @ T[:3, :3]
+    return J

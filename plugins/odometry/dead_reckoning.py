@@ -1,0 +1,99 @@
+"""How the lidar moved since the last scan, before that scan is matched: by gyroscope, turn joint and even travel."""
+
+from collections import deque
+from itertools import pairwise
+from typing import TypeVar
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.geometry.pose import inverse, pose
+from executive.geometry.rotation import about_axis, exp_so3, log_so3
+from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
+from plugins.odometry.sensor_path import SensorPath
+from robot_models.rig import Rig
+
+S = TypeVar("S")
+
+_KEPT_S = 3.0  # longer than the odometry goes on through refused scans
+_FRESH_S = 0.05  # older inertial samples than this say nothing about the scan
+_GAIN = 0.5  # of the newest increment in the speed: halves its noise, and trails by one scan
+
+
+class DeadReckoning:
+    """Turns with the cabin's gyroscope about an axis that travels evenly with the chassis.
+
+    A cabin that swings breaks the constant velocity that lidar odometry assumes: a lidar 1.3 m from the axis changes
+    its direction with every revolution. The point on the axis does not. Without a gyroscope the sensor itself is
+    taken to go on as it last did.
+    """
+
+    def __init__(self, machine: Rig, lidar: str) -> None:
+        self._T_cabin_lidar = machine.sensors[lidar].T_link_sensor
+        imus = [sensor for sensor in machine.sensors_of("imu") if sensor.link == machine.cabin_link]
+        self._imu = imus[0].name if imus else None
+        self._R_cabin_imu = imus[0].T_link_sensor[:3, :3] if imus else np.eye(3)
+        self._turn_joint = machine.turn_joint
+        self._axis = np.array([0.0, 0.0, 1.0])
+        if machine.turn_joint is not None:
+            self._axis = np.asarray(machine.joints[machine.arm_names.index(machine.turn_joint)].axis, dtype=float)
+        self._rates: deque[tuple[float, Float]] = deque()
+        self._turns: deque[tuple[float, float]] = deque()
+        self._v_chassis = np.zeros(3)  # of the axis' point, chassis axes [m/s]
+        self._w_cabin = np.zeros(3)  # by the last increment [rad/s], where no gyroscope is heard
+
+    def add_imu(self, sample: ImuSample) -> None:
+        """Take a sample if it is the cabin's; it stands for the time since the one before."""
+        if sample.frame == self._imu:
+            _append(self._rates, sample.stamp_s, self._R_cabin_imu @ sample.angular_velocity_rad_s)
+
+    def add_joints(self, sample: JointSample) -> None:
+        """Take the turn joint's position."""
+        if self._turn_joint is not None:
+            _append(self._turns, sample.stamp_s, sample.of(self._turn_joint)[0])
+
+    def path(self, from_s: float, to_s: float) -> SensorPath:
+        """Return the way of the lidar between two times."""
+        rates = [(stamp_s, rate) for stamp_s, rate in self._rates if from_s < stamp_s <= to_s + _FRESH_S]
+        if not rates or to_s - rates[-1][0] > _FRESH_S:
+            rates = [(to_s, self._w_cabin)]
+        stamps = [from_s, *(stamp_s for stamp_s, _ in rates if stamp_s < to_s), to_s]
+        T = np.eye(4)
+        poses = [T]
+        for begin_s, end_s in pairwise(stamps):
+            rate = next((rate for stamp_s, rate in rates if stamp_s >= end_s - 1e-9), rates[-1][1])
+            T = T @ self._step(rate, 0.5 * (begin_s + end_s), end_s - begin_s)
+            poses.append(T)
+        T_lidar_cabin = inverse(self._T_cabin_lidar)
+        return SensorPath.of(np.array(stamps), np.array([T_lidar_cabin @ T @ self._T_cabin_lidar for T in poses]))
+
+    def _step(self, w_cabin: Float, middle_s: float, dt_s: float) -> Float:
+        """Return the cabin's motion over a short time, in its frame at the beginning, shape (4, 4)."""
+        half = exp_so3(0.5 * dt_s * w_cabin)
+        v_cabin = self._R_chassis_cabin(middle_s).T @ self._v_chassis
+        return pose(half @ half, dt_s * half @ v_cabin)
+
+    def correct(self, from_s: float, to_s: float, T_from_to: Float) -> None:
+        """Learn from a matched increment of the lidar how the chassis travels."""
+        T = self._T_cabin_lidar @ T_from_to @ inverse(self._T_cabin_lidar)
+        rotation, dt_s = log_so3(T[:3, :3]), to_s - from_s
+        v_middle = exp_so3(-0.5 * rotation) @ T[:3, 3] / dt_s
+        v_chassis = self._R_chassis_cabin(0.5 * (from_s + to_s)) @ v_middle
+        self._v_chassis = self._v_chassis + _GAIN * (v_chassis - self._v_chassis)
+        self._w_cabin = rotation / dt_s
+
+    def _R_chassis_cabin(self, stamp_s: float) -> Float:
+        if not self._turns:
+            return np.eye(3)
+        stamps, positions = zip(*self._turns, strict=True)
+        return about_axis(self._axis, float(np.interp(stamp_s, stamps, positions)))
+
+
+def _append(samples: deque[tuple[float, S]], stamp_s: float, value: S) -> None:
+    """Keep a sample if it is newer than all before, and those of the last seconds."""
+    if samples and stamp_s <= samples[-1][0]:
+        return
+    samples.append((stamp_s, value))
+    while samples[0][0] < stamp_s - _KEPT_S:
+        samples.popleft()

@@ -1,0 +1,38 @@
+"""A lidar's returns from the machine itself: they move with the sensor, and would hold it where it is."""
+
+import numpy as np
+
+from executive.arrays import Bool
+from executive.messages.joints import JointSample
+from executive.messages.lidar import LidarScan
+from robot_models.kinematics import Kinematics
+from robot_models.machine import Machine
+from robot_models.rig import Rig
+from robot_models.self_filter import SelfFilter
+
+_PADDING_M = 0.2  # the arm moves by a third of this during a revolution
+_HELD_M = 1.2  # around the space between the jaws: a stone that they may hold
+
+
+class OwnReturns:
+    """Finds them by the shapes of the links at the newest joint sample; a rig without links has none."""
+
+    def __init__(self, machine: Rig) -> None:
+        self._machine = machine if isinstance(machine, Machine) else None
+        self._joints: JointSample | None = None
+        if self._machine is not None:
+            self._kinematics = Kinematics(self._machine)
+            self._filter = SelfFilter(self._machine, _PADDING_M)
+
+    def add_joints(self, sample: JointSample) -> None:
+        """Take where the arm is."""
+        self._joints = sample
+
+    def among(self, scan: LidarScan) -> Bool:
+        """Tell which returns are the machine's, or a held stone's, shape (N,)."""
+        if self._machine is None or self._joints is None or not len(scan.points_lidar):
+            return np.zeros(len(scan.points_lidar), dtype=bool)
+        arm = np.array([self._joints.of(name)[0] for name in self._machine.arm_names])
+        frames = self._kinematics.frames(arm, self._joints.of(self._machine.jaw.name)[0])
+        slices = np.zeros(len(scan.points_lidar), dtype=np.int64)
+        return self._filter.inside(scan.points_lidar, slices, scan.frame, [frames], _HELD_M)

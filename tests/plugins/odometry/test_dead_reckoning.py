@@ -1,0 +1,41 @@
+"""Dead reckoning of a lidar on a turning cabin follows the truth where its assumptions hold."""
+
+import numpy as np
+import pytest
+
+from plugins.odometry.dead_reckoning import DeadReckoning
+
+
+def fed(yard, until_s: float, has_imu: bool = True) -> DeadReckoning:
+    reckoning = DeadReckoning(yard.machine, "lidar_horizontal")
+    for k in range(round(100 * until_s) + 1):
+        reckoning.add_joints(yard.joints(0.01 * k))
+        if has_imu:
+            reckoning.add_imu(yard.imu(0.01 * k))
+    return reckoning
+
+
+def test_a_cabin_that_turns_on_a_standing_chassis_needs_no_earlier_increment(yard) -> None:
+    turning = yard(rate_rad_s=0.7)
+    path = fed(turning, 1.0).path(0.9, 1.0)
+    np.testing.assert_allclose(path.T_end_then(0.9), turning.T_from_to(1.0, 0.9), atol=1e-9)
+
+
+@pytest.mark.parametrize("rate_rad_s", [0.0, 0.7])
+def test_an_even_travel_is_learned_while_the_cabin_turns(yard, rate_rad_s: float) -> None:
+    driving = yard(rate_rad_s=rate_rad_s, speed_m_s=1.0)
+    reckoning = fed(driving, 2.0)
+    for k in range(10):
+        reckoning.correct(0.1 * k, 0.1 * (k + 1), driving.T_from_to(0.1 * k, 0.1 * (k + 1)))
+    error = reckoning.path(1.9, 2.0).T_end_then(1.9) - driving.T_from_to(2.0, 1.9)
+    # The chord of an arc is taken for its middle's speed: 1 m/s · 0.1 s · (0.07 rad)²/24, twice.
+    assert np.abs(error).max() < 2e-4
+
+
+def test_without_a_gyroscope_the_last_turn_goes_on(yard) -> None:
+    turning = yard(rate_rad_s=0.7)
+    reckoning = fed(turning, 1.0, has_imu=False)
+    assert np.abs(reckoning.path(0.9, 1.0).T_end_then(0.9) - np.eye(4)).max() < 1e-9
+    for k in range(10):
+        reckoning.correct(0.1 * k, 0.1 * (k + 1), turning.T_from_to(0.1 * k, 0.1 * (k + 1)))
+    np.testing.assert_allclose(reckoning.path(0.9, 1.0).T_end_then(0.9), turning.T_from_to(1.0, 0.9), atol=1e-3)
