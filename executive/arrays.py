@@ -1,5 +1,6 @@
 """Arrays that are checked once, at the border, and read-only from then on."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -21,13 +22,15 @@ def checked(name: str, values: ArrayLike, *shape: int | None, dtype: Any = np.fl
         ShapeError: If the shape differs or a value is not finite.
     """
     array = np.ascontiguousarray(values, dtype=dtype)
-    fits = array.ndim == len(shape) and all(
-        want is None or want == have for want, have in zip(shape, array.shape, strict=False)
+    fits = array.shape == shape or (
+        array.ndim == len(shape)
+        and all(want is None or want == have for want, have in zip(shape, array.shape, strict=False))
     )
     if not fits:
         wanted = "(" + ", ".join("N" if n is None else str(n) for n in shape) + ")"
         raise ShapeError(f"{name} has shape {array.shape}, expected {wanted}")
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
+    # The sum of squares is finite only if all are, and costs a fifth on small arrays; it may also overflow.
+    if array.dtype.kind == "f" and not math.isfinite(np.vdot(array, array)) and not np.isfinite(array).all():
         raise ShapeError(f"{name} holds {int((~np.isfinite(array)).sum())} values that are not finite")
     view = array.view()
     view.flags.writeable = False

@@ -7,6 +7,7 @@ from executive.geometry.pose import inverse, pose
 from executive.messages.base_state import BaseState
 from plugins.estimation.chassis import TurnJoint
 from plugins.estimation.inertial_state import POSITION, ROTATION, InertialState, skew
+from plugins.estimation.strapdown import reported
 
 _POSE = np.r_[ROTATION, POSITION]
 
@@ -18,6 +19,7 @@ class CabinReport:
         self._T_imu_cabin = T_imu_cabin
         self._turn = turn
         self._T_odom_map = np.eye(4)
+        self._moved: tuple[Float, Float] | None = None
 
     @staticmethod
     def unknown(stamp_s: float, status: str) -> BaseState:
@@ -37,21 +39,15 @@ class CabinReport:
 
         Args:
             head: The IMU at the newest sample.
-            P: Covariance of the head's error, shape (15, 15).
+            P: Covariance of the head's error, shape (15, 15); the same array again is taken as the same covariance.
             status: How the estimator stands.
         """
-        T_map_cabin = _pose(head) @ self._T_imu_cabin
         T_cabin_base = self._turn.T_cabin_base(head.stamp_s)
-        return BaseState(
-            stamp_s=head.stamp_s,
-            T_map_base=T_map_cabin @ T_cabin_base,
-            T_odom_base=self._T_odom_map @ T_map_cabin @ T_cabin_base,
-            T_map_cabin=T_map_cabin,
-            v_map_cabin=head.v_map_imu + head.R_map_imu @ skew(head.rate) @ self._T_imu_cabin[:3, 3],
-            w_map_cabin_in_cabin=self._T_imu_cabin[:3, :3].T @ head.rate,
-            covariance=self._covariance(head, P),
-            status=status,
-        )
+        R, p, v = head.R_map_imu, head.p_map_imu, head.v_map_imu
+        motion = reported(R, p, v, head.rate, self._T_imu_cabin, T_cabin_base, self._T_odom_map)
+        if self._moved is None or self._moved[0] is not P:
+            self._moved = (P, self._covariance(head, P))
+        return BaseState(head.stamp_s, *motion, self._moved[1], status)
 
     def _covariance(self, head: InertialState, P: Float) -> Float:
         """Move the covariance from the IMU, in its axes and the map's, to the cabin's origin and axes."""

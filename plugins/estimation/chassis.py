@@ -8,8 +8,8 @@ from pydantic import Field
 from executive.arrays import Float
 from executive.config import RadiansPerSecond, Settings
 from executive.geometry.pose import inverse, pose
-from executive.geometry.rotation import about_axis
 from executive.messages.joints import JointSample
+from plugins.estimation.inertial_state import rotation_step
 from robot_models.rig import Rig
 
 
@@ -22,6 +22,7 @@ class TurnJoint:
         if machine.turn_joint is not None:
             joint = machine.joints[machine.arm_names.index(machine.turn_joint)]
             self._T_base_joint, self._axis = joint.T_parent_joint, np.asarray(joint.axis, dtype=float)
+        self._T_joint_base = inverse(self._T_base_joint)
         self._stamp_s: float | None = None
         self._position_rad = 0.0
         self._velocity_rad_s = 0.0
@@ -50,9 +51,11 @@ class TurnJoint:
 
     def T_cabin_base(self, stamp_s: float) -> Float:
         """Return the chassis in the cabin at a time near the sample's, by its measured speed, shape (4, 4)."""
-        ahead_s = float(np.clip(stamp_s - (self._stamp_s or stamp_s), -0.1, 0.1))
-        turn = about_axis(self._axis, self._position_rad + ahead_s * self._velocity_rad_s)
-        return inverse(self._T_base_joint @ pose(turn))
+        if self._stamp_s is None:
+            return self._T_joint_base
+        ahead_s = max(-0.1, min(0.1, stamp_s - self._stamp_s))
+        angle_rad = self._position_rad + ahead_s * self._velocity_rad_s
+        return np.asarray(pose(rotation_step(-angle_rad * self._axis)) @ self._T_joint_base)
 
 
 class StandingSettings(Settings):

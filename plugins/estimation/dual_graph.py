@@ -19,13 +19,12 @@ from plugins.estimation.cabin_sensors import antennas_in_imu, cabin_imu
 from plugins.estimation.chassis import StandingDetector, TurnJoint
 from plugins.estimation.doorkeeper import Doorkeeper
 from plugins.estimation.dual_graph_settings import DualGraphSettings
-from plugins.estimation.error_state_filter import ErrorStateFilter
 from plugins.estimation.estimator_modes import Mode, ModeChange
 from plugins.estimation.first_state import FirstState
 from plugins.estimation.graph_estimate import Estimate
 from plugins.estimation.graph_measurements import Fix, Increment, Measurement, Standing
 from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import Inertial, InertialState, propagate, skew
+from plugins.estimation.inertial_state import Inertial, InertialState, carry_covariance, propagate, skew
 from plugins.estimation.smoother_process import InlineSmoother, ProcessSmoother, SmootherHost
 from plugins.estimation.unordered_door import UnorderedDoor
 from robot_models.rig import Rig
@@ -34,6 +33,7 @@ INITIALISING = "INITIALISING"
 _MAX_RATE_RAD_S = 35.0  # 2000 deg/s: the range of a MEMS sensor
 _MAX_FORCE_M_S2 = 160.0  # 16 g
 _STANDING_PERIOD_S = 0.1
+_COVARIANCE_PERIOD_S = 0.049
 
 
 class DualGraph(Estimator):
@@ -71,6 +71,7 @@ class DualGraph(Estimator):
             else InlineSmoother(settings.smoother, self._noise)
         )
         self._head: InertialState | None = None
+        self._carried: tuple[float, Float] | None = None  # time and covariance
         self._restart()
 
     def close(self) -> None:
@@ -97,7 +98,7 @@ class DualGraph(Estimator):
         if not self._door.admits(sample.frame, sample.stamp_s):
             return
         rate, force = sample.angular_velocity_rad_s, sample.specific_force_m_s2
-        if np.abs(rate).max() > _MAX_RATE_RAD_S or np.abs(force).max() > _MAX_FORCE_M_S2:
+        if _largest(rate) > _MAX_RATE_RAD_S or _largest(force) > _MAX_FORCE_M_S2:
             self._door.refuse(sample.frame, "out of range")
         elif sample.frame == self._settings.imu:
             since_last_s = sample.stamp_s - self._newest.stamp_s if self._newest is not None else 0.0
@@ -141,6 +142,7 @@ class DualGraph(Estimator):
         self._move_to(head)
 
     def _move_to(self, head: InertialState) -> None:
+        self._carried = None
         if self._head is not None:
             self._report.correct(self._head, head)
         self._head = head
@@ -191,9 +193,21 @@ class DualGraph(Estimator):
     def state(self) -> BaseState:
         if self._head is None or not self._is_begun or not self._turn.is_known:
             return CabinReport.unknown(self._newest.stamp_s if self._newest else 0.0, INITIALISING)
-        ahead_s = self._head.stamp_s - self._estimated.stamp_s
-        P = ErrorStateFilter(self._estimated, self._covariance, self._noise).covariance_after(ahead_s)
-        return self._report.report(self._head, P, str(self._mode))
+        return self._report.report(self._head, self._head_covariance(self._head.stamp_s), self._mode.value)
+
+    def _head_covariance(self, stamp_s: float) -> Float:
+        """Return the covariance at the head; it grows so slowly that one of up to 50 ms ago is good enough."""
+        if self._carried is None or stamp_s - self._carried[0] > _COVARIANCE_PERIOD_S:
+            ahead_s = stamp_s - self._estimated.stamp_s
+            P = carry_covariance(self._estimated, self._covariance, self._noise, ahead_s)
+            self._carried = (stamp_s, P)
+        return self._carried[1]
+
+
+def _largest(v: Float) -> float:
+    """Return the largest magnitude; on plain floats, for three numbers are too few for NumPy."""
+    x, y, z = v.tolist()
+    return max(abs(x), abs(y), abs(z))
 
 
 def _adjoint(T: Float) -> Float:

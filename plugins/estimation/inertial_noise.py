@@ -1,7 +1,10 @@
 """How an inertial sensor errs, as densities of white noise and random walks."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+import numpy as np
+
+from executive.arrays import Float
 from robot_models.sensor import Imu
 
 
@@ -16,6 +19,7 @@ class InertialNoise:
         accel_bias_walk: Random walk of the accelerometer's bias [m/s²/√s].
         accel_bias_m_s2: Bias of the accelerometer at switch-on [m/s²].
         gravity_m_s2: Local gravity, the scale of the specific force [m/s²].
+        densities: The first four in their order, shape (4,).
     """
 
     gyro_density: float
@@ -24,6 +28,11 @@ class InertialNoise:
     accel_bias_walk: float
     accel_bias_m_s2: float
     gravity_m_s2: float
+    densities: Float = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        densities = (self.gyro_density, self.accel_density, self.gyro_bias_walk, self.accel_bias_walk)
+        object.__setattr__(self, "densities", np.array(densities))
 
     @classmethod
     def of(cls, imu: Imu, factor: float, gravity_m_s2: float) -> "InertialNoise":

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from executive.arrays import Float
+from plugins.estimation.inertial_noise import InertialNoise
+from plugins.estimation.strapdown import advanced, carried_covariance
 
 # Blocks of the error state: rotation [rad] in IMU axes, velocity, position in map axes, gyro bias, accelerometer bias.
 ROTATION, VELOCITY, POSITION, GYRO_BIAS, ACCEL_BIAS = (slice(i, i + 3) for i in range(0, 15, 3))
@@ -70,14 +72,25 @@ class InertialState:
 
 def propagate(state: InertialState, sample: Inertial, gravity_m_s2: float) -> InertialState:
     """Carry the state on to a later sample; the force acts in the attitude of the middle, the earth does not turn."""
-    dt = sample.stamp_s - state.sample.stamp_s
-    half_turn = rotation_step(0.5 * dt * (sample.rate - state.gyro_bias))
-    R_middle = state.R_map_imu @ half_turn
-    acceleration = R_middle @ (sample.force - state.accel_bias)
-    acceleration[2] -= gravity_m_s2
-    v = state.v_map_imu + dt * acceleration
-    p = state.p_map_imu + 0.5 * dt * (state.v_map_imu + v)
-    return InertialState(sample, R_middle @ half_turn, p, v, state.gyro_bias, state.accel_bias)
+    R, p, v = advanced(
+        state.R_map_imu,
+        state.p_map_imu,
+        state.v_map_imu,
+        state.gyro_bias,
+        state.accel_bias,
+        sample.rate,
+        sample.force,
+        sample.stamp_s - state.sample.stamp_s,
+        gravity_m_s2,
+    )
+    return InertialState(sample, R, p, v, state.gyro_bias, state.accel_bias)
+
+
+def carry_covariance(state: InertialState, covariance: Float, noise: InertialNoise, dt_s: float) -> Float:
+    """Return the covariance of the state's error a step later, by its present rate and force, shape (15, 15)."""
+    force = state.sample.force - state.accel_bias
+    after: Float = carried_covariance(covariance, state.R_map_imu, state.rate, force, noise.densities, dt_s)
+    return after
 
 
 def error_transition(state: InertialState, dt_s: float) -> Float:

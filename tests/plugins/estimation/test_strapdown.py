@@ -1,0 +1,62 @@
+"""The compiled equations against the same in matrices, for arrays of any layout."""
+
+import numpy as np
+
+from executive.geometry.pose import inverse, pose
+from executive.geometry.rotation import exp_so3
+from plugins.estimation.inertial_noise import InertialNoise
+from plugins.estimation.inertial_state import Inertial, InertialState, carry_covariance, error_transition, propagate
+from plugins.estimation.strapdown import reported
+
+NOISE = InertialNoise(2e-3, 3e-2, 4e-4, 5e-3, 0.1, 9.81)
+STEP_S = 0.03
+
+
+def some_state() -> InertialState:
+    rng = np.random.default_rng(4)
+    sample = Inertial(1.0, np.array([0.1, -0.2, 0.7]), np.array([0.5, -1.0, 9.5]))
+    R = exp_so3(rng.normal(0, 1, 3))
+    return InertialState(sample, R, *rng.normal(0, 1, (2, 3)), *rng.normal(0, 0.05, (2, 3)))
+
+
+def test_covariance_is_carried_by_the_transition_of_errors() -> None:
+    state, rng = some_state(), np.random.default_rng(5)
+    root = rng.normal(0, 0.1, (15, 15))
+    F = error_transition(state, STEP_S)
+    white = np.repeat([2e-3**2, 3e-2**2, 3e-2**2 * STEP_S**2 / 3, 4e-4**2, 5e-3**2], 3) * STEP_S
+    expected = F @ root @ root.T @ F.T + np.diag(white)
+    np.testing.assert_allclose(carry_covariance(state, root @ root.T, NOISE, STEP_S), expected, rtol=1e-9, atol=1e-12)
+
+
+def test_read_only_and_transposed_arrays_give_the_same() -> None:
+    state = some_state()
+    locked = state.sample.rate.copy()
+    locked.flags.writeable = False
+    turned = InertialState(state.sample, np.asfortranarray(state.R_map_imu), *positions(state))
+    sample = Inertial(1.01, locked, state.sample.force)
+    for a, b in zip(numbers(propagate(state, sample, 9.81)), numbers(propagate(turned, sample, 9.81)), strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
+def positions(state: InertialState) -> tuple[np.ndarray, ...]:
+    return state.p_map_imu, state.v_map_imu, state.gyro_bias, state.accel_bias
+
+
+def numbers(state: InertialState) -> tuple[np.ndarray, ...]:
+    return (state.R_map_imu, *positions(state))
+
+
+def test_a_report_is_a_chain_of_poses_and_a_velocity_of_a_point() -> None:
+    state, rng = some_state(), np.random.default_rng(6)
+    T_imu_cabin, T_cabin_base, T_odom_map = (pose(exp_so3(rng.normal(0, 1, 3)), rng.normal(0, 1, 3)) for _ in range(3))
+    R, p, v = state.R_map_imu, state.p_map_imu, state.v_map_imu
+    T_map_base, T_odom_base, T_map_cabin, v_cabin, w_cabin = reported(
+        R, p, v, state.rate, T_imu_cabin, T_cabin_base, T_odom_map
+    )
+    np.testing.assert_allclose(T_map_cabin, pose(R, p) @ T_imu_cabin, atol=1e-12)
+    np.testing.assert_allclose(inverse(T_map_cabin) @ T_map_base, T_cabin_base, atol=1e-12)
+    np.testing.assert_allclose(T_odom_base, T_odom_map @ T_map_base, atol=1e-12)
+    h = 1e-6  # a point of a body: by finite differences of a small motion
+    after = pose(R @ exp_so3(h * state.rate), p + h * v) @ T_imu_cabin
+    np.testing.assert_allclose(v_cabin, (after - T_map_cabin)[:3, 3] / h, atol=1e-4)
+    np.testing.assert_allclose(T_map_cabin[:3, :3] @ w_cabin, R @ state.rate, atol=1e-12)
