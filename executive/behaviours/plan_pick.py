@@ -45,9 +45,14 @@ class PlanPick(Action):
     def __init__(self, settings: Any, context: Context) -> None:
         super().__init__(settings, context)
         self._tried: dict[int, list[Float]] = {}  # T_object_gripper by stone
+        self._refusals: dict[int, str] = {}  # why there was no way, by stone, when its grasps were last all refused
 
     def run(self, **inputs: Any) -> Steps:
         stone = self.context.plugin("objects").stone(inputs["stone"])
+        if not inputs["grasps"]:
+            before = self._refusals.get(stone.id, "those before were tried")
+            return failed(f"no grasp of stone {stone.id} is left: {before}", grasps=[])
+        self._refusals.pop(stone.id, None)
         grasps = self._new_ones_first(stone, inputs["grasps"])
         cloud = surroundings(self.context)
         reasons = []
@@ -63,8 +68,8 @@ class PlanPick(Action):
             self.context.show("grasp", grasp)
             self.context.show("path", plan)
             return succeeded(grasp=grasp, grasps=grasps[number:], trajectory=plan.trajectory)
-        why = "; ".join(sorted(set(reasons))) or "no grasp is left"
-        return failed(f"no way to any of {len(grasps)} grasps of stone {stone.id}: {why}", grasps=[])
+        self._refusals[stone.id] = f"no way to any of {len(grasps)}: {'; '.join(sorted(set(reasons)))}"
+        return failed(f"stone {stone.id}: {self._refusals[stone.id]}", grasps=[])
 
     def _new_ones_first(self, stone: Stone, grasps: list[Grasp]) -> list[Grasp]:
         tried = self._tried.get(stone.id, [])

@@ -70,6 +70,19 @@ def test_no_free_way_is_a_failure_with_all_reasons(leaf, fakes):
     assert "blocked at 5.0; blocked at 5.3" in outcome.reason
 
 
+def test_an_empty_list_says_why_the_grasps_before_were_refused(leaf, fakes):
+    leaf.context.plugins["motion"] = Planner(blocked=(5.0,))
+    fakes.finish(leaf, stone=1, grasps=[grasp(5.0)])
+    outcome = fakes.finish(leaf, stone=1, grasps=[])
+    assert not outcome.success
+    assert "no grasp of stone 1 is left: no way to any of 1: blocked at 5.0" in outcome.reason
+
+
+def test_an_empty_list_after_an_attempt_does_not_blame_the_way(leaf, fakes):
+    fakes.finish(leaf, stone=1, grasps=[grasp(5.0)])
+    assert "those before were tried" in fakes.finish(leaf, stone=1, grasps=[]).reason
+
+
 def test_the_second_attempt_is_unlike_the_first(leaf, fakes):
     fakes.finish(leaf, stone=1, grasps=[grasp(5.0), grasp(5.3)])
     again = fakes.finish(leaf, stone=1, grasps=[grasp(5.02), grasp(5.3)])
