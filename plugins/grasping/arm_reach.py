@@ -1,4 +1,6 @@
-"""Whether the arm comes to a grasp: at its pose, and on the straight way above it."""
+"""Whether the arm comes to a grasp, at its pose and on the straight way above it, and holds the stone there."""
+
+from functools import cached_property
 
 import numpy as np
 
@@ -6,6 +8,7 @@ from executive.arrays import Float
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import about_axis
 from executive.interfaces.motion import MotionPlanner
+from plugins.grasping.arm_load import ArmLoad
 from robot_models.machine import Machine
 
 _HALF_TURN = pose(about_axis(np.array([1.0, 0.0, 0.0]), np.pi))  # about the approach: the jaws change places
@@ -15,8 +18,17 @@ class ArmReach:
     """Asks the motion planner, from the carrying posture."""
 
     def __init__(self, machine: Machine, motion: MotionPlanner) -> None:
+        self._machine, self._motion = machine, motion
         self._seed = machine.posture("carry")
-        self._motion = motion
+
+    @cached_property
+    def _load(self) -> ArmLoad:
+        return ArmLoad(self._machine)
+
+    def holds(self, T_map_gripper: Float, T_map_base: Float, mass_kg: float) -> bool:
+        """Return whether the joints hold a stone of a mass at a pose that the arm comes to."""
+        q = self._motion.reach(inverse(T_map_base) @ T_map_gripper, self._seed)
+        return q is not None and self._load.can_hold(q, mass_kg)
 
     def reached(self, T_map_gripper: Float, T_map_base: Float, above_m: float) -> Float | None:
         """Return the pose, or that after half a turn about the approach if the wrist turns less; None out of reach."""

@@ -22,11 +22,13 @@ class Ground:
         normal: Unit normal of the plane, pointing up, shape (3,).
         offset_m: d of n·p = d [m].
         samples: Ground points, one a cell, shape (S, 3); empty if only the plane is known.
+        cell_m: Edge of those cells [m].
     """
 
     normal: Float
     offset_m: float
     samples: Float
+    cell_m: float
 
     def height(self, xy: Float) -> Float:
         """Return the ground's height [m] at places (N, 2): the plane and, on it, the nearest samples, shape (N,)."""
@@ -36,31 +38,38 @@ class Ground:
         above = self.samples[:, 2] - (self.offset_m - self.samples[:, :2] @ self.normal[:2]) / self.normal[2]
         k = min(_NEIGHBOURS, len(self.samples))
         distance, index = cKDTree(self.samples[:, :2]).query(xy, k=list(range(1, k + 1)))
-        weight = 1.0 / (distance**2 + (_CELL_M / 2) ** 2)
+        weight = 1.0 / (distance**2 + (self.cell_m / 2) ** 2)
         return np.asarray(plane + (weight * above[index]).sum(axis=1) / weight.sum(axis=1))
 
 
-def fit_ground(around: Float, stone: Float, rng: np.random.Generator) -> Ground:
+def fit_ground(around: Float, stone: Float, rng: np.random.Generator, scale: float = 1.0) -> Ground:
     """Fit the ground to the points about a stone; with too few, it is a level plane at the stone's lowest point.
 
     RANSAC on the lowest points of cells (Mascaro 2020, Sec. 5.2 takes all points; the tops of neighbours mislead that).
+
+    Args:
+        around: Points about the stone [m], shape (N, 3).
+        stone: The stone's points, shape (T, 3).
+        rng: Chance of the trials.
+        scale: Factor on the lengths of this file, see `SamplingSettings`.
     """
-    low = _lowest_of_cells(around)
+    cell_m, band_m = scale * _CELL_M, scale * _BAND_M
+    low = _lowest_of_cells(around, cell_m)
     normal, offset = np.array([0.0, 0.0, 1.0]), float(stone[:, 2].min())
     if len(low) < 3:
-        return Ground(normal, offset, np.empty((0, 3)))
+        return Ground(normal, offset, np.empty((0, 3)), cell_m)
     best = 0.0
     for corners in (low[rng.choice(len(low), 3, replace=False)] for _ in range(_TRIALS)):
         n = np.cross(corners[1] - corners[0], corners[2] - corners[0])
         length = np.linalg.norm(n)
-        if length < 1e-6 or abs(n[2]) < _STEEPEST * length:
+        if length < 1e-6 * scale**2 or abs(n[2]) < _STEEPEST * length:
             continue
         n = n * np.sign(n[2]) / length
-        score = float(np.maximum(0.0, 1 - ((low - corners[0]) @ n / (_BAND_M / 2)) ** 2).sum())
+        score = float(np.maximum(0.0, 1 - ((low - corners[0]) @ n / (band_m / 2)) ** 2).sum())
         if score > best:
             best, normal, offset = score, n, float(corners[0] @ n)
-    normal, offset = _refined(low, normal, offset)
-    return Ground(normal, offset, low[np.abs(low @ normal - offset) < _BAND_M])
+    normal, offset = _refined(low, normal, offset, band_m)
+    return Ground(normal, offset, low[np.abs(low @ normal - offset) < band_m], cell_m)
 
 
 def fill_ground(ground: Ground, stone: Float, low_xy: Float, high_xy: Float, spacing_m: float) -> Float:
@@ -75,8 +84,8 @@ def fill_ground(ground: Ground, stone: Float, low_xy: Float, high_xy: Float, spa
     return np.asarray(filled[~through])
 
 
-def _refined(low: Float, normal: Float, offset: float) -> tuple[Float, float]:
-    inliers = low[np.abs(low @ normal - offset) < _BAND_M / 2]
+def _refined(low: Float, normal: Float, offset: float, band_m: float) -> tuple[Float, float]:
+    inliers = low[np.abs(low @ normal - offset) < band_m / 2]
     if len(inliers) < 3:
         return normal, offset
     middle = inliers.mean(axis=0)
@@ -85,8 +94,8 @@ def _refined(low: Float, normal: Float, offset: float) -> tuple[Float, float]:
     return (n, float(n @ middle)) if n[2] > _STEEPEST else (normal, offset)
 
 
-def _lowest_of_cells(points: Float) -> Float:
+def _lowest_of_cells(points: Float, cell_m: float) -> Float:
     order = np.argsort(points[:, 2], kind="stable")
-    cells = np.floor(points[order, :2] / _CELL_M).astype(np.int64)
+    cells = np.floor(points[order, :2] / cell_m).astype(np.int64)
     _, first = np.unique(cells, axis=0, return_index=True)
     return np.asarray(points[order[np.sort(first)]])

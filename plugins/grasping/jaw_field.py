@@ -18,6 +18,7 @@ from robot_models.gripper import Gripper
 
 NEVER = 255  # progress of a cell that a jaw does not sweep
 _FAR_M = 1e3
+_TOUCH = 1e-6  # of a cell: a face on the border of a cell touches it, however the border is rounded
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +76,7 @@ class _Grid:
     """Cells of the gripper's frame, and the stretch of each column (b, c) that a convex polyhedron fills."""
 
     def __init__(self, low: Float, size: NDArray[Any], cell_m: float) -> None:
-        self._cell_m = cell_m
+        self._half_m = cell_m * (0.5 + _TOUCH)
         self._a = low[0] + cell_m * (np.arange(size[0]) + 0.5)
         b = low[1] + cell_m * (np.arange(size[1]) + 0.5)
         c = low[2] + cell_m * (np.arange(size[2]) + 0.5)
@@ -85,7 +86,7 @@ class _Grid:
         """Return the polyhedron's ends along a within each column's square, (B, C) each; low > high if none."""
         faces = half_spaces(vertices)
         n, d = faces[:, :3], faces[:, 3] + skin_m
-        d = d + self._cell_m / 2 * np.abs(n[:, 1:]).sum(axis=1)  # the square's reach along each normal
+        d = d + self._half_m * np.abs(n[:, 1:]).sum(axis=1)  # the square's reach along each normal
         room = d - self._bc @ n[:, 1:].T  # n_a · a ≤ room
         with np.errstate(divide="ignore", invalid="ignore"):
             bound = room / n[:, 0]
@@ -107,6 +108,6 @@ class _Grid:
         """Note the progress in every cell that one of the polyhedra touches first now."""
         for hull in hulls:
             low, high = (end[None] for end in self.column(hull, 0.0))
-            a, half = self._a[:, None, None], self._cell_m / 2
+            a, half = self._a[:, None, None], self._half_m
             touched = (a + half >= low) & (a - half <= high)
             np.minimum(field, np.where(touched, progress, NEVER).astype(np.uint8), out=field)

@@ -18,6 +18,7 @@ from plugins.grasping.ground import Ground, fill_ground, fit_ground
 
 _FOOT_M = 0.15  # a stone's foot that segmentation left with the ground is at most this high …
 _REACH_M = 0.10  # … and this far from the stone's known points
+_SLAB_M, _YAWS = 0.1, 90  # half the height, and directions, in which the width is taken
 _LEVEL_M = 0.03  # what is lower than this above the ground is ground
 
 
@@ -33,6 +34,7 @@ class PlanningCloud:
         centre: Centre of volume of the stone's convex hull [m], shape (3,).
         volume_m3: Volume of that hull.
         ground: The ground.
+        scale: Factor on the lengths of this file, see `SamplingSettings`.
     """
 
     T_map_plan: Float
@@ -42,13 +44,22 @@ class PlanningCloud:
     centre: Float
     volume_m3: float
     ground: Ground
+    scale: float = 1.0
 
     @property
     def body(self) -> Float:
         """Corners of the stone's hull with its lowest points brought down to the ground, where nobody saw it."""
         height = self.stone[:, 2] - self.ground.height(self.stone[:, :2])
-        foot = (self.stone - height[:, None] * (0.0, 0.0, 1.0))[height < _FOOT_M]
+        foot = (self.stone - height[:, None] * (0.0, 0.0, 1.0))[height < self.scale * _FOOT_M]
         return convex_corners(np.concatenate([self.stone, foot]))
+
+    @property
+    def least_width_m(self) -> float:
+        """Least horizontal width of the stone about the height of its centre [m]; what nobody saw is missing."""
+        slab = self.stone[np.abs(self.stone[:, 2] - self.centre[2]) < self.scale * _SLAB_M, :2]
+        yaw = np.linspace(0.0, np.pi, _YAWS, endpoint=False)
+        along = slab @ np.stack([np.cos(yaw), np.sin(yaw)])
+        return float(np.ptp(along, axis=0).min()) if len(slab) else 0.0
 
     @property
     def stone(self) -> Float:
@@ -57,7 +68,12 @@ class PlanningCloud:
 
 
 def build_planning_cloud(
-    stone_map: Float, cloud_map: Float, margin_m: float, spacing_m: float, rng: np.random.Generator
+    stone_map: Float,
+    cloud_map: Float,
+    margin_m: float,
+    spacing_m: float,
+    rng: np.random.Generator,
+    scale: float = 1.0,
 ) -> PlanningCloud:
     """Crop, merge, thin and fill.
 
@@ -67,6 +83,7 @@ def build_planning_cloud(
         margin_m: How far around the stone to look: as far as the open gripper reaches to either side.
         spacing_m: Density of the result.
         rng: For the ground's RANSAC.
+        scale: Factor on the lengths of this file, see `SamplingSettings`.
 
     Raises:
         DataError: If the stone's points span no volume.
@@ -78,8 +95,8 @@ def build_planning_cloud(
     cloud = transform(T_plan_map, cloud_map)
     cloud = cloud[((cloud > low) & (cloud < high)).all(axis=1)]
     distance, _ = cKDTree(stone).query(cloud)
-    ground = fit_ground(thinned(cloud[distance > 1.5 * spacing_m], spacing_m), stone, rng)
-    is_foot = _is_foot(cloud, distance, ground)
+    ground = fit_ground(thinned(cloud[distance > 1.5 * spacing_m], spacing_m), stone, rng, scale)
+    is_foot = _is_foot(cloud, distance, ground, scale)
     stone = thinned(np.concatenate([stone, cloud[is_foot]]), spacing_m)
     around = cloud[(distance > 1.5 * spacing_m) & ~is_foot]
     others = thinned(np.concatenate([around, fill_ground(ground, stone, low[:2], high[:2], spacing_m)]), spacing_m)
@@ -92,6 +109,7 @@ def build_planning_cloud(
         centre=centre,
         volume_m3=volume_m3,
         ground=ground,
+        scale=scale,
     )
 
 
@@ -117,9 +135,9 @@ def _stone_frame(stone_map: Float) -> Float:
     return pose(about_axis(np.array([0.0, 0.0, 1.0]), float(np.arctan2(x[1], x[0]))), middle)
 
 
-def _is_foot(cloud: Float, distance: Float, ground: Ground) -> Bool:
+def _is_foot(cloud: Float, distance: Float, ground: Ground, scale: float) -> Bool:
     """Say which points are the stone's foot: low, above the ground, near the stone; segmentation took it for ground."""
-    is_foot = distance < _REACH_M
+    is_foot = distance < scale * _REACH_M
     height = cloud[is_foot, 2] - ground.height(cloud[is_foot, :2])
-    is_foot[is_foot] = (height > _LEVEL_M) & (height < _FOOT_M)
+    is_foot[is_foot] = (height > scale * _LEVEL_M) & (height < scale * _FOOT_M)
     return is_foot

@@ -26,8 +26,11 @@ _DOWNWARD_SHIFTS = (-0.25, 0.0, 0.25)  # of the jaws' width, along it, from the 
 
 
 class SamplingSettings(Settings):
-    """Density, sampling and clearance."""
+    """Density, sampling and clearance; the lengths are those of a gripper that opens some two metres."""
 
+    scale: float = Field(
+        1.0, gt=0, le=10, description="Factor on all lengths of this plugin, for a gripper and stones of another size."
+    )
     samples: int = Field(80, ge=1, le=5000, description="Points on the stone that approaches are made for.")
     turns_about_y: int = Field(5, ge=1, le=36, description="Rotations about a frame's y axis, over ±60°.")
     turns_about_z: int = Field(8, ge=1, le=36, description="Rotations about a frame's z axis, over ±80°.")
@@ -76,16 +79,23 @@ class Sampler:
         self._gripper = gripper
         self._tables: JawField | None = None
 
+    def prepare(self) -> None:
+        """Tabulate the gripper and compile the loops: seconds that no plan is to wait for."""
+        point, nothing = np.zeros((1, 3)), np.zeros(1, dtype=bool)
+        push_and_close(
+            self._field(), point, ~nothing, point[0], Hypotheses(np.eye(3)[None], point, nothing), Clearance(0, 0, 0)
+        )
+
     def scene(self, stone_map: Float, cloud_map: Float, rng: np.random.Generator) -> PlanningCloud:
         """Build the planning cloud of a stone with the margin of the open gripper's width (Sec. 5.2)."""
-        margin_m = -float(self._field().origin[1])  # half of it to either side
-        return build_planning_cloud(stone_map, cloud_map, margin_m, self._settings.spacing_m, rng)
+        scale, margin_m = self._settings.scale, -float(self._field().origin[1])  # half of it to either side
+        return build_planning_cloud(stone_map, cloud_map, margin_m, scale * self._settings.spacing_m, rng, scale)
 
     def pool(self, scene: PlanningCloud, rng: np.random.Generator) -> Pool:
         """Sample approaches, push and close each, and keep what holds (Sec. 5.3)."""
         s, field = self._settings, self._field()
         tried, too_steep = self._hypotheses(scene, rng)
-        clearance = Clearance(s.stone_clearance_m, s.other_clearance_m, s.tips_below_centre_m)
+        clearance = Clearance(*(s.scale * x for x in (s.stone_clearance_m, s.other_clearance_m, s.tips_below_centre_m)))
         holds = push_and_close(field, scene.points, scene.is_target, scene.centre, tried, clearance)
         refused = Counter({outcome.name.lower(): int((holds.outcome == outcome).sum()) for outcome in Outcome})
         del refused[Outcome.HELD.name.lower()]
@@ -106,7 +116,7 @@ class Sampler:
         at = stone[rng.choice(len(stone), min(s.samples, len(stone)), replace=False)]
         y = np.linspace(-_TURN_Y_RAD, _TURN_Y_RAD, s.turns_about_y)
         z = np.linspace(-_TURN_Z_RAD, _TURN_Z_RAD, s.turns_about_z)
-        R = turned_frames(local_frames(stone, scene.normals, at, s.frame_radius_m), y, z)
+        R = turned_frames(local_frames(stone, scene.normals, at, s.scale * s.frame_radius_m), y, z)
         anchor = np.repeat(at, len(y) * len(z), axis=0)
         level = -R[:, :, 0] @ scene.ground.normal >= np.cos(s.max_tilt_rad)
         down = downward_frames(np.arange(s.downward_yaws) * np.pi / max(s.downward_yaws, 1))  # the jaws are alike
@@ -117,6 +127,8 @@ class Sampler:
         return Hypotheses(R_all, np.concatenate([anchor[level], down_anchor]), is_centred), int((~level).sum())
 
     def _field(self) -> JawField:
-        if self._tables is None:  # a second of work that only a mission that grasps needs
-            self._tables = build_jaw_field(self._gripper, _CELL_M, _SKIN_M)
+        if self._tables is None:  # a second of work: not at construction, where a tree is only drawn
+            self._tables = build_jaw_field(
+                self._gripper, self._settings.scale * _CELL_M, self._settings.scale * _SKIN_M
+            )
         return self._tables

@@ -95,7 +95,7 @@ def push_and_close(
     )
     order = np.argsort(~is_target, kind="stable")  # the stone's points first: the loops split there
     tables = (field.front, field.sweep, field.tip_a, np.array(field.origin), field.cell_m)
-    room = np.array([clearance.stone_m, clearance.other_m, clearance.tips_below_centre_m])
+    room = np.array([clearance.stone_m, clearance.other_m, clearance.tips_below_centre_m], dtype=float)
     _try_all(
         np.ascontiguousarray(points[order]),
         int(is_target.sum()),
@@ -175,7 +175,7 @@ def _settle(near, n_target, n, centre_a, tables, room, progress):  # type: ignor
         if depth + tip_a[last] < centre_a + room[2]:
             return Outcome.TIPS_TOO_HIGH, depth
         free = min(depth, _free_depth(near[n_target:n], front[last], tables) - room[1])
-        if free >= depth - 1e-3:
+        if free >= depth - 0.03 * tables[4]:  # a part of a cell: below what the tables know
             return Outcome.HELD, depth
     return Outcome.JAWS_SWEEP_BLOCKED, depth
 

@@ -11,6 +11,7 @@ from executive.arrays import Bool
 from executive.config import Settings
 from executive.interfaces.motion import MotionPlanner
 from plugins.grasping.evidence import evidence_of
+from plugins.grasping.grasp_images import draw_images, image_cube
 from plugins.grasping.outcome_net import FourLayer, TwoStream, load_net, success
 from plugins.grasping.planning_cloud import PlanningCloud
 from plugins.grasping.pool import Pool
@@ -48,12 +49,15 @@ class SampledCnn(SampledPlanner):
         self._net: FourLayer | TwoStream | None = None
 
     def start(self) -> None:
-        """Read the weights.
+        """Read the weights, and prepare what plans need.
 
         Raises:
             DataError: If the file cannot be used.
         """
         self._loaded()
+        super().start()
+        none, axes = np.zeros((1, 3)), np.eye(3)[None]
+        draw_images(none, np.ones(1, dtype=bool), none, axes, none, image_cube(self._machine.gripper))  # compiles
 
     def ordered(self, scene: PlanningCloud, pool: Pool) -> Order:
         """Return the pool by predicted success, or by the paper's stages on what is predicted to succeed."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from executive.arrays import Float, checked
 from executive.config import Meters
@@ -22,6 +22,7 @@ from plugins.grasping.arm_reach import ArmReach
 from plugins.grasping.planning_cloud import PlanningCloud
 from plugins.grasping.pool import Pool, Sampler, SamplingSettings
 from plugins.grasping.ranking import Costs, ranked_rounds, spread
+from plugins.grasping.recheck import Recheck
 from plugins.grasping.rehearsal import FALLEN_M, Lifted, Rehearsal
 from plugins.grasping.way_in import WayIn
 from robot_models.machine import Machine
@@ -46,6 +47,12 @@ class SampledPlannerSettings(SamplingSettings):
     max_slip_m: Meters = Field(0.3, gt=0, description="A grasp whose stone moves more in rehearsals is refused [m].")
     max_grasps: int = Field(8, ge=1, description="Most grasps that are returned.")
 
+    @model_validator(mode="after")
+    def _check_scale(self) -> "SampledPlannerSettings":
+        if self.scale != 1 and self.rehearsed:
+            raise ValueError("rehearsals know machines of full size only: with a scale, set rehearsed: 0")
+        return self
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Order:
@@ -69,12 +76,17 @@ class SampledPlanner(GraspPlanner):
     """
 
     latency_s: ClassVar[dict[str, float]] = {"plan": 1.5}
+    is_stateless: ClassVar[bool] = True
 
     def __init__(self, settings: SampledPlannerSettings, machine: Machine, motion: MotionPlanner) -> None:
         self._settings: SampledPlannerSettings = settings
         self._machine = machine
         self._arm = ArmReach(machine, motion)
         self._sampler = Sampler(settings, machine.gripper)
+
+    def start(self) -> None:
+        """Tabulate and compile what plans need."""
+        self._sampler.prepare()
 
     @abstractmethod
     def ordered(self, scene: PlanningCloud, pool: Pool) -> Order:
@@ -94,6 +106,8 @@ class SampledPlanner(GraspPlanner):
         scene = self._sampler.scene(target.points_map, cloud.points, rng)
         if scene.volume_m3 * s.density > s.overload * self._machine.payload_kg:
             return GraspPlan((), {"too_heavy": 1})
+        if scene.least_width_m > self._machine.gripper.max_opening_m:
+            return GraspPlan((), {"wider_than_opening": 1})
         pool = self._sampler.pool(scene, rng)
         refused = Counter(pool.refused)
         grasps = self._chosen(scene, pool, checked("T_map_base", T_map_base, 4, 4), refused) if len(pool) else ()
@@ -132,15 +146,21 @@ class SampledPlanner(GraspPlanner):
         self, scene: PlanningCloud, pool: Pool, order: Iterable[int], T_map_base: Float, refused: Counter[str]
     ) -> Iterator[tuple[int, Float]]:
         """Yield index and T_map_gripper of grasps with a free way in that the arm comes to, in the order given."""
-        s, up = self._settings, scene.ground.normal
-        way_in = WayIn(self._machine.gripper)
-        for i in spread(order, pool.R, pool.position, _SPREAD_M, _SPREAD_RAD):
+        gripper, scale, up = self._machine.gripper, self._settings.scale, scene.ground.normal
+        way_in_m, room_m = scale * self._settings.way_in_m, scale * _ROOM_IN_CLOUD_M
+        mass_kg = scene.volume_m3 * self._settings.density / self._settings.overload
+        way_in, recheck = WayIn(gripper, scale), Recheck(gripper, room_m)
+        for i in spread(order, pool.R, pool.position, scale * _SPREAD_M, _SPREAD_RAD):
             T_plan_gripper = pose(pool.R[i], pool.position[i])
-            T_map_gripper = self._arm.reached(scene.T_map_plan @ T_plan_gripper, T_map_base, s.way_in_m)
+            T_map_gripper = self._arm.reached(scene.T_map_plan @ T_plan_gripper, T_map_base, way_in_m)
             if T_map_gripper is None:
                 refused["out_of_reach"] += 1
-            elif not way_in.is_free(scene.points, T_plan_gripper, up, s.way_in_m, _ROOM_IN_CLOUD_M):
+            elif not self._arm.holds(T_map_gripper, T_map_base, mass_kg):
+                refused["too_heavy_at_radius"] += 1
+            elif not way_in.is_free(scene.points, T_plan_gripper, up, way_in_m, room_m):
                 refused["way_in_blocked"] += 1
+            elif not recheck.is_free(scene.points, T_plan_gripper):
+                refused["gripper_in_cloud"] += 1
             else:
                 yield i, T_map_gripper
 

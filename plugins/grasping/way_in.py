@@ -14,7 +14,9 @@ _STRAIGHT_RAD = 0.05  # an approach this near to the way in has been pushed alon
 class WayIn:
     """The polyhedra of the open gripper, tried in poses along a straight way."""
 
-    def __init__(self, gripper: Gripper) -> None:
+    def __init__(self, gripper: Gripper, scale: float = 1.0) -> None:
+        """Prepare the parts; `scale` is a factor on the step, for a gripper of another size."""
+        self._step_m = scale * _STEP_M
         hulls = [hull for parts in gripper.hulls(gripper.open_rad).values() for hull in parts]
         self._faces = [half_spaces(hull) for hull in hulls]
         self._reach_m = max(float(np.linalg.norm(hull, axis=1).max()) for hull in hulls)
@@ -38,7 +40,7 @@ class WayIn:
             depth_m: How deep a point may be, for its noise [m].
         """
         is_straight = float(-up @ T_points_gripper[:3, 0]) > np.cos(_STRAIGHT_RAD)
-        steps = 0 if is_straight else int(np.ceil(length_m / _STEP_M))
+        steps = 0 if is_straight else int(np.ceil(length_m / self._step_m))
         for height in np.linspace(0.0, length_m, steps + 1) if steps else (0.0,):
             T = T_points_gripper.copy()
             T[:3, 3] += height * up

@@ -70,6 +70,11 @@ def gripper(machine: Machine) -> Gripper:
 
 
 @pytest.fixture(scope="session")
+def free_motion() -> MotionPlanner:
+    return FreeMotion()
+
+
+@pytest.fixture(scope="session")
 def planner_of(machine: Machine) -> Callable[..., SampledAntipodal]:
     """Return a maker of planners by their settings and the arm's reach."""
 

@@ -9,11 +9,15 @@ from executive.arrays import Float
 from executive.errors import DataError
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import about_axis, angle_between
+from executive.interfaces.motion import MotionPlanner
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import GraspPlan
-from plugins.grasping.sampled_antipodal import SampledAntipodal
+from plugins.grasping import push
+from plugins.grasping.recheck import Recheck
+from plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
 from plugins.grasping.way_in import WayIn
 from robot_models.gripper import Gripper
+from robot_models.machine import Machine
 
 SIDES_M = (1.3, 0.8, 0.65)
 HALF_TURN = about_axis(np.array([1.0, 0.0, 0.0]), np.pi)
@@ -52,6 +56,7 @@ def test_a_slab_is_grasped_from_above_near_its_centre_without_slipping(planner: 
 def test_no_returned_gripper_stands_in_the_cloud(planner: SampledAntipodal, scene: tuple, gripper: Gripper) -> None:
     for grasp in plan(planner, scene).grasps:
         assert WayIn(gripper).depth_m(scene[1].points, grasp.T_map_gripper) < 0.01
+        assert Recheck(gripper, 0.01).is_free(scene[1].points, grasp.T_map_gripper)
 
 
 def test_grasps_come_best_first_and_differ(planner: SampledAntipodal, scene: tuple) -> None:
@@ -91,7 +96,12 @@ def test_a_neighbour_at_0_3_m_is_avoided(
 
 @pytest.mark.parametrize(
     ("sides_m", "reason"),
-    [((1.4, 1.4, 0.8), "too_heavy"), ((2.6, 2.6, 0.12), "slips"), ((0.6, 0.6, 0.08), "tips_too_high")],
+    [
+        ((1.4, 1.4, 0.8), "too_heavy"),
+        ((2.6, 2.6, 0.12), "wider_than_opening"),
+        ((2.0, 2.0, 0.12), "slips"),
+        ((0.6, 0.6, 0.08), "tips_too_high"),
+    ],
 )
 def test_what_cannot_be_held_gives_an_empty_plan_with_its_reason(
     planner: SampledAntipodal, make_box: Callable, make_field: Callable, see: Callable, sides_m: tuple, reason: str
@@ -107,6 +117,27 @@ def test_a_stone_out_of_reach_is_refused_as_such(planner_of: Callable, scene: tu
     far = planner.plan(stone, cloud, pose(t=np.array([5.0, 0.0, 0.0])), np.random.default_rng(0))
     assert far.grasps == ()
     assert far.refused["out_of_reach"] > 0
+
+
+def test_an_arm_too_weak_for_the_stone_out_there_refuses_it_as_such(
+    machine: Machine, free_motion: MotionPlanner, scene: tuple
+) -> None:
+    joints = tuple(joint.model_copy(update={"max_effort": 0.1 * joint.max_effort}) for joint in machine.joints)
+    weak = machine.model_copy(update={"joints": joints})
+    planner = SampledAntipodal(SampledAntipodalSettings(samples=10, rehearsed=0), weak, free_motion)
+    refused = plan(planner, scene)
+    assert refused.grasps == ()
+    assert refused.refused["too_heavy_at_radius"] > 0
+
+
+def test_a_plan_compiles_nothing_that_the_start_has_not(
+    machine: Machine, free_motion: MotionPlanner, scene: tuple
+) -> None:
+    planner = SampledAntipodal(SampledAntipodalSettings(samples=10, rehearsed=0), machine, free_motion)
+    planner.start()
+    compiled = len(push._try_all.signatures)
+    plan(planner, scene)
+    assert len(push._try_all.signatures) == compiled > 0
 
 
 def test_too_few_points_are_refused(planner: SampledAntipodal, scene: tuple, see: Callable) -> None:

@@ -1,0 +1,82 @@
+"""How long a plan takes, and how many hypotheses are checked a second: CPU time of one core.
+
+    OMP_NUM_THREADS=1 python tests/benchmarks/grasp_speed.py 40
+
+Generated stones as two lidars of a swinging cabin and, half of them, a drone see them; 100 samples of 40 orientations;
+planning clouds of about 15,000 points. Hypotheses that are too steep are left out before anything is checked: the
+rate counts only those that are pushed and closed. Refusals are timed on the same stones, made too wide or too heavy.
+"""
+
+import sys
+from itertools import islice
+from time import process_time
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.interfaces.grasping import GraspPlanner
+from executive.messages.cloud import Cloud
+from executive.messages.grasp import GraspPlan
+from executive.messages.stone import Stone, StoneState
+from executive.perception.plugin_choice import chosen
+from plugins.grasping.labels import LabelSettings
+from plugins.grasping.pool import Sampler, SamplingSettings
+from plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
+from plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
+from plugins.grasping.stone_views import StoneView, look_at
+from robot_models.machine import load_machine
+from tests.benchmarks.lone_stones import generated
+
+SEED, SAMPLES = 55, 100
+STANDS = np.array([[1, 0, 0, -5.5], [0, 1, 0, 0], [0, 0, 1, 0.9], [0, 0, 0, 1]], dtype=float)
+
+
+def timed(planner: GraspPlanner, view: StoneView, seed: int) -> tuple[float, GraspPlan]:
+    seen = Stone(1, StoneState.ON_GROUND, view.stone, view.stone.mean(axis=0), np.eye(4), True)
+    begun_s = process_time()
+    plan = planner.plan(seen, Cloud("map", view.cloud), STANDS, np.random.default_rng(seed))
+    return process_time() - begun_s, plan
+
+
+def scaled(view: StoneView, factors: Float) -> StoneView:
+    return StoneView(view.stone * factors, np.concatenate([view.cloud, view.stone * factors]))
+
+
+def line(name: str, values: list[float], unit: str) -> str:
+    middle, high = np.percentile(values, [50, 95])
+    return f"  {name:34} median {middle:8.3g}, p95 {high:8.3g}, most {max(values):8.3g} {unit}  (n = {len(values)})"
+
+
+def main(stones: int) -> None:
+    machine = load_machine("m545")
+    solids = islice(generated(LabelSettings(), SEED), stones)
+    views = [look_at(solid, (), np.random.default_rng((SEED, i))) for i, (_, solid) in enumerate(solids)]
+    with chosen("motion") as motion:
+        planners: dict[str, GraspPlanner] = {
+            "sampled_cnn": SampledCnn(SampledCnnSettings(samples=SAMPLES), machine, motion),
+            "sampled_antipodal": SampledAntipodal(SampledAntipodalSettings(samples=SAMPLES), machine, motion),
+        }
+        for name, planner in planners.items():
+            planner.start()
+            timed(planner, views[0], 0)
+            results = [timed(planner, view, i) for i, view in enumerate(views)]
+            print(line(f"plan, {name}", [span for span, _ in results], "s"), flush=True)
+        tall = [timed(planners["sampled_cnn"], scaled(v, np.array([1.0, 1.0, 3.0])), i) for i, v in enumerate(views)]
+        wide = [timed(planners["sampled_cnn"], scaled(v, np.array([2.6, 2.6, 0.3])), i) for i, v in enumerate(views)]
+        for name, results in (("refusal: too heavy", tall), ("refusal: wider than the opening", wide)):
+            print(line(name, [span for span, plan in results if not plan.grasps] or [np.nan], "s"))
+    sampler, counts, rates = Sampler(SamplingSettings(samples=SAMPLES), machine.gripper), [], []
+    for i, view in enumerate(views):
+        rng = np.random.default_rng(i)
+        scene = sampler.scene(view.stone, view.cloud, rng)
+        begun_s = process_time()
+        pool = sampler.pool(scene, rng)
+        pushed = len(pool) + sum(n for reason, n in pool.refused.items() if reason != "too_steep")
+        rates.append(pushed / (process_time() - begun_s))
+        counts.append(float(len(scene.points)))
+    print(line("points of the planning cloud", counts, ""))
+    print(line("hypotheses pushed and closed", rates, "a second"))
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 40)
