@@ -41,7 +41,7 @@ class ErrorStateEkf(GnssImuFilter):
     def add_odometry(self, increment: LidarIncrement) -> None:
         stream = f"odometry {increment.frame}"
         if self._door.admits(stream, increment.to_s):
-            self._queue(stream, increment.to_s, lambda: self._correct_by_increment(stream, increment))
+            self._queue(stream, increment.to_s, lambda _: self._correct_by_increment(stream, increment))
 
     def _make_filter(self, state: InertialState, covariance: Float) -> ErrorStateFilter:
         self._cloning = CloningFilter(state, covariance, self._noise)

@@ -4,6 +4,7 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.geometry.rotation import log_so3
+from plugins.estimation.compiled_correction import corrected
 from plugins.estimation.error_state_filter import ErrorStateFilter
 from plugins.estimation.inertial_state import (
     DIMENSION,
@@ -47,17 +48,9 @@ class CloningFilter(ErrorStateFilter):
         super().predict(sample)
 
     def correct(self, residual: Float, H: Float, noise: Float, gate: float) -> bool:
-        PHt = self.covariance @ H.T
-        S = H @ PHt + noise
-        if not super().correct(residual, H, noise, gate):
-            return False
-        if np.isfinite(self._clone_s):
-            HC = H @ self._cross
-            K_clone = np.linalg.solve(S, HC).T
-            self._move_clone(K_clone @ residual)
-            self._own = self._own - K_clone @ HC
-            self._cross = self._cross - np.linalg.solve(S, PHt.T).T @ HC
-        return True
+        if not np.isfinite(self._clone_s):
+            return super().correct(residual, H, noise, gate)
+        return self._correct_both(residual, np.hstack([H, np.zeros((len(H), 6))]), noise, gate)
 
     def correct_by_increment(self, T_from_to: Float, covariance: Float, gate: float) -> bool:
         """Correct by the measured motion of the IMU since the clone.
@@ -74,16 +67,20 @@ class CloningFilter(ErrorStateFilter):
         J = np.eye(6)
         J[3:, 3:] = R_from_to
         noise = J @ covariance @ J.T
-        P = np.block([[self.covariance, self._cross], [self._cross.T, self._own]])
-        PHt = P @ H.T
-        S = H @ PHt + noise
-        if float(residual @ np.linalg.solve(S, residual)) > gate:
-            return False
-        K = np.linalg.solve(S, PHt.T).T
-        IKH = np.eye(len(P)) - K @ H
-        P = IKH @ P @ IKH.T + K @ noise @ K.T
-        self._spread(0.5 * (P + P.T), K @ residual)
-        return True
+        return self._correct_both(residual, H, noise, gate)
+
+    def _correct_both(self, residual: Float, H: Float, noise: Float, gate: float) -> bool:
+        """Correct the state and the clone, whose errors are one of 21 dimensions."""
+        joint = np.empty((DIMENSION + 6, DIMENSION + 6))
+        joint[:DIMENSION, :DIMENSION], joint[_CLONE, _CLONE] = self.covariance, self._own
+        joint[:DIMENSION, _CLONE], joint[_CLONE, :DIMENSION] = self._cross, self._cross.T
+        is_believed, P, error = corrected(joint, H, residual, noise, gate)
+        if is_believed:
+            self.covariance, self._own = P[:DIMENSION, :DIMENSION], P[_CLONE, _CLONE]
+            self._cross = P[:DIMENSION, _CLONE]
+            self.state = retract(self.state, error[:DIMENSION])
+            self._R, self._p = self._R @ rotation_step(error[_CLONE_ROTATION]), self._p + error[_CLONE_POSITION]
+        return bool(is_believed)
 
     def _increment_residual(self, T_from_to: Float) -> tuple[Float, Float, Float]:
         """Return measured − predicted (6,), its derivative by both errors (6, 21), and the predicted rotation.
@@ -97,12 +94,3 @@ class CloningFilter(ErrorStateFilter):
         H[:3, ROTATION], H[:3, _CLONE_ROTATION] = np.eye(3), -R.T
         H[3:, POSITION], H[3:, _CLONE_POSITION], H[3:, _CLONE_ROTATION] = self._R.T, -self._R.T, skew(p)
         return np.concatenate([log_so3(R.T @ T_from_to[:3, :3]), T_from_to[:3, 3] - p]), H, R
-
-    def _spread(self, P: Float, error: Float) -> None:
-        self.covariance, self._own = P[:DIMENSION, :DIMENSION], P[_CLONE, _CLONE]
-        self._cross = P[:DIMENSION, _CLONE]
-        self.state = retract(self.state, error[:DIMENSION])
-        self._move_clone(error[DIMENSION:])
-
-    def _move_clone(self, error: Float) -> None:
-        self._R, self._p = self._R @ rotation_step(error[:3]), self._p + error[3:]

@@ -3,17 +3,15 @@
 import numpy as np
 
 from executive.arrays import Float
+from plugins.estimation.compiled_correction import corrected
 from plugins.estimation.inertial_noise import InertialNoise
 from plugins.estimation.inertial_state import (
-    ACCEL_BIAS,
-    DIMENSION,
-    GYRO_BIAS,
     POSITION,
     ROTATION,
     VELOCITY,
     Inertial,
     InertialState,
-    error_transition,
+    carry_covariance,
     propagate,
     retract,
 )
@@ -44,10 +42,7 @@ class ErrorStateFilter:
 
     def covariance_after(self, dt_s: float) -> Float:
         """Return the covariance a step later, by the state's present rate and force, shape (15, 15)."""
-        F = error_transition(self.state, dt_s)
-        P = F @ self.covariance @ F.T
-        P[np.diag_indices(DIMENSION)] += self._process_noise(dt_s)
-        return np.asarray(P)
+        return carry_covariance(self.state, self.covariance, self._noise, dt_s)
 
     def correct(self, residual: Float, H: Float, noise: Float, gate: float) -> bool:
         """Correct by measured − predicted = H · error + noise.
@@ -61,28 +56,12 @@ class ErrorStateFilter:
         Returns:
             Whether the measurement passed the gate and was used.
         """
-        PHt = self.covariance @ H.T
-        S = H @ PHt + noise
-        if float(residual @ np.linalg.solve(S, residual)) > gate:
-            return False
-        K = np.linalg.solve(S, PHt.T).T
-        IKH = np.eye(DIMENSION) - K @ H
-        P = IKH @ self.covariance @ IKH.T + K @ noise @ K.T  # Joseph: stays positive definite
-        self.covariance = 0.5 * (P + P.T)
-        self.state = retract(self.state, K @ residual)
-        return True
+        is_believed, P, error = corrected(self.covariance, H, residual, noise, gate)
+        if is_believed:
+            self.covariance, self.state = P, retract(self.state, error)
+        return bool(is_believed)
 
     def doubt(self, position_m: float, velocity_m_s: float, rotation_rad: float) -> None:
         """Forget how well the state is known: add these standard deviations to it."""
         for block, std in ((POSITION, position_m), (VELOCITY, velocity_m_s), (ROTATION, rotation_rad)):
             self.covariance[block, block] += std**2 * np.eye(3)
-
-    def _process_noise(self, dt_s: float) -> Float:
-        noise = self._noise
-        q = np.zeros(DIMENSION)
-        q[ROTATION] = noise.gyro_density**2 * dt_s
-        q[VELOCITY] = noise.accel_density**2 * dt_s
-        q[POSITION] = q[VELOCITY] * dt_s**2 / 3
-        q[GYRO_BIAS] = noise.gyro_bias_walk**2 * dt_s
-        q[ACCEL_BIAS] = noise.accel_bias_walk**2 * dt_s
-        return q
