@@ -1,8 +1,10 @@
 """The machine: real, simulated, or replayed."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from executive.arrays import Float
@@ -54,3 +56,22 @@ class Scene(ABC):
     @abstractmethod
     def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
         """Return the range [m] to the first surface along each unit direction (N, 3), inf for none, shape (N,)."""
+
+
+class Photographer(ABC):
+    """A simulated robot's surroundings, as a drone's camera would photograph them before the machine drives in."""
+
+    @abstractmethod
+    def photograph(
+        self, T_world_opticals: Sequence[Float], size_px: tuple[int, int], view_angle_rad: float
+    ) -> Iterator[NDArray[np.uint8]]:
+        """Yield one picture a pose: red, green, blue, shape (height, width, 3).
+
+        Args:
+            T_world_opticals: Poses of a pinhole camera; z looks forward, x right, y down, (4, 4) each.
+            size_px: Width and height of the pictures.
+            view_angle_rad: Opening angle across the width [rad].
+
+        Raises:
+            RobotError: If this computer cannot draw without a screen; the message names the cure.
+        """

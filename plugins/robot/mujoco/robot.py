@@ -1,16 +1,18 @@
 """The machine in a MuJoCo world: the robot that a mission drives when there is no real one."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from executive.arrays import Float
 from executive.config import Settings
 from executive.errors import RobotError
-from executive.interfaces.robot import Robot, Scene
+from executive.interfaces.robot import Photographer, Robot, Scene
 from executive.messages.command import Command, Follow, MoveJaws, SwitchLidars
 from executive.messages.observation import Observation
+from plugins.robot.mujoco.photographs import photograph_site
 from plugins.robot.mujoco.sensors import SensorSuite
 from plugins.robot.mujoco.settings import MujocoSettings
 from plugins.robot.mujoco.site import make_site
@@ -19,7 +21,7 @@ from plugins.robot.mujoco.world import CONTROL_STEP_S, World
 from robot_models.machine import Machine
 
 
-class MujocoRobot(Robot, Scene):
+class MujocoRobot(Robot, Scene, Photographer):
     """Simulates the machine on a random site, with its sensors; deterministic by the generator's seed.
 
     `world` and `truth_log` are the truth: only sensors and the oracle read them.
@@ -90,3 +92,10 @@ class MujocoRobot(Robot, Scene):
     def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
         """Return the range [m] along unit directions to the ground or a stone, inf for none, shape (N,)."""
         return self._sensors.cast_rays(self.world.data, origins_world, directions_world)
+
+    def photograph(
+        self, T_world_opticals: Sequence[Float], size_px: tuple[int, int], view_angle_rad: float
+    ) -> Iterator[NDArray[np.uint8]]:
+        """Yield pictures of the site as it is now, without the machine, as `Photographer` says."""
+        T_world_stones = [self.world.T_world_body(stone.name) for stone in self.world.site.stones]
+        return photograph_site(self.world.site, T_world_stones, T_world_opticals, size_px, view_angle_rad)

@@ -38,7 +38,7 @@ class Site:
 
     def add_to(self, spec: mujoco.MjSpec) -> None:
         """Add ground, stones and daylight to a world."""
-        _add_daylight(spec)
+        add_daylight(spec)
         self.terrain.add_to(spec)
         for stone, T_world_stone in zip(self.stones, self.T_world_stones, strict=True):
             stone.add_to(spec, T_world_stone)
@@ -59,7 +59,7 @@ def make_site(settings: SiteSettings, machine: Machine, physics: PhysicsSettings
     return Site(terrain, stones, poses)
 
 
-def _add_daylight(spec: mujoco.MjSpec) -> None:
+def add_daylight(spec: mujoco.MjSpec) -> None:
     """Add a sun and a sky, for pictures only."""
     spec.worldbody.add_light(
         name="sun",
