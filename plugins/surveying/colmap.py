@@ -1,0 +1,57 @@
+"""A survey from a drone's photographs: pycolmap for their places, own plane sweep for the cloud."""
+
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from executive.config import Settings
+from executive.interfaces.surveying import Survey
+from executive.messages.cloud import Cloud
+from plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
+from plugins.surveying.photograph_folder import Photographs, read_photographs
+from plugins.surveying.structure_from_motion import load_pycolmap
+
+FEWEST_PICTURES = 6
+
+
+class ColmapSettings(PhotogrammetrySettings):
+    """Which photographs, and how they are made into a cloud."""
+
+    photographs: Path = Field(description="Folder of JPEG or PNG files from one camera, which overlap.")
+    positions: Path | None = Field(
+        None, description="CSV: name,x,y,z or name,lat,lon,alt; else positions.csv among them, else their GPS tags."
+    )
+
+
+class Colmap(Survey):
+    """Makes a folder of pictures into a cloud that is metric and upright as far as the rough positions say."""
+
+    Settings: ClassVar[type[Settings]] = ColmapSettings
+    latency_s: ClassVar[dict[str, float]] = {"survey": 1.0}  # made before the machine drives in: it is handed over
+    is_stateless: ClassVar[bool] = True
+
+    def __init__(self, settings: ColmapSettings) -> None:
+        self._settings = settings
+
+    def start(self) -> None:
+        """Look whether there is something to survey, before anything moves.
+
+        Raises:
+            ConfigError: If pycolmap is not installed.
+            DataError: If the folder holds no survey.
+        """
+        load_pycolmap()
+        self._photographs()
+
+    def survey(self, rng: np.random.Generator) -> Cloud:
+        """Reconstruct the site; a minute or two on one core for forty pictures. Deterministic by the generator.
+
+        Raises:
+            DataError: If the pictures make no map; the message says why and what to change.
+        """
+        return reconstruct(self._photographs(), self._settings, rng).cloud
+
+    def _photographs(self) -> Photographs:
+        return read_photographs(self._settings.photographs, self._settings.positions, FEWEST_PICTURES)

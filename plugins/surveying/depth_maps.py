@@ -1,0 +1,161 @@
+"""Depth maps of posed pictures: which neighbours each is compared with, and what others confirm."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numba import njit
+from PIL import Image
+from pydantic import Field
+from scipy.ndimage import map_coordinates
+
+from executive.arrays import Bool, Float
+from executive.config import Meters, Radians, Settings
+from executive.errors import DataError
+from plugins.surveying.plane_sweep import View, sweep
+from plugins.surveying.structure_from_motion import PosedPicture
+
+_PLANES_MOST = 250
+_STEP_PIXELS = 1.25  # between planes: half a pixel between views 25° apart
+_CHANCE = 3  # so many of the highest and of the lowest sparse points may be wrong
+
+
+class DepthSettings(Settings):
+    """How finely and how strictly depth is measured."""
+
+    pixel_m: Meters = Field(0.022, gt=0.001, le=1, description="A pixel of the depth maps on the ground [m].")
+    window_px: int = Field(5, ge=3, le=21, description="Side of the window that is compared [px]; odd.")
+    compared: int = Field(4, ge=1, le=20, description="Neighbours that a picture is compared with.")
+    angle_rad: Radians = Field(0.3, gt=0.02, le=1, description="Best angle between two views of a point [rad].")
+    least_score: float = Field(0.6, ge=0, lt=1, description="Lowest correlation that is believed.")
+    confirmed_by: int = Field(2, ge=1, le=20, description="Other depth maps that must show the same point.")
+    tolerance: float = Field(0.004, gt=0, le=0.1, description="Within this share of the distance.")
+    below_m: Meters = Field(0.2, ge=0, le=20, description="Swept below the lowest sparse points [m].")
+    above_m: Meters = Field(0.5, ge=0, le=20, description="Swept above the highest sparse points [m].")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ground:
+    """Planes through the scene, along the ground.
+
+    Attributes:
+        normal: Up, unit, shape (3,).
+        offsets_m: Of the planes, evenly spaced and rising, shape (P,).
+        distance_m: Median distance of the ground from the cameras.
+    """
+
+    normal: Float
+    offsets_m: Float
+    distance_m: float
+
+
+def find_ground(points: Float, centres: Float, settings: DepthSettings) -> Ground:
+    """Fit a plane to sparse points (N, 3), most of which lie on the ground, and span planes along it.
+
+    Raises:
+        DataError: If there are hardly any points.
+    """
+    if len(points) < 50:
+        raise DataError(f"only {len(points)} points were found in several pictures; the ground is too bare to be seen")
+    normal, offset = np.zeros(3), 0.0
+    kept = points
+    for _ in range(10):
+        offset_point = kept.mean(axis=0)
+        normal = np.linalg.svd(kept - offset_point, full_matrices=False)[2][2]
+        offset = float(normal @ offset_point)
+        residuals = np.abs(points @ normal - offset)
+        kept = points[residuals <= 2.5 * max(float(np.median(residuals)), 1e-6)]
+    if normal @ centres.mean(axis=0) < offset:
+        normal, offset = -normal, -offset
+    # Stones have few of the points, less than one in a hundred: what is highest counts, but for the very highest.
+    heights = np.sort(points @ normal)
+    low, high = heights[_CHANCE] - settings.below_m, heights[-1 - _CHANCE] + settings.above_m
+    planes = int(np.clip(np.ceil((high - low) / (_STEP_PIXELS * settings.pixel_m)) + 1, 8, _PLANES_MOST))
+    return Ground(normal, np.linspace(low, high, planes), float(np.median(centres @ normal)) - offset)
+
+
+def make_view(picture: PosedPicture, folder: Path, T_optical_survey: Float, focal_px: float) -> View:
+    """Read a picture in grey, without distortion, thinned to a focal length [px]."""
+    camera = picture.camera
+    shrink = min(1.0, focal_px / camera.mean_focal_length())
+    width, height = round(camera.width * shrink), round(camera.height * shrink)
+    with Image.open(folder / picture.name) as image:
+        grey = np.asarray(image.convert("L").resize((width, height), Image.Resampling.BOX), dtype=np.float32)
+    focal = camera.mean_focal_length() * width / camera.width
+    K = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]])
+    u, v = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
+    rays = np.stack([u, v, np.ones_like(u)], axis=-1).reshape(-1, 3) @ np.linalg.inv(K).T
+    # COLMAP counts pixels from the corner of the first, we from its middle.
+    x, y = (camera.img_from_cam(rays) * [width / camera.width, height / camera.height] - 0.5).T
+    straight = map_coordinates(grey, np.stack([y, x]), order=1, mode="nearest").reshape(height, width)
+    return View(straight.astype(np.float32), K, T_optical_survey)
+
+
+def neighbours_of(pictures: Sequence[PosedPicture], points: Float, angle_rad: float, count: int) -> list[list[int]]:
+    """Return for each picture those that see most of the same points from an angle that is good for depth.
+
+    A shared point counts by how near its angle is to the best one, as a bell whose width is half of it: nearer views
+    tell depth badly, farther ones look different.
+    """
+    is_seen = np.zeros((len(pictures), len(points)), dtype=bool)
+    for i, picture in enumerate(pictures):
+        is_seen[i, picture.seen] = True
+    best = []
+    centres = np.array([picture.centre for picture in pictures])
+    for i, centre in enumerate(centres):
+        rays = _unit(points - centre)
+        votes = np.zeros(len(pictures))
+        for j in range(len(pictures)):
+            shared = is_seen[i] & is_seen[j]
+            if j != i and shared.any():
+                cosines = (rays[shared] * _unit(points[shared] - centres[j])).sum(axis=1)
+                angles = np.arccos(np.clip(cosines, -1, 1))
+                votes[j] = np.exp(-0.5 * ((angles - angle_rad) / (angle_rad / 2)) ** 2).sum()
+        order = np.argsort(-votes, kind="stable")[:count]
+        best.append([int(j) for j in order if votes[j] > 0])
+    return best
+
+
+def _unit(vectors: Float) -> Float:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
+
+
+def measure_depth(views: Sequence[View], neighbours: list[list[int]], ground: Ground, s: DepthSettings) -> list[Float]:
+    """Return one depth map a view [m], NaN where it is not to be believed."""
+    maps = []
+    for view, others in zip(views, neighbours, strict=True):
+        depth = np.full(view.grey.shape, np.nan)
+        if others:
+            near = [views[j] for j in others[: s.compared]]
+            depth, score = sweep(view, near, ground.normal, ground.offsets_m, s.window_px | 1)
+            depth[(score < s.least_score) | (depth > 3 * ground.distance_m)] = np.nan
+        maps.append(depth)
+    return maps
+
+
+def confirmed(view: View, depth: Float, others: Sequence[tuple[View, Float]], settings: DepthSettings) -> Bool:
+    """Say for each pixel whether enough other depth maps show the same point, shape (h, w)."""
+    points = view.centre + view.rays() * depth[..., None]
+    votes = np.zeros(depth.shape, dtype=np.int64)
+    for other, its_depth in others:
+        _vote(points, other.K @ other.T_optical_world[:3], its_depth, settings.tolerance, votes)
+    return np.asarray(votes >= settings.confirmed_by)
+
+
+@njit(cache=True)
+def _vote(points, P, depth, tolerance, votes):  # type: ignore[no-untyped-def]
+    """Add one to each point (h, w, 3) that lies where another depth map says, seen through P (3, 4)."""
+    height, width = depth.shape
+    for i in range(points.shape[0]):
+        for j in range(points.shape[1]):
+            x, y, z = points[i, j]
+            if np.isnan(x):
+                continue
+            w = P[2, 0] * x + P[2, 1] * y + P[2, 2] * z + P[2, 3]
+            if w <= 0:
+                continue
+            u = int(np.floor((P[0, 0] * x + P[0, 1] * y + P[0, 2] * z + P[0, 3]) / w + 0.5))
+            v = int(np.floor((P[1, 0] * x + P[1, 1] * y + P[1, 2] * z + P[1, 3]) / w + 0.5))
+            if 0 <= u < width and 0 <= v < height and abs(depth[v, u] - w) <= tolerance * w:
+                votes[i, j] += 1

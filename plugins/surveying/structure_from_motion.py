@@ -1,0 +1,175 @@
+"""Where pictures were taken, and sparse points, by structure from motion on the processor (pycolmap)."""
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import Field
+
+from executive.arrays import Float, Int
+from executive.config import Radians, Settings
+from executive.errors import ConfigError, DataError
+from plugins.surveying.photograph_folder import Photographs
+
+
+class MotionSettings(Settings):
+    """Features, matches, and how many pictures must find their place."""
+
+    view_angle_rad: Radians | None = Field(
+        None, gt=0.1, lt=2.8, description="Opening angle across the picture's width [rad]; from its tags, or guessed."
+    )
+    feature_px: int = Field(1000, ge=200, le=8000, description="Pictures are thinned to this side for features [px].")
+    features: int = Field(3000, ge=200, le=20000, description="Most features of a picture.")
+    neighbours: int = Field(10, ge=3, le=200, description="Each picture is matched with so many nearest ones.")
+    least_registered: float = Field(0.7, gt=0, le=1, description="Share of the pictures that must find their place.")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PosedPicture:
+    """A picture that has found its place.
+
+    Attributes:
+        name: Its file.
+        camera: pycolmap's camera: focal length, principal point, distortion [px].
+        T_optical_model: Pose of the model in the camera (x right, y down, z forward), shape (4, 4).
+        seen: Indices of the sparse points that it shows.
+    """
+
+    name: str
+    camera: Any
+    T_optical_model: Float
+    seen: Int
+
+    @property
+    def centre(self) -> Float:
+        """Position in the model, shape (3,)."""
+        T = self.T_optical_model
+        return np.asarray(-T[:3, :3].T @ T[:3, 3])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """Pictures with places and sparse points (P, 3), in a frame and a scale of their own."""
+
+    pictures: tuple[PosedPicture, ...]
+    points: Float
+
+
+def load_pycolmap() -> Any:
+    """Import the package, which takes half a second, and keep it from talking.
+
+    Raises:
+        ConfigError: If it is not installed.
+    """
+    try:
+        import pycolmap
+    except ImportError as error:
+        raise ConfigError(
+            f"surveying: colmap needs the package pycolmap, which cannot be imported ({error}); "
+            "install it: pip install 'pycolmap>=4.2'"
+        ) from error
+    pycolmap.logging.minloglevel = pycolmap.logging.FATAL.value
+    return pycolmap
+
+
+def find_motion(photographs: Photographs, settings: MotionSettings, seed: int) -> Model:
+    """Match features between near pictures, and reconstruct all from a first pair on (Schönberger 2016).
+
+    One thread and one seed: equal pictures give an equal model.
+
+    Raises:
+        ConfigError: If pycolmap is not installed.
+        DataError: If too few pictures find their place; the message says which do not.
+    """
+    colmap = load_pycolmap()
+    colmap.set_random_seed(seed)
+    with tempfile.TemporaryDirectory(prefix="survey_") as folder:
+        work = Path(folder)
+        links = _link(photographs, work / "pictures")
+        _extract(colmap, photographs, links, settings, work)
+        _match(colmap, photographs, links, settings, seed, work)
+        models = colmap.incremental_mapping(work / "features.db", work / "pictures", work, _mapping(colmap, seed))
+    largest = max(models.values(), key=lambda model: model.num_reg_images(), default=None)
+    placed = _placed(largest) if largest else {}
+    names = dict(zip(links, photographs.names, strict=True))
+    _check_share(photographs, [names[link] for link in links if link not in placed], settings)
+    return _model(largest, names, placed)
+
+
+def _link(photographs: Photographs, folder: Path) -> list[str]:
+    """Give the pictures plain names, in their order: the list of pairs knows no spaces."""
+    folder.mkdir()
+    links = [f"{i:05}{Path(name).suffix.lower()}" for i, name in enumerate(photographs.names)]
+    for name, link in zip(photographs.names, links, strict=True):
+        (folder / link).symlink_to((photographs.folder / name).resolve())
+    return links
+
+
+def _extract(colmap: Any, photographs: Photographs, links: list[str], settings: MotionSettings, work: Path) -> None:
+    options = colmap.FeatureExtractionOptions()
+    options.num_threads, options.use_gpu, options.max_image_size = 1, False, settings.feature_px
+    options.sift.max_num_features = settings.features
+    options.sift.first_octave = 0  # features finer than a pixel cost four times the time and found no more pictures
+    reader = colmap.ImageReaderOptions()
+    if settings.view_angle_rad is not None:
+        width, height = photographs.size_px
+        focal = width / 2 / np.tan(settings.view_angle_rad / 2)
+        reader.camera_params = f"{focal},{width / 2},{height / 2},0"  # f, cx, cy, k: a start for the adjustment
+    single, cpu = colmap.CameraMode.SINGLE, colmap.Device.cpu
+    colmap.extract_features(work / "features.db", work / "pictures", links, single, reader, options, cpu)
+
+
+def _match(
+    colmap: Any, photographs: Photographs, links: list[str], settings: MotionSettings, seed: int, work: Path
+) -> None:
+    """Match each picture with those that were taken nearest: all pairs would cost three times as much for 36."""
+    positions = photographs.positions_m
+    distances = np.linalg.norm(positions[:, None] - positions, axis=2)
+    nearest = np.argsort(distances, axis=1, kind="stable")[:, 1 : settings.neighbours + 1]
+    pairs = sorted({(min(i, int(j)), max(i, int(j))) for i in range(len(links)) for j in nearest[i]})
+    (work / "pairs.txt").write_text("\n".join(f"{links[i]} {links[j]}" for i, j in pairs), encoding="ascii")
+    options, pairing = colmap.FeatureMatchingOptions(), colmap.ImportedPairingOptions()
+    options.num_threads, options.use_gpu = 1, False
+    pairing.match_list_path = work / "pairs.txt"
+    geometry = colmap.TwoViewGeometryOptions()
+    geometry.ransac.random_seed = seed
+    colmap.match_image_pairs(work / "features.db", options, pairing, geometry, colmap.Device.cpu)
+
+
+def _mapping(colmap: Any, seed: int) -> Any:
+    options = colmap.IncrementalPipelineOptions()
+    options.multiple_models, options.extract_colors = False, False
+    for part in (options, options.mapper):
+        part.num_threads, part.random_seed = 1, seed
+    options.triangulation.random_seed = seed
+    options.min_model_size = 3
+    return options
+
+
+def _placed(model: Any) -> dict[str, Any]:
+    return {image.name: image for image in model.images.values() if image.has_pose}
+
+
+def _check_share(photographs: Photographs, lost: list[str], settings: MotionSettings) -> None:
+    total = len(photographs.names)
+    if total - len(lost) < settings.least_registered * total:
+        raise DataError(
+            f"{photographs.folder}: {total - len(lost)} of {total} pictures found their place, at least "
+            f"{settings.least_registered:.0%} are wanted; lost: {', '.join(lost[:5])}{' …' * (len(lost) > 5)}. "
+            "Fly with more overlap over ground that is not bare, or raise surveying.motion.features or .neighbours"
+        )
+
+
+def _model(model: Any, names: dict[str, str], placed: dict[str, Any]) -> Model:
+    ids = sorted(model.points3D)
+    index = {id_: i for i, id_ in enumerate(ids)}
+    pictures = []
+    for link in sorted(placed):
+        image = placed[link]
+        T = np.vstack([image.cam_from_world().matrix(), [0.0, 0.0, 0.0, 1.0]])
+        seen = sorted({index[p.point3D_id] for p in image.get_observation_points2D()})
+        camera = model.cameras[image.camera_id]
+        pictures.append(PosedPicture(names[link], camera, T, np.array(seen, dtype=np.int64)))
+    return Model(tuple(pictures), np.array([model.points3D[i].xyz for i in ids]).reshape(-1, 3))
