@@ -1,4 +1,4 @@
-"""The database's tables: stones as they are, every pose they had, and what happened to them."""
+"""The database's tables: stones as they are, and what happened to them."""
 
 import sqlite3
 
@@ -8,8 +8,10 @@ from executive.arrays import Float
 from executive.errors import DataError
 from executive.geometry.pose import transform
 from executive.messages.stone import Stone, StoneState
+from executive.messages.stone_event import StoneEvent
+from plugins.objects.surface import unpack
 
-VERSION = 1
+VERSION = 2
 
 TABLES = """
 CREATE TABLE stones (
@@ -20,38 +22,45 @@ CREATE TABLE stones (
     T_map_object BLOB NOT NULL,       -- little-endian float64, shape (4, 4)
     T_map_gripper_grasp BLOB          -- pose of the gripper at the grasp while the stone is held, else NULL
 );
-CREATE TABLE poses (
-    stone_id INTEGER NOT NULL REFERENCES stones(id),
-    stamp_s REAL NOT NULL,
-    source TEXT NOT NULL,             -- observe | release | realign
-    T_map_object BLOB NOT NULL
-);
 CREATE TABLE events (
+    id INTEGER PRIMARY KEY,
     stone_id INTEGER NOT NULL REFERENCES stones(id),
     stamp_s REAL NOT NULL,
-    kind TEXT NOT NULL,               -- observe | grasp | release | realign | state
-    state TEXT NOT NULL               -- of the stone afterwards
+    kind TEXT NOT NULL,               -- found | seen | moved | replaced | grasp | release | realign | state
+    state TEXT NOT NULL,              -- of the stone afterwards
+    T_map_object BLOB NOT NULL,       -- afterwards
+    note TEXT NOT NULL                -- where it comes from, for people
 );
-CREATE INDEX poses_of_stone ON poses(stone_id);
 CREATE INDEX events_of_stone ON events(stone_id);
 """
 
 
-def prepare(connection: sqlite3.Connection, path: str) -> None:
+def create_or_check(connection: sqlite3.Connection, path: str) -> None:
     """Create the tables in a new file, or check those of an old one.
 
     Raises:
         DataError: If the file belongs to another program or another version.
     """
-    connection.execute("PRAGMA journal_mode = WAL")
-    connection.execute("PRAGMA synchronous = FULL")  # what returned is on the disk
-    connection.execute("PRAGMA foreign_keys = ON")
-    version = connection.execute("PRAGMA user_version").fetchone()[0]
     tables = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
-    if version == 0 and tables == 0:
+    if tables == 0 and version_of(connection) == 0:
         connection.executescript(f"BEGIN; {TABLES} PRAGMA user_version = {VERSION}; COMMIT;")
-    elif version != VERSION:
+    check(connection, path)
+
+
+def check(connection: sqlite3.Connection, path: str) -> None:
+    """Refuse a file of another program or another version.
+
+    Raises:
+        DataError: It names the file and its version.
+    """
+    version = version_of(connection)
+    if version != VERSION:
         raise DataError(f"{path} is no object database of version {VERSION} (it says {version}): choose another file")
+
+
+def version_of(connection: sqlite3.Connection) -> int:
+    """Return the version that a file tells; 0 if it tells none."""
+    return int(connection.execute("PRAGMA user_version").fetchone()[0])
 
 
 def pack_pose(T: Float) -> bytes:
@@ -64,10 +73,10 @@ def unpack_pose(blob: bytes) -> Float:
     return np.frombuffer(blob, dtype="<f8").reshape(4, 4).astype(np.float64)
 
 
-def read_stone(row: sqlite3.Row, points_object: Float) -> Stone:
-    """Assemble a stone from its row and its surface in the object frame."""
+def read_stone(row: sqlite3.Row) -> Stone:
+    """Assemble a stone from its row."""
     T = unpack_pose(row["T_map_object"])
-    points = transform(T, points_object)
+    points = transform(T, unpack(row["points_object"]))
     return Stone(
         id=row["id"],
         state=StoneState(row["state"]),
@@ -76,3 +85,9 @@ def read_stone(row: sqlite3.Row, points_object: Float) -> Stone:
         T_map_object=T,
         seen_from_above=bool(row["seen_from_above"]),
     )
+
+
+def read_event(row: sqlite3.Row) -> StoneEvent:
+    """Assemble an event from its row."""
+    T = unpack_pose(row["T_map_object"])
+    return StoneEvent(row["stamp_s"], row["kind"], StoneState(row["state"]), T, row["note"])

@@ -3,22 +3,22 @@
 import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
-from pathlib import Path
 
-import numpy as np
 from pydantic import Field
 
 from executive.arrays import Float, checked
 from executive.config import Meters, Settings
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import inverse, pose, transform
-from executive.geometry.voxels import voxel_means
 from executive.interfaces.objects import ObjectDatabase
 from executive.messages.segment import Segment
 from executive.messages.stone import Stone, StoneState
+from executive.messages.stone_event import StoneEvent
 from plugins.objects.association import associate
-from plugins.objects.schema import pack_pose, prepare, read_stone, unpack_pose
-from plugins.objects.surface import agreement, pack, unpack
+from plugins.objects.database_file import open_file, transaction
+from plugins.objects.growth import Fit, fit_of, merged, shifts_of
+from plugins.objects.schema import pack_pose, read_event, read_stone, unpack_pose
+from plugins.objects.surface import pack
 
 
 class SqliteObjectsSettings(Settings):
@@ -27,9 +27,12 @@ class SqliteObjectsSettings(Settings):
     max_distance_m: Meters = Field(0.6, gt=0, description="Largest distance of a segment from its stone [m].")
     max_roll_m: Meters = Field(3.0, gt=0, description="The same for a stone that fell or was lost [m].")
     max_growth: float = Field(1.6, gt=1, description="Largest ratio of a segment's diagonal to its stone's.")
+    max_growth_whole: float = Field(1.15, gt=1, description="The same for a stone that was seen from above.")
     voxel_m: Meters = Field(0.03, gt=0, description="Grid to which surfaces are thinned [m].")
+    max_points: int = Field(20_000, ge=100, description="Most points of a surface; beyond, its grid is coarser.")
     agreement_m: Meters = Field(0.10, gt=0, description="Distance up to which two surfaces agree [m].")
     min_agreement: float = Field(0.6, ge=0, le=1, description="Share that must agree before a surface grows.")
+    max_rmse_m: Meters = Field(0.04, gt=0, description="Largest distance of surfaces that agree, RMS [m].")
 
 
 class SqliteObjects(ObjectDatabase):
@@ -40,32 +43,14 @@ class SqliteObjects(ObjectDatabase):
     def __init__(self, settings: SqliteObjectsSettings) -> None:
         self._settings = settings
         self._open: sqlite3.Connection | None = None
+        self._is_read_only = False
 
-    def open(self, path: str) -> None:
-        """Open or create the file; `:memory:` keeps nothing.
-
-        Raises:
-            ConfigError: If its folder does not exist or it cannot be written.
-            DataError: If it is another kind of file.
-        """
+    def open(self, path: str, read_only: bool = False) -> None:
+        """Open or create the file; `:memory:` keeps nothing; see `database_file.open_file`."""
         if self._open is not None:
             raise ConfigError(f"the object database is open already; close it before opening {path}")
-        if path != ":memory:" and not Path(path).absolute().parent.is_dir():
-            raise ConfigError(f"no folder for the object database {path}: create {Path(path).absolute().parent}")
-        try:
-            connection = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
-        except sqlite3.Error as error:
-            raise ConfigError(f"cannot open the object database {path}: {error}") from error
-        connection.row_factory = sqlite3.Row
-        try:
-            prepare(connection, path)
-        except sqlite3.DatabaseError as error:
-            connection.close()
-            raise DataError(f"{path} is no object database: {error}") from error
-        except DataError:
-            connection.close()
-            raise
-        self._open = connection
+        self._open = open_file(path, read_only)
+        self._is_read_only = read_only
 
     def close(self) -> None:
         """Close the file; all changes are in it already."""
@@ -76,9 +61,11 @@ class SqliteObjects(ObjectDatabase):
     def observe(self, segments: Sequence[Segment], stamp_s: float, seen_from_above: bool) -> tuple[Stone, ...]:
         """Match segments with stones that are not held; see `association` for when they match.
 
-        A stone's surface grows by the segment's points if both agree. If they do not, the stone has moved by itself:
-        what is seen replaces what was known, and its frame follows the centroid, its rotation unknown. A stone that was
-        let go and not seen since may have rolled away. A lost stone that is seen again lies on the ground.
+        A stone's surface grows by a segment that passes the gate: overlap, RMSE and growth of its box. A segment that
+        overlaps but grows it too much is two stones in one, and changes nothing. One that does not pass is the stone
+        moved by itself: pushed, if it passes when shifted; else turned, and what is seen replaces what was known, its
+        frame follows the centroid, its rotation unknown. A stone that was let go and not seen since may have rolled
+        away. A lost stone that is seen again lies on the ground.
         """
         known = [stone for stone in self.stones() if stone.state is not StoneState.HELD]
         reaches_m = [self._reach_m(stone) for stone in known]
@@ -95,19 +82,17 @@ class SqliteObjects(ObjectDatabase):
     def stones(self) -> tuple[Stone, ...]:
         """Return all stones, by id."""
         with closing(self._connection().execute("SELECT * FROM stones ORDER BY id")) as rows:
-            return tuple(read_stone(row, unpack(row["points_object"])) for row in rows)
+            return tuple(read_stone(row) for row in rows)
 
     def stone(self, stone_id: int) -> Stone:
         """Return one stone as it is now."""
-        row = self._row(stone_id)
-        return read_stone(row, unpack(row["points_object"]))
+        return read_stone(self._row(stone_id))
 
-    def poses(self, stone_id: int) -> tuple[tuple[float, str, Float], ...]:
-        """Return the stone's pose history: stamp [s], what it came from, T_map_object; oldest first."""
+    def history(self, stone_id: int) -> tuple[StoneEvent, ...]:
+        """Return what happened to a stone, oldest first."""
         self._row(stone_id)
-        query = "SELECT stamp_s, source, T_map_object FROM poses WHERE stone_id = ? ORDER BY rowid"
-        rows = self._connection().execute(query, (stone_id,)).fetchall()
-        return tuple((row["stamp_s"], row["source"], unpack_pose(row["T_map_object"])) for row in rows)
+        rows = self._connection().execute("SELECT * FROM events WHERE stone_id = ? ORDER BY id", (stone_id,)).fetchall()
+        return tuple(read_event(row) for row in rows)
 
     def grasp(self, stone_id: int, T_map_gripper: Float, stamp_s: float) -> Stone:
         """Note the gripper's pose at the grasp; the stone is held from now on.
@@ -136,16 +121,16 @@ class SqliteObjects(ObjectDatabase):
         T_map_map = T_release @ inverse(unpack_pose(row["T_map_gripper_grasp"]))
         with self._transaction() as db:
             db.execute("UPDATE stones SET T_map_gripper_grasp = NULL WHERE id = ?", (stone_id,))
-            self._move(db, row, T_map_map, stamp_s, "release")
-            self._note(db, stone_id, stamp_s, "release", state)
+            self._move(db, row, T_map_map)
+            self._note(db, stone_id, stamp_s, "release", state, "by the gripper's motion")
         return self.stone(stone_id)
 
-    def realign(self, stone_id: int, T_map_map: Float, stamp_s: float) -> Stone:
+    def realign(self, stone_id: int, T_map_map: Float, stamp_s: float, note: str = "") -> Stone:
         """Move the stone in the map; its state stays."""
         row, T = self._row(stone_id), checked("T_map_map", T_map_map, 4, 4)
         with self._transaction() as db:
-            self._move(db, row, T, stamp_s, "realign")
-            self._note(db, stone_id, stamp_s, "realign", StoneState(row["state"]))
+            self._move(db, row, T)
+            self._note(db, stone_id, stamp_s, "realign", StoneState(row["state"]), note)
         return self.stone(stone_id)
 
     def set_state(self, stone_id: int, state: StoneState, stamp_s: float) -> Stone:
@@ -170,13 +155,10 @@ class SqliteObjects(ObjectDatabase):
     @contextmanager
     def _transaction(self) -> Iterator[sqlite3.Connection]:
         db = self._connection()
-        db.execute("BEGIN IMMEDIATE")
-        try:
+        if self._is_read_only:
+            raise ConfigError("the object database was opened to be read: a mission alone changes it")
+        with transaction(db):
             yield db
-        except BaseException:
-            db.execute("ROLLBACK")
-            raise
-        db.execute("COMMIT")
 
     def _row(self, stone_id: int) -> sqlite3.Row:
         row = self._connection().execute("SELECT * FROM stones WHERE id = ?", (stone_id,)).fetchone()
@@ -186,56 +168,88 @@ class SqliteObjects(ObjectDatabase):
         return row  # type: ignore[no-any-return]
 
     def _add(self, db: sqlite3.Connection, segment: Segment, stamp_s: float, seen_from_above: bool) -> int:
-        T = pose(None, segment.centroid)
-        surface = pack(voxel_means(segment.points - segment.centroid, self._settings.voxel_m))
+        settings = self._settings
+        points = segment.points - segment.centroid
+        surface = pack(merged(points[:0], points, settings.voxel_m, settings.max_points))
         cursor = db.execute(
             "INSERT INTO stones (state, seen_from_above, points_object, T_map_object) VALUES (?, ?, ?, ?)",
-            (StoneState.ON_GROUND, seen_from_above, surface, pack_pose(T)),
+            (StoneState.ON_GROUND, seen_from_above, surface, pack_pose(pose(None, segment.centroid))),
         )
         stone_id = int(cursor.lastrowid or 0)
-        self._remember(db, stone_id, stamp_s, "observe", T)
-        self._note(db, stone_id, stamp_s, "observe", StoneState.ON_GROUND)
+        self._note(db, stone_id, stamp_s, "found", StoneState.ON_GROUND, _eyes(seen_from_above))
         return stone_id
 
     def _reach_m(self, stone: Stone) -> float:
         """Return how far a stone may be from where it is believed to be [m]."""
-        query = "SELECT source FROM poses WHERE stone_id = ? ORDER BY rowid DESC LIMIT 1"
-        source = self._connection().execute(query, (stone.id,)).fetchone()["source"]
-        was_let_go = stone.state is StoneState.ON_GROUND and source == "release"
+        query = "SELECT kind FROM events WHERE stone_id = ? AND kind != 'state' ORDER BY id DESC LIMIT 1"
+        newest = self._connection().execute(query, (stone.id,)).fetchone()["kind"]
+        was_let_go = stone.state is StoneState.ON_GROUND and newest == "release"
         is_uncertain = was_let_go or stone.state is StoneState.LOST
         return self._settings.max_roll_m if is_uncertain else self._settings.max_distance_m
 
     def _update(
         self, db: sqlite3.Connection, stone: Stone, segment: Segment, stamp_s: float, seen_from_above: bool
     ) -> int:
-        settings, T, seen = self._settings, stone.T_map_object, segment.points
-        agreed = agreement(stone.points_map, segment.points, settings.agreement_m) >= settings.min_agreement
-        if agreed:
-            seen = np.vstack([stone.points_map, segment.points])
+        known, seen, T = stone.points_map, segment.points, stone.T_map_object
+        kind, fit, state = "seen", self._fit(known, seen), _found(stone.state)
+        if not self._agrees(fit):
+            shifts = shifts_of(known, seen, self._settings.voxel_m)
+            fits = [self._fit(known + shift, seen) for shift in shifts]
+            best = max((0, 1), key=lambda i: (self._agrees(fits[i]), -fits[i].rmse_m))
+            is_whole = self._agrees(fits[best])
+            kind, fit = ("moved", fits[best]) if is_whole else ("replaced", fit)
+            shift = shifts[best] if is_whole else shifts[0]
+            known, T = (known + shift if is_whole else known[:0]), pose(T[:3, :3], T[:3, 3] + shift)
+        limit = self._settings.max_growth_whole if stone.seen_from_above else self._settings.max_growth
+        note = f"{_eyes(seen_from_above)}, {fit}"
+        if kind != "replaced" and fit.growth > limit:
+            self._note(db, stone.id, stamp_s, "seen", state, f"{note}: too much, nothing added")
         else:
-            T = pose(T[:3, :3], T[:3, 3] + segment.centroid - stone.centroid_map)
-        surface = pack(voxel_means(transform(inverse(T), seen), settings.voxel_m))
-        from_above = seen_from_above or (agreed and stone.seen_from_above)
-        db.execute(
-            "UPDATE stones SET points_object = ?, seen_from_above = ?, T_map_object = ? WHERE id = ?",
-            (surface, from_above, pack_pose(T), stone.id),
-        )
-        self._remember(db, stone.id, stamp_s, "observe", T)
-        self._note(db, stone.id, stamp_s, "observe", _found(stone.state))
+            from_above = seen_from_above or (kind != "replaced" and stone.seen_from_above)
+            self._resurface(db, stone.id, known, seen, T, from_above)
+            self._note(db, stone.id, stamp_s, kind, state, note)
         return stone.id
 
-    def _move(self, db: sqlite3.Connection, row: sqlite3.Row, T_map_map: Float, stamp_s: float, source: str) -> None:
+    def _fit(self, known: Float, seen: Float) -> Fit:
+        return fit_of(known, seen, self._settings.agreement_m)
+
+    def _agrees(self, fit: Fit) -> bool:
+        return fit.share >= self._settings.min_agreement and fit.rmse_m <= self._settings.max_rmse_m
+
+    def _resurface(
+        self, db: sqlite3.Connection, stone_id: int, known: Float, seen: Float, T: Float, from_above: bool
+    ) -> None:
+        """Merge both surfaces, given in the map, in the object's frame."""
+        T_object_map = inverse(T)
+        points = merged(
+            transform(T_object_map, known),
+            transform(T_object_map, seen),
+            self._settings.voxel_m,
+            self._settings.max_points,
+        )
+        db.execute(
+            "UPDATE stones SET points_object = ?, seen_from_above = ?, T_map_object = ? WHERE id = ?",
+            (pack(points), from_above, pack_pose(T), stone_id),
+        )
+
+    def _move(self, db: sqlite3.Connection, row: sqlite3.Row, T_map_map: Float) -> None:
         T = T_map_map @ unpack_pose(row["T_map_object"])
         db.execute("UPDATE stones SET T_map_object = ? WHERE id = ?", (pack_pose(T), row["id"]))
-        self._remember(db, row["id"], stamp_s, source, T)
 
-    def _remember(self, db: sqlite3.Connection, stone_id: int, stamp_s: float, source: str, T: Float) -> None:
-        db.execute("INSERT INTO poses VALUES (?, ?, ?, ?)", (stone_id, stamp_s, source, pack_pose(T)))
-
-    def _note(self, db: sqlite3.Connection, stone_id: int, stamp_s: float, kind: str, state: StoneState) -> None:
+    def _note(
+        self, db: sqlite3.Connection, stone_id: int, stamp_s: float, kind: str, state: StoneState, note: str = ""
+    ) -> None:
         db.execute("UPDATE stones SET state = ? WHERE id = ?", (state, stone_id))
-        db.execute("INSERT INTO events VALUES (?, ?, ?, ?)", (stone_id, stamp_s, kind, state))
+        db.execute(
+            "INSERT INTO events (stone_id, stamp_s, kind, state, T_map_object, note) "
+            "SELECT id, ?, ?, ?, T_map_object, ? FROM stones WHERE id = ?",
+            (stamp_s, kind, state, note, stone_id),
+        )
 
 
 def _found(state: StoneState) -> StoneState:
     return StoneState.ON_GROUND if state is StoneState.LOST else state
+
+
+def _eyes(seen_from_above: bool) -> str:
+    return "lidar and drone" if seen_from_above else "lidar"

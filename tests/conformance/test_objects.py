@@ -97,6 +97,7 @@ def test_a_state_changes_alone(database: ObjectDatabase) -> None:
 def test_an_unknown_stone_is_an_error(database: ObjectDatabase) -> None:
     for act in (
         lambda: database.stone(9),
+        lambda: database.history(9),
         lambda: database.grasp(9, np.eye(4), 1.0),
         lambda: database.realign(9, np.eye(4), 1.0),
         lambda: database.set_state(9, StoneState.LOST, 1.0),
@@ -119,6 +120,40 @@ def test_a_reopened_file_gives_the_same_stones(make_database: Callable[[], Objec
         assert (a.id, a.state) == (b.id, b.state)
         np.testing.assert_array_equal(a.points_map, b.points_map)
         np.testing.assert_array_equal(a.T_map_object, b.T_map_object)
+
+
+def test_another_may_look_while_it_is_open(make_database: Callable[[], ObjectDatabase], tmp_path: Path) -> None:
+    path = str(tmp_path / "objects.db")
+    writer, reader = make_database(), make_database()
+    writer.open(path)
+    writer.observe([boulder(5, 0)], 1.0, False)
+    reader.open(path, read_only=True)
+    assert [stone.id for stone in reader.stones()] == [1]
+    writer.set_state(1, StoneState.LOST, 2.0)
+    assert reader.stone(1).state is StoneState.LOST
+    with pytest.raises(ConfigError):
+        reader.set_state(1, StoneState.PLACED, 3.0)
+
+
+def test_a_file_to_look_at_must_be_there(make_database: Callable[[], ObjectDatabase], tmp_path: Path) -> None:
+    with pytest.raises(ConfigError):
+        make_database().open(str(tmp_path / "objects.db"), read_only=True)
+
+
+def test_the_history_tells_every_change_with_state_and_pose(database: ObjectDatabase) -> None:
+    first = database.observe([boulder(5, 0)], 1.0, False)[0]
+    changes = [
+        database.grasp(1, T_GRASP, 2.0),
+        database.release(1, T_RELEASE, 3.0, StoneState.PLACED),
+        database.realign(1, pose(None, np.array([0.1, 0, 0])), 4.0, "overlap 0.9"),
+        database.set_state(1, StoneState.ON_GROUND, 5.0),
+    ]
+    history = database.history(1)
+    assert [event.stamp_s for event in history] == [1.0, 2.0, 3.0, 4.0, 5.0]
+    assert history[3].note == "overlap 0.9"
+    for event, stone in zip(history, [first, *changes], strict=True):
+        assert event.state is stone.state
+        np.testing.assert_array_equal(event.T_map_object, stone.T_map_object)
 
 
 def test_a_folder_that_is_not_there_is_an_error(make_database: Callable[[], ObjectDatabase], tmp_path: Path) -> None:

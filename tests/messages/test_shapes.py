@@ -25,6 +25,7 @@ from executive.messages.placement import Placement, Slot
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.segment import Segment, Segmentation
 from executive.messages.stone import Stone, StoneState
+from executive.messages.stone_event import StoneEvent
 from executive.messages.trajectory import JointTrajectory
 
 T, P, V6 = np.eye(4), np.zeros((5, 3)), np.eye(6)
@@ -95,6 +96,12 @@ MESSAGES: dict[type, Callable[[], dict[str, object]]] = {
         "centroid_map": zeros(),
         "T_map_object": T.copy(),
         "seen_from_above": False,
+    },
+    StoneEvent: lambda: {
+        "stamp_s": 1.0,
+        "kind": "found",
+        "state": StoneState.ON_GROUND,
+        "T_map_object": np.eye(4),
     },
     Grasp: lambda: {"T_map_gripper": T.copy(), "opening_m": 1.0, "score": 0.0, "costs": {}},
     Hold: lambda: {"stone_id": 1, "T_map_gripper": T.copy(), "jaw_rad": 0.2},

@@ -92,7 +92,10 @@ def test_realign_moves_a_stone_and_is_remembered(objects: SqliteObjects) -> None
     T = pose(about_axis(np.array([0, 0, 1.0]), 0.1), np.array([0.1, 0.2, 0.0]))
     realigned = objects.realign(stone.id, T, 4.0)
     np.testing.assert_allclose(realigned.T_map_object, T @ stone.T_map_object, atol=1e-12)
-    assert [(stamp_s, source) for stamp_s, source, _ in objects.poses(stone.id)] == [(1.0, "observe"), (4.0, "realign")]
+    history = objects.history(stone.id)
+    assert [(event.stamp_s, event.kind) for event in history] == [(1.0, "found"), (4.0, "realign")]
+    np.testing.assert_array_equal(history[0].T_map_object, stone.T_map_object)
+    np.testing.assert_array_equal(history[1].T_map_object, realigned.T_map_object)
 
 
 def test_a_held_stone_is_not_what_lies_where_it_was(objects: SqliteObjects) -> None:

@@ -1,0 +1,77 @@
+"""The SQLite file under the object database: opened, shared, and changed in whole transactions."""
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from executive.errors import ConfigError, DataError
+from plugins.objects.schema import check, create_or_check
+
+
+def open_file(path: str, read_only: bool) -> sqlite3.Connection:
+    """Open or create a database; one that is only read may be written by another process meanwhile.
+
+    Raises:
+        ConfigError: If its folder does not exist, it cannot be written, or there is none to read.
+        DataError: If it is another kind of file.
+    """
+    connection = _connect_to_read(path) if read_only else _connect_to_write(path)
+    connection.row_factory = sqlite3.Row
+    try:
+        if read_only:
+            check(connection, path)
+        else:
+            connection.execute("PRAGMA journal_mode = WAL")  # readers do not wait for the writer, nor it for them
+            connection.execute("PRAGMA synchronous = FULL")  # what returned is on the disk
+            connection.execute("PRAGMA foreign_keys = ON")
+            create_or_check(connection, path)
+    except sqlite3.DatabaseError as error:
+        connection.close()
+        raise DataError(f"{path} is no object database: {error}") from error
+    except DataError:
+        connection.close()
+        raise
+    return connection
+
+
+@contextmanager
+def transaction(connection: sqlite3.Connection) -> Iterator[sqlite3.Connection]:
+    """Make changes all together or, if anything fails, not at all."""
+    connection.execute("BEGIN IMMEDIATE")
+    try:
+        yield connection
+    except BaseException:
+        connection.execute("ROLLBACK")
+        raise
+    connection.execute("COMMIT")
+
+
+def _connect_to_write(path: str) -> sqlite3.Connection:
+    if path != ":memory:" and not Path(path).absolute().parent.is_dir():
+        raise ConfigError(f"no folder for the object database {path}: create {Path(path).absolute().parent}")
+    try:
+        return sqlite3.connect(path, isolation_level=None, check_same_thread=False)
+    except sqlite3.Error as error:
+        raise ConfigError(f"cannot open the object database {path}: {error}") from error
+
+
+def _connect_to_read(path: str) -> sqlite3.Connection:
+    if not Path(path).is_file():
+        raise ConfigError(f"no object database {path}: give the folder of a run that knows stones")
+    address = f"{Path(path).absolute().as_uri()}?mode=ro"
+    # A reader of a log-ahead file writes beside it. Where it cannot (an archive), the file may be taken as it is,
+    # unless a mission left changes in the log.
+    beside = Path(f"{path}-wal")
+    for options in ("", "&immutable=1") if not beside.exists() or not beside.stat().st_size else ("",):
+        connection = sqlite3.connect(address + options, uri=True, isolation_level=None, check_same_thread=False)
+        try:
+            connection.execute("SELECT count(*) FROM sqlite_master")
+        except sqlite3.OperationalError as error:
+            connection.close()
+            refusal = error
+        except sqlite3.DatabaseError:
+            return connection  # another kind of file: the caller says so
+        else:
+            return connection
+    raise ConfigError(f"cannot read the object database {path}: {refusal}; copy its folder to where it can be written")
