@@ -44,10 +44,13 @@ class CabinReport:
         """
         T_cabin_base = self._turn.T_cabin_base(head.stamp_s)
         R, p, v = head.R_map_imu, head.p_map_imu, head.v_map_imu
-        motion = reported(R, p, v, head.rate, self._T_imu_cabin, T_cabin_base, self._T_odom_map)
+        T_map_base, T_odom_base, T_map_cabin, v_cabin, w_cabin = reported(
+            R, p, v, head.rate, self._T_imu_cabin, T_cabin_base, self._T_odom_map
+        )
         if self._moved is None or self._moved[0] is not P:
             self._moved = (P, self._covariance(head, P))
-        return BaseState(head.stamp_s, *motion, self._moved[1], status)
+        covariance = self._moved[1]
+        return BaseState(head.stamp_s, T_map_base, T_odom_base, T_map_cabin, v_cabin, w_cabin, covariance, status)
 
     def _covariance(self, head: InertialState, P: Float) -> Float:
         """Move the covariance from the IMU, in its axes and the map's, to the cabin's origin and axes."""

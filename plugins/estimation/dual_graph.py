@@ -206,8 +206,7 @@ class DualGraph(Estimator):
 
 def _largest(v: Float) -> float:
     """Return the largest magnitude; on plain floats, for three numbers are too few for NumPy."""
-    x, y, z = v.tolist()
-    return max(abs(x), abs(y), abs(z))
+    return float(max(map(abs, v.tolist())))
 
 
 def _adjoint(T: Float) -> Float:

@@ -1,5 +1,6 @@
 """The first state: from rest with two antennas, from the first metres of motion with one."""
 
+import math
 from collections.abc import Mapping
 
 from executive.arrays import Float
@@ -7,6 +8,8 @@ from plugins.estimation.inertial_noise import InertialNoise
 from plugins.estimation.inertial_state import Inertial, InertialState
 from plugins.estimation.moving_start import MovingStart, MovingStartSettings
 from plugins.estimation.rest_initialisation import RestInitialisation, RestSettings
+
+_PERIOD_S = 0.1  # between looks for rest, which cost milliseconds, where a long rest is followed for its end
 
 
 class FirstState:
@@ -19,6 +22,7 @@ class FirstState:
         self._has_heading = len(antennas_imu) > 1
         self._rest = RestInitialisation(rest, antennas_imu, noise)
         self._moving = MovingStart(moving, next(iter(antennas_imu.values())), noise)
+        self._tried_s = -math.inf
 
     def add_fix(self, stamp_s: float, antenna: str, p_map_antenna: Float) -> None:
         """Take the measured position of an antenna in the map."""
@@ -31,7 +35,10 @@ class FirstState:
         A cabin that turns steadily would look at rest to its own sensor, but for the turn joint's rate.
         """
         self._rest.add_sample(sample)
-        at_rest = None if abs(turn_rate_rad_s) >= self._max_rate_rad_s else self._rest.state()
+        at_rest = None
+        if sample.stamp_s - self._tried_s >= _PERIOD_S and abs(turn_rate_rad_s) < self._max_rate_rad_s:
+            self._tried_s = sample.stamp_s
+            at_rest = self._rest.state()
         if self._has_heading:
             return at_rest
         self._moving.add_sample(sample)

@@ -134,7 +134,7 @@ def carried_covariance(P: Float, R: Float, rate: Float, force: Float, densities:
             k, m = (j + 1) % 3, (j + 2) % 3
             by_rotation[i, j] = R[i, k] * force[m] - R[i, m] * force[k]
     half = _carry_rows(P, turned_back, R, by_rotation, dt_s)
-    after = _carry_rows(half.T, turned_back, R, by_rotation, dt_s)  # (F (F P)ᵀ) = F P Fᵀ, for P is symmetric
+    after: Float = _carry_rows(half.T, turned_back, R, by_rotation, dt_s)  # (F (F P)ᵀ) = F P Fᵀ, for P is symmetric
     for i in range(3):
         after[i, i] += densities[0] ** 2 * dt_s
         after[3 + i, 3 + i] += densities[1] ** 2 * dt_s
@@ -164,8 +164,8 @@ def reported(
         T_map_base, T_odom_base, T_map_cabin, the cabin's velocity in the map and its angular velocity in its axes.
     """
     T_map_imu = np.eye(4)
-    T_map_imu[:3, :3] = R
-    T_map_imu[:3, 3] = p
+    for i in range(3):  # assigning slices would double the time of compiling
+        T_map_imu[i, 0], T_map_imu[i, 1], T_map_imu[i, 2], T_map_imu[i, 3] = R[i, 0], R[i, 1], R[i, 2], p[i]
     T_map_cabin = _moved(T_map_imu, T_imu_cabin)
     T_map_base = _moved(T_map_cabin, T_cabin_base)
     arm = T_imu_cabin[:3, 3]
