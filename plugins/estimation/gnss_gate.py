@@ -169,7 +169,8 @@ def _drift(compared: Sequence[Compared], limit_m: float, least_s: float) -> floa
         return 0.0
     third = len(compared) // 3
     newest = compared[-1]
-    offsets = np.array([c.fix.p_map_antenna - newest.R_map_odometry @ c.p_odometry_antenna for c in compared])
+    by_odometry = np.array([c.p_odometry_antenna for c in compared]) @ newest.R_map_odometry.T
+    offsets = np.array([c.fix.p_map_antenna for c in compared]) - by_odometry
     noise_m = _SIGMAS * float(np.sqrt(2 * np.trace(newest.fix.covariance) / third))
     moved_m = _norm(offsets[-third:].mean(axis=0) - offsets[:third].mean(axis=0))
     return moved_m if moved_m > limit_m + noise_m else 0.0
