@@ -99,6 +99,12 @@ class Trial:
         return np.asarray(self.T_map_cabin[:, :3, 3] - self.T_true[:, :3, 3])
 
     @cached_property
+    def antenna_error_m(self) -> Float:
+        """The same of the left antenna, which is what satellites see [m], shape (n, 3)."""
+        arm = self.truth.machine.sensors["gnss_left"].T_link_sensor[:3, 3]
+        return np.asarray(self.error_m + (self.T_map_cabin - self.T_true)[:, :3, :3] @ arm)
+
+    @cached_property
     def off_m(self) -> Float:
         """How far the estimate is from the truth [m], shape (n,)."""
         return np.asarray(np.linalg.norm(self.error_m, axis=1))
