@@ -15,6 +15,7 @@ from typer.core import TyperGroup
 from executive.perception.align import align
 from executive.perception.commands import register, segment
 from executive.perception.grasp import grasp
+from executive.perception.objects import objects
 
 
 class _Verbs(TyperGroup):
@@ -50,6 +51,7 @@ app.command()(segment)
 app.command()(register)
 app.command()(align)
 app.command()(grasp)
+app.command()(objects)
 
 MissionArgument = Annotated[
     str, typer.Argument(metavar="MISSION", help="A mission file, or the name of a shipped one.")
