@@ -72,7 +72,8 @@ def fit(points_lidar: Float, planes: PlaneMap, guess: Guess, first_m: float, las
             has_converged = True
             break
         reach_m = max(0.5 * reach_m, last_m)
-    return PlaneFit(T, np.linalg.inv(information), share, has_converged)
+    covariance = np.asarray(np.linalg.inv(information), dtype=np.float64)
+    return PlaneFit(T, covariance, share, has_converged)
 
 
 def _distances(points_lidar: Float, planes: PlaneMap, T: Float, reach_m: float) -> tuple[Float, Float]:

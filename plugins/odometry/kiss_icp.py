@@ -1,0 +1,119 @@
+"""Lidar odometry by the KISS-ICP package: points to points, on one thread, guided by gyroscope and joints."""
+
+import numpy as np
+from kiss_icp.config import KISSConfig
+from kiss_icp.kiss_icp import KissICP
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.config import Meters, MetersPerSecond, Radians, RadiansPerSecond, Settings
+from executive.geometry.pose import inverse
+from executive.geometry.rotation import angle_between
+from executive.interfaces.odometry import LidarOdometry
+from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
+from executive.messages.lidar import LidarScan
+from executive.messages.odometry import LidarIncrement
+from plugins.odometry.dead_reckoning import DeadReckoning
+from plugins.odometry.own_returns import OwnReturns
+from robot_models.rig import Rig
+
+_REVOLUTION_S = 0.1  # what the first scan is undistorted over
+_FEWEST = 100  # points that a scan is matched by
+
+
+class KissIcpSettings(Settings):
+    """Settings of the odometry."""
+
+    frame: str = Field("lidar_horizontal", description="The lidar to follow; scans of others are left alone.")
+    near_m: Meters = Field(2.5, ge=0, description="Returns nearer than this are the machine's own [m].")
+    far_m: Meters = Field(60.0, gt=0, description="Returns farther than this are left out [m].")
+    voxel_m: Meters = Field(0.5, gt=0, le=5, description="Grid edge of the local map [m].")
+    points_per_voxel: int = Field(20, ge=1, le=200, description="Most points in a cell of the map.")
+    first_threshold_m: Meters = Field(1.0, gt=0, le=10, description="First distance of correspondences [m].")
+    max_speed_m_s: MetersPerSecond = Field(15.0, gt=0, description="Fastest sensor motion that is believed [m/s].")
+    max_rate_rad_s: RadiansPerSecond = Field(1.5, gt=0, description="Fastest turn that is believed [rad/s].")
+    rotation_std_rad: Radians = Field(
+        0.02, gt=0, description="Error of an increment's rotation [rad]; measured on level ground, swinging."
+    )
+    translation_std_m: Meters = Field(0.05, gt=0, description="Error of its translation [m]; measured likewise.")
+
+
+class KissIcp(LidarOdometry):
+    """KISS-ICP (Vizzo 2023, "KISS-ICP: In Defense of Point-to-Point ICP"), cleared of the machine's own returns.
+
+    Deviation: its own last motion would undistort and begin each match; a cabin that swings breaks that, so that both
+    come from dead reckoning. It gives no covariance: that of an increment is a setting, whatever the scene holds. On
+    level ground the rings of a 16-laser lidar hold points where they were, and `scan_to_submap` knows more.
+    """
+
+    Settings = KissIcpSettings
+
+    def __init__(self, settings: KissIcpSettings, machine: Rig) -> None:
+        self._settings = settings
+        self._machine = machine
+
+    def start(self) -> None:
+        self._own = OwnReturns(self._machine)
+        self._reckoning: DeadReckoning | None = None
+        if self._settings.frame in self._machine.sensors:
+            self._reckoning = DeadReckoning(self._machine, self._settings.frame)
+        self._begin()
+
+    def _begin(self) -> None:
+        settings = self._settings
+        # validated from a whole description: what is left out would be read from the environment
+        self._kiss = KissICP(
+            KISSConfig.model_validate(
+                {
+                    "data": {"min_range": settings.near_m, "max_range": settings.far_m, "deskew": False},
+                    "mapping": {"voxel_size": settings.voxel_m, "max_points_per_voxel": settings.points_per_voxel},
+                    "registration": {"max_num_threads": 1},
+                    "adaptive_threshold": {"initial_threshold": settings.first_threshold_m},
+                }
+            )
+        )
+        self._last: tuple[float, Float] | None = None
+
+    def add_imu(self, sample: ImuSample) -> None:
+        if self._reckoning is not None:
+            self._reckoning.add_imu(sample)
+
+    def add_joints(self, sample: JointSample) -> None:
+        self._own.add_joints(sample)
+        if self._reckoning is not None:
+            self._reckoning.add_joints(sample)
+
+    def add_scan(self, scan: LidarScan) -> LidarIncrement | None:
+        last = self._last
+        if scan.frame != self._settings.frame or self._reckoning is None:
+            return None
+        kept = ~self._own.among(scan)
+        if int(kept.sum()) < _FEWEST or (last is not None and scan.stamp_s <= last[0]):
+            return None
+        from_s = scan.stamp_s - _REVOLUTION_S
+        path = self._reckoning.path(from_s if last is None else min(from_s, last[0]), scan.stamp_s)
+        if last is not None:
+            self._kiss.last_delta = inverse(path.T_end_then(last[0]))
+        points = path.undistort(scan.points_lidar[kept], scan.point_stamps_s[kept])
+        self._kiss.register_frame(points, scan.point_stamps_s[kept])
+        self._last = (scan.stamp_s, np.array(self._kiss.last_pose))
+        return None if last is None else self._increment(last, self._last)
+
+    def _increment(self, last: tuple[float, Float], now: tuple[float, Float]) -> LidarIncrement | None:
+        """Return the motion between two scans; a leap is none, and what led to it is forgotten."""
+        T_from_to = inverse(last[1]) @ now[1]
+        if self._reckoning is None or not self._is_plausible(T_from_to, now[0] - last[0]):
+            self._begin()
+            return None
+        self._reckoning.correct(last[0], now[0], T_from_to)
+        return LidarIncrement(last[0], now[0], self._settings.frame, T_from_to, self._covariance())
+
+    def _is_plausible(self, T_from_to: Float, duration_s: float) -> bool:
+        speed_m_s = float(np.linalg.norm(T_from_to[:3, 3])) / duration_s
+        rate_rad_s = angle_between(np.eye(3), T_from_to[:3, :3]) / duration_s
+        return speed_m_s < self._settings.max_speed_m_s and rate_rad_s < self._settings.max_rate_rad_s
+
+    def _covariance(self) -> Float:
+        std = np.repeat([self._settings.rotation_std_rad, self._settings.translation_std_m], 3)
+        return np.asarray(np.diag(std**2))
