@@ -1,7 +1,7 @@
 """One estimator over one log, from options to report."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -142,6 +142,7 @@ def _report(material: Material, name: str, replay: Replay, track: Track, errors:
         "duration_s": round(duration_s, 3),
         "replay_speed": round(duration_s / replay.wall_s, 1),
         "counts": dict(replay.counts),
+        "skipped": {topic: asdict(skipped) for topic, skipped in material.log.skipped.items()},
         "refused": replay.refused,
         "states": [{"time_s": round(at_s, 3), "status": status} for at_s, status in replay.changes],
         "latency_us": statistics(np.array(replay.latency_us), 1),

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from executive.arrays import Float
-from executive.errors import DataError
+from executive.errors import DataError, ShapeError
 from executive.geometry.pose import pose
 from executive.geometry.rotation import from_quaternion
 from executive.messages.gnss import GnssFix
@@ -97,5 +97,5 @@ def transform_of(message: Any) -> Float:
 def _rotation(q: Any) -> Float:
     q_wxyz = np.array([q.w, q.x, q.y, q.z])
     if not 0.9 < np.linalg.norm(q_wxyz) < 1.1:
-        raise DataError(f"a quaternion of length {np.linalg.norm(q_wxyz):.3g}; a rotation has length 1")
+        raise ShapeError(f"a quaternion of length {np.linalg.norm(q_wxyz):.3g}; a rotation has length 1")
     return from_quaternion(q_wxyz)

@@ -1,5 +1,6 @@
 """A recorded log as a stream of observations, and the rig that carried the sensors."""
 
+import logging
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from executive.arrays import Float
-from executive.errors import DataError, did_you_mean
+from executive.errors import DataError, ShapeError, did_you_mean
 from executive.geometry.pose import inverse
 from executive.logs import decode
 from executive.logs.extrinsics import rig_from
@@ -20,9 +21,26 @@ from executive.messages.odometry import LidarIncrement
 from robot_models.machine import load_machine
 from robot_models.rig import Rig
 
+_log = logging.getLogger(__name__)
+
 METADATA = "executive"  # the record by which a log names the machine that it was taken on
 _HEAD = 2000  # messages within which every sensor shows
 _INCREMENT_STD = np.repeat([0.003, 0.02], 3)  # of an increment whose recorder gave none: rotation [rad], position [m]
+
+
+@dataclass(slots=True)
+class Skipped:
+    """Messages of one topic that hold a value which cannot be.
+
+    Attributes:
+        count: How many.
+        first_s: Arrival of the first, since the log's first message [s].
+        reason: What is wrong with it.
+    """
+
+    count: int
+    first_s: float
+    reason: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +57,7 @@ class Log:
     Attributes:
         path: The file or folder.
         origin_ns: Arrival of the first message [ns]; all times are since then.
+        skipped: What was left out by `arrivals`, by topic.
     """
 
     def __init__(self, path: Path, topics: Topics) -> None:
@@ -58,6 +77,7 @@ class Log:
         if first is None:
             raise DataError(f"{path}: the log is empty")
         self.origin_ns = first.arrival_ns
+        self.skipped: dict[str, Skipped] = {}
 
     def rig(self, model: str | None) -> Rig:
         """Return the machine of a name; without one, the machine that the log names, or a body by its extrinsics.
@@ -85,9 +105,13 @@ class Log:
     def arrivals(self) -> Iterator[Arrival]:
         """Yield all measurements in order of arrival; receivers' messages without a fix are left out.
 
+        A message with a value that cannot be, such as one that is not finite, is left out and counted in `skipped`:
+        one bad sample does not make a log useless.
+
         Raises:
-            DataError: If the file breaks off or a message is wrong, such as a value that is not finite.
+            DataError: If the file breaks off, or a topic lacks what is needed of each of its messages.
         """
+        self.skipped.clear()
         readers = self._readers()
         for recorded in self._source.messages(list(self._topics)):
             read = readers.get(self._topics[recorded.topic])
@@ -101,9 +125,19 @@ class Log:
         stamp_s = 1e-9 * (decode.stamp_ns(recorded.message) - self.origin_ns)
         try:
             return read(recorded.message, stamp_s)
-        except (DataError, ValueError) as error:
+        except (ShapeError, ValueError) as error:
+            self._skip(recorded, str(error))
+            return None
+        except DataError as error:
             at_s = 1e-9 * (recorded.arrival_ns - self.origin_ns)
             raise DataError(f"{self.path}: {recorded.topic} at {at_s:.3f} s: {error}") from error
+
+    def _skip(self, recorded: Recorded, reason: str) -> None:
+        at_s = round(1e-9 * (recorded.arrival_ns - self.origin_ns), 3)
+        skipped = self.skipped.setdefault(recorded.topic, Skipped(0, at_s, reason))
+        skipped.count += 1
+        if skipped.count == 1:
+            _log.warning("%s: %s at %.3f s: %s; left out", self.path, recorded.topic, at_s, reason)
 
     def _readers(self) -> Mapping[str, Callable[[Any, float], Observation | LidarIncrement | None]]:
         return {
@@ -135,6 +169,8 @@ class _Increments:
     def __call__(self, message: Any, stamp_s: float) -> LidarIncrement | None:
         """Return the motion since the frame's last pose; its covariance is taken as that of the increment."""
         frame, T = message.child_frame_id, decode.pose_of(message.pose.pose)
+        if not np.isfinite(T).all():
+            raise ShapeError("a pose with values that are not finite")
         last = self._last.get(frame)
         self._last[frame] = (stamp_s, T)
         if last is None or stamp_s <= last[0]:

@@ -3,9 +3,14 @@
 import math
 from collections import Counter
 
+_JUMP_S = 5.0  # more than lies between two samples of any stream
+
 
 class Doorkeeper:
     """Admits samples whose stamps rise, one stream at a time.
+
+    A stamp far ahead is admitted only if the next one agrees with it: by itself it would shut the door on all that is
+    right after it. Where it is the very first, the second may therefore go far back.
 
     Attributes:
         refused: Number of refused samples by reason, such as `imu_cabin: back in time`.
@@ -14,13 +19,22 @@ class Doorkeeper:
     def __init__(self) -> None:
         self.refused: Counter[str] = Counter()
         self._newest_s: dict[str, float] = {}
+        self._ahead_s: dict[str, float] = {}
+        self._alone: set[str] = set()  # streams whose newest stamp no other has followed yet
 
-    def admits(self, stream: str, stamp_s: float) -> bool:
-        """Return whether a stamp is finite and newer than the stream's newest, and remember it."""
-        reason = self._reason(self._newest_s.get(stream, -math.inf), stamp_s)
+    def admits(self, stream: str, stamp_s: float, jump_s: float = _JUMP_S) -> bool:
+        """Return whether a stamp is finite and newer than the stream's newest, and remember it.
+
+        Args:
+            stream: Name of the stream.
+            stamp_s: Time of measurement [s].
+            jump_s: A stamp that is so much newer must be followed by another before it is believed [s].
+        """
+        reason = self._reason(stream, stamp_s, jump_s)
         if reason:
             self.refuse(stream, reason)
             return False
+        (self._alone.discard if stream in self._newest_s else self._alone.add)(stream)
         self._newest_s[stream] = stamp_s
         return True
 
@@ -28,10 +42,16 @@ class Doorkeeper:
         """Count a sample that somebody else found wrong."""
         self.refused[f"{stream}: {reason}"] += 1
 
-    @staticmethod
-    def _reason(newest_s: float, stamp_s: float) -> str:
+    def _reason(self, stream: str, stamp_s: float, jump_s: float) -> str:
+        newest_s = self._newest_s.get(stream, stamp_s - 0.5 * jump_s)
         if not math.isfinite(stamp_s):
             return "stamp not finite"
         if stamp_s == newest_s:
             return "duplicate"
-        return "back in time" if stamp_s < newest_s else ""
+        if stamp_s < newest_s:  # far back: it was the first one that was wrong
+            return "" if stream in self._alone and newest_s - stamp_s > jump_s else "back in time"
+        if stamp_s - newest_s <= jump_s:
+            return ""
+        before_s = self._ahead_s.get(stream, math.inf)
+        self._ahead_s[stream] = stamp_s
+        return "" if 0 < stamp_s - before_s <= jump_s else "ahead of time"

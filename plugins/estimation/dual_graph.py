@@ -32,6 +32,7 @@ from robot_models.rig import Rig
 INITIALISING = "INITIALISING"
 _MAX_RATE_RAD_S = 35.0  # 2000 deg/s: the range of a MEMS sensor
 _MAX_FORCE_M_S2 = 160.0  # 16 g
+_JUMP_S = 2.0  # an inertial stamp so far ahead is believed if the next one agrees; less is a gap, and bridged
 _STANDING_PERIOD_S = 0.1
 _COVARIANCE_PERIOD_S = 0.049
 
@@ -95,7 +96,7 @@ class DualGraph(Estimator):
         return dict(self._door.refused + self._refused)
 
     def add_imu(self, sample: ImuSample) -> None:
-        if not self._door.admits(sample.frame, sample.stamp_s):
+        if not self._door.admits(sample.frame, sample.stamp_s, _JUMP_S):
             return
         rate, force = sample.angular_velocity_rad_s, sample.specific_force_m_s2
         if _largest(rate) > _MAX_RATE_RAD_S or _largest(force) > _MAX_FORCE_M_S2:
@@ -107,7 +108,7 @@ class DualGraph(Estimator):
             self._standing.add(sample.stamp_s, rate, force)
 
     def _add_cabin_sample(self, sample: Inertial) -> None:
-        if sample.since_last_s > self._settings.restart_after_s:
+        if not 0 <= sample.since_last_s <= self._settings.restart_after_s:
             self._door.refuse(self._settings.imu, "gap, started again")
             self._restart()
         self._newest = sample

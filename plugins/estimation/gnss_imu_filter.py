@@ -28,6 +28,7 @@ from plugins.estimation.measurement_models import antenna_residual, rate_residua
 from robot_models.rig import Rig
 
 INITIALISING, GLOBAL, FALLBACK = "INITIALISING", "GLOBAL", "FALLBACK"
+_JUMP_S = 2.0  # an inertial stamp so far ahead is believed if the next one agrees; less is a gap, and bridged
 _MAX_RATE_RAD_S = 35.0  # 2000 deg/s: the range of a MEMS sensor
 _MAX_FORCE_M_S2 = 160.0  # 16 g
 _STANDING_PERIOD_S = 0.1
@@ -78,7 +79,7 @@ class GnssImuFilter(Estimator):
         return dict(self._door.refused)
 
     def add_imu(self, sample: ImuSample) -> None:
-        if not self._door.admits(sample.frame, sample.stamp_s):
+        if not self._door.admits(sample.frame, sample.stamp_s, _JUMP_S):
             return
         rate, force = sample.angular_velocity_rad_s, sample.specific_force_m_s2
         if _largest(rate) > _MAX_RATE_RAD_S or _largest(force) > _MAX_FORCE_M_S2:
@@ -90,7 +91,7 @@ class GnssImuFilter(Estimator):
             self._standing.add(sample.stamp_s, rate, force)
 
     def _add_cabin_sample(self, sample: Inertial) -> None:
-        if sample.since_last_s > self._settings.restart_after_s:
+        if not 0 <= sample.since_last_s <= self._settings.restart_after_s:
             self._door.refuse(self._settings.imu, "gap, started again")
             self._restart()
         self._newest = sample

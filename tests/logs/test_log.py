@@ -106,11 +106,33 @@ def test_a_missing_topic_or_another_type_is_said_with_the_cure(change, says, ros
         read(write_mcap(tmp_path / "a.mcap", ros2, messages))
 
 
-def test_a_value_that_is_no_number_is_refused_with_its_time(ros2, car, write_mcap, tmp_path):
+def test_a_value_that_is_no_number_is_left_out_and_counted_with_its_place(ros2, car, write_mcap, tmp_path):
     messages = list(car(ros2, 0.5))
-    messages.append((0.6, "/imu/data", ros2.imu(0.6, "imu", (0, np.nan, 0), np.ones(3))))
-    with pytest.raises(DataError, match=r"/imu/data at 0\.600 s: .*not finite"):
-        read(write_mcap(tmp_path / "a.mcap", ros2, messages))
+    path = write_mcap(tmp_path / "good.mcap", ros2, messages)
+    whole = list(Log(path, Topics()).arrivals())
+    bad = [
+        (0.6, "/imu/data", ros2.imu(0.6, "imu", (0, np.nan, 0), np.ones(3))),
+        (0.7, "/imu/data", ros2.imu(0.7, "imu", np.zeros(3), (0, 0, np.inf))),
+        (0.8, "/gnss/fix", ros2.fix(0.8, "gnss", (np.nan, 0, 0))),
+    ]
+    log = Log(write_mcap(tmp_path / "bad.mcap", ros2, [*messages, *bad]), Topics())
+    assert len(list(log.arrivals())) == len(whole)
+    assert {topic: (s.count, s.first_s) for topic, s in log.skipped.items()} == {
+        "/imu/data": (2, 0.6),
+        "/gnss/fix": (1, 0.8),
+    }
+    assert "not finite" in log.skipped["/imu/data"].reason
+
+
+def test_an_odometry_pose_that_cannot_be_spoils_only_the_increments_that_touch_it(ros2, car, write_mcap, tmp_path):
+    messages = list(car(ros2, 0.5))
+    poses = [(0.0, 1.0), (0.1, 1.1), (0.2, np.nan), (0.3, 1.3)]
+    messages += [(0.5 + t, "/odometry", ros2.odometry(t, "lidar", (x, 0, 0), (1, 0, 0, 0))) for t, x in poses]
+    messages.append((0.9, "/odometry", ros2.odometry(0.4, "lidar", (1.4, 0, 0), (0, 0, 0, 0))))
+    log = Log(write_mcap(tmp_path / "a.mcap", ros2, messages), Topics())
+    increments = [a.observation for a in log.arrivals() if isinstance(a.observation, LidarIncrement)]
+    assert [i.T_from_to[0, 3] for i in increments] == pytest.approx([0.1, 0.2])
+    assert log.skipped["/odometry"].count == 2
 
 
 def test_a_sensor_without_extrinsics_is_refused_with_its_frame(ros2, car, write_mcap, tmp_path):

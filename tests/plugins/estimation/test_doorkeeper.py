@@ -1,0 +1,43 @@
+"""What the door lets in: rising stamps, and nothing that would shut it for what comes after."""
+
+import math
+
+from plugins.estimation.doorkeeper import Doorkeeper
+
+
+def admitted(stamps, jump_s=0.5):
+    door = Doorkeeper()
+    return [s for s in stamps if door.admits("imu", s, jump_s)], dict(door.refused)
+
+
+def test_stamps_that_do_not_rise_are_refused_with_the_reason() -> None:
+    good, refused = admitted([1.0, 1.1, 1.1, 0.9, math.nan, math.inf, 1.2])
+    assert good == [1.0, 1.1, 1.2]
+    assert refused == {"imu: duplicate": 1, "imu: back in time": 1, "imu: stamp not finite": 2}
+
+
+def test_one_stamp_of_the_far_future_does_not_shut_the_door() -> None:
+    good, refused = admitted([1.0, 1.1, 900.0, 1.2, 1.3])
+    assert good == [1.0, 1.1, 1.2, 1.3]
+    assert refused == {"imu: ahead of time": 1}
+
+
+def test_a_gap_is_believed_at_the_second_stamp_after_it() -> None:
+    good, refused = admitted([1.0, 1.1, 9.0, 9.1, 9.2])
+    assert good == [1.0, 1.1, 9.1, 9.2]
+    assert refused == {"imu: ahead of time": 1}
+
+
+def test_two_stamps_of_the_far_future_that_disagree_are_both_refused() -> None:
+    assert admitted([1.0, 900.0, 300.0, 600.0, 1.1])[0] == [1.0, 1.1]
+
+
+def test_a_first_stamp_of_the_far_future_is_given_up_for_the_second() -> None:
+    assert admitted([900.0, 1.0, 1.1, 1.2])[0] == [900.0, 1.0, 1.1, 1.2]
+    assert admitted([1.0, 0.9, 1.1])[0] == [1.0, 1.1]
+
+
+def test_streams_have_doors_of_their_own() -> None:
+    door = Doorkeeper()
+    assert door.admits("imu", 5.0)
+    assert door.admits("joints", 1.0)
