@@ -5,38 +5,33 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 from pydantic import ValidationError
 
 from executive.arrays import Float
-from executive.errors import DataError
+from executive.errors import DataError, ShapeError
+from executive.geometry.pose import inverse, pose, transform
+from executive.geometry.rotation import about_axis, angle_between
 from executive.interfaces.motion import MotionPlanner
 from executive.messages.grasp import GraspPlan
-from executive.messages.request import MotionPlan, MoveRequest
+from plugins.grasping.recheck import Recheck
 from plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
 from robot_models.machine import Machine
 
-
-class FreeMotion(MotionPlanner):
-    """Reaches everything."""
-
-    def reach(self, T_base_gripper: Float, seed: Float) -> Float | None:
-        return seed
-
-    def move(self, request: MoveRequest) -> MotionPlan:
-        raise NotImplementedError
-
-    def swing(self, start: Float, angle_rad: float, duration_s: float) -> MotionPlan:
-        raise NotImplementedError
+SIDES_M = (1.3, 0.8, 0.65)
+HALF_TURN = about_axis(np.array([1.0, 0.0, 0.0]), np.pi)
 
 
 @pytest.fixture(scope="module")
-def plan(machine: Machine, make_box: Callable, make_field: Callable, see: Callable) -> Callable[..., GraspPlan]:
-    scene = see(make_box((1.3, 0.8, 0.65)), make_field(without=np.array((0.65, 0.4))))
+def plan(
+    machine: Machine, free_motion: MotionPlanner, make_box: Callable, make_field: Callable, see: Callable
+) -> Callable[..., GraspPlan]:
+    slab = make_box(SIDES_M), make_field(without=np.array(SIDES_M[:2]) / 2)
 
-    def planned(**settings: object) -> GraspPlan:
-        planner = SampledCnn(SampledCnnSettings(samples=20, **settings), machine, FreeMotion())
+    def planned(scene: tuple[Float, Float] = slab, T: Float | None = None, **settings: object) -> GraspPlan:
+        planner = SampledCnn(SampledCnnSettings(samples=20, **settings), machine, free_motion)
         planner.start()
-        return planner.plan(*scene, np.eye(4), np.random.default_rng(0))
+        return planner.plan(*see(*scene, T), np.eye(4), np.random.default_rng(0))
 
     return planned
 
@@ -78,3 +73,50 @@ def test_weights_that_are_missing_are_told_at_the_start(plan: Callable, tmp_path
 def test_an_unknown_ranking_is_refused() -> None:
     with pytest.raises(ValidationError, match="learned"):
         SampledCnnSettings(ranking="best")
+
+
+@pytest.fixture
+def one_sided(make_box: Callable, make_field: Callable) -> tuple[Float, Float]:
+    """A slab of which one end is seen better, with noise: without symmetry, there is one way to look at it."""
+    rng, box, ground = np.random.default_rng(2), make_box(SIDES_M), make_field()
+    slab = box[rng.random(len(box)) < np.where(box[:, 0] > 0, 0.9, 0.5)]
+    return slab + rng.normal(0, 0.005, slab.shape), ground + rng.normal(0, 0.005, ground.shape)
+
+
+def test_a_turned_and_shifted_scene_gives_the_same_grasp(plan: Callable, one_sided: tuple) -> None:
+    T = pose(about_axis(np.array([0.0, 0.0, 1.0]), 1.1), np.array([7.0, -3.0, 0.4]))
+    here = plan(one_sided).grasps[0].T_map_gripper
+    there = inverse(T) @ plan(one_sided, T).grasps[0].T_map_gripper
+    np.testing.assert_allclose(there[:3, 3], here[:3, 3], atol=0.02)
+    assert min(angle_between(there[:3, :3], here[:3, :3] @ R) for R in (np.eye(3), HALF_TURN)) < np.radians(2)
+
+
+def test_one_thread_and_two_give_the_same_list(plan: Callable) -> None:
+    threads = torch.get_num_threads()
+    try:
+        torch.set_num_threads(1)
+        one = plan()
+        torch.set_num_threads(2)
+        two = plan()
+    finally:
+        torch.set_num_threads(threads)
+    assert [g.score for g in one.grasps] == [g.score for g in two.grasps]
+    np.testing.assert_array_equal([g.T_map_gripper for g in one.grasps], [g.T_map_gripper for g in two.grasps])
+
+
+def test_next_to_a_neighbour_and_on_a_slope_no_returned_gripper_stands_in_the_cloud(
+    plan: Callable, one_sided: tuple, make_box: Callable, machine: Machine
+) -> None:
+    stone, ground = one_sided
+    tilt = pose(about_axis(np.array([0.6, 0.8, 0.0]), 0.15))
+    scene = transform(tilt, stone), transform(tilt, np.concatenate([ground, make_box(SIDES_M) + (0.0, 1.1, 0.0)]))
+    grasps = plan(scene).grasps
+    assert grasps
+    recheck = Recheck(machine.gripper, 0.01)
+    assert all(recheck.is_free(np.concatenate(scene), grasp.T_map_gripper) for grasp in grasps)
+
+
+def test_a_cloud_with_a_point_that_is_no_number_is_refused(plan: Callable, one_sided: tuple) -> None:
+    stone, ground = one_sided
+    with pytest.raises(ShapeError, match="not finite"):
+        plan((stone, np.concatenate([ground, [[0.0, np.nan, 0.0]]])))
