@@ -1,38 +1,107 @@
 """Estimators side by side on one log: Tables I and II of Nubert 2022, and what else one run tells."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from executive.estimate.run import Material, Options, estimate
+import numpy as np
+
+from executive.arrays import Float
+from executive.estimate.measures import Track
+from executive.estimate.run import Estimated, Material, Options, estimate
+from executive.messages.base_state import BaseState
+
+# What a simulator says of estimated states: `error_m` and `error_rad`, each with mean, std and max.
+Truth = Callable[[Sequence[BaseState]], Mapping[str, Mapping[str, float]]]
 
 
-def compare(material: Material, names: Sequence[str], options: Options) -> dict[str, dict[str, Any]]:
-    """Return the report of each estimator by name.
+def compare(
+    material: Material, names: Sequence[str], options: Options, truth: Truth | None = None
+) -> dict[str, dict[str, Any]]:
+    """Return the report of each estimator by name, with what its outages did to it, and the truth where it is known.
 
     Raises:
         ConfigError, DataError: As `estimate`.
     """
-    return {name: estimate(material, name, options).report for name in names}
+    reports = {}
+    for name in names:
+        estimated = estimate(material, name, options)
+        reports[name] = estimated.report | {
+            "odometry_step_m": round(float(odometry_steps(estimated.track).max(initial=0.0)), 5),
+            "outages": [_with_recovery(outage, estimated, truth) for outage in estimated.report["outages"]],
+            "truth": dict(truth(estimated.replay.states)) if truth is not None else {},
+        }
+    return reports
+
+
+def odometry_steps(track: Track) -> Float:
+    """Return by how much the cabin moved in the odometry frame beyond v·dt, between samples [m], shape (n − 1,)."""
+    T_map_odom = track.T_map_odom
+    p_odom = np.linalg.inv(T_map_odom) @ track.T_map_cabin[:, :, 3:]
+    moved = np.einsum("nij,nj->ni", T_map_odom[1:, :3, :3], np.diff(p_odom[:, :3, 0], axis=0))
+    even = 0.5 * (track.v_map_cabin[1:] + track.v_map_cabin[:-1]) * np.diff(track.stamps_s)[:, None]
+    return np.asarray(np.linalg.norm(moved - even, axis=1))
+
+
+def _with_recovery(outage: Mapping[str, Any], estimated: Estimated, truth: Truth | None) -> dict[str, Any]:
+    """Add when the estimator was global again after the outage, and how far it was from the truth within."""
+    states = estimated.report["states"]
+    # one that never left GLOBAL was never lost
+    begun = [state["status"] for state in states if state["time_s"] <= outage["to_s"]]
+    back = [state["time_s"] for state in states if state["time_s"] > outage["to_s"] and state["status"] == "GLOBAL"]
+    recovered_s = 0.0 if begun and begun[-1] == "GLOBAL" else (back[0] - outage["to_s"] if back else None)
+    added: dict[str, Any] = {"recovered_after_s": None if recovered_s is None else round(recovered_s, 3)}
+    within = [s for s in estimated.replay.states if outage["from_s"] <= s.stamp_s < outage["to_s"]]
+    if truth is not None and within:
+        added["truth"] = dict(truth(within)["error_m"])
+    return {**outage, **added}
 
 
 def table(reports: Mapping[str, Mapping[str, Any]]) -> str:
     """Lay the reports side by side: errors in centimetres, latencies in microseconds."""
-    rows = {
+    rows: dict[str, Callable[[Mapping[str, Any]], str]] = {
         "position error when given out [cm]": lambda r: _mean_std(r["prediction_m"], 100),
         "  95 % [cm]": lambda r: _figure(r["prediction_m"], "p95", 100),
         "position error after the fix [cm]": lambda r: _mean_std(r["posterior_m"], 100),
         "consistency [cm]": lambda r: _mean_std(r["consistency_m"], 100),
         "latency of an inertial sample [µs]": lambda r: _mean_std(r["latency_us"], 1),
         "  99 % [µs]": lambda r: _figure(r["latency_us"], "p99", 1),
+        "largest step of the odometry frame [cm]": lambda r: f"{100 * r['odometry_step_m']:.2f}",
         "replay, times real time": lambda r: f"{r['replay_speed']:.0f}",
     }
+    if all(report["truth"] for report in reports.values()):
+        rows = {
+            "position error against the truth [cm]": lambda r: _mean_std({"n": 1, **r["truth"]["error_m"]}, 100),
+            "  largest [cm]": lambda r: f"{100 * r['truth']['error_m']['max']:.2f}",
+            "attitude error against the truth [mrad]": lambda r: _mean_std({"n": 1, **r["truth"]["error_rad"]}, 1e3),
+        } | rows
     lines = [["", *reports], *[[title, *map(cell, reports.values())] for title, cell in rows.items()]]
-    first = next(iter(reports.values()))
-    for i, outage in enumerate(first["outages"]):
-        title = f"outage {outage['from_s']:.0f}–{outage['to_s']:.0f} s, {outage['way_m']:.0f} m: at its end [m]"
-        lines.append([title, *[_at_end(report, i) for report in reports.values()]])
+    lines += [line for i in range(_outages(reports)) for line in _outage_lines(reports, i)]
     widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
     return "\n".join("  ".join([line[0].ljust(widths[0]), *_right(line[1:], widths[1:])]) for line in lines)
+
+
+def _outages(reports: Mapping[str, Mapping[str, Any]]) -> int:
+    return min(len(report["outages"]) for report in reports.values())
+
+
+def _outage_lines(reports: Mapping[str, Mapping[str, Any]], i: int) -> list[list[str]]:
+    """Return what an outage did to each: at its end and at most, against the fixes left out or the truth."""
+    outages = [report["outages"][i] for report in reports.values()]
+    first = outages[0]
+    title = f"outage {first['from_s']:.0f}–{first['to_s']:.0f} s, antennas' way {first['way_m']:.0f} m:"
+    lines = [
+        [title, *[""] * len(outages)],
+        ["  at its end, against the fixes [m]", *[f"{outage['error_at_end_m']:.2f}" for outage in outages]],
+        ["  largest [m]", *[f"{outage['max_error_m']:.2f}" for outage in outages]],
+        ["  GLOBAL again after [s]", *[_seconds(outage["recovered_after_s"]) for outage in outages]],
+    ]
+    if all("truth" in outage for outage in outages):
+        lines.insert(3, ["  largest, against the truth [m]", *[f"{o['truth']['max']:.3f}" for o in outages]])
+    return lines
+
+
+def _seconds(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
 
 
 def _right(cells: Sequence[str], widths: Sequence[int]) -> list[str]:
@@ -45,7 +114,3 @@ def _mean_std(figures: Mapping[str, float], factor: float) -> str:
 
 def _figure(figures: Mapping[str, float], name: str, factor: float) -> str:
     return f"{factor * figures[name]:.2f}" if figures["n"] else "-"
-
-
-def _at_end(report: Mapping[str, Any], i: int) -> str:
-    return f"{report['outages'][i]['error_at_end_m']:.2f}" if i < len(report["outages"]) else "-"
