@@ -7,7 +7,7 @@ import numpy as np
 from executive.arrays import Bool, Float
 from executive.errors import DataError
 
-_TRIALS = 300  # random triples; with a third of outliers, one in four is clean
+_TRIALS = 100  # random triples; with a third of outliers, one in four is clean
 _SIGMAS = 2.5  # a position farther off than this is an outlier
 _LEAST_WIDTH = 0.1  # spread across the line of flight, as a share of that along it
 

@@ -77,13 +77,14 @@ def _from_tags(path: Path) -> Float | None:
         tags = picture.getexif().get_ifd(_GPS)
     if not {_LATITUDE, _LONGITUDE, _ALTITUDE} <= tags.keys():
         return None
-    return np.array(
+    position = np.array(
         [
             _degrees(tags[_LATITUDE]) * (-1 if tags.get(_LATITUDE_REF) == "S" else 1),
             _degrees(tags[_LONGITUDE]) * (-1 if tags.get(_LONGITUDE_REF) == "W" else 1),
             float(tags[_ALTITUDE]) * (-1 if tags.get(_BELOW_SEA) == b"\x01" else 1),
         ]
     )
+    return position if np.isfinite(position).all() else None  # 0/0: a receiver without a fix
 
 
 def _degrees(parts: Any) -> float:

@@ -11,7 +11,7 @@ from plugins.robot.mujoco.ray_mesh import Mesh
 
 Image = NDArray[np.uint8]
 _TEXEL_M = 0.004  # of a stone; a photograph from 8 m has pixels of about 1 cm
-_GROUND_TEXELS = 4096  # along a side: 7 mm on 30 m of ground
+_GROUND_TEXEL_M, _GROUND_TEXELS = 0.0075, 4096  # and the most along a side, which is what graphics memory likes
 _FALL = 0.9  # amplitude falls with frequency to this power: as in nature, there is detail at every distance
 _CONTRAST = (0.26, 0.28, 0.32)  # of red, green and blue: dark is warmer than bright
 _GROUND_RGB, _STONE_RGB = (134, 112, 86), (158, 156, 150)
@@ -36,7 +36,8 @@ def ground_skin(mesh: Mesh, rng: np.random.Generator) -> Skin:
     """Lay one texture over the ground from above; it never repeats, for a repeat would be matched with itself."""
     corners = _corners(mesh)[:, :2]
     low, high = corners.min(axis=0), corners.max(axis=0)
-    return Skin(mesh, (corners - low) / (high - low), _mottled((_GROUND_TEXELS, _GROUND_TEXELS), _GROUND_RGB, rng))
+    side = min(_GROUND_TEXELS, int(np.ceil((high - low).max() / _GROUND_TEXEL_M)))
+    return Skin(mesh, (corners - low) / (high - low), _mottled((side, side), _GROUND_RGB, rng))
 
 
 def stone_skin(mesh: Mesh, rng: np.random.Generator) -> Skin:

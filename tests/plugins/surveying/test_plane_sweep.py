@@ -1,0 +1,131 @@
+"""Planes and a step of known depth, drawn analytically from several cameras, are measured where they are."""
+
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter, map_coordinates
+
+from executive.geometry.pose import inverse
+from plugins.surveying.depth_maps import DepthSettings, confirmed, find_ground
+from plugins.surveying.fusion import below_flight, fuse
+from plugins.surveying.grid_flight import look
+from plugins.surveying.plane_sweep import View, sweep
+
+UP = np.array([0.0, 0.0, 1.0])
+CELL_M = 0.02
+K = np.array([[150.0, 0, 79.5], [0, 150.0, 59.5], [0, 0, 1]])
+TEXTURE = gaussian_filter(np.random.default_rng(0).normal(size=(600, 600)), 1.5)
+TEXTURE = 128 + 40 * TEXTURE / TEXTURE.std()
+
+
+def heights(xy: np.ndarray, step_m: float) -> np.ndarray:
+    """Return the ground's height: a block of step_m on x and y within half a metre, else none."""
+    return np.where((np.abs(xy) < 0.5).all(axis=-1), step_m, 0.0)
+
+
+def drawn(position: list[float], aim: list[float], step_m: float = 0.0, gain: float = 1.0) -> View:
+    """Return the view of a camera: where each ray meets the block's top or the ground, and the texture there."""
+    T = look(np.array(position), np.array(aim))
+    view = View(np.zeros((120, 160), dtype=np.float32), K, inverse(T))
+    rays = view.rays()
+    top = view.centre + rays * ((step_m - view.centre[2]) / rays[..., 2])[..., None]
+    low = view.centre + rays * (-view.centre[2] / rays[..., 2])[..., None]
+    seen = np.where((heights(top[..., :2], step_m) == step_m)[..., None], top, low)
+    cells = seen[..., :2] / CELL_M + 300
+    grey = map_coordinates(TEXTURE, [cells[..., 0], cells[..., 1]], order=1)
+    return View((gain * grey).astype(np.float32), K, inverse(T))
+
+
+def around(step_m: float = 0.0, tilt_m: float = 0.0) -> list[View]:
+    places = [[0.0, 0.05, 4.0], [1.2, 0.0, 4.0], [-1.2, 0.1, 4.2], [0.1, 1.2, 3.9], [0.0, -1.2, 4.1]]
+    return [drawn(place, [tilt_m, 0.0, 0.0], step_m, 1 + 0.1 * i) for i, place in enumerate(places)]
+
+
+def points_of(view: View, depth: np.ndarray) -> np.ndarray:
+    return np.asarray(view.centre + view.rays() * depth[..., None])
+
+
+@pytest.mark.parametrize("tilt_m", [0.0, 1.5])
+def test_measures_a_plane_between_the_planes_of_the_sweep(tilt_m: float) -> None:
+    views = around(tilt_m=tilt_m)
+    offsets = np.linspace(-0.32, 0.28, 21)  # none of them is the ground
+    depth, score = sweep(views[0], views[1:], UP, offsets, 5)
+    z = points_of(views[0], depth)[..., 2]
+    found = np.isfinite(z) & (score > 0.6)
+    assert found.mean() > 0.7
+    # A tenth of a pixel of 27 mm between views 17° apart is 9 mm.
+    assert np.median(np.abs(z[found])) < 0.006
+    assert np.percentile(np.abs(z[found]), 95) < 0.02
+    assert abs(np.median(z[found])) < 0.002
+
+
+def test_sees_a_block_and_the_ground_beside_it() -> None:
+    views = around(step_m=0.4)
+    depth, score = sweep(views[0], views[1:], UP, np.linspace(-0.2, 0.6, 28), 5)
+    seen = points_of(views[0], depth)
+    off_edge = np.abs(np.abs(seen[..., :2]).max(axis=-1) - 0.5) > 0.12  # windows that do not straddle it
+    found = np.isfinite(depth) & (score > 0.6) & off_edge
+    error = np.abs(seen[..., 2] - heights(seen[..., :2], 0.4))[found]
+    on_top = (np.abs(seen[..., :2]) < 0.38).all(axis=-1) & found
+    assert on_top.sum() > 300
+    assert np.median(error) < 0.006
+    assert np.percentile(error, 95) < 0.04
+
+
+def test_believes_nothing_where_there_is_no_contrast() -> None:
+    views = [View(np.full_like(view.grey, 90), view.K, view.T_optical_world) for view in around()]
+    depth, score = sweep(views[0], views[1:], UP, np.linspace(-0.3, 0.3, 11), 5)
+    assert np.isnan(depth).all()
+    assert (score == -1).all()
+
+
+def test_gives_no_depth_where_the_surface_is_beyond_the_sweep() -> None:
+    views = around()
+    depth, score = sweep(views[0], views[1:], UP, np.linspace(0.3, 0.8, 18), 5)
+    believed = np.isfinite(depth) & (score > 0.8)
+    assert believed.mean() < 0.02
+
+
+def test_other_depth_maps_confirm_what_is_there_and_not_what_is_not() -> None:
+    views = around()
+    truth = [(-view.centre[2] / view.rays()[..., 2]) for view in views]
+    others = list(zip(views[1:], truth[1:], strict=True))
+    settings = DepthSettings(confirmed_by=2, tolerance=0.004)
+    assert confirmed(views[0], truth[0], others, settings)[30:90, 40:120].all()
+    assert not confirmed(views[0], truth[0] * 1.02, others, settings).any()
+    assert not confirmed(views[0], np.full((120, 160), np.nan), others, settings).any()
+    none = [(view, np.full((120, 160), np.nan)) for view in views[1:]]
+    assert not confirmed(views[0], truth[0], none, settings).any()
+
+
+def test_planes_lie_along_the_ground_and_span_the_stones() -> None:
+    rng = np.random.default_rng(0)
+    slope = np.array([0.2, -0.1, 1.0]) / np.linalg.norm([0.2, -0.1, 1.0])
+    across = np.linalg.svd(slope[None])[2][1:]
+    flat = rng.uniform(-8, 8, (3000, 2)) @ across + rng.normal(0, 0.02, (3000, 1)) * slope
+    stones = rng.uniform(-2, 2, (60, 2)) @ across + rng.uniform(0, 0.9, (60, 1)) * slope
+    cameras = rng.uniform(-6, 6, (20, 2)) @ across + 8 * slope
+    ground = find_ground(np.vstack([flat, stones]), cameras, DepthSettings())
+    assert np.degrees(np.arccos(ground.normal @ slope)) < 0.2
+    assert ground.offsets_m[0] < -0.2
+    assert 1.2 < ground.offsets_m[-1] < 1.6
+    assert ground.distance_m == pytest.approx(8, abs=0.05)
+
+
+def test_fusion_means_cells_drops_lone_points_and_turns_normals_to_the_cameras() -> None:
+    rng = np.random.default_rng(0)
+    flat = np.column_stack([rng.uniform(0, 1, (4000, 2)), np.full(4000, 0.05)])
+    lone = np.array([[0.5, 0.5, 3.0]])
+    above, below = np.array([0.5, 0.5, 5.0]), np.array([0.5, 0.5, -5.0])
+    points, normals = fuse([(flat, above), (np.vstack([flat, lone]), above)], 0.1, 2)
+    assert len(points) == 100
+    assert np.allclose(points[:, 2], 0.05)
+    assert np.allclose(normals, UP, atol=1e-6)
+    assert np.allclose(fuse([(flat, below)], 0.1, 1)[1], -UP, atol=1e-6)
+    assert len(fuse([], 0.1, 1)[0]) == 0
+
+
+def test_keeps_what_lies_below_the_flight() -> None:
+    cameras = np.array([[0.0, 0, 8], [4, 0, 8], [4, 6, 8], [0, 6, 8], [2, 3, 9]])
+    points = np.array([[2.0, 3, 0], [-0.4, 3, 0], [5, 3, 0], [4.4, 6.4, 1]])
+    assert below_flight(points, cameras, 0.0).tolist() == [True, False, False, False]
+    assert below_flight(points, cameras, 0.5).tolist() == [True, True, False, True]
