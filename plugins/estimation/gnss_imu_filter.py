@@ -32,6 +32,7 @@ _JUMP_S = 2.0  # an inertial stamp so far ahead is believed if the next one agre
 _MAX_RATE_RAD_S = 35.0  # 2000 deg/s: the range of a MEMS sensor
 _MAX_FORCE_M_S2 = 160.0  # 16 g
 _STANDING_PERIOD_S = 0.1
+_DOUBT_S = 2.0  # time after which a chassis that was seen to move may be taken to stand
 
 
 class GnssImuFilter(Estimator):
@@ -72,6 +73,7 @@ class GnssImuFilter(Estimator):
         self._newest: Inertial | None = None
         self._used_fix_s = -np.inf
         self._gated = 0
+        self._moving_s = -np.inf
 
     @property
     def refused(self) -> Mapping[str, int]:
@@ -159,11 +161,17 @@ class GnssImuFilter(Estimator):
         if self._gated >= self._settings.reacquire_after:  # so many agree against the filter: it is the one to doubt
             kalman.doubt(float(np.linalg.norm(residual)), 0.5, 0.1)
             self._gated = 0
+            self._moving_s = kalman.state.stamp_s  # in doubt it would believe anything
 
     def _correct_by_standing(self, kalman: ErrorStateFilter, rate_cabin: Float) -> None:
+        """A chassis that drives smoothly looks as if it stood: what the filter contradicts once is not believed soon."""
+        if kalman.state.stamp_s - self._moving_s < _DOUBT_S:
+            return
         settings, gate = self._settings.standing, self._settings.gate
         residual, H = standing_residual(kalman.state, self._T_imu_cabin[:3, 3])
-        kalman.correct(residual, H, settings.velocity_std_m_s**2 * np.eye(3), gate)
+        if not kalman.correct(residual, H, settings.velocity_std_m_s**2 * np.eye(3), gate):
+            self._moving_s = kalman.state.stamp_s
+            return
         if np.linalg.norm(rate_cabin) < settings.rate_std_rad_s:  # encoders differentiate well at rest only
             residual, H = rate_residual(kalman.state, self._T_imu_cabin[:3, :3] @ rate_cabin)
             kalman.correct(residual, H, settings.rate_std_rad_s**2 * np.eye(3), gate)

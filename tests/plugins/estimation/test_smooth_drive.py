@@ -1,0 +1,59 @@
+"""A drive so smooth that the chassis' inertial sensor sees no difference from standing."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from executive.geometry.geodesy import geodetic_from_enu
+from executive.geometry.pose import pose
+from executive.messages.gnss import GnssFix
+from plugins.estimation.dual_graph import DualGraph
+from plugins.estimation.gnss_imu_filter import GnssImuFilter
+
+
+@pytest.fixture
+def drive(cabin):
+    """The cabin fixture on a chassis that gains 0.7 m/s within seven seconds, from the fourth on, and does not turn."""
+
+    class Drive(type(cabin)):
+        def speed(self, t: float) -> float:
+            return 0.1 * min(max(t - 4.0, 0.0), 7.0)
+
+        def T_map_cabin(self, t: float) -> np.ndarray:
+            rising_s, steady_s = min(max(t - 4.0, 0.0), 7.0), max(t - 11.0, 0.0)
+            return pose(None, np.array([0.05 * rising_s**2 + 0.7 * steady_s, 0, 0])) @ super().T_map_cabin(t)
+
+        def velocity(self, t: float, sensor: object) -> np.ndarray:
+            return super().velocity(t, sensor) + [self.speed(t), 0, 0]
+
+    return Drive(cabin.machine, swing_rad=0.0)
+
+
+def worst_m(drive, estimator, observations, feed, after_s) -> float:
+    worst = 0.0
+    for observation in observations:
+        feed(estimator, observation)
+        state = estimator.state()
+        if state.is_ready and state.stamp_s > after_s:
+            worst = max(worst, np.linalg.norm(state.T_map_cabin[:3, 3] - drive.T_map_cabin(state.stamp_s)[:3, 3]))
+    return worst
+
+
+@pytest.mark.parametrize("kind", [DualGraph, GnssImuFilter])
+def test_it_is_not_taken_for_standing(kind, drive, machine, feed) -> None:
+    estimator = kind(kind.Settings(), machine)
+    estimator.start()
+    assert worst_m(drive, estimator, drive.observations(12.0), feed, 3.0) < 0.04
+    assert {reason for reason in estimator.refused if "outlier" in reason} == set()
+
+
+def test_a_filter_in_doubt_about_its_place_does_not_believe_that_it_stands(drive, start, feed) -> None:
+    def back_and_forth(observation):
+        is_wrong = isinstance(observation, GnssFix) and 9.0 < observation.stamp_s < 14.0
+        if not is_wrong:
+            return observation
+        return replace(observation, geodetic=geodetic_from_enu(np.array([0.0, 1.0, 0.0]), observation.geodetic))
+
+    observations = map(back_and_forth, drive.observations(18.0))
+    assert worst_m(drive, start(), observations, feed, 17.0) < 0.05
