@@ -12,6 +12,8 @@ Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 Bool = NDArray[np.bool_]
 
+_SMALL = 1000  # values
+
 
 def checked(name: str, values: ArrayLike, *shape: int | None, dtype: Any = np.float64) -> NDArray[Any]:
     """Return a read-only array of the wanted shape; `None` stands for any length.
@@ -30,7 +32,9 @@ def checked(name: str, values: ArrayLike, *shape: int | None, dtype: Any = np.fl
         wanted = "(" + ", ".join("N" if n is None else str(n) for n in shape) + ")"
         raise ShapeError(f"{name} has shape {array.shape}, expected {wanted}")
     # The sum of squares is finite only if all are, and costs a fifth on small arrays; it may also overflow.
-    if array.dtype.kind == "f" and not math.isfinite(np.vdot(array, array)) and not np.isfinite(array).all():
+    # On large ones it would wake the threads of the linear algebra, which spin for milliseconds.
+    is_surely_finite = array.size <= _SMALL and array.dtype.kind == "f" and math.isfinite(np.vdot(array, array))
+    if array.dtype.kind == "f" and not is_surely_finite and not np.isfinite(array).all():
         raise ShapeError(f"{name} holds {int((~np.isfinite(array)).sum())} values that are not finite")
     view = array.view()
     view.flags.writeable = False
