@@ -64,6 +64,12 @@ class ScanFront:
         T_map_lidar = cabin_poses(motion, ends_s) @ T_cabin_lidar
         return np.asarray(place(scan.points_lidar[kept], slices[kept], fractions[kept], T_map_lidar))
 
+    def lidars_map(self, motion: Motion, stamp_s: float) -> Float:
+        """Return where the lidars are at a time, in the map [m], shape (L, 3)."""
+        frames = self._frames(motion, stamp_s)
+        T_map_base = motion.T_map_cabin_at(stamp_s) @ inverse(frames[self._machine.cabin_link])
+        return np.array([(T_map_base @ frames[lidar])[:3, 3] for lidar in self._lidars])
+
     def _frames(self, motion: Motion, stamp_s: float) -> Mapping[str, Float]:
         q = dict(zip(motion.joint_names, motion.joints_at(stamp_s), strict=True))
         missing = [name for name in self._machine.joint_names if name not in q]

@@ -1,0 +1,141 @@
+"""Where the graph is solved: in line with the scans, or beside them in a process of its own."""
+
+import logging
+import multiprocessing
+import signal
+import time
+from abc import ABC, abstractmethod
+from collections import deque
+from multiprocessing.connection import Connection
+
+from plugins.mapping.pair_graph import Node, PairGraph, Poses
+
+_log = logging.getLogger(__name__)
+_LEAVE_S = 1.0  # time that a child is given to end by itself
+_SPAWN_S = 30.0  # time that a child may take to import what it needs
+
+
+class GraphHost(ABC):
+    """Takes nodes, gives poses whenever there are new ones; never blocks for long."""
+
+    @abstractmethod
+    def add(self, node: Node) -> None:
+        """Hand a node over."""
+
+    @abstractmethod
+    def take(self) -> Poses | None:
+        """Return the newest poses, once."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Release what the host owns."""
+
+
+class InlineGraph(GraphHost):
+    """Solves at once: the same scans always give the same map."""
+
+    def __init__(self, window: int) -> None:
+        self._graph = PairGraph(window)
+        self._poses: Poses | None = None
+
+    def add(self, node: Node) -> None:
+        self._poses = self._graph.add(node)
+
+    def take(self) -> Poses | None:
+        poses, self._poses = self._poses, None
+        return poses
+
+    def close(self) -> None:
+        """Own nothing."""
+
+
+class ProcessGraph(GraphHost):
+    """Solves in a child process, for GTSAM holds the interpreter's lock through a whole update.
+
+    One batch is under way at a time. A child that died or is silent for too long, by the wall clock, the only one that
+    it obeys, is replaced; the next begins at the first node that was not answered, at the state estimate's word.
+
+    Attributes:
+        restarts: Number of children that had to be replaced.
+    """
+
+    def __init__(self, window: int, answer_within_s: float) -> None:
+        self._window = window
+        self._answer_within_s = answer_within_s
+        self.restarts = 0
+        self._sent: list[Node] = []
+        self._waiting: deque[Node] = deque()
+        self._spawn()
+
+    def _spawn(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._connection, theirs = context.Pipe()
+        self.child = context.Process(target=_serve, args=(theirs, self._window), daemon=True)
+        self.child.start()
+        theirs.close()
+        self._deadline_s: float | None = time.monotonic() + _SPAWN_S  # it answers once when it is ready
+
+    def add(self, node: Node) -> None:
+        self._waiting.append(node)
+
+    def take(self) -> Poses | None:
+        try:
+            poses = self._receive()
+            if self._deadline_s is None and self._waiting:
+                self._send()
+        except (EOFError, OSError):
+            self._replace("died")
+            return None
+        if self._deadline_s is not None and time.monotonic() > self._deadline_s:
+            self._replace("does not answer")
+        return poses
+
+    def _receive(self) -> Poses | None:
+        if self._deadline_s is None or not self._connection.poll():
+            return None
+        poses: Poses | None = self._connection.recv()
+        self._deadline_s = None
+        self._sent = []
+        return poses
+
+    def _send(self) -> None:
+        self._sent = list(self._waiting)
+        self._waiting.clear()
+        self._connection.send(self._sent)
+        self._deadline_s = time.monotonic() + self._answer_within_s
+
+    def _replace(self, reason: str) -> None:
+        _log.warning("the map's graph: its process %s; a new one begins at the next scan pair", reason)
+        self.restarts += 1
+        self._waiting.extendleft(reversed(self._sent))
+        self._sent = []
+        self._end()
+        self._spawn()
+
+    def _end(self) -> None:
+        self._connection.close()
+        self.child.kill()
+        self.child.join()
+
+    def close(self) -> None:
+        if self._deadline_s is None and self.child.is_alive():
+            self._connection.send([])
+            self.child.join(_LEAVE_S)
+        self._end()
+
+
+def _serve(connection: Connection, window: int) -> None:
+    """Answer each batch of nodes with the window's poses; an empty batch, or the parent's end, ends it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
+    graph = PairGraph(window)
+    connection.send(None)
+    while True:
+        try:
+            nodes: list[Node] = connection.recv()
+        except EOFError:
+            return
+        if not nodes:
+            return
+        for node in nodes:
+            poses = graph.add(node)
+        connection.send(poses)

@@ -1,0 +1,47 @@
+"""Where the nodes are: by the graph as far as it has answered, by odometry from there on."""
+
+from collections import deque
+
+import numpy as np
+
+from executive.arrays import Float
+from plugins.mapping.pair_graph import Poses
+
+
+class NodeTrack:
+    """Poses and increments of the newest nodes, numbered from 0 without gaps."""
+
+    def __init__(self, most: int) -> None:
+        """Begin empty; so many nodes are remembered."""
+        self._first = 0
+        self._increments: deque[Float] = deque(maxlen=most)
+        self._poses: deque[Float] = deque(maxlen=most)
+
+    @property
+    def next_number(self) -> int:
+        """Number that the next node will have."""
+        return self._first + len(self._poses)
+
+    def append(self, T_before_this: Float, T_map_cabin: Float) -> None:
+        """Add a node at its first guess."""
+        self._first += len(self._poses) == self._poses.maxlen
+        self._increments.append(T_before_this)
+        self._poses.append(T_map_cabin)
+
+    def take(self, poses: Poses) -> None:
+        """Take the graph's answer, and carry it on to the nodes that it did not know of."""
+        end = poses.first + len(poses.T_map_cabin)
+        for number in range(max(poses.first, self._first), self.next_number):
+            i = number - self._first
+            if number < end:
+                self._poses[i] = poses.T_map_cabin[number - poses.first]
+            elif i > 0:
+                self._poses[i] = self._poses[i - 1] @ self._increments[i]
+
+    def pose_of(self, number: int) -> Float:
+        """Return T_map_cabin of a node that is still remembered, shape (4, 4)."""
+        return self._poses[number - self._first]
+
+    def poses(self) -> Poses:
+        """Return all that is remembered."""
+        return Poses(self._first, np.array(self._poses))

@@ -1,0 +1,30 @@
+"""What is known of a pose, or of one pose seen from another, and how surely."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from executive.arrays import Float, checked
+from executive.errors import DataError
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseConstraint:
+    """A pose with its covariance.
+
+    Checked here, for GTSAM answers a covariance that is not a number with its first guess, and says nothing.
+
+    Attributes:
+        T: The pose, shape (4, 4).
+        covariance: As (rotation [rad], translation [m]) in the frame that T leads from, shape (6, 6), positive.
+    """
+
+    T: Float
+    covariance: Float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "T", checked("T", self.T, 4, 4))
+        P = checked("covariance", self.covariance, 6, 6)
+        object.__setattr__(self, "covariance", P)
+        if np.linalg.eigvalsh(0.5 * (P + P.T))[0] <= 0:
+            raise DataError("the covariance of a pose must be positive: a direction that is known perfectly has none")

@@ -1,0 +1,192 @@
+"""A map from a pose graph of scan pairs: odometry, scan matching, iSAM2 (Mascaro 2020, Sec. 4.2)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field
+
+from executive.arrays import Float, checked
+from executive.config import Meters, Seconds
+from executive.errors import ConfigError, DataError
+from executive.geometry.pose import inverse
+from executive.interfaces.mapping import Mapper
+from executive.messages.cloud import Cloud
+from executive.messages.lidar import LidarScan
+from executive.messages.motion import Motion
+from plugins.mapping.cylinder import Cylinder
+from plugins.mapping.graph_host import GraphHost, InlineGraph, ProcessGraph
+from plugins.mapping.map_cloud import cloud_of
+from plugins.mapping.map_settings import MapSettings
+from plugins.mapping.node_track import NodeTrack
+from plugins.mapping.odometry_noise import OdometryNoise, OdometryNoiseSettings
+from plugins.mapping.pair_graph import Node
+from plugins.mapping.pair_store import PairStore
+from plugins.mapping.scan_front import ScanFront
+from plugins.mapping.scan_matching import ScanMatcher, ScanMatchingSettings
+from plugins.mapping.scan_pair import ScanPair, assemble
+from plugins.mapping.voxel_grid import VoxelGrid
+from robot_models.machine import Machine
+
+
+class PoseGraphSettings(MapSettings):
+    """The graph, and the map that is made of it."""
+
+    process: bool = Field(False, description="Solve in a process of its own; false gives the same map on each run.")
+    answer_within_s: Seconds = Field(2.0, gt=0.05, le=60, description="A process silent for so long is replaced [s].")
+    travel_m: Meters = Field(0.01, gt=0, description="Way of a lidar until the next node, d_poses [m].")
+    pairs_at_rest: int = Field(20, ge=1, description="Most pairs that one node takes in while nothing moves.")
+    window: int = Field(300, ge=20, le=5000, description="Nodes in the graph, and pairs whose points are kept.")
+    matching: ScanMatchingSettings = Field(ScanMatchingSettings(), description="Pairs against the pairs before.")
+    odometry: OdometryNoiseSettings = Field(OdometryNoiseSettings(), description="What the state estimate is worth.")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _LastNode:
+    """What the next pair is compared with."""
+
+    number: int
+    stamp_s: float
+    T_map_cabin: Float  # by the state estimate
+    lidars_map: Float
+
+
+@dataclass(slots=True)
+class _Parts:
+    """What lives from start to close."""
+
+    front: ScanFront
+    host: GraphHost
+    matcher: ScanMatcher
+    track: NodeTrack
+    store: PairStore
+
+
+class PoseGraph(Mapper):
+    """Each pair is matched to the ten before it; the graph weighs that against the state estimate.
+
+    Deviation from the paper: pairs at rest make no node, as there, but the first few still go into the map.
+    """
+
+    Settings = PoseGraphSettings
+
+    def __init__(self, settings: PoseGraphSettings, machine: Machine) -> None:
+        self._settings = settings
+        self._machine = machine
+        self._noise = OdometryNoise(settings.odometry)
+        self._parts: _Parts | None = None
+        self._cylinder = Cylinder(settings.radius_m)
+        self._cloud: Cloud | None = None
+        self._held_radius_m = 0.0
+        self._last: _LastNode | None = None
+        self._pairs_here = 0
+        self._anchored_s = -np.inf
+
+    def start(self) -> None:
+        """Prepare the shapes, compile the inner loops, and start the graph's process if it has one."""
+        s = self._settings
+        VoxelGrid.compile()
+        self._parts = _Parts(
+            front=ScanFront(self._machine, s),
+            host=ProcessGraph(s.window, s.answer_within_s) if s.process else InlineGraph(s.window),
+            matcher=ScanMatcher(s.matching),
+            track=NodeTrack(2 * s.window),
+            store=PairStore(s.voxel_m, s.memory, s.window, 0.5 * s.radius_m),
+        )
+
+    def close(self) -> None:
+        """End the process, and give the map's memory back."""
+        if self._parts is not None:
+            self._parts.host.close()
+        self._parts = self._cloud = None
+
+    def add_scan_pair(self, scans: Sequence[LidarScan], motion: Motion) -> int:
+        """Match a pair, put it into the graph and the map.
+
+        Raises:
+            DataError: If a scan's sensor is no lidar of the machine, or the motion lacks a joint.
+        """
+        parts = self._running()
+        if self._cylinder.follow(motion.T_map_cabin[-1][:3, 3]):
+            parts.store.keep(self._cylinder.contains)
+        pair = assemble(parts.front, scans, motion, self._held_radius_m, self._cylinder)
+        if pair is None:
+            return 0
+        self._cloud = None
+        self._take_poses(parts)
+        lidars_map = parts.front.lidars_map(motion, pair.stamp_s)
+        if self._has_travelled(lidars_map):
+            self._add_node(pair, lidars_map, motion.covariance, parts)
+            self._take_poses(parts)
+        if self._last is not None and self._pairs_here < self._settings.pairs_at_rest:
+            self._pairs_here += 1
+            T_node_cabin = inverse(self._last.T_map_cabin) @ pair.T_map_cabin
+            T_map_node = parts.track.pose_of(self._last.number)
+            parts.store.add(self._last.number, pair.points_cabin, T_node_cabin, T_map_node)
+        return pair.kept
+
+    def _has_travelled(self, lidars_map: Float) -> bool:
+        if self._last is None:
+            return True
+        return bool(np.linalg.norm(lidars_map - self._last.lidars_map, axis=1).max() >= self._settings.travel_m)
+
+    def _add_node(self, pair: ScanPair, lidars_map: Float, covariance: Float | None, parts: _Parts) -> None:
+        number, last = parts.track.next_number, self._last
+        since_anchor_s = pair.stamp_s - self._anchored_s
+        is_anchor = last is None or self._noise.is_due(since_anchor_s)
+        if is_anchor:
+            self._anchored_s = pair.stamp_s
+        estimate = self._noise.anchor(pair.T_map_cabin, since_anchor_s, covariance)
+        if last is None:
+            node = Node(number, pair.T_map_cabin, estimate, is_anchor)
+            parts.track.append(np.eye(4), pair.T_map_cabin)
+        else:
+            T_before_this = inverse(last.T_map_cabin) @ pair.T_map_cabin
+            guess = parts.track.pose_of(last.number) @ T_before_this
+            odometry = self._noise.increment(T_before_this, pair.stamp_s - last.stamp_s, covariance)
+            match = parts.matcher.match(pair.points_cabin, guess, parts.track.pose_of)
+            node = Node(number, guess, estimate, is_anchor, odometry, match)
+            parts.track.append(T_before_this, guess)
+        parts.host.add(node)
+        parts.matcher.add(number, pair.points_cabin)
+        self._last = _LastNode(number, pair.stamp_s, pair.T_map_cabin, lidars_map)
+        self._pairs_here = 0
+
+    def _take_poses(self, parts: _Parts) -> None:
+        poses = parts.host.take()
+        if poses is not None:
+            parts.track.take(poses)
+            parts.store.move(parts.track.poses())
+
+    def mask_held(self, radius_m: float) -> None:
+        """Drop returns within this distance of the grasp centre, from now on."""
+        if radius_m < 0:
+            raise DataError(f"the radius around a held stone is {radius_m} m; it must not be negative")
+        self._held_radius_m = float(radius_m)
+
+    def remove_sphere(self, centre_map: Float, radius_m: float) -> int:
+        """Forget a sphere, in the stored pairs too: poses that move later do not bring it back."""
+        parts = self._running()
+        self._take_poses(parts)
+        self._cloud = None
+        return parts.store.forget_sphere(checked("centre_map", centre_map, 3), radius_m, self._settings.min_points)
+
+    def add_surface(self, points_map: Float) -> None:
+        """Put points into the map as often as makes their voxels occupied; new returns are averaged with them."""
+        parts = self._running()
+        points = checked("points_map", points_map, None, 3)
+        self._cloud = None
+        parts.store.add_surface(np.repeat(points[self._cylinder.contains(points)], self._settings.min_points, axis=0))
+
+    def cloud(self) -> Cloud:
+        """Return one point for each occupied voxel; 100 ms for 300,000 voxels, kept until the map changes."""
+        parts = self._running()
+        self._take_poses(parts)
+        if self._cloud is None or parts.store.is_stale:
+            self._cloud = cloud_of(parts.store.grid(), self._settings, self._cylinder)
+        return self._cloud
+
+    def _running(self) -> _Parts:
+        if self._parts is None:
+            raise ConfigError("the map is not started: call `start` before its first use")
+        return self._parts

@@ -1,0 +1,88 @@
+"""A scan pair against a submap of those before it (Mascaro 2020, Sec. 4.2, step 3)."""
+
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+import small_gicp
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.config import Meters, Radians, Settings
+from executive.geometry.pose import inverse, transform
+from executive.geometry.rotation import angle_between
+from plugins.mapping.pose_constraint import PoseConstraint
+from plugins.mapping.scan_pair import SinglePrecision
+
+
+class ScanMatchingSettings(Settings):
+    """The submap, the fit, and when a fit is believed."""
+
+    pairs: int = Field(10, ge=1, le=100, description="Scan pairs in the submap, m.")
+    pair_voxel_m: Meters = Field(0.2, gt=0, le=2, description="Grid edge to thin a pair [m].")
+    submap_voxel_m: Meters = Field(0.15, gt=0, le=2, description="Grid edge to thin the submap [m].")
+    neighbours: int = Field(10, ge=5, le=100, description="Points for a point's covariance.")
+    max_distance_m: Meters = Field(0.2, gt=0, le=5, description="Largest distance of a correspondence [m].")
+    least_inliers: float = Field(0.6, gt=0, le=1, description="Share of a pair's points that must match.")
+    max_shift_m: Meters = Field(0.15, gt=0, description="A larger correction of the odometry is not believed [m].")
+    max_turn_rad: Radians = Field(0.03, gt=0, description="A larger turn of it is not believed [rad].")
+    covariance_factor: float = Field(
+        0.25, gt=0, le=100, description="True variance of a fit over its inverse Hessian, measured in the simulation."
+    )
+    least_std_m: Meters = Field(5e-4, gt=0, description="No match is surer than this [m], and as much in rad / m.")
+
+
+class ScanMatcher:
+    """Keeps the last pairs, thinned, and matches the next one by generalised ICP."""
+
+    def __init__(self, settings: ScanMatchingSettings) -> None:
+        self._settings = settings
+        self._pairs: deque[tuple[int, Float]] = deque(maxlen=settings.pairs)
+
+    def match(
+        self, points_cabin: SinglePrecision, T_map_cabin: Float, pose_of: Callable[[int], Float]
+    ) -> PoseConstraint | None:
+        """Return the pair's pose in the node before, or None where there is nothing to match or to believe.
+
+        On open ground a pair tells height, roll and pitch well, and heading and place badly; the covariance says so: it
+        is the inverse Hessian of the fit, scaled by what errors against known poses were.
+
+        Args:
+            points_cabin: The pair's points [m], shape (N, 3).
+            T_map_cabin: Where odometry takes the pair to be, shape (4, 4).
+            pose_of: T_map_cabin of earlier nodes by number.
+        """
+        s = self._settings
+        if not self._pairs or not len(points_cabin):
+            return None
+        T_before_map = inverse(pose_of(self._pairs[-1][0]))
+        around = np.vstack([transform(T_before_map @ pose_of(node), points) for node, points in self._pairs])
+        submap, tree = small_gicp.preprocess_points(around, s.submap_voxel_m, s.neighbours, 1)
+        pair, _ = small_gicp.preprocess_points(points_cabin.astype(np.float64), s.pair_voxel_m, s.neighbours, 1)
+        guess = T_before_map @ T_map_cabin
+        result = small_gicp.align(
+            submap, pair, tree, guess, max_correspondence_distance=s.max_distance_m, num_threads=1, max_iterations=20
+        )
+        return self._believed(result, pair.size(), guess)
+
+    def add(self, node: int, points_cabin: SinglePrecision) -> None:
+        """Let a node's pair join the submap, and the oldest leave it."""
+        if len(points_cabin):
+            thinned = small_gicp.voxelgrid_sampling(points_cabin.astype(np.float64), self._settings.pair_voxel_m, 1)
+            self._pairs.append((node, thinned.points()[:, :3]))
+
+    def forget(self) -> None:
+        """Begin a new submap."""
+        self._pairs.clear()
+
+    def _believed(self, result: small_gicp.RegistrationResult, size: int, guess: Float) -> PoseConstraint | None:
+        s, T = self._settings, np.array(result.T_target_source)
+        if not (result.converged and result.num_inliers >= s.least_inliers * size and np.isfinite(T).all()):
+            return None
+        shift_m = np.linalg.norm(T[:3, 3] - guess[:3, 3])
+        if shift_m > s.max_shift_m or angle_between(T[:3, :3], guess[:3, :3]) > s.max_turn_rad:
+            return None
+        H = np.array(result.H)
+        if not np.isfinite(H).all() or np.linalg.eigvalsh(H)[0] <= 0:
+            return None
+        return PoseConstraint(T, s.covariance_factor * np.linalg.inv(H) + s.least_std_m**2 * np.eye(6))

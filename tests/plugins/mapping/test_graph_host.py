@@ -1,0 +1,66 @@
+"""The graph beside its caller gives the poses of the graph in line with it, and outlives its process."""
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+
+from executive.geometry.pose import pose
+from plugins.mapping.graph_host import InlineGraph, ProcessGraph
+from plugins.mapping.pair_graph import Node, Poses
+from plugins.mapping.pose_constraint import PoseConstraint
+
+P = 1e-4 * np.eye(6)
+STEP = pose(t=np.array([0.1, 0.0, 0.0]))
+
+
+def node(number: int) -> Node:
+    T = pose(t=np.array([0.1 * number, 0.0, 0.0]))
+    return Node(number, T, PoseConstraint(T, P), number % 3 == 0, PoseConstraint(STEP, P) if number else None)
+
+
+@pytest.fixture(scope="module")
+def beside() -> Iterator[ProcessGraph]:
+    host = ProcessGraph(20, answer_within_s=20.0)
+    yield host
+    host.close()
+
+
+def answered(host: ProcessGraph, is_enough: Callable[[Poses], bool]) -> Poses:
+    for _ in range(6000):
+        poses = host.take()
+        if poses is not None and is_enough(poses):
+            return poses
+        time.sleep(0.01)
+    raise AssertionError("no answer within a minute")
+
+
+def end(poses: Poses) -> int:
+    return poses.first + len(poses.T_map_cabin)
+
+
+def test_it_answers_as_the_graph_in_line_does_and_survives_its_process(
+    beside: ProcessGraph, caplog: pytest.LogCaptureFixture
+) -> None:
+    inline = InlineGraph(20)
+    for k in range(12):
+        inline.add(node(k))
+        beside.add(node(k))
+    there = answered(beside, lambda poses: end(poses) == 12)
+    here = inline.take()
+    assert here is not None
+    np.testing.assert_array_equal(there.T_map_cabin, here.T_map_cabin)
+    assert inline.take() is None
+
+    os.kill(beside.child.pid, signal.SIGKILL)
+    beside.child.join()
+    for k in range(12, 16):
+        beside.add(node(k))
+        beside.take()
+    after = answered(beside, lambda poses: end(poses) == 16)
+    assert beside.restarts == 1
+    assert "died" in caplog.text
+    np.testing.assert_allclose(after.T_map_cabin[-1], node(15).T_map_cabin, atol=1e-6)
