@@ -164,7 +164,7 @@ class GnssImuFilter(Estimator):
             self._moving_s = kalman.state.stamp_s  # in doubt it would believe anything
 
     def _correct_by_standing(self, kalman: ErrorStateFilter, rate_cabin: Float) -> None:
-        """A chassis that drives smoothly looks as if it stood: what the filter contradicts once is not believed soon."""
+        """A chassis that drives smoothly looks as if it stood: what the filter contradicts is not believed soon."""
         if kalman.state.stamp_s - self._moving_s < _DOUBT_S:
             return
         settings, gate = self._settings.standing, self._settings.gate
