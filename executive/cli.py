@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from executive.estimate.commands import compare_estimators, estimate
 from executive.perception.align import align
 from executive.perception.commands import register, segment
 from executive.perception.grasp import grasp
@@ -52,6 +53,8 @@ app.command()(register)
 app.command()(align)
 app.command()(grasp)
 app.command()(objects)
+app.command()(estimate)
+app.command("compare-estimators")(compare_estimators)
 
 MissionArgument = Annotated[
     str, typer.Argument(metavar="MISSION", help="A mission file, or the name of a shipped one.")
@@ -59,20 +62,6 @@ MissionArgument = Annotated[
 SetOption = Annotated[
     list[str] | None, typer.Option("--set", metavar="K=V", help="Override a setting: robot.site.stones.count=3.")
 ]
-LogArgument = Annotated[
-    Path, typer.Argument(metavar="LOG", help="An .mcap file, a .bag file, or a ROS 2 bag's folder.")
-]
-DropOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--drop", metavar="SENSOR:FROM:TO", help="Leave a sensor out, seconds since the log began: gnss:120:165."
-    ),
-]
-TopicOption = Annotated[
-    list[str] | None, typer.Option("--topic", metavar="KIND=NAME", help="Name a topic: imu=/car/imu, gnss=/car/fix.")
-]
-OdometryOption = Annotated[str, typer.Option(help="Odometry plugin for lidar scans; empty to leave them alone.")]
-MachineOption = Annotated[str | None, typer.Option(help="Description of the machine; the log's own by default.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Answer on standard output, for machines.")]
 
 
@@ -157,59 +146,6 @@ def show(
         _answer(resolved_document(description))
     else:
         print(export(description, str(form)))
-
-
-@app.command()
-def estimate(  # noqa: PLR0913 - the options of the command line, each a parameter to typer
-    log: LogArgument,
-    out: Annotated[Path, typer.Option(help="Trajectory (TUM); report and plot go beside it.")],
-    estimator: Annotated[str, typer.Option(help="Name of an estimation plugin.")] = "gnss_imu_filter",
-    drop: DropOption = None,
-    topic: TopicOption = None,
-    machine: MachineOption = None,
-    odometry: OdometryOption = "scan_to_submap",
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", metavar="K=V", help="Override a setting of the estimator: lag_s=0.2.")
-    ] = None,
-    realtime: Annotated[bool, typer.Option("--realtime", help="Feed the log at its own pace.")] = False,
-    as_json: JsonOption = False,
-) -> None:
-    """Run an estimator over a recorded log: trajectory, report and plot."""
-    from executive.estimate.files import write_files
-    from executive.estimate.run import Material, Options
-    from executive.estimate.run import estimate as run_estimator
-
-    options = Options(machine, topic or (), drop or (), set_ or (), odometry, realtime)
-    material = Material.read(log, options)
-    estimated = run_estimator(material, estimator, options)
-    paths = write_files(out, material, estimated)
-    _say(f"{estimator} on {log}: {len(estimated.track.stamps_s)} states, {', '.join(map(str, paths))}")
-    if as_json:
-        _answer(estimated.report)
-
-
-@app.command("compare-estimators")
-def compare_estimators(
-    log: LogArgument,
-    estimator: Annotated[list[str] | None, typer.Option(help="Which to compare; all that are installed.")] = None,
-    drop: DropOption = None,
-    topic: TopicOption = None,
-    machine: MachineOption = None,
-    odometry: OdometryOption = "scan_to_submap",
-    as_json: JsonOption = False,
-) -> None:
-    """Run estimators over one log and lay their figures side by side."""
-    from executive.estimate.compare import compare, table
-    from executive.estimate.run import Material, Options
-    from executive.registry import installed
-
-    options = Options(machine, topic or (), drop or (), odometry=odometry)
-    names = estimator or [plugin.name for plugin in installed("estimation")]
-    reports = compare(Material.read(log, options), names, options)
-    if as_json:
-        _answer(reports)
-    else:
-        print(table(reports))
 
 
 @app.command()

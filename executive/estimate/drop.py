@@ -45,15 +45,16 @@ class Drop:
 
     def takes(self, observation: Observation | LidarIncrement) -> bool:
         """Return whether an observation falls into the outage."""
-        if isinstance(observation, LidarIncrement):
-            stamp_s, name = observation.to_s, observation.frame
-        else:
-            stamp_s = observation.stamp_s
-            name = _sensor_of(observation)
-        return self.sensor in (_KINDS[type(observation)], name) and self.from_s <= stamp_s < self.to_s
+        stamp_s = observation.to_s if isinstance(observation, LidarIncrement) else observation.stamp_s
+        return self.from_s <= stamp_s < self.to_s and is_of(observation, self.sensor)
 
 
-def _sensor_of(observation: Observation) -> str:
+def is_of(observation: Observation | LidarIncrement, sensor: str) -> bool:
+    """Return whether an observation is of a sensor, given by its kind or by the name of its frame."""
+    return sensor in (_KINDS[type(observation)], _name_of(observation))
+
+
+def _name_of(observation: Observation | LidarIncrement) -> str:
     if isinstance(observation, GnssFix):
         return observation.antenna
     return "" if isinstance(observation, JointSample) else observation.frame

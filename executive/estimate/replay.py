@@ -52,8 +52,8 @@ class Replayer:
         """Feed everything, as fast as it goes, or at a clock's pace."""
         started_s = wall_s()
         for arrival in arrivals:
-            if clock is not None:
-                clock.advance(max(0.0, arrival.arrival_s - clock.now_s()))
+            while clock is not None and (early_s := arrival.arrival_s - clock.now_s()) > 0:
+                clock.advance(early_s)  # a clock counts from its last tick, not from now: once is not always enough
             self._take(arrival.observation)
         self._replay.wall_s = wall_s() - started_s
         self._replay.refused = dict(getattr(self._estimator, "refused", {}))

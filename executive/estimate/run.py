@@ -1,6 +1,6 @@
 """One estimator over one log, from options to report."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -16,6 +16,7 @@ from executive.config import Settings
 from executive.errors import ConfigError, DataError
 from executive.estimate.drop import Drop
 from executive.estimate.measures import FixErrors, Track, consistency, fix_errors, outages, spread, statistics
+from executive.estimate.offset import Offset
 from executive.estimate.replay import Replay, Replayer
 from executive.interfaces.estimation import Estimator
 from executive.interfaces.odometry import LidarOdometry
@@ -45,6 +46,7 @@ class Options:
         machine: Name of a machine's description; none for the log's own.
         topics: `KIND=NAME` pairs.
         drops: Outages to make.
+        offsets: `SENSOR:SECONDS`, what is added to the stamps of a sensor.
         settings: `KEY=VALUE` pairs for the estimator, dots for nested ones.
         odometry: Name of the lidar odometry for logs that hold scans; empty to leave them alone.
         is_realtime: Whether to feed at the log's own pace.
@@ -53,6 +55,7 @@ class Options:
     machine: str | None = None
     topics: Sequence[str] = ()
     drops: Sequence[str] = ()
+    offsets: Sequence[str] = ()
     settings: Sequence[str] = ()
     odometry: str = "scan_to_submap"
     is_realtime: bool = False
@@ -77,7 +80,8 @@ class Material:
         """
         log = Log(path, _validated(Topics, _nested(options.topics), "--topic"))
         rig = log.rig(options.machine)
-        arrivals = list(_without_scans(log, options, rig))
+        offsets = tuple(map(Offset.parse, options.offsets))
+        arrivals = list(_without_scans((_moved(arrival, offsets) for arrival in log.arrivals()), options, rig))
         fixes = [a.observation for a in arrivals if isinstance(a.observation, GnssFix)]
         first = next((fix for fix in fixes if fix.is_rtk_fixed), None)
         if first is None:
@@ -178,11 +182,11 @@ def _made(plugin: type[Plugin], settings: Settings, rig: Rig) -> Any:
     return plugin(settings, **{name: services[name] for name in needed})  # type: ignore[call-arg]
 
 
-def _without_scans(log: Log, options: Options, rig: Rig) -> Iterator[Arrival]:
+def _without_scans(arrivals: Iterable[Arrival], options: Options, rig: Rig) -> Iterator[Arrival]:
     """Yield a log's arrivals, its lidar scans turned into increments: a hundredth of the memory, and once for all."""
     odometry = _odometry(options, rig)
     try:
-        for arrival in log.arrivals():
+        for arrival in arrivals:
             if not isinstance(arrival.observation, LidarScan):
                 yield arrival
             if odometry is None:
@@ -217,6 +221,13 @@ def _followed(odometry: LidarOdometry, observation: Observation | LidarIncrement
         case JointSample():
             odometry.add_joints(observation)
     return None
+
+
+def _moved(arrival: Arrival, offsets: Sequence[Offset]) -> Arrival:
+    observation = arrival.observation
+    for offset in offsets:
+        observation = offset.applied(observation)
+    return arrival if observation is arrival.observation else Arrival(arrival.arrival_s, observation)
 
 
 def _nested(pairs: Sequence[str]) -> dict[str, Any]:

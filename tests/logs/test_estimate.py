@@ -7,11 +7,16 @@ import sys
 import numpy as np
 import pytest
 
+from executive.clock import WallClock
 from executive.errors import ConfigError, DataError
 from executive.estimate.compare import compare, table
 from executive.estimate.drop import Drop
 from executive.estimate.files import write_files
+from executive.estimate.replay import Replayer
 from executive.estimate.run import Material, Options, estimate
+from executive.interfaces.estimation import Estimator
+from executive.messages.base_state import BaseState
+from executive.messages.gnss import GnssFix
 
 NAME = "gnss_imu_filter"
 
@@ -82,6 +87,8 @@ def test_a_log_without_rest_says_what_is_missing(car_log):
     [
         ({"drops": ["gnss:5"]}, "not SENSOR:FROM:TO"),
         ({"drops": ["gnss:9:5"]}, "ends before it begins"),
+        ({"offsets": ["gnss"]}, "not SENSOR:SECONDS"),
+        ({"offsets": ["gnss:late"]}, "not SENSOR:SECONDS"),
         ({"topics": ["imuu=/x"]}, "imuu"),
         ({"settings": ["lag_s=-1"]}, "lag_s"),
         ({"settings": ["lag_s"]}, "not KEY=VALUE"),
@@ -99,6 +106,59 @@ def test_a_drop_names_a_kind_or_a_frame(car_log):
         taken = [a.observation for a in arrivals if Drop(sensor, 1.0, 2.0).takes(a.observation)]
         assert {type(o).__name__ for o in taken} == {kind}
         assert all(1.0 <= o.stamp_s < 2.0 for o in taken)
+
+
+def test_an_offset_moves_the_stamps_of_its_sensor_alone(car_log):
+    plain, moved = (Material.read(car_log, Options(offsets=o)).arrivals for o in ((), ("gnss:0.25", "lidar:9")))
+    for before, after in zip(plain, moved, strict=True):
+        by_s = 0.25 if isinstance(before.observation, GnssFix) else 0.0
+        assert after.observation.stamp_s == before.observation.stamp_s + by_s
+        assert after.arrival_s == before.arrival_s
+
+
+class Time:
+    """Stands in for the time module: waits end 2 ms late, and 3 ms pass whenever a sample is taken."""
+
+    now_s = 100.0
+
+    def monotonic(self):
+        return self.now_s
+
+    def sleep(self, seconds):
+        self.now_s += seconds + 0.002
+
+
+class Slow(Estimator):
+    """Notes when it is fed, since the beginning."""
+
+    def __init__(self, time):
+        self.time, self.fed_s, self.stamps_s = time, [], []
+
+    def add_imu(self, sample):
+        self.fed_s.append(self.time.now_s - 100.0)
+        self.stamps_s.append(sample.stamp_s)
+        self.time.now_s += 0.003
+
+    def add_gnss(self, fix): ...
+
+    def add_odometry(self, increment): ...
+
+    def add_joints(self, sample): ...
+
+    def state(self):
+        nowhere = np.eye(4)
+        return BaseState(0.0, nowhere, nowhere, nowhere, np.zeros(3), np.zeros(3), np.eye(6), "INITIALISING")
+
+
+def test_at_its_own_pace_a_log_is_fed_when_it_was_recorded(car_log, monkeypatch):
+    time = Time()
+    monkeypatch.setattr("executive.clock.time", time)
+    slow = Slow(time)
+    Replayer(slow, "imu", ()).run(Material.read(car_log, Options()).arrivals, WallClock())
+    late_s = np.array(slow.fed_s) - slow.stamps_s
+    assert len(late_s) == 1400
+    assert late_s.min() > -1e-6
+    assert late_s.max() < 0.006  # lateness does not add up
 
 
 def test_trajectories_report_and_plot_are_written(whole, tmp_path):
