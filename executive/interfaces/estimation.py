@@ -1,6 +1,7 @@
 """State estimation: inertial, satellite, lidar and joint measurements to one state."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 from executive.interfaces.plugin import Plugin
 from executive.messages.base_state import BaseState
@@ -8,6 +9,7 @@ from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.odometry import LidarIncrement
+from executive.messages.status_change import StatusChange
 
 
 class Estimator(Plugin, ABC):
@@ -32,3 +34,7 @@ class Estimator(Plugin, ABC):
     @abstractmethod
     def state(self) -> BaseState:
         """Return the newest state; its status says whether it may be used."""
+
+    def account(self) -> Sequence[StatusChange]:
+        """Return the changes of the status since the start, with their reasons; none where no account is kept."""
+        return ()

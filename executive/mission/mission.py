@@ -13,6 +13,7 @@ from executive.interfaces.robot import Robot
 from executive.journal import Journal
 from executive.logs.recorder import Recorder
 from executive.messages.base_state import BaseState
+from executive.messages.status_change import StatusChange
 from executive.messages.stone import Stone
 from executive.messages.verdict import Verdict
 from executive.mission.assembly import Assembly
@@ -74,7 +75,7 @@ class Mission(Runtime):
             kinematics=Kinematics(machine),
             plugins=setup.assembly.plugins,
             jobs=setup.jobs,
-            streams=Streams(setup.assembly.plugins, lidars, self._take_verdict),
+            streams=Streams(setup.assembly.plugins, lidars, self._take_verdict, self._take_status),
             entries=setup.journal.entries,
             record=self.record,
             show=self.show,
@@ -222,6 +223,10 @@ class Mission(Runtime):
         self.services.verdicts.append(verdict)
         self.show("verdict", verdict)
         self.record("verdict", "", {"monitor": verdict.monitor, "trouble": verdict.trouble, "detail": verdict.detail})
+
+    def _take_status(self, change: StatusChange) -> None:
+        payload = {"from": change.before, "to": change.after, "stamp_s": change.stamp_s, "reason": change.reason}
+        self.record("estimator_status", "", payload)
 
     def _change(self, phase: Phase, reason: str) -> None:
         self.record("phase", "", {"from": self.phase, "to": phase, "reason": reason})

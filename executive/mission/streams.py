@@ -18,6 +18,7 @@ from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
 from executive.messages.observation import Observation
+from executive.messages.status_change import StatusChange
 from executive.messages.verdict import Verdict
 
 _HISTORY_S = 1.0  # a scan pair spans at most two revolutions of 0.1 s, plus the sensors' latency
@@ -27,7 +28,11 @@ class Streams:
     """Feeds the stream plugins and keeps the newest values for snapshots."""
 
     def __init__(
-        self, plugins: Mapping[str, Any], lidars: Sequence[str], on_verdict: Callable[[Verdict], None]
+        self,
+        plugins: Mapping[str, Any],
+        lidars: Sequence[str],
+        on_verdict: Callable[[Verdict], None],
+        on_status: Callable[[StatusChange], None] = lambda change: None,
     ) -> None:
         self._estimator: Estimator = plugins["estimation"]
         self._odometry: LidarOdometry | None = plugins.get("odometry")
@@ -35,6 +40,9 @@ class Streams:
         self._monitors: Sequence[Monitor] = plugins.get("monitoring", ())
         self._lidars = tuple(lidars)
         self._on_verdict = on_verdict
+        self._on_status = on_status
+        self._status = "INITIALISING"
+        self._told = 0  # changes of the estimator's account that have been handed on
         self._history: deque[tuple[float, BaseState, JointSample]] = deque()
         self._scans: dict[str, LidarScan] = {}
         self.joints: JointSample | None = None
@@ -51,6 +59,17 @@ class Streams:
         }
         for observation in observations:
             handlers[type(observation)](observation)
+        self._tell_status()
+
+    def _tell_status(self) -> None:
+        """Hand on each change of the estimator's status once: with its reason, or as it shows where none is given."""
+        account = self._estimator.account()
+        state = self._estimator.state()
+        for change in account[self._told :]:
+            self._on_status(change)
+        if len(account) == self._told and state.status != self._status:
+            self._on_status(StatusChange(state.stamp_s, self._status, state.status, ""))
+        self._told, self._status = len(account), state.status
 
     def state(self) -> BaseState:
         """Return the newest state estimate."""

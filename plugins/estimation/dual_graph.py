@@ -1,7 +1,7 @@
 """Estimation by two factor graphs over inertial, satellite and lidar measurements, propagated at each sample."""
 
 from collections import Counter, deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.odometry import LidarIncrement
+from executive.messages.status_change import StatusChange
 from plugins.estimation.cabin_report import CabinReport
 from plugins.estimation.cabin_sensors import antennas_in_imu, cabin_imu
 from plugins.estimation.chassis import StandingDetector, TurnJoint
@@ -190,6 +191,9 @@ class DualGraph(Estimator):
     def _hand_over(self, measurement: Measurement) -> None:
         if self._is_begun and measurement.stamp_s > self._begun_s:
             self._host.add(measurement)
+
+    def account(self) -> Sequence[StatusChange]:
+        return [StatusChange(c.stamp_s, str(c.before), str(c.after), c.reason) for c in self.changes]
 
     def state(self) -> BaseState:
         if self._head is None or not self._is_begun or not self._turn.is_known:

@@ -1,0 +1,20 @@
+"""A change of how an estimator stands."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class StatusChange:
+    """One change of an estimator's status.
+
+    Attributes:
+        stamp_s: Time of the measurement, or of its absence, that caused it [s].
+        before: The status that ended.
+        after: The status that began.
+        reason: In words; empty where the estimator gives none.
+    """
+
+    stamp_s: float
+    before: str
+    after: str
+    reason: str
