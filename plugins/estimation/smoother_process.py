@@ -2,6 +2,7 @@
 
 import logging
 import multiprocessing
+import select
 import signal
 import time
 from abc import ABC, abstractmethod
@@ -14,14 +15,16 @@ from plugins.estimation.graph_measurements import Measurement
 from plugins.estimation.graph_smoother import GraphSmoother
 from plugins.estimation.inertial_noise import InertialNoise
 from plugins.estimation.inertial_state import Inertial, InertialState
+from plugins.estimation.smoother_parcel import estimate_of, packed_estimate, packed_samples, samples_of
 from plugins.estimation.smoother_settings import SmootherSettings
 
 _log = logging.getLogger(__name__)
 _LEAVE_S = 1.0  # time that a child is given to end by itself
 _SPAWN_S = 30.0  # time that a child may take to import what it needs
+_MOST_SAMPLES = 20  # that wait for a measurement to be sent along with
 
 _Start = tuple[InertialState, Float]
-_Batch = tuple[_Start | None, list[Inertial], list[Measurement]]
+_Batch = tuple[_Start | None, Float, list[Measurement]]
 
 
 class SmootherHost(ABC):
@@ -68,7 +71,8 @@ class InlineSmoother(SmootherHost):
 class ProcessSmoother(SmootherHost):
     """Updates in a child process, for GTSAM holds the interpreter's lock through a whole update.
 
-    One batch is under way at a time, so that a child which hangs never blocks the sender. A child that died, or does
+    One batch is under way at a time, so that a child which hangs never blocks the sender, and what has nothing to
+    correct waits: an inertial sample by itself only asks whether there is an answer. A child that died, or does
     not answer in time by the wall clock, the only one that a hung child obeys, is replaced by one that begins at the
     last estimate.
 
@@ -94,6 +98,8 @@ class ProcessSmoother(SmootherHost):
         self.child = context.Process(target=_serve, args=(theirs, self._settings, self._noise), daemon=True)
         self.child.start()
         theirs.close()
+        self._answered = select.poll()
+        self._answered.register(self._connection.fileno(), select.POLLIN)
         self._deadline_s: float | None = time.monotonic() + _SPAWN_S  # it answers once when it is ready
 
     def begin(self, state: InertialState, covariance: Float) -> None:
@@ -104,13 +110,18 @@ class ProcessSmoother(SmootherHost):
 
     def add(self, measurement: Measurement) -> None:
         self._measurements.append(measurement)
+        if self._deadline_s is None and self._samples and measurement.stamp_s <= self._samples[-1].stamp_s:
+            try:
+                self._send()
+            except OSError:
+                self._replace("died")
 
     def add_sample(self, sample: Inertial) -> Estimate | None:
         self._samples.append(sample)
         self._since.append(sample)
         try:
             estimate = self._receive()
-            if self._deadline_s is None:
+            if self._deadline_s is None and (self._measurements or len(self._samples) >= _MOST_SAMPLES or self._start):
                 self._send()
         except (EOFError, OSError):
             self._replace("died")
@@ -121,9 +132,9 @@ class ProcessSmoother(SmootherHost):
 
     def _receive(self) -> Estimate | None:
         """Return the estimate that the child has answered, if it has, and if it is of the present start."""
-        if self._deadline_s is None or not self._connection.poll():
+        if self._deadline_s is None or not self._answered.poll(0):
             return None
-        estimate: Estimate | None = self._connection.recv()
+        estimate = estimate_of(self._connection.recv_bytes())
         self._deadline_s = None
         if estimate is None or self._start is not None:
             return None
@@ -135,7 +146,7 @@ class ProcessSmoother(SmootherHost):
     def _send(self) -> None:
         if self._last is None:
             return
-        self._connection.send((self._start, self._samples, self._measurements))
+        self._connection.send((self._start, packed_samples(self._samples), self._measurements))
         self._start = None
         self._samples, self._measurements = [], []
         self._deadline_s = time.monotonic() + self._answer_within_s
@@ -163,19 +174,19 @@ class ProcessSmoother(SmootherHost):
 def _serve(connection: Connection, settings: SmootherSettings, noise: InertialNoise) -> None:
     """Answer each batch with an estimate, or None where it brought nothing new; end with the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
-    connection.send(None)
     smoother: GraphSmoother | None = None
-    while True:
-        try:
+    try:
+        connection.send_bytes(packed_estimate(None))
+        while True:
             batch: _Batch | None = connection.recv()
-        except EOFError:
-            return
-        if batch is None:
-            return
-        start, samples, measurements = batch
-        if start is not None:
-            smoother = GraphSmoother(settings, noise, *start)
-        connection.send(_updated(smoother, samples, measurements))
+            if batch is None:
+                return
+            start, rows, measurements = batch
+            if start is not None:
+                smoother = GraphSmoother(settings, noise, *start)
+            connection.send_bytes(packed_estimate(_updated(smoother, samples_of(rows), measurements)))
+    except (EOFError, OSError):  # nobody is there any more
+        return
 
 
 def _updated(
