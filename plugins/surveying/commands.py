@@ -39,8 +39,9 @@ def survey(
     write_parts(out, [found.cloud.points])
     alignment = found.alignment
     print(
-        f"{len(found.names)} of {found.pictures} pictures found their place; positions are {alignment.residual_m:.2f} m "
-        f"off, the scale is known to ±{alignment.scale_error:.1%}\n  {len(found.cloud)} points   {out}",
+        f"{len(found.names)} of {found.pictures} pictures found their place\n"
+        f"  positions  {alignment.residual_m:.2f} m off (RMS), the scale is known to ±{alignment.scale_error:.1%}\n"
+        f"  points     {len(found.cloud)}   {out}",
         file=sys.stderr,
     )
     if as_json:

@@ -132,14 +132,16 @@ def _drawn(other, H, shape):  # type: ignore[no-untyped-def]
     drawn = np.zeros(shape, np.float32)
     is_seen = np.zeros(shape, np.bool_)
     for v in range(height):
+        x0, y0, w0 = H[0, 1] * v + H[0, 2], H[1, 1] * v + H[1, 2], H[2, 1] * v + H[2, 2]
         for u in range(width):
-            w = H[2, 0] * u + H[2, 1] * v + H[2, 2]
-            x = (H[0, 0] * u + H[0, 1] * v + H[0, 2]) / w if w > 0 else -1.0
-            y = (H[1, 0] * u + H[1, 1] * v + H[1, 2]) / w if w > 0 else -1.0
-            if not (0 <= x < columns - 1 and 0 <= y < rows - 1):
+            w = H[2, 0] * u + w0
+            if w <= 0:
+                continue
+            x, y = (H[0, 0] * u + x0) / w, (H[1, 0] * u + y0) / w
+            if x < 0 or y < 0 or x >= columns - 1 or y >= rows - 1:
                 continue
             i, j = int(y), int(x)
-            a, b = np.float32(y - i), np.float32(x - j)
+            a, b = y - np.float32(i), x - np.float32(j)
             top = other[i, j] + b * (other[i, j + 1] - other[i, j])
             low = other[i + 1, j] + b * (other[i + 1, j + 1] - other[i + 1, j])
             drawn[v, u] = top + a * (low - top)
@@ -151,17 +153,44 @@ def _drawn(other, H, shape):  # type: ignore[no-untyped-def]
 def _correlation(grey, mean, deviation, drawn, is_seen, half):  # type: ignore[no-untyped-def]
     """Return the normalised cross-correlation over windows; −1 where one has no contrast or is not all seen."""
     height, width = grey.shape
-    m, squares, products = _box(drawn, half), _box(drawn * drawn, half), _box(drawn * grey, half)
+    size = 2 * half + 1
     score = np.full(grey.shape, np.float32(-1))
-    for v in range(half, height - half):
-        for u in range(half, width - half):
-            is_whole = is_seen[v - half, u - half] and is_seen[v - half, u + half]
-            is_whole &= is_seen[v + half, u - half] and is_seen[v + half, u + half]
-            variance = squares[v, u] - m[v, u] * m[v, u]
-            if is_whole and variance > _LEAST_DEVIATION**2 and deviation[v, u] > _LEAST_DEVIATION:
-                covariance = products[v, u] - m[v, u] * mean[v, u]
-                score[v, u] = covariance / (deviation[v, u] * np.sqrt(variance))
+    sums = np.zeros((3, width))  # down each column of the window: of the drawn, of its square, of the product
+    for v in range(height):
+        for u in range(width):
+            d, g = drawn[v, u], grey[v, u]
+            sums[0, u] += d
+            sums[1, u] += d * d
+            sums[2, u] += d * g
+            if v >= size:
+                d, g = drawn[v - size, u], grey[v - size, u]
+                sums[0, u] -= d
+                sums[1, u] -= d * d
+                sums[2, u] -= d * g
+        if v >= size - 1:
+            _score_row(v - half, half, sums, mean, deviation, is_seen, score)
     return score
+
+
+@njit(cache=True)
+def _score_row(v, half, sums, mean, deviation, is_seen, score):  # type: ignore[no-untyped-def]
+    """Slide the window along one row."""
+    low, high = v - half, v + half
+    area = (2 * half + 1) ** 2
+    a, b, c = 0.0, 0.0, 0.0
+    for u in range(mean.shape[1]):
+        a, b, c = a + sums[0, u], b + sums[1, u], c + sums[2, u]
+        if u > 2 * half:
+            left = u - 2 * half - 1
+            a, b, c = a - sums[0, left], b - sums[1, left], c - sums[2, left]
+        i = u - half
+        if i < half or deviation[v, i] <= _LEAST_DEVIATION:
+            continue
+        if not (is_seen[low, i - half] and is_seen[low, u] and is_seen[high, i - half] and is_seen[high, u]):
+            continue
+        variance = b / area - (a / area) ** 2
+        if variance > _LEAST_DEVIATION**2:
+            score[v, i] = (c / area - a / area * mean[v, i]) / (deviation[v, i] * np.sqrt(variance))
 
 
 @njit(cache=True)

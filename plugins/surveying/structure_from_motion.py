@@ -21,8 +21,8 @@ class MotionSettings(Settings):
         None, gt=0.1, lt=2.8, description="Opening angle across the picture's width [rad]; from its tags, or guessed."
     )
     feature_px: int = Field(1000, ge=200, le=8000, description="Pictures are thinned to this side for features [px].")
-    features: int = Field(3000, ge=200, le=20000, description="Most features of a picture.")
-    neighbours: int = Field(10, ge=3, le=200, description="Each picture is matched with so many nearest ones.")
+    features: int = Field(2000, ge=200, le=20000, description="Most features of a picture.")
+    neighbours: int = Field(8, ge=3, le=200, description="Each picture is matched with so many nearest ones.")
     least_registered: float = Field(0.7, gt=0, le=1, description="Share of the pictures that must find their place.")
 
 
