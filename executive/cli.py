@@ -12,11 +12,12 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from executive.estimate.commands import compare_estimators, estimate
+from executive.estimate.commands import estimate
 from executive.perception.align import align
 from executive.perception.commands import register, segment
 from executive.perception.grasp import grasp
 from executive.perception.objects import objects
+from executive.rehearsal.commands import compare_estimators
 
 
 class _Verbs(TyperGroup):

@@ -59,30 +59,6 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
         _answer(estimated.report)
 
 
-def compare_estimators(  # noqa: PLR0913 - as above
-    log: LogArgument,
-    estimator: Annotated[list[str] | None, typer.Option(help="Which to compare; all that are installed.")] = None,
-    drop: DropOption = None,
-    offset: OffsetOption = None,
-    topic: TopicOption = None,
-    machine: MachineOption = None,
-    odometry: OdometryOption = "scan_to_submap",
-    as_json: JsonOption = False,
-) -> None:
-    """Run estimators over one log and lay their figures side by side."""
-    from executive.estimate.compare import compare, table
-    from executive.estimate.run import Material, Options
-    from executive.registry import installed
-
-    options = Options(machine, topic or (), drop or (), offset or (), odometry=odometry)
-    names = estimator or [plugin.name for plugin in installed("estimation")]
-    reports = compare(Material.read(log, options), names, options)
-    if as_json:
-        _answer(reports)
-    else:
-        print(table(reports))
-
-
 def _say(text: str) -> None:
     print(text, file=sys.stderr)
 

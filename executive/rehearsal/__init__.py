@@ -1,0 +1,1 @@
+"""Missions run once and recorded, for estimators to be compared on."""
