@@ -3,40 +3,91 @@
 from itertools import product
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+from numba import njit
+from numpy.typing import NDArray
 
 from executive.arrays import Float, Int
 
 _BITS = 21  # a voxel's index along an axis; three of them fill 63 bits
-_NEIGHBOURS = np.array([d for d in product((-1, 0, 1), repeat=3) if d > (0, 0, 0)])  # each pair once: 13 of 26
+_OFFSETS = np.array(  # each pair of neighbours once: 13 of 26
+    [(x << (2 * _BITS)) + (y << _BITS) + z for x, y, z in product((-1, 0, 1), repeat=3) if (x, y, z) > (0, 0, 0)]
+)
+_MIX = 0x9E3779B97F4A7C1  # an odd constant that spreads neighbouring keys over the table
 
 
-def _keys(indices: Int) -> Int:
-    return (indices[:, 0] << (2 * _BITS)) | (indices[:, 1] << _BITS) | indices[:, 2]
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def connected_clusters(points: Float, groups: Int, voxel_m: float) -> Int:
+    """Label the points of a cloud by connected component of its occupied voxels, never across groups.
 
-
-def connected_clusters(points: Float, voxel_m: float) -> Int:
-    """Label the points of a cloud by connected component of its occupied voxels.
-
-    Gaps below one voxel never separate, gaps above two always do: the middle depends on the grid. Ten times as fast
-    as a radius search at the same distance, and independent of the order of the points.
+    Gaps below one voxel never separate, gaps above two always do: the middle depends on the grid. The partition does
+    not depend on the order of the points.
 
     Args:
         points: [m], shape (N, 3), less than 2²⁰ voxels wide.
+        groups: Points of different groups do not join, shape (N,); of a voxel that holds several, the first counts.
         voxel_m: Grid edge [m].
 
     Returns:
-        Labels from 0, shape (N,).
+        Labels from 0 in order of the points, shape (N,).
     """
-    if not len(points):
-        return np.empty(0, dtype=np.int64)
-    indices = np.floor((points - points.min(axis=0)) / voxel_m).astype(np.int64) + 1
-    keys, inverse = np.unique(_keys(indices), return_inverse=True)
-    offsets = (_NEIGHBOURS[:, 0] << (2 * _BITS)) + (_NEIGHBOURS[:, 1] << _BITS) + _NEIGHBOURS[:, 2]
-    wanted = keys[None, :] + offsets[:, None]
-    found = np.minimum(np.searchsorted(keys, wanted.ravel()), len(keys) - 1).reshape(wanted.shape)
-    neighbour, voxel = np.nonzero(keys[found] == wanted)
-    edges = coo_array((np.ones(len(voxel), dtype=bool), (voxel, found[neighbour, voxel])), shape=(len(keys),) * 2)
-    labels = connected_components(edges, directed=False)[1]
-    return np.asarray(labels[inverse], dtype=np.int64)
+    voxels, keys, table = _voxels(points, voxel_m)
+    group_of, parents = np.empty(len(keys), dtype=np.int64), np.arange(len(keys))
+    for i in range(len(points) - 1, -1, -1):
+        group_of[voxels[i]] = groups[i]
+    for v in range(len(keys)):
+        for offset in _OFFSETS:
+            other = table[_slot(keys[v] + offset, keys, table)]
+            if other >= 0 and group_of[other] == group_of[v]:
+                a, b = _root(parents, v), _root(parents, other)
+                parents[max(a, b)] = min(a, b)
+    names, count = np.full(len(keys), -1), 0
+    labels = np.empty(len(points), dtype=np.int64)
+    for i in range(len(points)):
+        root = _root(parents, voxels[i])
+        if names[root] < 0:
+            names[root] = count
+            count += 1
+        labels[i] = names[root]
+    return labels
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _voxels(points: Float, voxel_m: float) -> tuple[Int, Int, NDArray[np.int32]]:
+    """Number the occupied voxels: the voxel of each point, the key of each voxel, and a hash table of voxels."""
+    size = 16
+    while size < 2 * len(points):
+        size *= 2
+    low = np.full(3, np.inf)
+    for i in range(len(points)):
+        for a in range(3):
+            low[a] = min(low[a], points[i, a])
+    table, keys = np.full(size, -1, dtype=np.int32), np.empty(len(points), dtype=np.int64)
+    voxels, count = np.empty(len(points), dtype=np.int64), 0
+    for i in range(len(points)):
+        key = 0
+        for a in range(3):
+            key = (key << _BITS) + int((points[i, a] - low[a]) / voxel_m) + 1
+        slot = _slot(key, keys, table)
+        if table[slot] < 0:
+            table[slot] = count
+            keys[count] = key
+            count += 1
+        voxels[i] = table[slot]
+    return voxels, keys[:count], table
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _slot(key: int, keys: Int, table: NDArray[np.int32]) -> int:
+    """Return the place of a key in the table, or the empty one where it belongs."""
+    slot = ((key * _MIX) >> 24) & (len(table) - 1)
+    while table[slot] >= 0 and keys[table[slot]] != key:
+        slot = (slot + 1) & (len(table) - 1)
+    return slot
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _root(parents: Int, voxel: int) -> int:
+    while parents[voxel] != voxel:
+        parents[voxel] = parents[parents[voxel]]
+        voxel = parents[voxel]
+    return voxel

@@ -4,6 +4,7 @@ import numpy as np
 
 from executive.arrays import Bool, Float
 from executive.errors import DataError
+from plugins.segmentation.shape import counts_near, moments, planes_through
 
 _SUBSAMPLE = 2000  # points that vote: 0.2 % resolution of the inlier share
 _HYPOTHESES = 160  # with half of the points on the ground, all miss it once in 10⁹ clouds
@@ -12,9 +13,8 @@ _REFITS = 4
 
 def fit_plane(points: Float) -> Float:
     """Return the least-squares plane (n, d) with n·p = d and n_z ≥ 0, shape (N, 3) → (4,)."""
-    mean = points.mean(axis=0)
-    centred = points - mean
-    normal = np.linalg.eigh(centred.T @ centred)[1][:, 0]
+    mean, scatter = moments(points)
+    normal = np.linalg.eigh(scatter)[1][:, 0]
     normal = -normal if normal[2] < 0 else normal
     return np.array([*normal, normal @ mean])
 
@@ -22,25 +22,6 @@ def fit_plane(points: Float) -> Float:
 def plane_heights(points: Float, plane: Float) -> Float:
     """Return signed distances above a plane [m], shape (N,)."""
     return np.asarray(points @ plane[:3] - plane[3])
-
-
-def hypothesise_planes(points: Float, count: int, rng: np.random.Generator) -> Float:
-    """Return planes through random triples of points, normals up, shape (at most count, 4)."""
-    a, b, c = points[rng.integers(len(points), size=(3, count))]
-    normals = np.cross(b - a, c - a)
-    lengths = np.linalg.norm(normals, axis=1)
-    proper = lengths > 1e-9
-    normals, a = normals[proper] / lengths[proper, None], a[proper]
-    normals[normals[:, 2] < 0] *= -1
-    return np.column_stack([normals, np.einsum("ij,ij->i", normals, a)])
-
-
-def best_plane(points: Float, planes: Float, margin_m: float) -> tuple[Float, float]:
-    """Return the plane with most points within the margin, and their share 0 … 1."""
-    near = np.abs(points @ planes[:, :3].T - planes[:, 3]) < margin_m
-    shares = near.mean(axis=0)
-    best = int(np.argmax(shares))
-    return planes[best], float(shares[best])
 
 
 def fit_ground_plane(points: Float, margin_m: float, max_tilt_rad: float, rng: np.random.Generator) -> Float:
@@ -59,16 +40,16 @@ def fit_ground_plane(points: Float, margin_m: float, max_tilt_rad: float, rng: n
         DataError: If no plane within the tilt is carried by the points.
     """
     sample = points[rng.permutation(len(points))[:_SUBSAMPLE]] if len(points) > _SUBSAMPLE else points
-    planes = hypothesise_planes(sample, _HYPOTHESES, rng)
+    planes = planes_through(sample, rng.integers(len(sample), size=(3, _HYPOTHESES)))
     planes = planes[planes[:, 2] >= np.cos(max_tilt_rad)]
     if not len(planes):
         raise DataError(
             f"no ground in a cloud of {len(points)} points: no plane within "
             f"{np.degrees(max_tilt_rad):.0f}° of horizontal; is z up, and is the ground in view?"
         )
-    plane, _ = best_plane(sample, planes, margin_m)
+    plane = planes[np.argmax(counts_near(sample, planes, margin_m))]
     for _ in range(_REFITS):
         near: Bool = np.abs(plane_heights(points, plane)) < margin_m
         refit = fit_plane(points[near]) if near.sum() >= 3 else plane
         plane = refit if refit[2] >= np.cos(max_tilt_rad) else plane
-    return plane
+    return np.asarray(plane)

@@ -12,13 +12,15 @@ from numba import njit
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from executive.arrays import Float
+from executive.arrays import Float, Int
 from executive.errors import DataError
 from plugins.segmentation.ground_plane import plane_heights
 
 _MAX_NODES = 40_000  # 200 m × 200 m at nodes of 1 m; more is a wrong unit, not a site
 _FULL_COUNT = 30.0  # points in a cell for its full weight
 _ROUNDS = (1.0, 0.6, 0.4, 0.35)  # shrinking share of the relief that still may be ground
+_ORIGIN = np.zeros(3)
+_STENCIL = (1.0, -2.0, 1.0)  # second difference
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,19 +41,20 @@ class Terrain:
     node_m: float
     heights_m: Float
 
-    def heights_above(self, points: Float) -> Float:
-        """Return heights above the ground [m], shape (N, 3) → (N,); beyond the grid its border goes on."""
-        offset_m = float(self.plane[3])
-        return np.asarray(_heights(points, self.R_plane_cloud, offset_m, self.origin, self.node_m, self.heights_m))
+    def heights_above(self, points: Float, centre: Float = _ORIGIN) -> Float:
+        """Return heights of points less a centre above the ground [m], (N, 3) → (N,); its border goes on outside."""
+        frame = (self.R_plane_cloud, float(self.plane[3]), self.origin)
+        return np.asarray(_heights(points, centre, frame, self.node_m, self.heights_m))
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _heights(points: Float, R: Float, offset_m: float, origin: Float, node_m: float, grid: Float) -> Float:
+def _heights(points: Float, centre: Float, frame: tuple[Float, float, Float], node_m: float, grid: Float) -> Float:
     """Take each point's distance from the plane, and the bilinear height of the grid from that."""
+    R, offset_m, origin = frame
     nx, ny = grid.shape
     heights = np.empty(len(points))
     for n in range(len(points)):
-        x, y, z = points[n]
+        x, y, z = points[n, 0] - centre[0], points[n, 1] - centre[1], points[n, 2] - centre[2]
         u = min(max((R[0, 0] * x + R[0, 1] * y + R[0, 2] * z - origin[0]) / node_m, 0.0), nx - 1.0)
         v = min(max((R[1, 0] * x + R[1, 1] * y + R[1, 2] * z - origin[1]) / node_m, 0.0), ny - 1.0)
         i, j = min(int(u), nx - 2), min(int(v), ny - 2)
@@ -69,15 +72,51 @@ def _axes(normal: Float) -> Float:
     return np.asarray(np.vstack([x, np.cross(normal, x), normal]))
 
 
-def _second_differences(nx: int, ny: int) -> sparse.csr_matrix:
-    """Return the operator whose squared norm is the bending of an nx × ny grid."""
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _bending(nx: int, ny: int) -> tuple[Int, Int, Float]:
+    """Return the matrix whose quadratic form is the bending of an nx × ny grid: rows, columns, values.
 
-    def along(n: int) -> sparse.csr_matrix:
-        return sparse.diags_array([1.0, -2.0, 1.0], offsets=[0, 1, 2], shape=(max(n - 2, 0), n)).tocsr()
+    Bending is the sum of squared second differences along both axes; the diagonal is there throughout.
+    """
+    strides, lengths = (ny, 1), (nx, ny)
+    size = nx * ny + 9 * (max(nx - 2, 0) * ny + nx * max(ny - 2, 0))
+    rows, columns, values = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64), np.empty(size)
+    for n in range(nx * ny):
+        rows[n], columns[n], values[n] = n, n, 0.0
+    count = nx * ny
+    for n in range(nx * ny):
+        place = (n // ny, n % ny)
+        for a in range(2):
+            if place[a] + 2 < lengths[a]:
+                for i in range(3):
+                    for j in range(3):
+                        rows[count], columns[count] = n + i * strides[a], n + j * strides[a]
+                        values[count] = _STENCIL[i] * _STENCIL[j]
+                        count += 1
+    return rows, columns, values
 
-    bend_x = sparse.kron(along(nx), sparse.eye_array(ny))
-    bend_y = sparse.kron(sparse.eye_array(nx), along(ny))
-    return sparse.vstack([bend_x, bend_y]).tocsr()
+
+def _stiff(shape: tuple[int, ...], stiffness: float) -> tuple[sparse.csc_array, Int]:
+    """Return the weighted bending, barely regular by itself, and where its diagonal lies in its data."""
+    rows, columns, values = _bending(*shape)
+    size = shape[0] * shape[1]
+    system = sparse.coo_array((stiffness * values, (rows, columns)), shape=(size, size)).tocsc()
+    diagonal = np.flatnonzero(system.indices == np.repeat(np.arange(size), np.diff(system.indptr)))
+    system.data[diagonal] += 1e-4
+    return system, diagonal
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _node_means(
+    above: Float, heights: Float, nodes: Int, limits: tuple[float, float], size: int
+) -> tuple[Float, Float]:
+    """Return counts and mean heights of what may be ground, by nearest node."""
+    counts, sums = np.zeros(size), np.zeros(size)
+    for i in range(len(nodes)):
+        if limits[0] < above[i] < limits[1]:
+            counts[nodes[i]] += 1
+            sums[nodes[i]] += heights[i]
+    return counts, sums / np.maximum(counts, 1)
 
 
 def fit_terrain(points: Float, plane: Float, node_m: float, relief_m: float, stiffness: float) -> Terrain:
@@ -100,18 +139,16 @@ def fit_terrain(points: Float, plane: Float, node_m: float, relief_m: float, sti
     if shape[0] * shape[1] > _MAX_NODES:
         spans = " × ".join(f"{span:.0f}" for span in np.ptp(uv, axis=0))
         raise DataError(f"the cloud spans {spans} m, more than a site; crop it, or check that its unit is the metre")
-    cells = np.rint((uv - origin) / node_m).astype(np.int64) @ np.array([shape[1], 1])
-    bending = _second_differences(*shape)
+    nodes = np.rint((uv - origin) / node_m).astype(np.int64) @ np.array([shape[1], 1])
+    size = shape[0] * shape[1]
+    system, diagonal = _stiff(shape, stiffness)
+    free = system.data[diagonal].copy()
     heights = plane_heights(points, plane)
     terrain = Terrain(plane, R, origin, node_m, np.zeros(shape))
-    stiff = stiffness * (bending.T @ bending) + 1e-4 * sparse.eye_array(shape[0] * shape[1])
     for share in _ROUNDS:
-        above = terrain.heights_above(points)
-        ground = (above > -share * relief_m) & (above < 0.5 * share * relief_m)  # stones only rise
-        counts = np.bincount(cells[ground], minlength=stiff.shape[0])
-        sums = np.bincount(cells[ground], heights[ground], minlength=stiff.shape[0])
+        limits = (-share * relief_m, 0.5 * share * relief_m)  # stones only rise
+        counts, means = _node_means(terrain.heights_above(points), heights, nodes, limits, size)
         weights = np.minimum(counts / _FULL_COUNT, 1.0)
-        means = sums / np.maximum(counts, 1)
-        solved = splu((stiff + sparse.diags_array(weights)).tocsc()).solve(weights * means)
-        terrain = Terrain(plane, R, origin, node_m, solved.reshape(shape))
+        system.data[diagonal] = free + weights
+        terrain = Terrain(plane, R, origin, node_m, splu(system).solve(weights * means).reshape(shape))
     return terrain

@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 from scipy.cluster.hierarchy import fcluster, linkage
 
-from plugins.segmentation.clusters import connected_clusters
+from plugins.segmentation.clusters import connected_clusters as clusters_within
+
+
+def connected_clusters(points: np.ndarray, voxel_m: float) -> np.ndarray:
+    return clusters_within(points, np.zeros(len(points), dtype=np.int64), voxel_m)
 
 
 def partition(labels: np.ndarray) -> set[frozenset[int]]:
@@ -39,3 +43,9 @@ def test_the_partition_does_not_depend_on_the_order_of_points() -> None:
 
 def test_no_points_have_no_clusters() -> None:
     assert connected_clusters(np.empty((0, 3)), 0.1).shape == (0,)
+
+
+def test_groups_do_not_join() -> None:
+    points = np.column_stack([np.arange(0, 1, 0.02), np.zeros((50, 2))])
+    groups = (points[:, 0] > 0.49).astype(np.int64)
+    np.testing.assert_array_equal(clusters_within(points, groups, 0.05) > 0, groups > 0)

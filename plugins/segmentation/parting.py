@@ -1,0 +1,82 @@
+"""Neighbours that merge: what hangs together at the coarse grid is taken apart where stones stand apart.
+
+Deviation from Mascaro 2020, Sec. 4.3, where one distance separates objects: a distance that holds a thinly seen stone
+together joins neighbours up to 14 cm apart. Here a heap is looked at again on a finer grid, and from above, and what
+comes apart is believed if each part is a stone by itself and together they are nearly all of the heap.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from executive.arrays import Bool, Float, Int
+from plugins.segmentation.clusters import connected_clusters
+from plugins.segmentation.shape import spans
+from plugins.segmentation.watershed import basins
+
+_DENSE = 1.6
+
+
+@dataclass(frozen=True, slots=True)
+class Parting:
+    """When a heap is several stones.
+
+    Attributes:
+        fine_voxel_m: Grid edge of the second look [m].
+        cell_m: Grid edge of the view from above [m].
+        least_drop: From a summit to the pass between two, as a share of the lower summit's height.
+        least_points: Points of a stone.
+        least_extent_m: Longest side of a stone [m].
+        least_height_m: Height of a stone [m].
+        least_share: Of a heap's points that belong to its stones before the rest is given to the nearest.
+    """
+
+    fine_voxel_m: float
+    cell_m: float
+    least_drop: float
+    least_points: int
+    least_extent_m: float
+    least_height_m: float
+    least_share: float
+
+    def stones(self, points: Float, places: Float, heights: Float) -> list[Int]:
+        """Return rows of the points of each stone in a heap: one if it is one.
+
+        Args:
+            points: [m], shape (N, 3).
+            places: Their positions along the ground [m], shape (N, 2).
+            heights: Above the ground [m], shape (N,).
+        """
+        fine = connected_clusters(points, np.zeros(len(points), dtype=np.int64), self.fine_voxel_m)
+        found = []
+        for part in self._believed(fine, points, heights):
+            least_cells = int(0.25 * (self.least_extent_m / self.cell_m) ** 2)
+            valley = basins(places[part], heights[part], self.cell_m, self.least_drop, least_cells)
+            found += [part[rows] for rows in self._believed(valley, points[part], heights[part])]
+        return found
+
+    def _believed(self, labels: Int, points: Float, heights: Float) -> list[Int]:
+        counts = np.bincount(labels)
+        cores = [c for c in np.flatnonzero(counts >= self.least_points) if self._is_stone(labels == c, points, heights)]
+        if len(cores) >= 2:
+            cores = [c for c in cores if self._is_dense(points[labels == c])]
+        if len(cores) < 2 or counts[cores].sum() < self.least_share * len(points):
+            return [np.arange(len(points))]
+        names = np.full(len(counts), -1)
+        names[cores] = np.arange(len(cores))
+        owner = names[labels]
+        rest = owner < 0
+        if rest.any():
+            owner[rest] = owner[~rest][cKDTree(points[~rest]).query(points[rest])[1]]
+        return [np.flatnonzero(owner == k) for k in range(len(cores))]
+
+    def _is_stone(self, rows: Bool, points: Float, heights: Float) -> bool:
+        part = points[rows]
+        return bool(heights[rows].max() >= self.least_height_m and spans(part).max() >= self.least_extent_m)
+
+    def _is_dense(self, part: Float) -> bool:
+        """Tell whether a gap is more than thin sampling: most points have four others within 1.6 voxels."""
+        some = part[:: max(len(part) // 200, 1)]
+        fourth = cKDTree(part).query(some, k=5)[0][:, 4]
+        return bool(np.median(fourth) < _DENSE * self.fine_voxel_m)
