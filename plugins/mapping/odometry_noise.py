@@ -30,10 +30,17 @@ class OdometryNoise:
         self._wander = np.repeat([settings.rotation_rad**2, settings.position_m**2], 3)
         self._unknown = np.diag(np.repeat([settings.unknown_rotation_rad**2, settings.unknown_position_m**2], 3))
 
-    def increment(self, T_before_this: Float, duration_s: float, covariance: Float | None) -> PoseConstraint:
-        """Return a motion: it wanders with time, but no farther than two poses with errors of their own."""
-        apart = 2.0 * np.diag(self._of(covariance))
-        return PoseConstraint(T_before_this, np.diag(np.minimum(self._wander * max(duration_s, 1e-3), apart)))
+    def increment(
+        self, T_before_this: Float, duration_s: float, covariance: Float | None, before: Float | None
+    ) -> PoseConstraint:
+        """Return a motion between two estimated poses with covariances of their own.
+
+        It wanders with time, but no farther than two errors lie apart. Where the covariance has shrunk, the estimate
+        was corrected by about as much, and where it has grown, it went blind for that long.
+        """
+        now, then = np.diag(self._of(covariance)), np.diag(self._of(before))
+        wander = np.minimum(self._wander * max(duration_s, 1e-3), now + then)
+        return PoseConstraint(T_before_this, np.diag(wander + np.abs(now - then)))
 
     def anchor(self, T_map_cabin: Float, since_last_s: float, covariance: Float | None) -> PoseConstraint:
         """Return a pose; errors that are still the same ones as at the last anchor count less."""

@@ -48,6 +48,7 @@ class _LastNode:
     number: int
     stamp_s: float
     T_map_cabin: Float  # by the state estimate
+    covariance: Float | None
     lidars_map: Float
 
 
@@ -143,13 +144,13 @@ class PoseGraph(Mapper):
         else:
             T_before_this = inverse(last.T_map_cabin) @ pair.T_map_cabin
             guess = parts.track.pose_of(last.number) @ T_before_this
-            odometry = self._noise.increment(T_before_this, pair.stamp_s - last.stamp_s, covariance)
+            odometry = self._noise.increment(T_before_this, pair.stamp_s - last.stamp_s, covariance, last.covariance)
             match = parts.matcher.match(pair.points_cabin, guess, parts.track.pose_of)
             node = Node(number, guess, estimate, is_anchor, odometry, match)
             parts.track.append(T_before_this, guess)
         parts.host.add(node)
         parts.matcher.add(number, pair.points_cabin)
-        self._last = _LastNode(number, pair.stamp_s, pair.T_map_cabin, lidars_map)
+        self._last = _LastNode(number, pair.stamp_s, pair.T_map_cabin, covariance, lidars_map)
         self._pairs_here = 0
 
     def _take_poses(self, parts: _Parts) -> None:
