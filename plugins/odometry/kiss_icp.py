@@ -6,7 +6,7 @@ from kiss_icp.kiss_icp import KissICP
 from pydantic import Field
 
 from executive.arrays import Float
-from executive.config import Meters, MetersPerSecond, Radians, RadiansPerSecond, Settings
+from executive.config import Meters, MetersPerSecond, Radians, RadiansPerSecond, Seconds, Settings
 from executive.geometry.pose import inverse
 from executive.geometry.rotation import angle_between
 from executive.interfaces.odometry import LidarOdometry
@@ -31,6 +31,9 @@ class KissIcpSettings(Settings):
     voxel_m: Meters = Field(0.5, gt=0, le=5, description="Grid edge of the local map [m].")
     points_per_voxel: int = Field(20, ge=1, le=200, description="Most points in a cell of the map.")
     first_threshold_m: Meters = Field(1.0, gt=0, le=10, description="First distance of correspondences [m].")
+    longest_gap_s: Seconds = Field(
+        2.0, gt=0, le=2.5, description="Time without a scan, after which the map is begun anew [s]."
+    )
     max_speed_m_s: MetersPerSecond = Field(15.0, gt=0, description="Fastest sensor motion that is believed [m/s].")
     max_rate_rad_s: RadiansPerSecond = Field(1.5, gt=0, description="Fastest turn that is believed [rad/s].")
     rotation_std_rad: Radians = Field(
@@ -85,9 +88,11 @@ class KissIcp(LidarOdometry):
             self._reckoning.add_joints(sample)
 
     def add_scan(self, scan: LidarScan) -> LidarIncrement | None:
-        last = self._last
         if scan.frame != self._settings.frame or self._reckoning is None:
             return None
+        if self._last is not None and scan.stamp_s - self._last[0] > self._settings.longest_gap_s:
+            self._begin()
+        last = self._last
         kept = ~self._own.among(scan)
         if int(kept.sum()) < _FEWEST or (last is not None and scan.stamp_s <= last[0]):
             return None

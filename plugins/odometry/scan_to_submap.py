@@ -7,7 +7,7 @@ import small_gicp
 from pydantic import Field
 
 from executive.arrays import Float
-from executive.config import Meters, Radians, Settings
+from executive.config import Meters, Radians, Seconds, Settings
 from executive.geometry.pose import inverse
 from executive.geometry.rotation import skew
 from executive.interfaces.odometry import LidarOdometry
@@ -43,6 +43,9 @@ class ScanToSubmapSettings(Settings):
     key_distance_m: Meters = Field(0.5, gt=0, description="Distance from the submap's scans that admits another [m].")
     key_angle_rad: Radians = Field(0.12, gt=0, description="Turn against them that admits another [rad].")
     key_scans: int = Field(40, ge=1, le=500, description="Most scans in the submap.")
+    longest_gap_s: Seconds = Field(
+        2.0, gt=0, le=2.5, description="Time without a scan that was matched, after which the submap is begun anew [s]."
+    )
     restart_after: int = Field(10, gt=0, description="Scans refused in a row until the submap is begun anew.")
     guess_rotation_std_rad: Radians = Field(0.05, gt=0, description="Error of a scan's dead reckoning [rad].")
     guess_translation_std_m: Meters = Field(0.1, gt=0, description="Error of a scan's dead reckoning [m].")
@@ -98,10 +101,12 @@ class ScanToSubmap(LidarOdometry):
         if scan.frame != self._settings.frame or self._reckoning is None:
             return None
         track = self._track
-        from_s = scan.stamp_s - _REVOLUTION_S if track is None else min(track.stamp_s, scan.stamp_s - _REVOLUTION_S)
         if track is not None and scan.stamp_s <= track.stamp_s:
             return None
-        path = self._reckoning.path(from_s, scan.stamp_s)
+        if track is not None and scan.stamp_s - track.stamp_s > self._settings.longest_gap_s:
+            track = None  # lidars were off, and nothing here knows what happened since
+        from_s = scan.stamp_s - _REVOLUTION_S
+        path = self._reckoning.path(from_s if track is None else min(from_s, track.stamp_s), scan.stamp_s)
         points = self._points(scan, path)
         if track is None:
             self._begin(scan.stamp_s, points)

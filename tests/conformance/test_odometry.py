@@ -68,3 +68,12 @@ def test_the_same_scan_twice_gives_nothing_the_second_time(odometry: LidarOdomet
 def test_an_empty_scan_gives_nothing(odometry: LidarOdometry) -> None:
     odometry.add_scan(scan(0.1))
     assert odometry.add_scan(LidarScan(0.2, FRAME, np.zeros((0, 3)), np.zeros(0))) is None
+
+
+def test_a_long_silence_gives_no_increment_and_begins_anew(odometry: LidarOdometry) -> None:
+    for k in range(1, 4):
+        odometry.add_scan(scan(k / 10))
+    assert odometry.add_scan(scan(60.0)) is None
+    increment = odometry.add_scan(scan(60.1))
+    assert increment is not None
+    assert (increment.from_s, increment.to_s) == (60.0, 60.1)
