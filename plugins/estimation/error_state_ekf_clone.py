@@ -11,7 +11,7 @@ from plugins.estimation.inertial_state import (
     POSITION,
     ROTATION,
     Inertial,
-    error_transition,
+    carry_cross,
     retract,
     rotation_step,
     skew,
@@ -44,7 +44,7 @@ class CloningFilter(ErrorStateFilter):
 
     def predict(self, sample: Inertial) -> None:
         if np.isfinite(self._clone_s) and sample.stamp_s > self.state.stamp_s:
-            self._cross = error_transition(self.state, sample.stamp_s - self.state.stamp_s) @ self._cross
+            self._cross = carry_cross(self.state, self._cross, sample.stamp_s - self.state.stamp_s)
         super().predict(sample)
 
     def correct(self, residual: Float, H: Float, noise: Float, gate: float) -> bool:

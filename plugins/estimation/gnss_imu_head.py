@@ -8,7 +8,7 @@ from plugins.estimation.cabin_report import CabinReport
 from plugins.estimation.correction import Correction
 from plugins.estimation.error_state_filter import ErrorStateFilter
 from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import Inertial, carry_covariance, propagate
+from plugins.estimation.inertial_state import Inertial, carry_covariance, propagate, propagate_through
 
 _COVARIANCE_PERIOD_S = 0.049
 
@@ -43,13 +43,10 @@ class TrailingFilter:
     def add_sample(self, sample: Inertial) -> None:
         """Move the filter on, and the head to the sample; where a correction moves the head, the map takes it."""
         self._samples.append(sample)
-        head = propagate(self.head, sample, self._noise.gravity_m_s2)
+        predicted = self.head = propagate(self.head, sample, self._noise.gravity_m_s2)
         if self._advance(sample.stamp_s - self._lag_s):
-            predicted, head = head, self.kalman.state
-            for later in self._samples:
-                head = propagate(head, later, self._noise.gravity_m_s2)
-            self._report.correct(predicted, head)
-        self.head = head
+            self.head = propagate_through(self.kalman.state, self._samples, self._noise.gravity_m_s2)
+            self._report.correct(predicted, self.head)
 
     def _advance(self, until_s: float) -> bool:
         """Predict up to a time, correcting on the way by all that was measured until then; return whether any was."""

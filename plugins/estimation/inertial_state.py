@@ -1,13 +1,14 @@
 """The strapdown state of one inertial sensor, and how a pair of its samples carries it on."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from executive.arrays import Float
 from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.strapdown import advanced, carried_covariance
+from plugins.estimation.strapdown import advanced, carried_covariance, carried_cross
 
 # Blocks of the error state: rotation [rad] in IMU axes, velocity, position in map axes, gyro bias, accelerometer bias.
 ROTATION, VELOCITY, POSITION, GYRO_BIAS, ACCEL_BIAS = (slice(i, i + 3) for i in range(0, 15, 3))
@@ -72,24 +73,31 @@ class InertialState:
 
 def propagate(state: InertialState, sample: Inertial, gravity_m_s2: float) -> InertialState:
     """Carry the state on to a later sample; the force acts in the attitude of the middle, the earth does not turn."""
-    R, p, v = advanced(
-        state.R_map_imu,
-        state.p_map_imu,
-        state.v_map_imu,
-        state.gyro_bias,
-        state.accel_bias,
-        sample.rate,
-        sample.force,
-        sample.stamp_s - state.sample.stamp_s,
-        gravity_m_s2,
-    )
-    return InertialState(sample, R, p, v, state.gyro_bias, state.accel_bias)
+    return propagate_through(state, (sample,), gravity_m_s2)
+
+
+def propagate_through(state: InertialState, samples: Iterable[Inertial], gravity_m_s2: float) -> InertialState:
+    """Carry the state on through samples one after the other; a state is made of the last only."""
+    last, R, p, v = state.sample, state.R_map_imu, state.p_map_imu, state.v_map_imu
+    gyro_bias, accel_bias = state.gyro_bias, state.accel_bias
+    for sample in samples:
+        dt_s = sample.stamp_s - last.stamp_s
+        R, p, v = advanced(R, p, v, gyro_bias, accel_bias, sample.rate, sample.force, dt_s, gravity_m_s2)
+        last = sample
+    return InertialState(last, R, p, v, gyro_bias, accel_bias)
 
 
 def carry_covariance(state: InertialState, covariance: Float, noise: InertialNoise, dt_s: float) -> Float:
     """Return the covariance of the state's error a step later, by its present rate and force, shape (15, 15)."""
     force = state.sample.force - state.accel_bias
     after: Float = carried_covariance(covariance, state.R_map_imu, state.rate, force, noise.densities, dt_s)
+    return after
+
+
+def carry_cross(state: InertialState, cross: Float, dt_s: float) -> Float:
+    """Return the covariance of the state's error with another's a step later, shape (15, k) → (15, k)."""
+    force = state.sample.force - state.accel_bias
+    after: Float = carried_cross(cross, state.R_map_imu, state.rate, force, dt_s)
     return after
 
 

@@ -102,8 +102,8 @@ def advanced(  # noqa: PLR0913 - the numbers of a state, which the compiler want
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _carry_rows(P: Float, turned_back: Float, R: Float, by_rotation: Float, dt_s: float) -> Float:
     """Return F P; F is the identity but for a few blocks, see `inertial_state.error_transition`."""
-    after = np.empty((_N, _N))
-    for j in range(_N):
+    after = np.empty(P.shape)
+    for j in range(P.shape[1]):
         for i in range(3):
             t = turned_back[i, 0] * P[0, j] + turned_back[i, 1] * P[1, j] + turned_back[i, 2] * P[2, j]
             push = by_rotation[i, 0] * P[0, j] + by_rotation[i, 1] * P[1, j] + by_rotation[i, 2] * P[2, j]
@@ -114,6 +114,26 @@ def _carry_rows(P: Float, turned_back: Float, R: Float, by_rotation: Float, dt_s
             after[9 + i, j] = P[9 + i, j]
             after[12 + i, j] = P[12 + i, j]
     return after
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _turned_force(R: Float, force: Float) -> Float:
+    """Return R [f]×, shape (3, 3)."""
+    product = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            k, m = (j + 1) % 3, (j + 2) % 3
+            product[i, j] = R[i, k] * force[m] - R[i, m] * force[k]
+    return product
+
+
+@njit(_NEW_MATRIX(_MATRIX, _MATRIX, _VECTOR, _VECTOR, _REAL), cache=True)  # type: ignore[untyped-decorator]
+def carried_cross(C: Float, R: Float, rate: Float, force: Float, dt_s: float) -> Float:
+    """Return F C, the covariance of the state's error with another's a step later, shape (15, k) → (15, k).
+
+    The other arguments are those of `carried_covariance`.
+    """
+    return _carry_rows(C, _turn(rate, -dt_s), R, _turned_force(R, force), dt_s)  # type: ignore[no-any-return]
 
 
 @njit(_NEW_MATRIX(_MATRIX, _MATRIX, _VECTOR, _VECTOR, _VECTOR, _REAL), cache=True)  # type: ignore[untyped-decorator]
@@ -127,12 +147,7 @@ def carried_covariance(P: Float, R: Float, rate: Float, force: Float, densities:
         densities: White noise of gyro and accelerometer, then the walks of their biases, shape (4,).
         dt_s: Length of the step [s].
     """
-    turned_back = _turn(rate, -dt_s)
-    by_rotation = np.empty((3, 3))  # R [f]×
-    for i in range(3):
-        for j in range(3):
-            k, m = (j + 1) % 3, (j + 2) % 3
-            by_rotation[i, j] = R[i, k] * force[m] - R[i, m] * force[k]
+    turned_back, by_rotation = _turn(rate, -dt_s), _turned_force(R, force)
     half = _carry_rows(P, turned_back, R, by_rotation, dt_s)
     after: Float = _carry_rows(half.T, turned_back, R, by_rotation, dt_s)  # (F (F P)ᵀ) = F P Fᵀ, for P is symmetric
     for i in range(3):

@@ -5,7 +5,15 @@ import numpy as np
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import exp_so3
 from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import Inertial, InertialState, carry_covariance, error_transition, propagate
+from plugins.estimation.inertial_state import (
+    Inertial,
+    InertialState,
+    carry_covariance,
+    carry_cross,
+    error_transition,
+    propagate,
+    propagate_through,
+)
 from plugins.estimation.strapdown import reported
 
 NOISE = InertialNoise(2e-3, 3e-2, 4e-4, 5e-3, 0.1, 9.81)
@@ -26,6 +34,25 @@ def test_covariance_is_carried_by_the_transition_of_errors() -> None:
     white = np.repeat([2e-3**2, 3e-2**2, 3e-2**2 * STEP_S**2 / 3, 4e-4**2, 5e-3**2], 3) * STEP_S
     expected = F @ root @ root.T @ F.T + np.diag(white)
     np.testing.assert_allclose(carry_covariance(state, root @ root.T, NOISE, STEP_S), expected, rtol=1e-9, atol=1e-12)
+
+
+def test_what_ties_the_state_to_another_is_carried_by_the_same_transition() -> None:
+    state, cross = some_state(), np.random.default_rng(7).normal(0, 0.1, (15, 6))
+    expected = error_transition(state, STEP_S) @ cross
+    np.testing.assert_allclose(carry_cross(state, cross, STEP_S), expected, rtol=1e-9, atol=1e-12)
+
+
+def test_going_through_samples_is_going_from_one_to_the_next() -> None:
+    state, rng = some_state(), np.random.default_rng(8)
+    samples = [Inertial(1.0 + k / 100, *rng.normal(0, 1, (2, 3))) for k in range(1, 6)]
+    one_by_one = state
+    for sample in samples:
+        one_by_one = propagate(one_by_one, sample, 9.81)
+    at_once = propagate_through(state, samples, 9.81)
+    assert at_once.sample is samples[-1]
+    for a, b in zip(numbers(at_once), numbers(one_by_one), strict=True):
+        np.testing.assert_array_equal(a, b)
+    assert propagate_through(state, (), 9.81).sample is state.sample
 
 
 def test_read_only_and_transposed_arrays_give_the_same() -> None:
