@@ -3,25 +3,30 @@
     python tests/benchmarks/estimation_faults.py
     python tests/benchmarks/estimation_faults.py --seeds 1:4 --scenarios spikes,ramp --estimators dual_graph
     python tests/benchmarks/estimation_faults.py --keep figures.jsonl     # goes on where it was broken off
+    python tests/benchmarks/estimation_faults.py --timing                 # how long they take, in real time: 3 minutes
 
 Cells show median … worst over the trials, or mean ± standard deviation; bold is a must that is missed, a star a stretch
-that is reached. The estimators are fed directly, with default settings but for what a scenario says.
+that is reached; of timings, median … best of blocks of three seconds in which the estimators take turns. The estimators
+are fed directly, with default settings but for what a scenario says.
 """
 
 import argparse
 import json
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+from scenarios import timing
 from scenarios.motion import Motion
 from scenarios.scenario import SCENARIOS
 from scenarios.streams import LidarErrors, stream
-from scenarios.table import ROWS, Values, table
+from scenarios.table import ROWS, TIMING_ROWS, Values, table
 from scenarios.trial import Trial
 from scenarios.truth import Truth
 
+from executive.interfaces.estimation import Estimator
 from plugins.estimation.dual_graph import DualGraph
 from plugins.estimation.error_state_ekf import ErrorStateEkf
 from plugins.estimation.gnss_imu_filter import GnssImuFilter
@@ -58,13 +63,30 @@ def gathered(records: Sequence[Mapping[str, object]]) -> Values:
     return {name: figures for name, figures in values.items() if figures}
 
 
+def timings(machine: Machine) -> str:
+    """Return the table of durations; the smoother in a process of its own, but for its updates."""
+
+    def made(name: str, is_apart: bool) -> Estimator:
+        kind = ESTIMATORS[name]
+        return kind(kind.Settings(process=is_apart) if name == "dual_graph" else kind.Settings(), machine)
+
+    before = timing.computer()
+    values = timing.service({name: partial(made, name) for name in ESTIMATORS}, machine)
+    values["dual_graph"] |= timing.updates(partial(made, "dual_graph"), machine)
+    return f"{table(TIMING_ROWS, values)}\n\nBefore: {before}. After: {timing.computer()}."
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", default="1:10", help="first and last seed, A:B")
     parser.add_argument("--scenarios", default=",".join(SCENARIOS))
     parser.add_argument("--estimators", default=",".join(ESTIMATORS))
     parser.add_argument("--keep", type=Path, help="file of figures, one trial a line; trials in it are not run again")
+    parser.add_argument("--timing", action="store_true", help="measure durations instead")
     arguments = parser.parse_args()
+    if arguments.timing:
+        print(timings(load_machine("m545")))
+        return
     first, last = (int(seed) for seed in arguments.seeds.split(":"))
     machine = load_machine("m545")
     records = read(arguments.keep)
