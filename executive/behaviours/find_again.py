@@ -8,7 +8,9 @@ from pydantic import Field
 from executive.behaviours.action import Action, Steps
 from executive.behaviours.outcome import failed, succeeded
 from executive.behaviours.port import Port
+from executive.behaviours.unexplained import unexplained
 from executive.config import Meters, Settings
+from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segmentation
 from executive.messages.stone import StoneState
@@ -19,10 +21,14 @@ class FindAgainSettings(Settings):
 
 
 class FindAgain(Action):
-    """Segment the fresh map around a dropped or missed stone and update what the database knows of it."""
+    """Look for a dropped or missed stone in the fresh map and update what the database knows of it.
+
+    Its whole model is looked for first, however it lies now, so that a stone that tipped keeps model and rotation. If
+    that is refused, the map is segmented, and what is seen there may replace the model.
+    """
 
     Settings = FindAgainSettings
-    needs = ("mapping", "segmentation", "objects")
+    needs = ("mapping", "segmentation", "registration", "objects")
     inputs = {"stone": Port(int, "id of the stone")}
 
     def run(self, **inputs: Any) -> Steps:
@@ -32,9 +38,16 @@ class FindAgain(Action):
         near = points[np.hypot(*(points[:, :2] - stone.centroid_map[:2]).T) < self.settings.radius]
         if not len(near):
             return failed(f"the map shows nothing around stone {stone.id}")
+        around = unexplained(self.context, stone, self.settings.radius)
+        found: Alignment = yield self.context.job("registration", "find", around, Cloud("map", stone.points_map))
+        if found.accepted:
+            note = f"registration, {found.reason}"
+            objects.realign(stone.id, found.T_target_source, self.context.now_s(), note)
         segmentation: Segmentation = yield self.context.job("segmentation", "segment", Cloud("map", near))
         seen = objects.observe(self._not_placed(segmentation), self.context.now_s(), False)
-        self.context.note("looked_again", stone=stone.id, seen=[s.id for s in seen])
+        self.context.note(
+            "looked_again", stone=stone.id, seen=[s.id for s in seen], found=found.accepted, reason=found.reason
+        )
         if stone.id not in [s.id for s in seen]:
             return failed(f"stone {stone.id} was not found within {self.settings.radius:.1f} m of its last place")
         return succeeded()

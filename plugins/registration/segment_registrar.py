@@ -19,6 +19,7 @@ from executive.messages.segment import Segment, Segmentation
 from plugins.registration.gate import NOTHING, Agreement, measure
 from plugins.registration.segment_settings import SegmentSettings
 from plugins.registration.similarity import Similarity, Surface, refine
+from plugins.registration.single_object import ObjectFinder
 from plugins.registration.stopwatch import Stopwatch
 from plugins.registration.strategy import Strategy
 from plugins.registration.vote import matched_centroids
@@ -33,7 +34,7 @@ class SegmentRegistrar(Registrar):
 
     Settings = SegmentSettings
     is_stateless = True
-    latency_s = {"register": 1.0}
+    latency_s = {"register": 1.0, "find": 1.0}
 
     def __init__(self, settings: SegmentSettings, segmentation: Segmenter, alignment: Aligner) -> None:
         self._settings = settings
@@ -65,6 +66,10 @@ class SegmentRegistrar(Registrar):
         R, t = found.T_target_source[:3, :3], found.T_target_source[:3, 3]
         T = pose(R, t + middle_t - found.scale * R @ middle_s)
         return replace(found, T_target_source=T, timings_ms=watch.timings_ms())
+
+    def find(self, target: Cloud, model: Cloud) -> Alignment:
+        """Find one object however it lies; see `single_object`."""
+        return ObjectFinder(self._settings, self._segmentation, self._strategies()).find(target, model)
 
     def _lay_over(self, target: Segmentation, source: Segmentation, watch: Stopwatch) -> Alignment:
         settings = self._settings
