@@ -22,15 +22,16 @@ def compare(
     Raises:
         ConfigError, DataError: As `estimate`.
     """
-    reports = {}
-    for name in names:
-        estimated = estimate(material, name, options)
-        reports[name] = estimated.report | {
-            "odometry_step_m": round(float(odometry_steps(estimated.track).max(initial=0.0)), 5),
-            "outages": [_with_recovery(outage, estimated, truth) for outage in estimated.report["outages"]],
-            "truth": dict(truth(estimated.replay.states)) if truth is not None else {},
-        }
-    return reports
+    return {name: reported(estimate(material, name, options), truth) for name in names}
+
+
+def reported(estimated: Estimated, truth: Truth | None = None) -> dict[str, Any]:
+    """Return the report of one estimator, with the largest step of its odometry frame and the end of each outage."""
+    return estimated.report | {
+        "odometry_step_m": round(float(odometry_steps(estimated.track).max(initial=0.0)), 5),
+        "outages": [_with_recovery(outage, estimated, truth) for outage in estimated.report["outages"]],
+        "truth": dict(truth(estimated.replay.states)) if truth is not None else {},
+    }
 
 
 def odometry_steps(track: Track) -> Float:
@@ -45,7 +46,6 @@ def odometry_steps(track: Track) -> Float:
 def _with_recovery(outage: Mapping[str, Any], estimated: Estimated, truth: Truth | None) -> dict[str, Any]:
     """Add when the estimator was global again after the outage, and how far it was from the truth within."""
     states = estimated.report["states"]
-    # one that never left GLOBAL was never lost
     begun = [state["status"] for state in states if state["time_s"] <= outage["to_s"]]
     back = [state["time_s"] for state in states if state["time_s"] > outage["to_s"] and state["status"] == "GLOBAL"]
     recovered_s = 0.0 if begun and begun[-1] == "GLOBAL" else (back[0] - outage["to_s"] if back else None)

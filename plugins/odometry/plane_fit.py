@@ -12,7 +12,9 @@ from plugins.odometry.plane_map import PlaneMap
 _MOST_STEPS = 20
 _SMALL_STEP = 2e-4  # [rad] and [m]: a twentieth of the noise; finer, correspondences flicker
 _GATE = 0.4  # of the search's reach: a farther plane is another surface
-_LEAST_SQUARED_COSINE = 0.002  # of a direction with the normals, on average; 2.5° is what noise tilts them by
+# Of a direction with the normals, on average. Range noise of 20 mm on level ground gives 1.3e-4 along the ground and
+# 2e-5 in heading; a site with seven stones gives 7e-4 and more.
+_LEAST_SQUARED_COSINE = 2.5e-4
 _LEAST_STD_M = 0.005  # no distance is better than this, however well the scan fits
 
 

@@ -5,7 +5,7 @@
 
 Each seed is run once and recorded; scans become increments once. Three conditions are cut from that log: all sensors;
 outages of the satellites of 45 s and 160 s; and the same with nothing that tells that the chassis stands (its inertial
-sensor is left out), so that lidar alone carries the estimate. A quarter of an hour a seed on an idle core.
+sensor is left out), so that lidar alone carries the estimate. Ten minutes a seed on an idle core.
 """
 
 import argparse
@@ -14,14 +14,14 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from executive.estimate.compare import compare, table
+from executive.estimate.compare import reported, table
 from executive.estimate.drop import Drop
 from executive.estimate.run import Material, Options, estimate
+from executive.messages.base_state import BaseState
 from executive.rehearsal.run import Rehearsal, rehearse
 
 ESTIMATORS = ("dual_graph", "error_state_ekf", "gnss_imu_filter")
@@ -43,26 +43,35 @@ def recorded(seed: int, folder: Path) -> tuple[Rehearsal, Material]:
     return rehearsal, replace(material, datum=np.array(rehearsal.datum))
 
 
-def with_drops(material: Material, drops: Sequence[str]) -> Material:
-    return replace(material, drops=tuple(map(Drop.parse, drops)))
-
-
-def curve(rehearsal: Rehearsal, material: Material, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return times [s] and mean distances from the truth [m] of one estimator, window by window."""
-    states = estimate(material, name, Options()).replay.states
-    windows: dict[int, list[Any]] = {}
+def curve(rehearsal: Rehearsal, states: Sequence[BaseState]) -> np.ndarray:
+    """Return times [s] and mean distances from the truth [m], window by window, shape (2, n)."""
+    windows: dict[int, list[BaseState]] = {}
     for state in states:
         windows.setdefault(int(state.stamp_s / WINDOW_S), []).append(state)
     errors = [rehearsal.truth(window)["error_m"]["mean"] for window in windows.values()]
-    return (np.array(list(windows)) + 0.5) * WINDOW_S, np.array(errors)
+    return np.array([(np.array(list(windows)) + 0.5) * WINDOW_S, errors])
 
 
-def plot(path: Path, rehearsal: Rehearsal, material: Material) -> None:
+def compared(rehearsal: Rehearsal, material: Material, seed: int) -> Mapping[str, Mapping[str, np.ndarray]]:
+    """Print a table for each condition, and return the curves of each estimator."""
+    curves: dict[str, dict[str, np.ndarray]] = {}
+    for title, drops in CONDITIONS.items():
+        cut = replace(material, drops=tuple(map(Drop.parse, drops)))
+        reports = {}
+        for name in ESTIMATORS:
+            estimated = estimate(cut, name, Options())
+            reports[name] = reported(estimated, rehearsal.truth)
+            curves.setdefault(title, {})[name] = curve(rehearsal, estimated.replay.states)
+        print(f"\nseed {seed}: {title}\n{table(reports)}", flush=True)
+    return curves
+
+
+def plot(path: Path, curves: Mapping[str, Mapping[str, np.ndarray]]) -> None:
     """Draw the distance from the truth over time through both outages, with and without a watched chassis."""
     figure = Figure(figsize=(11, 6), layout="constrained")
-    for axes, (title, drops) in zip(figure.subplots(2, 1, sharex=True), list(CONDITIONS.items())[1:], strict=True):
-        for name in ESTIMATORS:
-            axes.semilogy(*curve(rehearsal, with_drops(material, drops), name), linewidth=1, label=name)
+    for axes, (title, by_name) in zip(figure.subplots(2, 1, sharex=True), list(curves.items())[1:], strict=True):
+        for name, (stamps_s, errors_m) in by_name.items():
+            axes.semilogy(stamps_s, errors_m, linewidth=1, label=name)
         for drop in map(Drop.parse, OUTAGES):
             axes.axvspan(drop.from_s, drop.to_s, color="0.92")
         axes.set(ylabel="distance from the truth [m]", title=title)
@@ -79,12 +88,10 @@ def main() -> None:
     for seed in arguments.seeds:
         with tempfile.TemporaryDirectory() as folder:
             rehearsal, material = recorded(seed, Path(folder))
-            for title, drops in CONDITIONS.items():
-                reports = compare(with_drops(material, drops), ESTIMATORS, Options(), rehearsal.truth)
-                print(f"\nseed {seed}: {title}\n{table(reports)}", flush=True)
-            if arguments.plot is not None and seed == arguments.seeds[0]:
-                plot(arguments.plot, rehearsal, material)
-                print(arguments.plot, file=sys.stderr)
+            curves = compared(rehearsal, material, seed)
+        if arguments.plot is not None and seed == arguments.seeds[0]:
+            plot(arguments.plot, curves)
+            print(arguments.plot, file=sys.stderr)
 
 
 if __name__ == "__main__":
