@@ -11,7 +11,7 @@ from executive.perception.commands import JsonOption
 
 
 def grasp(  # noqa: PLR0913 - the options of the command line, each a parameter to typer
-    cloud: Annotated[Path, typer.Argument(metavar="CLOUD", help="PLY, PCD or XYZ file, in metres, z up.")],
+    cloud: Annotated[Path, typer.Argument(metavar="CLOUD", help="PLY, PCD, LAS, LAZ or XYZ file, in metres, z up.")],
     segment: Annotated[int, typer.Option(min=0, help="Which stone: its number by `executive segment`.")] = 0,
     method: Annotated[str | None, typer.Option(help="Name of a grasping plugin.")] = None,
     machine: Annotated[str, typer.Option(help="A shipped machine, or a folder with a robot.yaml.")] = "m545",
