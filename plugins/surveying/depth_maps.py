@@ -13,7 +13,7 @@ from scipy.ndimage import map_coordinates
 from executive.arrays import Bool, Float
 from executive.config import Meters, Radians, Settings
 from executive.errors import DataError
-from plugins.surveying.plane_sweep import View, sweep
+from plugins.surveying.plane_sweep import Grey, View, sweep
 from plugins.surveying.structure_from_motion import PosedPicture
 
 _PLANES_MOST = 250
@@ -76,12 +76,15 @@ def find_ground(points: Float, centres: Float, settings: DepthSettings) -> Groun
 
 
 def make_view(picture: PosedPicture, folder: Path, T_optical_survey: Float, focal_px: float) -> View:
-    """Read a picture in grey, without distortion, thinned to a focal length [px]."""
+    """Read a picture in grey, without distortion, thinned to a focal length [px].
+
+    Raises:
+        DataError: If it is cut short, or lies on its side by a tag that one of two readers follows.
+    """
     camera = picture.camera
     shrink = min(1.0, focal_px / camera.mean_focal_length())
     width, height = round(camera.width * shrink), round(camera.height * shrink)
-    with Image.open(folder / picture.name) as image:
-        grey = np.asarray(image.convert("L").resize((width, height), Image.Resampling.BOX), dtype=np.float32)
+    grey = _grey(folder / picture.name, (camera.width, camera.height), (width, height))
     focal = camera.mean_focal_length() * width / camera.width
     K = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]])
     u, v = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
@@ -90,6 +93,17 @@ def make_view(picture: PosedPicture, folder: Path, T_optical_survey: Float, foca
     x, y = (camera.img_from_cam(rays) * [width / camera.width, height / camera.height] - 0.5).T
     straight = map_coordinates(grey, np.stack([y, x]), order=1, mode="nearest").reshape(height, width)
     return View(straight.astype(np.float32), K, T_optical_survey)
+
+
+def _grey(path: Path, size_px: tuple[int, int], wanted_px: tuple[int, int]) -> Grey:
+    try:
+        with Image.open(path) as image:
+            if image.size != size_px:
+                raise DataError(f"{path}: is turned by its tags; save it upright, without the tag")
+            small = image.convert("L").resize(wanted_px, Image.Resampling.BOX)
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read whole ({error}); copy it again, or take it out") from error
+    return np.asarray(small, dtype=np.float32)
 
 
 def neighbours_of(pictures: Sequence[PosedPicture], points: Float, angle_rad: float, count: int) -> list[list[int]]:

@@ -1,14 +1,20 @@
 """Planes and a step of known depth, drawn analytically from several cameras, are measured where they are."""
 
+from pathlib import Path
+
 import numpy as np
+import pycolmap
 import pytest
+from PIL import Image
 from scipy.ndimage import gaussian_filter, map_coordinates
 
+from executive.errors import DataError
 from executive.geometry.pose import inverse
-from plugins.surveying.depth_maps import DepthSettings, confirmed, find_ground
+from plugins.surveying.depth_maps import DepthSettings, confirmed, find_ground, make_view
 from plugins.surveying.fusion import below_flight, fuse
 from plugins.surveying.grid_flight import look
 from plugins.surveying.plane_sweep import View, sweep
+from plugins.surveying.structure_from_motion import PosedPicture
 
 UP = np.array([0.0, 0.0, 1.0])
 CELL_M = 0.02
@@ -129,3 +135,33 @@ def test_keeps_what_lies_below_the_flight() -> None:
     points = np.array([[2.0, 3, 0], [-0.4, 3, 0], [5, 3, 0], [4.4, 6.4, 1]])
     assert below_flight(points, cameras, 0.0).tolist() == [True, False, False, False]
     assert below_flight(points, cameras, 0.5).tolist() == [True, True, False, True]
+
+
+def test_a_view_has_no_lens_distortion_and_the_pixels_of_its_size(tmp_path: Path) -> None:
+    """A straight edge that a lens has bent is straight again, where the pinhole would see it."""
+    camera = pycolmap.Camera.create_from_model_name(1, "SIMPLE_RADIAL", 400.0, 480, 360)
+    camera.params = [400.0, 240.0, 180.0, -0.15]
+    u, v = np.meshgrid(np.arange(480) + 0.5, np.arange(360) + 0.5)
+    straight = np.array(camera.cam_from_img(np.stack([u.ravel(), v.ravel()], axis=1)))
+    bright = (straight[:, 0] > 0.4).reshape(360, 480)  # all that is right of x = 0.4 z in the pinhole's view
+    Image.fromarray((200 * bright).astype(np.uint8)).save(tmp_path / "edge.png")
+    picture = PosedPicture("edge.png", camera, np.eye(4), np.arange(3))
+    view = make_view(picture, tmp_path, np.eye(4), 200.0)
+    assert view.grey.shape == (180, 240)
+    edge = 0.4 * view.K[0, 0] + view.K[0, 2]
+    for row in view.grey[20:160]:
+        assert np.interp(100, row[150:], np.arange(150, 240)) == pytest.approx(edge, abs=0.5)  # half a pixel
+
+
+def test_names_a_picture_that_is_cut_short_or_turned(tmp_path: Path) -> None:
+    noise = np.random.default_rng(0).integers(0, 255, (60, 80, 3), dtype=np.uint8)
+    Image.fromarray(noise).save(tmp_path / "a.jpg")
+    camera = pycolmap.Camera.create_from_model_name(1, "SIMPLE_RADIAL", 80.0, 80, 60)
+    picture = PosedPicture("a.jpg", camera, np.eye(4), np.arange(3))
+    whole = (tmp_path / "a.jpg").read_bytes()
+    (tmp_path / "a.jpg").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(DataError, match=r"a.jpg: cannot be read whole"):
+        make_view(picture, tmp_path, np.eye(4), 80.0)
+    Image.fromarray(noise.transpose(1, 0, 2)).save(tmp_path / "a.jpg")
+    with pytest.raises(DataError, match=r"a.jpg: is turned by its tags"):
+        make_view(picture, tmp_path, np.eye(4), 80.0)
