@@ -18,16 +18,18 @@ class WayIn:
         """Prepare the parts; `scale` is a factor on the step, for a gripper of another size."""
         self._step_m = scale * _STEP_M
         hulls = [hull for parts in gripper.hulls(gripper.open_rad).values() for hull in parts]
-        self._faces = [half_spaces(hull) for hull in hulls]
+        self._parts = [(hull.min(axis=0), hull.max(axis=0), half_spaces(hull)) for hull in hulls]
         self._reach_m = max(float(np.linalg.norm(hull, axis=1).max()) for hull in hulls)
 
     def depth_m(self, points: Float, T_points_gripper: Float) -> float:
-        """Return how deep the deepest of the points is in palm or open jaws [m]; negative if all are outside."""
+        """Return how deep the deepest of the points is in palm or open jaws [m]; below 0 if all are outside."""
         near = points[np.linalg.norm(points - T_points_gripper[:3, 3], axis=1) < self._reach_m]
-        if not len(near):
-            return -np.inf
         local = transform(inverse(T_points_gripper), near)
-        return max(float(depth_inside(faces, local).max()) for faces in self._faces)
+        deepest = -np.inf
+        for low, high, faces in self._parts:
+            boxed = local[((local >= low) & (local <= high)).all(axis=1)]  # few: the faces are held against no others
+            deepest = max(deepest, float(depth_inside(faces, boxed).max(initial=-np.inf)))
+        return deepest
 
     def is_free(self, points: Float, T_points_gripper: Float, up: Float, length_m: float, depth_m: float) -> bool:
         """Return whether the open gripper, coming down a straight way against `up`, stays out of the points.
