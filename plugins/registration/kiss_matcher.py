@@ -1,0 +1,80 @@
+"""Registration on segments whose motions come from KISS-Matcher (Lim et al. 2025), at the gate of the others."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.config import Meters
+from executive.errors import ConfigError
+from executive.geometry.pose import pose
+from executive.interfaces.alignment import Aligner
+from executive.interfaces.segmentation import Segmenter
+from executive.messages.segment import Segmentation
+from plugins.registration.segment_registrar import SegmentRegistrar
+from plugins.registration.segment_settings import SegmentSettings
+from plugins.registration.stopwatch import Stopwatch
+from plugins.registration.strategy import Strategy
+
+
+class KissMatcherSettings(SegmentSettings):
+    """Resolution of the features, and the gate."""
+
+    feature_voxel_m: Meters = Field(0.10, gt=0, description="Grid to which the matcher thins segments [m].")
+
+
+@dataclass(frozen=True, slots=True)
+class FasterPfh(Strategy):
+    """Propose the one motion that KISS-Matcher finds between all segments' points."""
+
+    feature_voxel_m: float
+
+    def propose(self, target: Segmentation, source: Segmentation, watch: Stopwatch) -> list[Float]:
+        """Return its motion, or none; see `Strategy.propose`. The package does all of it at once."""
+        matcher = _package().KISSMatcher(self.feature_voxel_m)
+        here, there = (np.vstack([one.points for one in x.segments]).astype(np.float32) for x in (source, target))
+        with watch.stage("matching"):
+            matched = matcher.match(list(here), list(there))
+        with watch.stage("verification"):
+            solution = matcher.prune_and_solve(*matched)
+        if not solution.valid:
+            return []
+        return [pose(_orthonormal(np.asarray(solution.rotation)), np.asarray(solution.translation).ravel())]
+
+
+def _orthonormal(R: Float) -> Float:
+    """Return the rotation nearest to one that was told in single precision."""
+    U, _, Vt = np.linalg.svd(R)
+    return np.asarray(U @ np.diag([1.0, 1.0, np.sign(np.linalg.det(U @ Vt))]) @ Vt)
+
+
+def _package() -> Any:
+    try:
+        import kiss_matcher
+    except ImportError as error:
+        raise ConfigError("registration 'kiss_matcher' needs its package: pip install 'executive[kiss]'") from error
+    return kiss_matcher
+
+
+class KissMatcher(SegmentRegistrar):
+    """Registration by segments with KISS-Matcher; nothing is tried when it is refused."""
+
+    Settings = KissMatcherSettings
+
+    def __init__(self, settings: KissMatcherSettings, segmentation: Segmenter, alignment: Aligner) -> None:
+        super().__init__(settings, segmentation, alignment)
+        self._strategy = FasterPfh(settings.feature_voxel_m)
+
+    def start(self) -> None:
+        """Find the package, so that a missing one is told before the robot starts.
+
+        Raises:
+            ConfigError: If it is not installed.
+        """
+        _package()
+        super().start()
+
+    def _strategies(self) -> tuple[Strategy, ...]:
+        return (self._strategy,)
