@@ -7,9 +7,9 @@ from executive.geometry.pose import inverse, pose
 from executive.messages.base_state import BaseState
 from plugins.estimation.chassis import TurnJoint
 from plugins.estimation.inertial_state import POSITION, ROTATION, InertialState, skew
-from plugins.estimation.strapdown import reported
+from plugins.estimation.strapdown import report_motion
 
-_POSE = np.r_[ROTATION, POSITION]
+_POSE = np.ix_(np.r_[ROTATION, POSITION], np.r_[ROTATION, POSITION])
 
 
 class CabinReport:
@@ -44,12 +44,13 @@ class CabinReport:
         """
         T_cabin_base = self._turn.T_cabin_base(head.stamp_s)
         R, p, v = head.R_map_imu, head.p_map_imu, head.v_map_imu
-        T_map_base, T_odom_base, T_map_cabin, v_cabin, w_cabin = reported(
-            R, p, v, head.rate, self._T_imu_cabin, T_cabin_base, self._T_odom_map
-        )
+        poses = np.empty((4, 4)), np.empty((4, 4)), np.empty((4, 4))
+        v_cabin, w_cabin = np.empty(3), np.empty(3)
+        report_motion(R, p, v, head.rate, self._T_imu_cabin, T_cabin_base, self._T_odom_map, *poses, v_cabin, w_cabin)
         if self._moved is None or self._moved[0] is not P:
             self._moved = (P, self._covariance(head, P))
         covariance = self._moved[1]
+        T_map_base, T_odom_base, T_map_cabin = poses
         return BaseState(head.stamp_s, T_map_base, T_odom_base, T_map_cabin, v_cabin, w_cabin, covariance, status)
 
     def _covariance(self, head: InertialState, P: Float) -> Float:
@@ -59,7 +60,7 @@ class CabinReport:
         J[:3, :3] = R_cabin_imu
         J[3:, :3] = -R_cabin_imu @ skew(arm)
         J[3:, 3:] = R_cabin_imu @ head.R_map_imu.T
-        return np.asarray(J @ P[np.ix_(_POSE, _POSE)] @ J.T)
+        return np.asarray(J @ P[_POSE] @ J.T)
 
 
 def _pose(state: InertialState) -> Float:

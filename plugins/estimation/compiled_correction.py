@@ -9,7 +9,7 @@ from executive.arrays import Float
 
 _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 _MATRIX = types.Array(types.float64, 2, "A", readonly=True)
-_ANSWER = types.Tuple((types.boolean, types.float64[:, ::1], types.float64[::1]))
+_NEW_VECTOR, _NEW_MATRIX = types.float64[::1], types.float64[:, ::1]
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -59,8 +59,34 @@ def _innovation(H: Float, P: Float, residual: Float, noise: Float) -> tuple[Floa
     return right, S
 
 
-@njit(_ANSWER(_MATRIX, _MATRIX, _VECTOR, _MATRIX, types.float64), cache=True)  # type: ignore[untyped-decorator]
-def corrected(P: Float, H: Float, residual: Float, noise: Float, gate: float) -> tuple[bool, Float, Float]:
+@njit(  # type: ignore[untyped-decorator]
+    types.boolean(_MATRIX, _MATRIX, _VECTOR, _MATRIX, types.float64, _NEW_MATRIX, _NEW_VECTOR), cache=True
+)
+def _correct(P: Float, H: Float, residual: Float, noise: Float, gate: float, after: Float, error: Float) -> bool:
+    """Do what `corrected` does, into arrays of the caller: to hand one back costs a microsecond."""
+    n = P.shape[0]
+    W, L = _innovation(H, P, residual, noise)
+    if not _triangulate(L):
+        return False
+    _forward(L, W)
+    distance2 = 0.0
+    error[:] = 0.0
+    for i in range(L.shape[0]):
+        distance2 += W[i, n] * W[i, n]
+        for j in range(n):
+            error[j] += W[i, j] * W[i, n]
+    if not distance2 <= gate:
+        return False
+    for i in range(n):
+        for j in range(i + 1):
+            value = 0.5 * (P[i, j] + P[j, i])
+            for k in range(L.shape[0]):
+                value -= W[k, i] * W[k, j]
+            after[i, j] = after[j, i] = value
+    return True
+
+
+def corrected(P: Float, H: Float, residual: Float, noise: Float, gate: float) -> tuple[Float, Float] | None:
     """Correct by measured − predicted = H · error + noise.
 
     Args:
@@ -71,27 +97,9 @@ def corrected(P: Float, H: Float, residual: Float, noise: Float, gate: float) ->
         gate: Largest squared Mahalanobis distance that is believed.
 
     Returns:
-        Whether it is believed; the covariance after, shape (n, n), and the error, shape (n,), both of which are worth
-        nothing if it is not. With H P Hᵀ + noise = L Lᵀ and W = L⁻¹ H P they are P − Wᵀ W and Wᵀ L⁻¹ residual: exactly
-        symmetric, and positive definite as long as the noise is not below rounding.
+        The covariance after, shape (n, n), and the error, shape (n,); None if it is not believed. With
+        H P Hᵀ + noise = L Lᵀ and W = L⁻¹ H P they are P − Wᵀ W and Wᵀ L⁻¹ residual: exactly symmetric, and positive
+        definite as long as the noise is not below rounding.
     """
-    n = P.shape[0]
-    W, L = _innovation(H, P, residual, noise)
-    after, error = np.empty((n, n)), np.zeros(n)
-    if not _triangulate(L):
-        return False, after, error
-    _forward(L, W)
-    distance2 = 0.0
-    for i in range(L.shape[0]):
-        distance2 += W[i, n] * W[i, n]
-        for j in range(n):
-            error[j] += W[i, j] * W[i, n]
-    if not distance2 <= gate:
-        return False, after, error
-    for i in range(n):
-        for j in range(i + 1):
-            value = 0.5 * (P[i, j] + P[j, i])
-            for k in range(L.shape[0]):
-                value -= W[k, i] * W[k, j]
-            after[i, j] = after[j, i] = value
-    return True, after, error
+    after, error = np.empty(P.shape), np.empty(len(P))
+    return (after, error) if _correct(P, H, residual, noise, gate, after, error) else None

@@ -74,13 +74,15 @@ class CloningFilter(ErrorStateFilter):
         joint = np.empty((DIMENSION + 6, DIMENSION + 6))
         joint[:DIMENSION, :DIMENSION], joint[_CLONE, _CLONE] = self.covariance, self._own
         joint[:DIMENSION, _CLONE], joint[_CLONE, :DIMENSION] = self._cross, self._cross.T
-        is_believed, P, error = corrected(joint, H, residual, noise, gate)
-        if is_believed:
-            self.covariance, self._own = P[:DIMENSION, :DIMENSION], P[_CLONE, _CLONE]
-            self._cross = P[:DIMENSION, _CLONE]
-            self.state = retract(self.state, error[:DIMENSION])
-            self._R, self._p = self._R @ rotation_step(error[_CLONE_ROTATION]), self._p + error[_CLONE_POSITION]
-        return bool(is_believed)
+        answer = corrected(joint, H, residual, noise, gate)
+        if answer is None:
+            return False
+        P, error = answer
+        self.covariance, self._own = P[:DIMENSION, :DIMENSION], P[_CLONE, _CLONE]
+        self._cross = P[:DIMENSION, _CLONE]
+        self.state = retract(self.state, error[:DIMENSION])
+        self._R, self._p = self._R @ rotation_step(error[_CLONE_ROTATION]), self._p + error[_CLONE_POSITION]
+        return True
 
     def _increment_residual(self, T_from_to: Float) -> tuple[Float, Float, Float]:
         """Return measured − predicted (6,), its derivative by both errors (6, 21), and the predicted rotation.

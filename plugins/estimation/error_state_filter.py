@@ -56,10 +56,12 @@ class ErrorStateFilter:
         Returns:
             Whether the measurement passed the gate and was used.
         """
-        is_believed, P, error = corrected(self.covariance, H, residual, noise, gate)
-        if is_believed:
-            self.covariance, self.state = P, retract(self.state, error)
-        return bool(is_believed)
+        answer = corrected(self.covariance, H, residual, noise, gate)
+        if answer is None:
+            return False
+        self.covariance, error = answer
+        self.state = retract(self.state, error)
+        return True
 
     def doubt(self, position_m: float, velocity_m_s: float, rotation_rad: float) -> None:
         """Forget how well the state is known: add these standard deviations to it."""

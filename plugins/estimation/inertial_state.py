@@ -8,7 +8,7 @@ import numpy as np
 
 from executive.arrays import Float
 from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.strapdown import advanced, carried_covariance, carried_cross
+from plugins.estimation.strapdown import advance, carry_covariance_by, carry_cross_by
 
 # Blocks of the error state: rotation [rad] in IMU axes, velocity, position in map axes, gyro bias, accelerometer bias.
 ROTATION, VELOCITY, POSITION, GYRO_BIAS, ACCEL_BIAS = (slice(i, i + 3) for i in range(0, 15, 3))
@@ -82,7 +82,9 @@ def propagate_through(state: InertialState, samples: Iterable[Inertial], gravity
     gyro_bias, accel_bias = state.gyro_bias, state.accel_bias
     for sample in samples:
         dt_s = sample.stamp_s - last.stamp_s
-        R, p, v = advanced(R, p, v, gyro_bias, accel_bias, sample.rate, sample.force, dt_s, gravity_m_s2)
+        found = np.empty((3, 3)), np.empty(3), np.empty(3)
+        advance(R, p, v, gyro_bias, accel_bias, sample.rate, sample.force, dt_s, gravity_m_s2, *found)
+        R, p, v = found
         last = sample
     return InertialState(last, R, p, v, gyro_bias, accel_bias)
 
@@ -90,14 +92,16 @@ def propagate_through(state: InertialState, samples: Iterable[Inertial], gravity
 def carry_covariance(state: InertialState, covariance: Float, noise: InertialNoise, dt_s: float) -> Float:
     """Return the covariance of the state's error a step later, by its present rate and force, shape (15, 15)."""
     force = state.sample.force - state.accel_bias
-    after: Float = carried_covariance(covariance, state.R_map_imu, state.rate, force, noise.densities, dt_s)
+    after = np.empty((DIMENSION, DIMENSION))
+    carry_covariance_by(covariance, state.R_map_imu, state.rate, force, noise.densities, dt_s, after)
     return after
 
 
 def carry_cross(state: InertialState, cross: Float, dt_s: float) -> Float:
     """Return the covariance of the state's error with another's a step later, shape (15, k) → (15, k)."""
     force = state.sample.force - state.accel_bias
-    after: Float = carried_cross(cross, state.R_map_imu, state.rate, force, dt_s)
+    after = np.empty(cross.shape)
+    carry_cross_by(cross, state.R_map_imu, state.rate, force, dt_s, after)
     return after
 
 

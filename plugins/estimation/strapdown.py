@@ -1,7 +1,8 @@
 """The strapdown equations, compiled: what runs at each inertial sample, where NumPy's cost a call would add up.
 
 Signatures are fixed, so that all is compiled when this file is imported (once, then it is read from a cache), and no
-sample waits for a compiler. Read-only arrays of any layout are taken: that is what messages hold.
+sample waits for a compiler. Read-only arrays of any layout are taken: that is what messages hold. What is found is
+written into arrays of the caller: to hand one back costs a microsecond.
 """
 
 import math
@@ -36,13 +37,11 @@ def _turn(v: Float, factor: float) -> Float:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _product(A: Float, B: Float) -> Float:
-    """Return A B, shapes (3, 3)."""
-    C = np.empty((3, 3))
+def _multiply(A: Float, B: Float, C: Float) -> None:
+    """Find C = A B, shapes (3, 3)."""
     for i in range(3):
         for j in range(3):
             C[i, j] = A[i, 0] * B[0, j] + A[i, 1] * B[1, j] + A[i, 2] * B[2, j]
-    return C
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -55,23 +54,24 @@ def _rotated(R: Float, v: Float) -> Float:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _moved(A: Float, B: Float) -> Float:
-    """Return A B for two poses, shapes (4, 4)."""
-    C = np.eye(4)
+def _chain(A: Float, B: Float, C: Float) -> None:
+    """Find C = A B for poses, shapes (4, 4)."""
     for i in range(3):
         for j in range(4):
             C[i, j] = A[i, 0] * B[0, j] + A[i, 1] * B[1, j] + A[i, 2] * B[2, j]
         C[i, 3] += A[i, 3]
-    return C
+        C[3, i] = 0.0
+    C[3, 3] = 1.0
 
 
 @njit(  # type: ignore[untyped-decorator]
-    types.Tuple((_NEW_MATRIX, _NEW_VECTOR, _NEW_VECTOR))(
-        _MATRIX, _VECTOR, _VECTOR, _VECTOR, _VECTOR, _VECTOR, _VECTOR, _REAL, _REAL
+    types.void(
+        *(_MATRIX, _VECTOR, _VECTOR, _VECTOR, _VECTOR, _VECTOR, _VECTOR, _REAL, _REAL),
+        *(_NEW_MATRIX, _NEW_VECTOR, _NEW_VECTOR),
     ),
     cache=True,
 )
-def advanced(  # noqa: PLR0913 - the numbers of a state, which the compiler wants one by one
+def advance(  # noqa: PLR0913 - the numbers of a state, which the compiler wants one by one
     R: Float,
     p: Float,
     v: Float,
@@ -81,8 +81,11 @@ def advanced(  # noqa: PLR0913 - the numbers of a state, which the compiler want
     force: Float,
     dt_s: float,
     gravity_m_s2: float,
-) -> tuple[Float, Float, Float]:
-    """Return orientation, position and velocity a step later; the force acts in the attitude of the middle.
+    R_after: Float,
+    p_after: Float,
+    v_after: Float,
+) -> None:
+    """Find orientation, position and velocity a step later; the force acts in the attitude of the middle.
 
     Args:
         R, p, v: In the map, shapes (3, 3), (3,) [m], (3,) [m/s].
@@ -90,19 +93,22 @@ def advanced(  # noqa: PLR0913 - the numbers of a state, which the compiler want
         rate, force: As measured [rad/s], [m/s²], IMU axes, shape (3,) each.
         dt_s: Length of the step [s].
         gravity_m_s2: Along the map's −z.
+        R_after, p_after, v_after: What is found; of the shapes before.
     """
     half_turn = _turn(rate - gyro_bias, 0.5 * dt_s)
-    R_middle = _product(R, half_turn)
+    R_middle = np.empty((3, 3))
+    _multiply(R, half_turn, R_middle)
     acceleration = _rotated(R_middle, force - accel_bias)
     acceleration[2] -= gravity_m_s2
-    v_after = v + dt_s * acceleration
-    return _product(R_middle, half_turn), p + 0.5 * dt_s * (v + v_after), v_after
+    _multiply(R_middle, half_turn, R_after)
+    for i in range(3):
+        v_after[i] = v[i] + dt_s * acceleration[i]
+        p_after[i] = p[i] + 0.5 * dt_s * (v[i] + v_after[i])
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _carry_rows(P: Float, turned_back: Float, R: Float, by_rotation: Float, dt_s: float) -> Float:
-    """Return F P; F is the identity but for a few blocks, see `inertial_state.error_transition`."""
-    after = np.empty(P.shape)
+def _carry_rows(P: Float, turned_back: Float, R: Float, by_rotation: Float, dt_s: float, after: Float) -> None:
+    """Find F P; F is the identity but for a few blocks, see `inertial_state.error_transition`."""
     for j in range(P.shape[1]):
         for i in range(3):
             t = turned_back[i, 0] * P[0, j] + turned_back[i, 1] * P[1, j] + turned_back[i, 2] * P[2, j]
@@ -113,7 +119,6 @@ def _carry_rows(P: Float, turned_back: Float, R: Float, by_rotation: Float, dt_s
             after[6 + i, j] = P[6 + i, j] + dt_s * P[3 + i, j] - 0.5 * dt_s * dt_s * push
             after[9 + i, j] = P[9 + i, j]
             after[12 + i, j] = P[12 + i, j]
-    return after
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -127,18 +132,22 @@ def _turned_force(R: Float, force: Float) -> Float:
     return product
 
 
-@njit(_NEW_MATRIX(_MATRIX, _MATRIX, _VECTOR, _VECTOR, _REAL), cache=True)  # type: ignore[untyped-decorator]
-def carried_cross(C: Float, R: Float, rate: Float, force: Float, dt_s: float) -> Float:
-    """Return F C, the covariance of the state's error with another's a step later, shape (15, k) → (15, k).
+@njit(types.void(_MATRIX, _MATRIX, _VECTOR, _VECTOR, _REAL, _NEW_MATRIX), cache=True)  # type: ignore[untyped-decorator]
+def carry_cross_by(C: Float, R: Float, rate: Float, force: Float, dt_s: float, after: Float) -> None:
+    """Find F C, the covariance of the state's error with another's a step later, shape (15, k) → (15, k).
 
-    The other arguments are those of `carried_covariance`.
+    The other arguments are those of `carry_covariance_by`.
     """
-    return _carry_rows(C, _turn(rate, -dt_s), R, _turned_force(R, force), dt_s)  # type: ignore[no-any-return]
+    _carry_rows(C, _turn(rate, -dt_s), R, _turned_force(R, force), dt_s, after)
 
 
-@njit(_NEW_MATRIX(_MATRIX, _MATRIX, _VECTOR, _VECTOR, _VECTOR, _REAL), cache=True)  # type: ignore[untyped-decorator]
-def carried_covariance(P: Float, R: Float, rate: Float, force: Float, densities: Float, dt_s: float) -> Float:
-    """Return F P Fᵀ + Q, the covariance of the state's error a step later, shape (15, 15).
+@njit(  # type: ignore[untyped-decorator]
+    types.void(_MATRIX, _MATRIX, _VECTOR, _VECTOR, _VECTOR, _REAL, _NEW_MATRIX), cache=True
+)
+def carry_covariance_by(
+    P: Float, R: Float, rate: Float, force: Float, densities: Float, dt_s: float, after: Float
+) -> None:
+    """Find F P Fᵀ + Q, the covariance of the state's error a step later, shape (15, 15).
 
     Args:
         P: Before, shape (15, 15).
@@ -146,47 +155,60 @@ def carried_covariance(P: Float, R: Float, rate: Float, force: Float, densities:
         rate, force: Biases removed [rad/s], [m/s²], IMU axes, shape (3,) each.
         densities: White noise of gyro and accelerometer, then the walks of their biases, shape (4,).
         dt_s: Length of the step [s].
+        after: What is found, shape (15, 15).
     """
     turned_back, by_rotation = _turn(rate, -dt_s), _turned_force(R, force)
-    half = _carry_rows(P, turned_back, R, by_rotation, dt_s)
-    after: Float = _carry_rows(half.T, turned_back, R, by_rotation, dt_s)  # (F (F P)ᵀ) = F P Fᵀ, for P is symmetric
+    half = np.empty((_N, _N))
+    _carry_rows(P, turned_back, R, by_rotation, dt_s, half)
+    _carry_rows(half.T, turned_back, R, by_rotation, dt_s, after)  # F (F P)ᵀ = F P Fᵀ, for P is symmetric
     for i in range(3):
         after[i, i] += densities[0] ** 2 * dt_s
         after[3 + i, 3 + i] += densities[1] ** 2 * dt_s
         after[6 + i, 6 + i] += densities[1] ** 2 * dt_s**3 / 3
         after[9 + i, 9 + i] += densities[2] ** 2 * dt_s
         after[12 + i, 12 + i] += densities[3] ** 2 * dt_s
-    return after
 
 
 @njit(  # type: ignore[untyped-decorator]
-    types.Tuple((_NEW_MATRIX, _NEW_MATRIX, _NEW_MATRIX, _NEW_VECTOR, _NEW_VECTOR))(
-        _MATRIX, _VECTOR, _VECTOR, _VECTOR, _MATRIX, _MATRIX, _MATRIX
+    types.void(
+        *(_MATRIX, _VECTOR, _VECTOR, _VECTOR, _MATRIX, _MATRIX, _MATRIX),
+        *(_NEW_MATRIX, _NEW_MATRIX, _NEW_MATRIX, _NEW_VECTOR, _NEW_VECTOR),
     ),
     cache=True,
 )
-def reported(
-    R: Float, p: Float, v: Float, rate: Float, T_imu_cabin: Float, T_cabin_base: Float, T_odom_map: Float
-) -> tuple[Float, Float, Float, Float, Float]:
-    """Return what a report holds besides the covariance.
+def report_motion(  # noqa: PLR0913 - as above
+    R: Float,
+    p: Float,
+    v: Float,
+    rate: Float,
+    T_imu_cabin: Float,
+    T_cabin_base: Float,
+    T_odom_map: Float,
+    T_map_base: Float,
+    T_odom_base: Float,
+    T_map_cabin: Float,
+    v_cabin: Float,
+    w_cabin: Float,
+) -> None:
+    """Find what a report holds besides the covariance.
 
     Args:
         R, p, v: The IMU in the map, shapes (3, 3), (3,) [m], (3,) [m/s].
         rate: Angular velocity, bias removed, IMU axes [rad/s], shape (3,).
         T_imu_cabin, T_cabin_base, T_odom_map: Shape (4, 4) each.
-
-    Returns:
-        T_map_base, T_odom_base, T_map_cabin, the cabin's velocity in the map and its angular velocity in its axes.
+        T_map_base, T_odom_base, T_map_cabin, v_cabin, w_cabin: What is found: poses, shape (4, 4), the cabin's velocity
+            in the map and its angular velocity in its own axes, shape (3,).
     """
     T_map_imu = np.eye(4)
     for i in range(3):  # assigning slices would double the time of compiling
         T_map_imu[i, 0], T_map_imu[i, 1], T_map_imu[i, 2], T_map_imu[i, 3] = R[i, 0], R[i, 1], R[i, 2], p[i]
-    T_map_cabin = _moved(T_map_imu, T_imu_cabin)
-    T_map_base = _moved(T_map_cabin, T_cabin_base)
-    arm = T_imu_cabin[:3, 3]
+    _chain(T_map_imu, T_imu_cabin, T_map_cabin)
+    _chain(T_map_cabin, T_cabin_base, T_map_base)
+    _chain(T_odom_map, T_map_base, T_odom_base)
     turning = np.empty(3)
     for i in range(3):
         k, m = (i + 1) % 3, (i + 2) % 3
-        turning[i] = rate[k] * arm[m] - rate[m] * arm[k]
-    v_cabin = v + _rotated(R, turning)
-    return T_map_base, _moved(T_odom_map, T_map_base), T_map_cabin, v_cabin, _rotated(T_imu_cabin[:3, :3].T, rate)
+        turning[i] = rate[k] * T_imu_cabin[m, 3] - rate[m] * T_imu_cabin[k, 3]
+    for i in range(3):
+        v_cabin[i] = v[i] + R[i, 0] * turning[0] + R[i, 1] * turning[1] + R[i, 2] * turning[2]
+        w_cabin[i] = T_imu_cabin[0, i] * rate[0] + T_imu_cabin[1, i] * rate[1] + T_imu_cabin[2, i] * rate[2]

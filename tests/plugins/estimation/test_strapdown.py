@@ -14,7 +14,7 @@ from plugins.estimation.inertial_state import (
     propagate,
     propagate_through,
 )
-from plugins.estimation.strapdown import reported
+from plugins.estimation.strapdown import report_motion
 
 NOISE = InertialNoise(2e-3, 3e-2, 4e-4, 5e-3, 0.1, 9.81)
 STEP_S = 0.03
@@ -77,9 +77,10 @@ def test_a_report_is_a_chain_of_poses_and_a_velocity_of_a_point() -> None:
     state, rng = some_state(), np.random.default_rng(6)
     T_imu_cabin, T_cabin_base, T_odom_map = (pose(exp_so3(rng.normal(0, 1, 3)), rng.normal(0, 1, 3)) for _ in range(3))
     R, p, v = state.R_map_imu, state.p_map_imu, state.v_map_imu
-    T_map_base, T_odom_base, T_map_cabin, v_cabin, w_cabin = reported(
-        R, p, v, state.rate, T_imu_cabin, T_cabin_base, T_odom_map
-    )
+    found = T_map_base, T_odom_base, T_map_cabin, v_cabin, w_cabin = [
+        np.full(shape, np.nan) for shape in ((4, 4), (4, 4), (4, 4), 3, 3)
+    ]
+    report_motion(R, p, v, state.rate, T_imu_cabin, T_cabin_base, T_odom_map, *found)
     np.testing.assert_allclose(T_map_cabin, pose(R, p) @ T_imu_cabin, atol=1e-12)
     np.testing.assert_allclose(inverse(T_map_cabin) @ T_map_base, T_cabin_base, atol=1e-12)
     np.testing.assert_allclose(T_odom_base, T_odom_map @ T_map_base, atol=1e-12)
