@@ -123,11 +123,11 @@ def table(rows: Sequence[Row], values: Values) -> str:
         bounds = f"{_bound(row.must, row)} | {_bound(row.stretch, row)}"
         lines.append(f"| {row.label} | {bounds} | {n} | " + " | ".join(cells) + " |")
         missed += [
-            f"`{name}` {row.label}: {row.held(v):.{row.digits}f}, must {row.must:g}"
+            f"- `{name}`, {row.label}: {row.held(v):.{row.digits}f}, must be {_bound(row.must, row)}"
             for name, v in zip(names, per_name, strict=True)
             if v and row.must is not None and not row.meets(row.must, v)
         ]
-    return "\n".join([*lines, "", "Missed: " + ("; ".join(missed) if missed else "nothing") + "."])
+    return "\n".join([*lines, "", "Missed:" if missed else "Nothing is missed.", "", *missed]).rstrip()
 
 
 def _bound(bound: float | None, row: Row) -> str:
