@@ -32,6 +32,7 @@ CAPABILITIES = (
 PLURAL = ("monitoring",)
 BEHAVIOURS = "behaviour"
 ORACLES = "oracle"
+SMOOTHERS = "smoothing"  # of whole recordings: no mission selects one
 VERBS = "verb"  # functions with typer's annotations: sub-commands of the command line
 
 
@@ -131,7 +132,7 @@ def describe(capability: str, name: str) -> dict[str, Any]:
 def diagnose() -> list[dict[str, str]]:
     """Import every installed plugin, behaviour and verb, and say which are broken and why."""
     findings = []
-    for capability in (*CAPABILITIES, BEHAVIOURS, ORACLES, VERBS):
+    for capability in (*CAPABILITIES, SMOOTHERS, BEHAVIOURS, ORACLES, VERBS):
         for one in installed(capability):
             try:
                 load_verb(one.name) if capability == VERBS else load(capability, one.name)

@@ -29,6 +29,8 @@ OdometryOption = Annotated[str, typer.Option(help="Odometry plugin for lidar sca
 MachineOption = Annotated[str | None, typer.Option(help="Description of the machine; the log's own by default.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Answer on standard output, for machines.")]
 
+_SMOOTHER = "batch_graph"
+
 
 def estimate(  # noqa: PLR0913 - the options of the command line, each a parameter to typer
     log: LogArgument,
@@ -43,16 +45,22 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
         list[str] | None, typer.Option("--set", metavar="K=V", help="Override a setting of the estimator: lag_s=0.2.")
     ] = None,
     realtime: Annotated[bool, typer.Option("--realtime", help="Feed the log at its own pace.")] = False,
+    batch: Annotated[
+        bool, typer.Option("--batch", help="Smooth the whole log at once, too, as a reference to hold it against.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Run an estimator over a recorded log: trajectory, report and plot."""
     from executive.estimate.files import write_files
+    from executive.estimate.reference import with_reference
     from executive.estimate.run import Material, Options
     from executive.estimate.run import estimate as run_estimator
 
     options = Options(machine, topic or (), drop or (), offset or (), set_ or (), odometry, realtime)
     material = Material.read(log, options)
     estimated = run_estimator(material, estimator, options)
+    if batch:
+        estimated = with_reference(material, estimated, _SMOOTHER)
     paths = write_files(out, material, estimated)
     _say(f"{estimator} on {log}: {len(estimated.track.stamps_s)} states, {', '.join(map(str, paths))}")
     if as_json:

@@ -13,12 +13,17 @@ from executive.estimate.run import Estimated, Material
 
 
 def write_files(out: Path, material: Material, estimated: Estimated) -> tuple[Path, ...]:
-    """Write the chassis' poses in the map to `out`, and beside it those in the odometry frame, report and plot.
+    """Write the chassis' poses in the map to `out`; beside it those in the odometry frame, report, plot and reference.
 
     Raises:
         ConfigError: If they cannot be written.
     """
-    paths = (out, out.with_name(f"{out.stem}_odom{out.suffix}"), out.with_suffix(".json"), out.with_suffix(".png"))
+    paths: tuple[Path, ...] = (
+        out,
+        out.with_name(f"{out.stem}_odom{out.suffix}"),
+        out.with_suffix(".json"),
+        out.with_suffix(".png"),
+    )
     if len(set(paths)) < len(paths):
         raise ConfigError(f"--out {out}: .json and .png stand for the report and the plot; name it .tum")
     track, origin_s = estimated.track, 1e-9 * material.log.origin_ns
@@ -27,6 +32,9 @@ def write_files(out: Path, material: Material, estimated: Estimated) -> tuple[Pa
         _write_tum(paths[1], origin_s + track.stamps_s, track.T_odom_base)
         paths[2].write_text(json.dumps(estimated.report, indent=2) + "\n", encoding="utf-8")
         plot(paths[3], estimated, material.drops)
+        if estimated.reference is not None:
+            paths = (*paths, out.with_name(f"{out.stem}_smoothed{out.suffix}"))
+            _write_tum(paths[-1], origin_s + estimated.reference.stamps_s, estimated.reference.T_map_base)
     except OSError as error:
         raise ConfigError(f"{error.filename} cannot be written: {error.strerror}") from error
     return paths

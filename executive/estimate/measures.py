@@ -8,8 +8,8 @@ import numpy as np
 
 from executive.arrays import Bool, Float
 from executive.estimate.drop import Drop
-from executive.estimate.replay import Replay
 from executive.geometry.geodesy import enu_from_geodetic
+from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
 from robot_models.rig import Rig
 
@@ -36,11 +36,11 @@ class Track:
     w_map_cabin_in_cabin: Float
 
     @classmethod
-    def of(cls, replay: Replay) -> "Track":
-        """Stack the states of a replay; there is at least one."""
+    def of(cls, states: Sequence[BaseState]) -> "Track":
+        """Stack states; there is at least one."""
         names = ("T_map_base", "T_odom_base", "T_map_cabin", "v_map_cabin", "w_map_cabin_in_cabin")
-        stacks = {name: np.stack([getattr(state, name) for state in replay.states]) for name in names}
-        return cls(stamps_s=np.array([state.stamp_s for state in replay.states]), **stacks)
+        stacks = {name: np.stack([getattr(state, name) for state in states]) for name in names}
+        return cls(stamps_s=np.array([state.stamp_s for state in states]), **stacks)
 
     @property
     def T_map_odom(self) -> Float:

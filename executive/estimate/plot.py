@@ -20,6 +20,8 @@ def plot(path: Path, estimated: Estimated, drops: Sequence[Drop]) -> None:
     above.plot(*errors.p_map_antenna[:, :2].T, ".", color="0.75", label="fixes")
     above.plot(*track.T_map_base[:, :2, 3].T, "-", linewidth=1, label="estimate, map frame")
     above.plot(*track.T_odom_base[:, :2, 3].T, "--", linewidth=1, label="estimate, odometry frame")
+    if estimated.reference is not None:
+        above.plot(*estimated.reference.T_map_base[:, :2, 3].T, ":", linewidth=1, label="smoothed as a whole")
     above.set(xlabel="east [m]", ylabel="north [m]", aspect="equal", title=estimated.report["estimator"])
     above.legend(loc="best", fontsize="small")
     for name, vectors in (("when given out", errors.predicted_m), ("after the fix", errors.posterior_m)):

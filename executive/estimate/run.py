@@ -98,12 +98,42 @@ class Material:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimated:
-    """What came of one estimator on one log."""
+    """What came of one estimator on one log, and the reference to hold it against if there is one."""
 
     report: dict[str, Any]
     replay: Replay
     track: Track
     errors: FixErrors
+    reference: Track | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A plugin that is made for a log, not yet started.
+
+    Attributes:
+        plugin: The estimator or smoother.
+        imu: Inertial sensor that it follows.
+        datum: Origin of its map: latitude, longitude [deg], altitude [m], shape (3,).
+    """
+
+    plugin: Any
+    imu: str
+    datum: Float
+
+
+def prepare(material: Material, capability: str, name: str, pairs: Sequence[str]) -> Prepared:
+    """Make a plugin with the settings that a log asks for, and above those the `KEY=VALUE` pairs.
+
+    Raises:
+        ConfigError: If there is no such plugin, or its settings are wrong.
+        DataError: If the log has no inertial sample.
+    """
+    plugin = registry.load(capability, name)
+    imu = _main_imu(material, plugin.Settings)
+    settings = _validated(plugin.Settings, _settings(plugin.Settings, material, imu, pairs), "--set")
+    datum = getattr(settings, "datum", None)
+    return Prepared(_made(plugin, settings, material.rig), imu, material.datum if datum is None else np.array(datum))
 
 
 def estimate(material: Material, name: str, options: Options) -> Estimated:
@@ -113,14 +143,11 @@ def estimate(material: Material, name: str, options: Options) -> Estimated:
         ConfigError: If there is no such estimator, or its settings are wrong.
         DataError: If the estimator never came to a state.
     """
-    plugin = registry.load("estimation", name)
-    imu = _main_imu(material, plugin.Settings)
-    settings = _validated(plugin.Settings, _settings(plugin.Settings, material, imu, options), "--set")
-    datum = getattr(settings, "datum", None)
-    estimator: Estimator = _made(plugin, settings, material.rig)
+    prepared = prepare(material, "estimation", name, options.settings)
+    estimator: Estimator = prepared.plugin
     try:
         estimator.start()
-        replayer = Replayer(estimator, imu, material.drops)
+        replayer = Replayer(estimator, prepared.imu, material.drops)
         replay = replayer.run(material.arrivals, WallClock() if options.is_realtime else None)
     finally:
         estimator.close()
@@ -130,9 +157,8 @@ def estimate(material: Material, name: str, options: Options) -> Estimated:
             f"{material.log.path}: {name} never came to a state. It needs some seconds at rest, and with one antenna "
             f"some metres of motion after them. Refused: {refused}"
         )
-    track = Track.of(replay)
-    anchor = material.datum if datum is None else np.array(datum)
-    errors = fix_errors(track, replay.fixes, material.rig, anchor, material.drops)
+    track = Track.of(replay.states)
+    errors = fix_errors(track, replay.fixes, material.rig, prepared.datum, material.drops)
     return Estimated(_report(material, name, replay, track, errors), replay, track, errors)
 
 
@@ -166,11 +192,11 @@ def _main_imu(material: Material, settings: type[Settings]) -> str:
     return default if default in frames else frames[0]
 
 
-def _settings(model: type[Settings], material: Material, imu: str, options: Options) -> dict[str, Any]:
+def _settings(model: type[Settings], material: Material, imu: str, pairs: Sequence[str]) -> dict[str, Any]:
     known: dict[str, Any] = {"imu": imu, "datum": tuple(map(float, material.datum))}
     if not isinstance(material.rig, Machine):
         known |= _UNKNOWN_BODY
-    return _merged({key: value for key, value in known.items() if key in model.model_fields}, _nested(options.settings))
+    return _merged({key: value for key, value in known.items() if key in model.model_fields}, _nested(pairs))
 
 
 def _made(plugin: type[Plugin], settings: Settings, rig: Rig) -> Any:

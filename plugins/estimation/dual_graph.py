@@ -67,14 +67,16 @@ class DualGraph(Estimator):
         self._datum = None if settings.datum is None else np.array(settings.datum)
         self._refused: Counter[str] = Counter()
         self.changes: list[ModeChange] = []
-        self._host: SmootherHost = (
-            ProcessSmoother(settings.smoother, self._noise, settings.answer_within_s)
-            if settings.process
-            else InlineSmoother(settings.smoother, self._noise)
-        )
+        self._host = self._made_host()
         self._head: InertialState | None = None
         self._carried: tuple[float, Float] | None = None  # time and covariance
         self._restart()
+
+    def _made_host(self) -> SmootherHost:
+        settings = self._settings
+        if settings.process:
+            return ProcessSmoother(settings.smoother, self._noise, settings.answer_within_s)
+        return InlineSmoother(settings.smoother, self._noise)
 
     def close(self) -> None:
         self._host.close()

@@ -1,5 +1,7 @@
 """From measurements and states to GTSAM's factors and back; the orders of its blocks stay in this file."""
 
+from collections.abc import Sequence
+
 import gtsam
 import numpy as np
 from gtsam.symbol_shorthand import B, V, X
@@ -18,6 +20,7 @@ from plugins.estimation.inertial_state import (
     Inertial,
     InertialState,
 )
+from plugins.estimation.sample_buffer import LONG_GAP_S
 
 _HUBER = 1.345  # 95 % efficient on Gaussian noise; kernels that descend (Tukey, Geman-McClure) diverged
 _INTEGRATION_VARIANCE = 1e-10  # of position within a sample [m²/s]: what the rectangle rule leaves out
@@ -98,6 +101,32 @@ def _rotated(R_map_imu: Float) -> Float:
     J = np.eye(DIMENSION)
     J[POSITION, POSITION] = R_map_imu.T
     return J
+
+
+def inertial_factor(
+    nodes: tuple[int, int], first: InertialState, samples: Sequence[Inertial], noise: InertialNoise
+) -> gtsam.NonlinearFactor:
+    """Preintegrate samples between two nodes; forces act in the attitude of a sample's middle, as in `propagate`.
+
+    Args:
+        nodes: The earlier node and the later one.
+        first: The state at the earlier node, for its time and its biases.
+        samples: Those after it, the last one ending at the later node; at least one.
+        noise: Of the inertial sensor.
+    """
+    gap_s = max(sample.since_last_s for sample in samples)
+    sums = gtsam.PreintegratedCombinedMeasurements(
+        preintegration(noise, gap_s if gap_s > LONG_GAP_S else 0.0), bias_of(first)
+    )
+    steps_s = np.diff([first.stamp_s, *(sample.stamp_s for sample in samples)])
+    rates = np.array([sample.rate for sample in samples])
+    forces = np.array([sample.force for sample in samples])
+    turning = np.cross(rates - first.gyro_bias, forces - first.accel_bias)
+    half_turned = forces + 0.5 * steps_s[:, None] * turning
+    for force, rate, step_s in zip(half_turned, rates, steps_s.tolist(), strict=True):
+        sums.integrateMeasurement(force, rate, step_s)
+    (x0, v0, b0), (x1, v1, b1) = keys(nodes[0]), keys(nodes[1])
+    return gtsam.CombinedImuFactor(x0, v0, x1, v1, b0, b1, sums)
 
 
 def fix_factor(node: int, fix: Fix) -> gtsam.NonlinearFactor:

@@ -11,17 +11,16 @@ from executive.arrays import Float
 from executive.errors import DataError
 from plugins.estimation.graph_chain import GraphChain, nodes_of
 from plugins.estimation.graph_factors import (
-    bias_of,
     covariance_of,
     extract,
+    inertial_factor,
     insert,
     keys,
-    preintegration,
     prior,
 )
 from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import InertialState, propagate, skew
-from plugins.estimation.sample_buffer import LONG_GAP_S, SampleBuffer
+from plugins.estimation.inertial_state import InertialState, propagate
+from plugins.estimation.sample_buffer import SampleBuffer
 
 _SAME_S = 5e-4  # measurements nearer in time share a node: at 1 m/s that is half a millimetre
 _MOST_ITERATIONS = 6
@@ -57,7 +56,6 @@ class GraphWindow:
 
     def __init__(self, noise: InertialNoise, samples: SampleBuffer, first: InertialState, covariance: Float) -> None:
         self._noise = noise
-        self._params = preintegration(noise)
         self._samples = samples
         self._stamps_s = [first.stamp_s]
         self._nodes = [0]
@@ -147,21 +145,9 @@ class GraphWindow:
         self._chain.void_from(rank)
 
     def _inertial_factor(self, i: int) -> gtsam.NonlinearFactor:
-        """Preintegrate from the node before; forces act in the attitude of a sample's middle, as in `propagate`."""
-        begin_s, end_s = self._stamps_s[i - 1], self._stamps_s[i]
-        first = self._state(i - 1)
-        samples = self._samples.between(begin_s, end_s)
-        gap_s = max((s.since_last_s for s in samples), default=0.0)
-        params = self._params if gap_s <= LONG_GAP_S else preintegration(self._noise, gap_s)
-        sums = gtsam.PreintegratedCombinedMeasurements(params, bias_of(first))
-        for sample in samples:
-            dt_s = sample.stamp_s - begin_s
-            rate = sample.rate - first.gyro_bias
-            half_turned = sample.force + 0.5 * dt_s * (skew(rate) @ (sample.force - first.accel_bias))
-            sums.integrateMeasurement(half_turned, sample.rate, dt_s)
-            begin_s = sample.stamp_s
-        (x0, v0, b0), (x1, v1, b1) = keys(self._nodes[i - 1]), keys(self._nodes[i])
-        return gtsam.CombinedImuFactor(x0, v0, x1, v1, b0, b1, sums)
+        """Tie a node to the one before it."""
+        samples = self._samples.between(self._stamps_s[i - 1], self._stamps_s[i])
+        return inertial_factor((self._nodes[i - 1], self._nodes[i]), self._state(i - 1), samples, self._noise)
 
     def solve(self) -> None:
         """Bring all nodes to the most probable values (Gauss–Newton), and the newest's covariance with them.

@@ -36,6 +36,11 @@ class SampleBuffer:
         first, last = bisect_right(self._stamps_s, begin_s), bisect_left(self._stamps_s, end_s)
         return [*self._samples[first:last], self.at(end_s)]
 
+    def ends_at(self, stamp_s: float) -> bool:
+        """Return whether a sample ends exactly at a time."""
+        i = bisect_left(self._stamps_s, stamp_s)
+        return i < len(self._stamps_s) and self._stamps_s[i] == stamp_s
+
     def forget_before(self, stamp_s: float) -> None:
         """Drop the samples that end before a time."""
         count = bisect_left(self._stamps_s, stamp_s)

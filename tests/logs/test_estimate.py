@@ -12,6 +12,7 @@ from executive.errors import ConfigError, DataError
 from executive.estimate.compare import compare, table
 from executive.estimate.drop import Drop
 from executive.estimate.files import write_files
+from executive.estimate.reference import with_reference
 from executive.estimate.replay import Replayer
 from executive.estimate.run import Material, Options, estimate
 from executive.interfaces.estimation import Estimator
@@ -171,6 +172,20 @@ def test_trajectories_report_and_plot_are_written(whole, tmp_path):
     np.testing.assert_allclose(np.linalg.norm(rows[:, 4:], axis=1), 1, atol=1e-6)
     assert json.loads(paths[2].read_text()) == whole[1].report
     assert paths[3].read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_reference_is_smoothed_from_the_whole_log(run, tmp_path):
+    material, online = run(drops=["gnss:11:13"])  # which the reference has, and the estimator has not
+    estimated = with_reference(material, online, "batch_graph")
+    reference, report = estimated.reference, estimated.report["reference"]
+    u = np.maximum(reference.stamps_s - 5.0, 0)
+    np.testing.assert_allclose(reference.T_map_base[:, 0, 3], 0.5 * u**2 - 0.5, atol=0.03)
+    assert report["fixes_m"]["std"] < 0.01
+    assert report["position_m"]["n"] == len(online.track.stamps_s)
+    assert report["position_m"]["max"] > 0.1  # where the estimator had no fix
+    paths = write_files(tmp_path / "way.tum", material, estimated)
+    assert paths[-1].name == "way_smoothed.tum"
+    assert len(np.loadtxt(paths[-1])) == len(reference.stamps_s)
 
 
 def test_estimators_stand_side_by_side(whole):

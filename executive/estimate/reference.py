@@ -1,0 +1,47 @@
+"""A reference for the figures: the whole log smoothed at once, and how far the online trajectory is from it."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from executive.errors import DataError
+from executive.estimate.measures import Track, fix_errors, spread, statistics
+from executive.estimate.run import Estimated, Material, prepare
+from executive.interfaces.smoothing import TrajectorySmoother
+
+_DIGITS = 6
+
+
+def with_reference(material: Material, estimated: Estimated, name: str) -> Estimated:
+    """Smooth all of a log, the fixes that were dropped too, and report the difference to what was estimated online.
+
+    Raises:
+        ConfigError: If there is no such smoother.
+        DataError: If it comes to no trajectory.
+    """
+    prepared = prepare(material, "smoothing", name, ())
+    smoother: TrajectorySmoother = prepared.plugin
+    smoother.start()
+    try:
+        states = smoother.smooth(arrival.observation for arrival in material.arrivals)
+    finally:
+        smoother.close()
+    if not states:
+        raise DataError(f"{material.log.path}: {name} came to no trajectory: nothing is known of where it begins")
+    reference = Track.of(states)
+    fixes = fix_errors(reference, estimated.replay.fixes, material.rig, prepared.datum, ())
+    report = {"smoother": name, **_difference(estimated.track, reference), "fixes_m": spread(fixes.predicted_m)}
+    return replace(estimated, report=estimated.report | {"reference": report}, reference=reference)
+
+
+def _difference(track: Track, reference: Track) -> dict[str, Any]:
+    """Compare two tracks at the stamps that both have."""
+    _, ours, theirs = np.intersect1d(track.stamps_s, reference.stamps_s, return_indices=True)
+    T, T_reference = track.T_map_base[ours], reference.T_map_base[theirs]
+    turn = np.swapaxes(T_reference[:, :3, :3], 1, 2) @ T[:, :3, :3]
+    return {
+        "position_m": spread(T[:, :3, 3] - T_reference[:, :3, 3]),
+        "rotation_rad": statistics(Rotation.from_matrix(turn).magnitude(), _DIGITS),
+    }

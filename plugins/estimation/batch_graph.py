@@ -1,0 +1,126 @@
+"""A whole recording smoothed at once: the reference that an online trajectory is held against."""
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from executive.arrays import Float
+from executive.geometry.pose import inverse
+from executive.interfaces.smoothing import TrajectorySmoother
+from executive.messages.base_state import BaseState
+from executive.messages.gnss import GnssFix
+from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
+from executive.messages.observation import Observation
+from executive.messages.odometry import LidarIncrement
+from plugins.estimation.cabin_report import CabinReport
+from plugins.estimation.cabin_sensors import cabin_imu
+from plugins.estimation.chassis import TurnJoint
+from plugins.estimation.dual_graph import DualGraph
+from plugins.estimation.dual_graph_settings import DualGraphSettings
+from plugins.estimation.graph_estimate import Estimate
+from plugins.estimation.graph_measurements import Measurement
+from plugins.estimation.inertial_noise import InertialNoise
+from plugins.estimation.inertial_state import Inertial, InertialState
+from plugins.estimation.smoother_process import InlineSmoother, SmootherHost
+from plugins.estimation.smoother_settings import SmootherSettings
+from plugins.estimation.whole_graph import Recording, WholeGraph
+from robot_models.rig import Rig
+
+SMOOTHED = "SMOOTHED"
+
+
+class _RecordingHost(SmootherHost):
+    """Smooths inline, and keeps what it was given and what it answered, from each start on."""
+
+    def __init__(self, settings: SmootherSettings, noise: InertialNoise) -> None:
+        self._inline = InlineSmoother(settings, noise)
+        self.recordings: list[Recording] = []
+
+    def begin(self, state: InertialState, covariance: Float) -> None:
+        self.recordings.append(Recording((state, covariance)))
+        self._inline.begin(state, covariance)
+
+    def add(self, measurement: Measurement) -> None:
+        self.recordings[-1].measurements.append(measurement)
+        self._inline.add(measurement)
+
+    def add_sample(self, sample: Inertial) -> Estimate | None:
+        recording = self.recordings[-1]
+        recording.samples.append(sample)
+        estimate = self._inline.add_sample(sample)
+        if estimate is not None and (
+            not recording.estimates or estimate.state.stamp_s > recording.estimates[-1].stamp_s
+        ):
+            recording.estimates.append(estimate.state)
+        return estimate
+
+    def close(self) -> None:
+        self._inline.close()
+
+
+class _RecordingGraph(DualGraph):
+    """The online estimator, for its door, its first state and where the search begins."""
+
+    def _made_host(self) -> SmootherHost:
+        self.host = _RecordingHost(self._settings.smoother, self._noise)
+        return self.host
+
+
+class BatchGraph(TrajectorySmoother):
+    """The dual graph's main graph without its lag and without its gate: all nodes, all fixes, solved together.
+
+    There is one graph, for with the whole recording at hand an outage is bridged from both of its ends. What a fix is
+    worth is judged by the solution itself.
+    """
+
+    Settings = DualGraphSettings
+
+    def __init__(self, settings: DualGraphSettings, machine: Rig) -> None:
+        self._settings = settings
+        self._machine = machine
+
+    def smooth(self, observations: Iterable[Observation | LidarIncrement]) -> Sequence[BaseState]:
+        online = _RecordingGraph(self._settings, self._machine)
+        online.start()
+        try:
+            joints = list(_fed(online, observations))
+        finally:
+            online.close()
+        imu = cabin_imu(self._machine, self._settings.imu)
+        noise = InertialNoise.of(imu, self._settings.noise_factor, self._settings.gravity_m_s2)
+        graphs = [WholeGraph(recording, self._settings.smoother, noise) for recording in online.host.recordings]
+        turn = TurnJoint(self._machine)
+        report = CabinReport(inverse(imu.T_link_sensor), turn)
+        answers, k = [], 0
+        for state, P in (pair for graph in graphs for pair in _smoothed(graph)):
+            while k < len(joints) and joints[k].stamp_s <= state.stamp_s:
+                turn.update(joints[k])
+                k += 1
+            answers.append(report.report(state, P, SMOOTHED))
+        return answers
+
+
+def _fed(online: DualGraph, observations: Iterable[Observation | LidarIncrement]) -> Iterator[JointSample]:
+    """Feed everything; yield the joints on the way."""
+    for observation in observations:
+        if isinstance(observation, ImuSample):
+            online.add_imu(observation)
+        elif isinstance(observation, GnssFix):
+            online.add_gnss(observation)
+        elif isinstance(observation, LidarIncrement):
+            online.add_odometry(observation)
+        elif isinstance(observation, JointSample):
+            online.add_joints(observation)
+            yield observation
+
+
+def _smoothed(graph: WholeGraph) -> Iterator[tuple[InertialState, Float]]:
+    """Yield the states at the samples of one graph, and the covariance of the node before each."""
+    if len(graph) < 2 or not graph.has_fix:
+        return
+    nodes = graph.solve()
+    for node, covariance in zip(range(len(nodes) - 1), graph.covariances(), strict=False):
+        if node == 0:
+            yield nodes[0], covariance
+        for state in graph.between(nodes, node):
+            if graph.is_sample(state.stamp_s):
+                yield state, covariance

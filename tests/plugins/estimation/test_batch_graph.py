@@ -1,0 +1,109 @@
+"""The whole recording at once: against the window, against the truth through an outage, and without a step anywhere."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from executive.geometry.geodesy import geodetic_from_enu
+from executive.messages.gnss import GnssFix
+from plugins.estimation.batch_graph import SMOOTHED, BatchGraph
+from plugins.estimation.dual_graph_settings import DualGraphSettings
+from plugins.estimation.graph_factors import fix_factor
+from plugins.estimation.graph_measurements import Fix
+from plugins.estimation.graph_window import GraphWindow
+from plugins.estimation.inertial_noise import InertialNoise
+from plugins.estimation.inertial_state import Inertial, InertialState
+from plugins.estimation.sample_buffer import SampleBuffer
+from plugins.estimation.smoother_settings import SmootherSettings
+from plugins.estimation.whole_graph import Recording, WholeGraph
+
+NOISE = InertialNoise(1e-3, 1e-2, 1e-5, 1e-4, 1e-2, 9.81)
+COVARIANCE = np.diag(np.repeat([0.02, 0.1, 0.05, 1e-3, 1e-2], 3) ** 2)
+
+
+@pytest.fixture(scope="module")
+def recording() -> Recording:
+    """Two seconds of a turning, accelerating IMU with noisy fixes of two antennas."""
+    rng = np.random.default_rng(2)
+    z = np.zeros(3)
+    state = InertialState(Inertial(0.0, z, z), np.eye(3), z, z, z, z)
+    recording = Recording((state, COVARIANCE))
+    for k in range(1, 201):
+        t = k / 100
+        force = np.array([np.cos(t), 0.3, 9.7])
+        recording.samples.append(Inertial(t, np.array([0.1, -0.05, 0.8 * np.sin(t)]), force, 0.01))
+    window = GraphWindow(NOISE, buffer(recording), state, COVARIANCE)
+    for stamp_s in np.arange(1, 20) / 10:
+        there = window.state_at(stamp_s)
+        for arm in (np.array([1.0, 0.5, 0.3]), np.array([-1.0, 0.5, 0.3])):
+            p = there.p_map_imu + there.R_map_imu @ arm + rng.normal(0, 0.01, 3)
+            recording.measurements.append(Fix(stamp_s, "gnss", arm, p, 1e-4 * np.eye(3)))
+    return recording
+
+
+def buffer(recording: Recording) -> SampleBuffer:
+    samples = SampleBuffer()
+    for sample in (recording.first[0].sample, *recording.samples):
+        samples.append(sample)
+    return samples
+
+
+def test_its_newest_state_is_that_of_a_window_that_forgets_nothing(recording) -> None:
+    graph = WholeGraph(recording, SmootherSettings(), NOISE)
+    window = GraphWindow(NOISE, buffer(recording), *recording.first)
+    for fix in recording.measurements:
+        window.add("fix", fix.stamp_s, [fix_factor(window.node_at(fix.stamp_s), fix)])
+    window.node_at(2.0)
+    window.solve()
+    states = graph.solve()
+    assert len(states) == len(window)
+    # The window linearises anew only what has moved far, which is worth some tenths of a millimetre.
+    for name in ("R_map_imu", "p_map_imu", "v_map_imu", "gyro_bias", "accel_bias"):
+        np.testing.assert_allclose(getattr(states[-1], name), getattr(window.newest(), name), atol=1e-3)
+
+
+def test_a_wrong_fix_is_left_out(recording) -> None:
+    wrong = replace(recording.measurements[20], p_map_antenna=recording.measurements[20].p_map_antenna + 2.0)
+    spoilt = Recording(recording.first, recording.samples, [*recording.measurements, wrong])
+    clean, graph = (WholeGraph(r, SmootherSettings(), NOISE) for r in (recording, spoilt))
+    before, after = clean.solve(), graph.solve()
+    assert graph.left_out == 1
+    np.testing.assert_allclose(after[10].p_map_imu, before[10].p_map_imu, atol=1e-4)
+
+
+def test_between_nodes_it_leads_from_one_to_the_next_without_a_step(recording) -> None:
+    graph = WholeGraph(recording, SmootherSettings(), NOISE)
+    nodes = graph.solve()
+    path = [state for node in range(len(nodes) - 1) for state in graph.between(nodes, node)]
+    for node in nodes[1:]:
+        (there,) = (s for s in path if abs(s.stamp_s - node.stamp_s) < 1e-9)
+        np.testing.assert_allclose(there.p_map_imu, node.p_map_imu, atol=1e-9)
+        np.testing.assert_allclose(there.R_map_imu, node.R_map_imu, atol=1e-9)
+
+
+def test_an_outage_is_bridged_from_both_ends(cabin) -> None:
+    observations = [o for o in cabin.observations(13.0) if not (isinstance(o, GnssFix) and 7.5 < o.stamp_s < 10.5)]
+    states = BatchGraph(DualGraphSettings(standing={"is_used": False}), cabin.machine).smooth(observations)
+    assert {state.status for state in states} == {SMOOTHED}
+    stamps_s = np.array([state.stamp_s for state in states])
+    np.testing.assert_allclose(np.diff(stamps_s), 0.01, atol=1e-6)  # one for each sample
+    distances = [np.linalg.norm((s.T_map_cabin - cabin.T_map_cabin(s.stamp_s))[:3, 3]) for s in states]
+    assert max(distances) < 0.02  # online, inertia alone is off by decimetres after three seconds
+    # The end of one step is the beginning of the next: a step of the trajectory would show as a wrong velocity.
+    p = np.array([state.T_map_cabin[:3, 3] for state in states])
+    v = np.array([state.v_map_cabin for state in states])
+    np.testing.assert_allclose(np.diff(p, axis=0), 0.01 * 0.5 * (v[1:] + v[:-1]), atol=1e-3)
+
+
+def test_without_a_beginning_there_is_no_trajectory(cabin) -> None:
+    nowhere = [o for o in cabin.observations(3.0) if not isinstance(o, GnssFix)]
+    assert BatchGraph(DualGraphSettings(), cabin.machine).smooth(nowhere) == []
+
+
+def test_the_map_is_that_of_the_datum(cabin) -> None:
+    datum = geodetic_from_enu(np.array([10.0, 20.0, 30.0]), np.array([47.4084, 8.5106, 440.0]))
+    settings = DualGraphSettings(datum=tuple(map(float, datum)))
+    state = BatchGraph(settings, cabin.machine).smooth(cabin.observations(4.0))[-1]
+    moved = cabin.T_map_cabin(4.0)[:3, 3] - [10.0, 20.0, 30.0]
+    np.testing.assert_allclose(state.T_map_cabin[:3, 3], moved, atol=0.02)
