@@ -123,11 +123,14 @@ SCENARIOS: Mapping[str, Scenario] = {
     "ramp": Scenario(ALL, 38.0, lambda rng: faults.ramp(rng, 0.1, 2.0, READY_S), _ramp),
     "datum": Scenario(ALL, 30.0, lambda rng: faults.plateau(rng, DATUM_CHANGE_M, READY_S, np.inf), _datum),
     "clean": Scenario(ALL, 40.0, lambda rng: faults.none, _clean),
-    "clean_no_lidar": Scenario(ALL, 30.0, lambda rng: faults.none, lambda t: _renamed(_clean(t)), lidar=False),
+    "clean_no_lidar": Scenario(
+        ALL, 30.0, lambda rng: faults.none, lambda t: _renamed("no lidar", _clean(t)), lidar=False
+    ),
+    "wander": Scenario(ALL, 40.0, lambda rng: faults.wander(rng, 0.01), lambda t: _renamed("wander", _clean(t))),
     "outage_45": _of_outage(45.0),
     "outage_160": _of_outage(160.0),
 }
 
 
-def _renamed(figures: Figures) -> Figures:
-    return {f"no lidar, {name}": value for name, value in figures.items()}
+def _renamed(what: str, figures: Figures) -> Figures:
+    return {f"{what}, {name}": value for name, value in figures.items()}

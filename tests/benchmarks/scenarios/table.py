@@ -66,6 +66,8 @@ ROWS = (
     Row(
         "the same without lidar: antenna's position error, std [cm]", "no lidar, position: std", is_mean=True, digits=2
     ),
+    Row("fixes that wander by 1 cm: rejected [%]", "wander, clean: rejected", 0.5, 0.0, digits=2),
+    Row("fixes that wander by 1 cm: time not GLOBAL [%]", "wander, clean: not global", digits=2),
     Row("spikes of 3 to 4 m: error [cm]", "spikes: error", 8, 4),
     Row("plateau of 1 m for 5 s: error [cm]", "plateau: error", 15, 8),
     Row("ramp of 0.1 m/s to 2 m: flagged after [s]", "ramp: flagged", 20),
