@@ -25,7 +25,14 @@ from plugins.estimation.first_state import FirstState
 from plugins.estimation.graph_estimate import Estimate
 from plugins.estimation.graph_measurements import Fix, Increment, Measurement, Standing
 from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import Inertial, InertialState, carry_covariance, propagate, skew
+from plugins.estimation.inertial_state import (
+    Inertial,
+    InertialState,
+    carry_covariance,
+    propagate,
+    propagate_through,
+    skew,
+)
 from plugins.estimation.smoother_process import InlineSmoother, ProcessSmoother, SmootherHost
 from plugins.estimation.unordered_door import UnorderedDoor
 from robot_models.rig import Rig
@@ -140,10 +147,7 @@ class DualGraph(Estimator):
         self._refused.update(estimate.refused)
         while self._samples and self._samples[0].stamp_s <= estimate.state.stamp_s:
             self._samples.popleft()
-        head = estimate.state
-        for sample in self._samples:
-            head = propagate(head, sample, self._noise.gravity_m_s2)
-        self._move_to(head)
+        self._move_to(propagate_through(estimate.state, self._samples, self._noise.gravity_m_s2))
 
     def _move_to(self, head: InertialState) -> None:
         self._carried = None

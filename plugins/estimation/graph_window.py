@@ -19,7 +19,7 @@ from plugins.estimation.graph_factors import (
     prior,
 )
 from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import InertialState, propagate
+from plugins.estimation.inertial_state import InertialState, propagate_through
 from plugins.estimation.sample_buffer import SampleBuffer
 
 _SAME_S = 5e-4  # measurements nearer in time share a node: at 1 m/s that is half a millimetre
@@ -100,9 +100,7 @@ class GraphWindow:
         """Return the state at a time within the samples, carried on from the node before it."""
         i = max(bisect_left(self._stamps_s, stamp_s + _SAME_S) - 1, 0)
         state = self._state(i)
-        for sample in self._samples.between(state.stamp_s, stamp_s):
-            state = propagate(state, sample, self._noise.gravity_m_s2)
-        return state
+        return propagate_through(state, self._samples.between(state.stamp_s, stamp_s), self._noise.gravity_m_s2)
 
     def _state(self, i: int) -> InertialState:
         node = self._nodes[i]
