@@ -111,7 +111,7 @@ def _extract(colmap: Any, photographs: Photographs, links: list[str], settings: 
     options = colmap.FeatureExtractionOptions()
     options.num_threads, options.use_gpu, options.max_image_size = 1, False, settings.feature_px
     options.sift.max_num_features = settings.features
-    options.sift.first_octave = 0  # features finer than a pixel cost four times the time and found no more pictures
+    options.sift.first_octave = 0  # none finer than a pixel: the picture would be doubled for them
     reader = colmap.ImageReaderOptions()
     if settings.view_angle_rad is not None:
         width, height = photographs.size_px
@@ -124,7 +124,7 @@ def _extract(colmap: Any, photographs: Photographs, links: list[str], settings: 
 def _match(
     colmap: Any, photographs: Photographs, links: list[str], settings: MotionSettings, seed: int, work: Path
 ) -> None:
-    """Match each picture with those that were taken nearest: all pairs would cost three times as much for 36."""
+    """Match each picture with those that were taken nearest: of 36, all pairs would be three times as many."""
     positions = photographs.positions_m
     distances = np.linalg.norm(positions[:, None] - positions, axis=2)
     nearest = np.argsort(distances, axis=1, kind="stable")[:, 1 : settings.neighbours + 1]
