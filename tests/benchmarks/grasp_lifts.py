@@ -16,6 +16,7 @@ there was no attempt count as failures. Intervals: Wilson, 95 %.
 import argparse
 import hashlib
 import json
+import sys
 import tempfile
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -67,6 +68,8 @@ def run_site(stones: str, scale: float, ranking: str, site: int, folder: Path) -
     begun_s = wall_s()
     made = Run(load_mission("pick_and_place", settings), Options(seed=FIRST_SEED + site, run_dir=folder / "run"))
     report = made.execute(look).report
+    if report["outcome"] in ("stopped", "fault"):
+        sys.exit(f"{stones} {ranking} site {site}: {report['outcome']}: {report['reason']}; nothing is noted")
     about = {"stones": "generated" if stones == "generated" else "scanned", "ranking": ranking, "site": site}
     about |= {"weights": weights_id() if ranking == "learned" else "", "wall_s": round(wall_s() - begun_s)}
     about |= {"plan_ms": report["timings_ms"].get("grasping.plan", {})}
