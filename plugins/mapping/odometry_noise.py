@@ -11,10 +11,11 @@ from plugins.mapping.pose_constraint import PoseConstraint
 class OdometryNoiseSettings(Settings):
     """The estimate's error as a process that wanders, and forgets where it was.
 
-    Defaults were measured on the shipped estimators, with satellites of 8 mm and of 40 mm: their poses wander alike.
+    Defaults fit the shipped estimators, with satellites of 8 mm and of 40 mm: their poses wander alike. The attitude's
+    is wider than its noise, for roll and pitch are corrected while the accelerometers' biases are learned.
     """
 
-    rotation_rad: Radians = Field(0.002, gt=0, description="Wander of the attitude in one second [rad].")
+    rotation_rad: Radians = Field(0.004, gt=0, description="Wander of the attitude in one second [rad].")
     position_m: Meters = Field(0.0035, gt=0, description="Wander of the position in one second [m].")
     correlation_s: Seconds = Field(2.0, gt=0, description="Time after which an error is a new one [s].")
     anchor_period_s: Seconds = Field(1.0, gt=0, description="Time between ties to the estimate itself [s].")

@@ -74,7 +74,7 @@ def test_matches_mend_an_estimate_that_jumps_about(
         for mapper in (graph, voxels):
             mapper.add_scan_pair(scans, motion)
     matched, averaged = (off_planes(mapper.cloud().points) for mapper in (graph, voxels))
-    assert np.median(matched) < 0.6 * np.median(averaged)
+    assert np.median(matched) < 0.75 * np.median(averaged)
 
 
 def test_pairs_at_rest_make_no_node_and_the_first_few_are_mapped(make_graph: Callable, make_yard: Callable) -> None:
