@@ -23,8 +23,8 @@ class FindAgainSettings(Settings):
 class FindAgain(Action):
     """Look for a dropped or missed stone in the fresh map and update what the database knows of it.
 
-    Its whole model is looked for first, however it lies now, so that a stone that tipped keeps model and rotation. If
-    that is refused, the map is segmented, and what is seen there may replace the model.
+    Its whole model is looked for first, however it lies now and whatever it leans on, so that it keeps model and
+    rotation. If that is refused, the map is segmented, and what is seen there may replace the model.
     """
 
     Settings = FindAgainSettings
@@ -42,13 +42,14 @@ class FindAgain(Action):
         found: Alignment = yield self.context.job("registration", "find", around, Cloud("map", stone.points_map))
         if found.accepted:
             note = f"registration, {found.reason}"
-            objects.realign(stone.id, found.T_target_source, self.context.now_s(), note)
+            stone = objects.realign(stone.id, found.T_target_source, self.context.now_s(), note)
+            self.context.note("looked_again", stone=stone.id, seen=[stone.id], method="registration", reason=note)
+            return succeeded(note)
         segmentation: Segmentation = yield self.context.job("segmentation", "segment", Cloud("map", near))
         seen = objects.observe(self._not_placed(segmentation), self.context.now_s(), False)
-        self.context.note(
-            "looked_again", stone=stone.id, seen=[s.id for s in seen], found=found.accepted, reason=found.reason
-        )
-        if stone.id not in [s.id for s in seen]:
+        numbers = [s.id for s in seen]
+        self.context.note("looked_again", stone=stone.id, seen=numbers, method="segmentation", reason=found.reason)
+        if stone.id not in numbers:
             return failed(f"stone {stone.id} was not found within {self.settings.radius:.1f} m of its last place")
         return succeeded()
 
