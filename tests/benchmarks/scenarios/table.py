@@ -76,7 +76,7 @@ ROWS = (
     Row("datum moved by 5 m: flagged", "datum: flagged", 1, is_least=True, digits=0),
     *(Row(f"{o}: error [% of way]", f"{o}: share", 0.7, digits=2) for o in _OUTAGES),
     *(Row(f"{o}: beyond odometry's own [% of way]", f"{o}: beyond", None, 0.2, digits=2) for o in _OUTAGES),
-    Row("odometry frame: step beyond v·dt [mm]", ("plateau: step", *(f"{o}: step" for o in _OUTAGES)), 10, 2),
+    Row("odometry frame: step beyond v·dt [mm]", ("plateau: step", *(f"{o}: step" for o in _OUTAGES)), 10, 2, digits=2),
     Row(
         "back in GLOBAL after good fixes [s]", ("plateau: back", *(f"{o}: back" for o in _OUTAGES)), 1.5, 1.0, digits=2
     ),
