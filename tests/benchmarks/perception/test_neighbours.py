@@ -1,0 +1,75 @@
+"""How many stones are one segment each, by the gap to their neighbour, and what a segmentation costs.
+
+Run with `OMP_NUM_THREADS=1 pytest tests/benchmarks/perception/test_neighbours.py -s`: three minutes of processor time.
+Seeds 7500 and up are drawn here only; nothing has been tuned on them.
+"""
+
+import time
+from collections import Counter
+from collections.abc import Callable
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from executive.arrays import Float, Int
+from executive.messages.cloud import Cloud
+from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
+
+STONES, SCENES = 7, 5
+BANDS_M = ((0.05, 0.10), (0.10, 0.15), (0.15, 0.30))
+LEAST_SEEN = 100  # points: fewer of a stone are not asked for
+
+
+def fates(points: Float, labels: Int, segments: list[Float]) -> list[str]:
+    """Return what became of each stone: single, merged, split, missed or unseen."""
+    tree = cKDTree(points)
+    counts = np.array([np.bincount(labels[tree.query(one)[1]], minlength=STONES + 1) for one in segments], dtype=float)
+    counts = counts.reshape(-1, STONES + 1)
+    shares = counts / np.maximum(counts.sum(axis=0), 1)
+    return [_fate(shares, counts[:, stone].sum(), (labels == stone).sum(), stone) for stone in range(1, STONES + 1)]
+
+
+def _fate(shares: Float, kept: float, seen: int, stone: int) -> str:
+    if seen < LEAST_SEEN:
+        return "unseen"
+    if kept < 0.3 * seen:
+        return "missed"
+    if (shares[:, stone] > 0.15).sum() > 1 or shares[:, stone].max() < 0.5:
+        return "split"
+    others = np.delete(shares[shares[:, stone].argmax(), 1:], stone - 1)
+    return "merged" if others.max() > 0.2 else "single"
+
+
+def test_neighbours(make_piles: Callable) -> None:
+    segmentation = GroundAndClusters(GroundAndClustersSettings())
+    segmentation.start()
+    spent_ms: dict[str, list[float]] = {"lidar": [], "drone": []}
+    tallies = {(shape, band): Counter[str]() for shape in ("convex", "scanned") for band in BANDS_M}
+    for (shape, band), tally in tallies.items():
+        for seed in range(7500, 7500 + SCENES):
+            for kind, (points, labels) in make_piles(seed, band, shape).clouds.items():
+                begun_s = time.process_time()
+                found = segmentation.segment(Cloud(kind, points)).segments
+                spent_ms[kind].append(1e3 * (time.process_time() - begun_s))
+                tally.update(fates(points, labels, [one.points for one in found]))
+    print(f"\n  {'stones':10}{'gap [cm]':>10}{'single':>10}{'merged':>8}{'split':>8}{'missed':>8}{'seen':>6}")
+    for (shape, band), tally in tallies.items():
+        _print(shape, f"{100 * band[0]:.0f}-{100 * band[1]:.0f}", tally)
+    narrow, wide = (
+        sum((t for (_, band), t in tallies.items() if band[0] >= least), Counter()) for least in (0.0, 0.15)
+    )
+    _print("all", ">= 5", narrow)
+    _print("all", ">= 15", wide)
+    for kind, spent in spent_ms.items():
+        print(f"  {kind}: {np.median(spent):.0f} ms median, {np.percentile(spent, 95):.0f} ms p95, n {len(spent)}")
+    assert narrow["single"] >= 0.90 * _seen(narrow)
+    assert wide["single"] >= 0.97 * _seen(wide)
+
+
+def _seen(tally: Counter[str]) -> int:
+    return tally.total() - tally["unseen"]
+
+
+def _print(shape: str, gap: str, tally: Counter[str]) -> None:
+    counts = "".join(f"{tally[fate]:8d}" for fate in ("merged", "split", "missed"))
+    print(f"  {shape:10}{gap:>10}{tally['single'] / _seen(tally):10.1%}{counts}{_seen(tally):6d}")
