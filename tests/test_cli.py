@@ -50,7 +50,7 @@ print('HEAVY', [m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr)
 
 def test_lists_every_capability():
     table = json.loads(executive("plugins", "list", "--json").stdout)
-    assert table["registration"] == ["segment_fpfh", "segment_shot"]
+    assert table["registration"] == ["kiss_matcher", "segment_fpfh", "segment_shot"]
     assert all(table.values())
 
 
