@@ -91,9 +91,7 @@ def test_a_child_that_is_killed_is_replaced_at_the_next_sample_by_one_that_is_re
     spare, sent = host.spare, watched(host.spare)
     host.child.process.kill()
     host.child.process.join()
-    for _ in range(
-        3
-    ):  # an answer may still be in the pipe, then its end is met, then the spare is sent to
+    for _ in range(3):  # an answer may still be in the pipe, then its end is met, then the spare is sent to
         rest.feed(host)
     assert host.restarts == 1
     assert host.child is spare
