@@ -8,9 +8,10 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose
-from executive.geometry.rotation import about_axis, exp_so3, log_so3
+from executive.geometry.rotation import about_axis, exp_so3, log_so3, skew
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
+from executive.messages.odometry import LidarIncrement
 from plugins.odometry.sensor_path import SensorPath
 from robot_models.rig import Rig
 
@@ -18,7 +19,8 @@ S = TypeVar("S")
 
 _KEPT_S = 3.0  # longer than the odometry goes on through refused scans
 _FRESH_S = 0.05  # older inertial samples than this say nothing about the scan
-_GAIN = 0.5  # of the newest increment in the speed: halves its noise, and trails by one scan
+_ACCELERATION_M_S2 = 0.5  # of the chassis: how soon an old speed is worth nothing
+_FIRST_SPEED_M_S = 0.5  # standard deviation of the speed before the first increment
 
 
 class DeadReckoning:
@@ -41,6 +43,7 @@ class DeadReckoning:
         self._rates: deque[tuple[float, Float]] = deque()
         self._turns: deque[tuple[float, float]] = deque()
         self._v_chassis = np.zeros(3)  # of the axis' point, chassis axes [m/s]
+        self._P_speed = _FIRST_SPEED_M_S**2 * np.eye(3)  # covariance of its error [m²/s²]
         self._w_cabin = np.zeros(3)  # by the last increment [rad/s], where no gyroscope is heard
 
     def add_imu(self, sample: ImuSample) -> None:
@@ -74,13 +77,23 @@ class DeadReckoning:
         v_cabin = self._R_chassis_cabin(middle_s).T @ self._v_chassis
         return pose(half @ half, dt_s * half @ v_cabin)
 
-    def correct(self, from_s: float, to_s: float, T_from_to: Float) -> None:
-        """Learn from a matched increment of the lidar how the chassis travels."""
-        T = self._T_cabin_lidar @ T_from_to @ inverse(self._T_cabin_lidar)
-        rotation, dt_s = log_so3(T[:3, :3]), to_s - from_s
-        v_middle = exp_so3(-0.5 * rotation) @ T[:3, 3] / dt_s
-        v_chassis = self._R_chassis_cabin(0.5 * (from_s + to_s)) @ v_middle
-        self._v_chassis = self._v_chassis + _GAIN * (v_chassis - self._v_chassis)
+    def correct(self, increment: LidarIncrement) -> None:
+        """Learn from a matched increment how the chassis travels, as surely as the increment is (a Kalman filter).
+
+        Where the scene holds a direction badly, the speed in it stays: a match that wanders must not feed the next.
+        """
+        T_cabin_lidar = self._T_cabin_lidar
+        T = T_cabin_lidar @ increment.T_from_to @ inverse(T_cabin_lidar)
+        rotation, dt_s = log_so3(T[:3, :3]), increment.to_s - increment.from_s
+        R_chassis_middle = self._R_chassis_cabin(0.5 * (increment.from_s + increment.to_s))
+        speed = R_chassis_middle @ exp_so3(-0.5 * rotation) @ T[:3, 3] / dt_s
+        R_cabin_lidar, arm = T_cabin_lidar[:3, :3], T_cabin_lidar[:3, 3]
+        # the cabin's origin moves with the lidar's rotation errors, too: the lower half of the adjoint
+        J = R_chassis_middle @ np.hstack([skew(arm) @ R_cabin_lidar, R_cabin_lidar]) / dt_s
+        P = self._P_speed + (_ACCELERATION_M_S2 * dt_s) ** 2 * np.eye(3)
+        gain = np.linalg.solve(P + J @ increment.covariance @ J.T, P).T
+        self._v_chassis = self._v_chassis + gain @ (speed - self._v_chassis)
+        self._P_speed = P - gain @ P
         self._w_cabin = rotation / dt_s
 
     def _R_chassis_cabin(self, stamp_s: float) -> Float:

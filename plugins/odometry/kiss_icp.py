@@ -111,8 +111,9 @@ class KissIcp(LidarOdometry):
         if self._reckoning is None or not self._is_plausible(T_from_to, now[0] - last[0]):
             self._begin()
             return None
-        self._reckoning.correct(last[0], now[0], T_from_to)
-        return LidarIncrement(last[0], now[0], self._settings.frame, T_from_to, self._covariance())
+        increment = LidarIncrement(last[0], now[0], self._settings.frame, T_from_to, self._covariance())
+        self._reckoning.correct(increment)
+        return increment
 
     def _is_plausible(self, T_from_to: Float, duration_s: float) -> bool:
         speed_m_s = float(np.linalg.norm(T_from_to[:3, 3])) / duration_s

@@ -47,8 +47,10 @@ class ScanToSubmapSettings(Settings):
         2.0, gt=0, le=2.5, description="Time without a scan that was matched, after which the submap is begun anew [s]."
     )
     restart_after: int = Field(10, gt=0, description="Scans refused in a row until the submap is begun anew.")
-    guess_rotation_std_rad: Radians = Field(0.05, gt=0, description="Error of a scan's dead reckoning [rad].")
-    guess_translation_std_m: Meters = Field(0.1, gt=0, description="Error of a scan's dead reckoning [m].")
+    guess_rotation_std_rad: Radians = Field(
+        0.005, gt=0, description="Error of a scan's dead reckoning [rad]; large, so that inertia is not told twice."
+    )
+    guess_translation_std_m: Meters = Field(0.02, gt=0, description="Error of a scan's dead reckoning [m].")
     doubt: float = Field(
         2.0, ge=1, le=10, description="Factor on the fit's standard deviation: returns on one plane share its error."
     )
@@ -152,15 +154,15 @@ class ScanToSubmap(LidarOdometry):
         covariance = settings.doubt**2 * fitted.covariance
         self._track = _Track(stamp_s, T, covariance)
         self._refusals = 0
-        if self._reckoning is not None:
-            self._reckoning.correct(track.stamp_s, stamp_s, T_from_to)
         if self._map.is_new(T, settings.key_distance_m, settings.key_angle_rad):
             self._map.add(T, points)
         # Both ends were fitted: the earlier one's error moves the increment as seen from the later frame.
         J = _adjoint(inverse(T_from_to))
-        return LidarIncrement(
-            track.stamp_s, stamp_s, settings.frame, T_from_to, J @ track.covariance @ J.T + covariance
-        )
+        both = J @ track.covariance @ J.T + covariance
+        increment = LidarIncrement(track.stamp_s, stamp_s, settings.frame, T_from_to, both)
+        if self._reckoning is not None:
+            self._reckoning.correct(increment)
+        return increment
 
     def _refuse(self, stamp_s: float, points: Float) -> None:
         self._refusals += 1

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from executive.messages.odometry import LidarIncrement
 from plugins.odometry.dead_reckoning import DeadReckoning
 
 
@@ -15,6 +16,12 @@ def fed(yard, until_s: float, has_imu: bool = True) -> DeadReckoning:
     return reckoning
 
 
+def increment(yard, from_s: float, std_m: float = 1e-4) -> LidarIncrement:
+    """The true motion over 0.1 s, said to be so sure along each axis."""
+    covariance = np.diag(np.repeat([1e-4, std_m], 3) ** 2)
+    return LidarIncrement(from_s, from_s + 0.1, "lidar_horizontal", yard.T_from_to(from_s, from_s + 0.1), covariance)
+
+
 def test_a_cabin_that_turns_on_a_standing_chassis_needs_no_earlier_increment(yard) -> None:
     turning = yard(rate_rad_s=0.7)
     path = fed(turning, 1.0).path(0.9, 1.0)
@@ -25,8 +32,8 @@ def test_a_cabin_that_turns_on_a_standing_chassis_needs_no_earlier_increment(yar
 def test_an_even_travel_is_learned_while_the_cabin_turns(yard, rate_rad_s: float) -> None:
     driving = yard(rate_rad_s=rate_rad_s, speed_m_s=1.0)
     reckoning = fed(driving, 2.0)
-    for k in range(10):
-        reckoning.correct(0.1 * k, 0.1 * (k + 1), driving.T_from_to(0.1 * k, 0.1 * (k + 1)))
+    for k in range(10):  # 1 mm of noise a scan leaves 1 cm/s after that
+        reckoning.correct(increment(driving, 0.1 * k))
     error = reckoning.path(1.9, 2.0).T_end_then(1.9) - driving.T_from_to(2.0, 1.9)
     # The chord of an arc is taken for its middle's speed: 1 m/s · 0.1 s · (0.07 rad)²/24, twice.
     assert np.abs(error).max() < 2e-4
@@ -37,5 +44,15 @@ def test_without_a_gyroscope_the_last_turn_goes_on(yard) -> None:
     reckoning = fed(turning, 1.0, has_imu=False)
     assert np.abs(reckoning.path(0.9, 1.0).T_end_then(0.9) - np.eye(4)).max() < 1e-9
     for k in range(10):
-        reckoning.correct(0.1 * k, 0.1 * (k + 1), turning.T_from_to(0.1 * k, 0.1 * (k + 1)))
+        reckoning.correct(increment(turning, 0.1 * k))
     np.testing.assert_allclose(reckoning.path(0.9, 1.0).T_end_then(0.9), turning.T_from_to(1.0, 0.9), atol=1e-3)
+
+
+def test_an_unsure_increment_moves_the_speed_little(yard) -> None:
+    driving = yard(speed_m_s=1.0)
+    reckoned_m = []
+    for std_m in (1e-4, 0.5):
+        reckoning = fed(driving, 0.2)
+        reckoning.correct(increment(driving, 0.0, std_m))
+        reckoned_m.append(np.linalg.norm(reckoning.path(0.1, 0.2).T_end_then(0.1)[:3, 3]))
+    np.testing.assert_allclose(reckoned_m, [0.1, 0.1 * 0.5**2 / (0.5**2 + 5.0**2)], rtol=0.05)

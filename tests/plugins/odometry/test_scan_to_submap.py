@@ -69,8 +69,8 @@ def test_level_ground_alone_is_told_as_a_scene_that_holds_no_heading(yard) -> No
             np.sqrt(R_lidar_world[:, 2] @ block @ R_lidar_world[:, 2])
             for block in (increment.covariance[:3, :3], increment.covariance[3:, 3:])
         )
-        assert heading_rad > 0.03
-        assert height_m < 0.02
+        assert heading_rad > 0.009
+        assert height_m < 0.006
 
 
 def test_it_works_without_inertia(yard) -> None:
