@@ -111,7 +111,7 @@ def outages(errors: FixErrors, drops: Sequence[Drop]) -> list[dict[str, Any]]:
     answers = []
     for drop in drops:
         inside = (errors.stamps_s >= drop.from_s) & (errors.stamps_s < drop.to_s) & errors.is_dropped
-        if not inside.any():
+        if not inside.any() or drop.sensor not in ("gnss", *errors.antennas):
             continue
         distance = np.linalg.norm(errors.predicted_m[inside], axis=1)
         first = np.array([antenna == errors.antennas[0] for antenna in errors.antennas])  # two would zigzag
