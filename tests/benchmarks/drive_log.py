@@ -84,6 +84,7 @@ class Drive:
             starts = np.arange(FIRST_S + shift * period_s / shifts, LAST_S, period_s)
             estimated, _ = self.run(name, [f"gnss:{t}:{t + duration_s}" for t in starts])
             ends += [outage["error_at_end_m"] for outage in estimated.report["outages"]]
+            print(f"{name}: {duration_s} s, n = {len(ends)}: median {np.median(ends):.2f} m", file=sys.stderr)
         return ends
 
 
@@ -104,6 +105,7 @@ def column(drive: Drive, name: str, shifts: int) -> dict[str, str]:
     }
     cells = {key: ROWS[key].marked(value, f"{value:.2f}") for key, value in figures.items()}
     cells["repeat"] = "no" if figures["repeat"] else "yes"
+    print(name, cells, file=sys.stderr)  # of a run that is broken off, what there is
     for duration_s in PERIODS_S:
         ends = drive.outages(name, duration_s, shifts)
         text = f"{np.median(ends):.2f}, {max(ends):.2f} (n = {len(ends)})"
@@ -133,11 +135,7 @@ def main() -> None:
     parser.add_argument("--offset", action="append", default=[], metavar="SENSOR:SECONDS")
     arguments = parser.parse_args()
     drive = Drive(arguments.log, tuple(arguments.offset))
-    columns = {}
-    for name in arguments.estimators.split(","):
-        columns[name] = column(drive, name, arguments.shifts)
-        print(name, columns[name], file=sys.stderr)  # of a run that is broken off, what there is
-    print(table(columns))
+    print(table({name: column(drive, name, arguments.shifts) for name in arguments.estimators.split(",")}))
 
 
 if __name__ == "__main__":
