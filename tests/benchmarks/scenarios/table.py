@@ -120,7 +120,8 @@ def table(rows: Sequence[Row], values: Values) -> str:
         per_name = [row.of(values[name]) for name in names]
         if not any(per_name):
             continue
-        n = max(len(v) for v in per_name)
+        counts = [str(len(v)) for v in per_name if v]
+        n = counts[0] if len(set(counts)) == 1 else " / ".join(counts)
         cells = [_cell(row, v) for v in per_name]
         bounds = f"{_bound(row.must, row)} | {_bound(row.stretch, row)}"
         lines.append(f"| {row.label} | {bounds} | {n} | " + " | ".join(cells) + " |")
