@@ -15,7 +15,7 @@ class OdometryNoiseSettings(Settings):
     is wider than its noise, for roll and pitch are corrected while the accelerometers' biases are learned.
     """
 
-    rotation_rad: Radians = Field(0.004, gt=0, description="Wander of the attitude in one second [rad].")
+    rotation_rad: Radians = Field(0.002, gt=0, description="Wander of the attitude in one second [rad].")
     position_m: Meters = Field(0.0035, gt=0, description="Wander of the position in one second [m].")
     correlation_s: Seconds = Field(2.0, gt=0, description="Time after which an error is a new one [s].")
     anchor_period_s: Seconds = Field(1.0, gt=0, description="Time between ties to the estimate itself [s].")

@@ -29,7 +29,7 @@ class ScanMatchingSettings(Settings):
     max_shift_m: Meters = Field(0.15, gt=0, description="A larger correction of the odometry is not believed [m].")
     max_turn_rad: Radians = Field(0.03, gt=0, description="A larger turn of it is not believed [rad].")
     level_factor: float = Field(
-        0.1, gt=0, le=100, description="True variance of height, roll and pitch over the inverse Hessian's."
+        0.25, gt=0, le=100, description="True variance of height, roll and pitch over the inverse Hessian's."
     )
     plane_factor: float = Field(2.5, gt=0, le=100, description="The same of heading and place.")
     least_std_m: Meters = Field(5e-4, gt=0, description="No match is surer than this [m], and as much in rad / m.")
