@@ -36,6 +36,7 @@ class Doorkeeper:
             return False
         (self._alone.discard if stream in self._newest_s else self._alone.add)(stream)
         self._newest_s[stream] = stamp_s
+        self._ahead_s.pop(stream, None)
         return True
 
     def refuse(self, stream: str, reason: str) -> None:

@@ -1,24 +1,28 @@
 """A swinging cabin whose motion is known in closed form, measured by noisy sensors."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
 
 from executive.geometry.geodesy import geodetic_from_enu
-from executive.geometry.pose import pose, transform
-from executive.geometry.rotation import from_rpy
+from executive.geometry.pose import inverse, pose, transform
+from executive.geometry.rotation import exp_so3, from_rpy
 from executive.interfaces.estimation import Estimator
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.observation import Observation
+from executive.messages.odometry import LidarIncrement
+from plugins.estimation.dual_graph import DualGraph
+from plugins.estimation.dual_graph_settings import DualGraphSettings
 from plugins.estimation.gnss_imu_filter import GnssImuFilter
 from plugins.estimation.gnss_imu_settings import GnssImuSettings
 from robot_models.machine import Machine, load_machine
 from robot_models.sensor import Imu
 
+LIDAR = "lidar_horizontal"
 DATUM = np.array([47.4084, 8.5106, 440.0])
 
 
@@ -140,3 +144,108 @@ def start(machine: Machine) -> Callable[..., GnssImuFilter]:
 def estimator(start: Callable[..., GnssImuFilter]) -> GnssImuFilter:
     """A filter of default settings."""
     return start()
+
+
+@pytest.fixture
+def begin(machine) -> Iterator[Callable[..., DualGraph]]:
+    """Make and start estimators; close them in the end."""
+    begun = []
+
+    def begin(**settings: object) -> DualGraph:
+        settings = {"smoother": {"lag_s": 1.5}} | settings  # half the default: the tests take half the time
+        estimator = DualGraph(DualGraphSettings(**settings), machine)
+        estimator.start()
+        begun.append(estimator)
+        return estimator
+
+    yield begin
+    for estimator in begun:
+        estimator.close()
+
+
+@pytest.fixture
+def with_lidar():
+    """Put lidar increments between observations."""
+
+    def with_lidar(cabin, observations, std_m=0.005, std_rad=0.0005):
+        """Yield the observations and, after each tenth cabin sample, the increment since the last, late by 50 ms."""
+        rng = np.random.default_rng(7)
+        T_cabin_lidar = cabin.machine.sensors[LIDAR].T_link_sensor
+        covariance = np.diag(np.repeat([std_rad**2, std_m**2], 3))
+        for observation in observations:
+            yield observation
+            if isinstance(observation, ImuSample) and observation.frame == "imu_cabin":
+                k = round(100 * observation.stamp_s) - 5
+                if k >= 10 and k % 10 == 0:
+                    before, after = (cabin.T_map_cabin(t) @ T_cabin_lidar for t in (k / 100 - 0.1, k / 100))
+                    error = pose(exp_so3(rng.normal(0, std_rad, 3)), rng.normal(0, std_m, 3))
+                    yield LidarIncrement(k / 100 - 0.1, k / 100, LIDAR, inverse(before) @ after @ error, covariance)
+
+    return with_lidar
+
+
+@pytest.fixture
+def shifted():
+    """Move or drop fixes."""
+
+    def shifted(observations, shift_enu: Callable[[float], np.ndarray | None]):
+        """Move each fix by what a function of time says; None drops it."""
+        for observation in observations:
+            if isinstance(observation, GnssFix):
+                shift = shift_enu(observation.stamp_s)
+                if shift is None:
+                    continue
+                datum = observation.geodetic
+                observation = replace(observation, geodetic=geodetic_from_enu(np.asarray(shift, dtype=float), datum))
+            yield observation
+
+    return shifted
+
+
+@pytest.fixture
+def run():
+    """Feed an estimator and look at it now and then."""
+
+    def run(estimator, observations):
+        """Feed all; return the states at every fifth cabin sample."""
+        states = []
+        verbs = {
+            ImuSample: estimator.add_imu,
+            GnssFix: estimator.add_gnss,
+            JointSample: estimator.add_joints,
+            LidarIncrement: estimator.add_odometry,
+        }
+        for observation in observations:
+            verbs[type(observation)](observation)
+            is_cabin = isinstance(observation, ImuSample) and observation.frame == "imu_cabin"
+            if is_cabin and round(100 * observation.stamp_s) % 5 == 0:
+                states.append(estimator.state())
+        return states
+
+    return run
+
+
+@pytest.fixture
+def errors_m():
+    """Hold states against the truth."""
+
+    def errors_m(cabin, states, after_s=0.0):
+        return np.array(
+            [
+                np.linalg.norm((s.T_map_cabin - cabin.T_map_cabin(s.stamp_s))[:3, 3])
+                for s in states
+                if s.is_ready and s.stamp_s >= after_s
+            ]
+        )
+
+    return errors_m
+
+
+@pytest.fixture
+def reasons():
+    """Pick the reasons of one kind of change."""
+
+    def reasons(estimator, after):
+        return [change.reason for change in estimator.changes if change.after == after]
+
+    return reasons

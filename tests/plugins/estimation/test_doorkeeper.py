@@ -32,6 +32,10 @@ def test_two_stamps_of_the_far_future_that_disagree_are_both_refused() -> None:
     assert admitted([1.0, 900.0, 300.0, 600.0, 1.1])[0] == [1.0, 1.1]
 
 
+def test_two_stamps_of_the_far_future_that_agree_are_refused_if_good_ones_came_between() -> None:
+    assert admitted([1.0, 900.0, 1.1, 900.1, 1.2])[0] == [1.0, 1.1, 1.2]
+
+
 def test_a_first_stamp_of_the_far_future_is_given_up_for_the_second() -> None:
     assert admitted([900.0, 1.0, 1.1, 1.2])[0] == [900.0, 1.0, 1.1, 1.2]
     assert admitted([1.0, 0.9, 1.1])[0] == [1.0, 1.1]
