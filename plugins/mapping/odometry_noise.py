@@ -11,8 +11,7 @@ from plugins.mapping.pose_constraint import PoseConstraint
 class OdometryNoiseSettings(Settings):
     """The estimate's error as a process that wanders, and forgets where it was.
 
-    Defaults fit the shipped estimators, with satellites of 8 mm and of 40 mm: their poses wander alike. The attitude's
-    is wider than its noise, for roll and pitch are corrected while the accelerometers' biases are learned.
+    Defaults were measured on the shipped estimators, with satellites of 8 mm and of 40 mm: their poses wander alike.
     """
 
     rotation_rad: Radians = Field(0.002, gt=0, description="Wander of the attitude in one second [rad].")

@@ -14,8 +14,6 @@ from executive.geometry.rotation import angle_between
 from plugins.mapping.pose_constraint import PoseConstraint
 from plugins.mapping.scan_pair import SinglePrecision
 
-_IS_LEVEL = np.array([True, True, False, False, False, True])  # roll, pitch; yaw; x, y; z, in the cabin's frame
-
 
 class ScanMatchingSettings(Settings):
     """The submap, the fit, and when a fit is believed."""
@@ -28,10 +26,9 @@ class ScanMatchingSettings(Settings):
     least_inliers: float = Field(0.6, gt=0, le=1, description="Share of a pair's points that must match.")
     max_shift_m: Meters = Field(0.15, gt=0, description="A larger correction of the odometry is not believed [m].")
     max_turn_rad: Radians = Field(0.03, gt=0, description="A larger turn of it is not believed [rad].")
-    level_factor: float = Field(
-        0.25, gt=0, le=100, description="True variance of height, roll and pitch over the inverse Hessian's."
+    covariance_factor: float = Field(
+        0.25, gt=0, le=100, description="True variance of a fit over its inverse Hessian, measured in the simulation."
     )
-    plane_factor: float = Field(2.5, gt=0, le=100, description="The same of heading and place.")
     least_std_m: Meters = Field(5e-4, gt=0, description="No match is surer than this [m], and as much in rad / m.")
 
 
@@ -48,8 +45,7 @@ class ScanMatcher:
         """Return the pair's pose in the node before, or None where there is nothing to match or to believe.
 
         On open ground a pair tells height, roll and pitch well, and heading and place badly; the covariance says so: it
-        is the inverse Hessian of the fit, scaled by what errors were against known poses over chains of forty pairs in
-        the simulation: the pattern of rings on the ground moves with the sensor, and pulls place and heading with it.
+        is the inverse Hessian of the fit, scaled by what errors against known poses were.
 
         Args:
             points_cabin: The pair's points [m], shape (N, 3).
@@ -89,5 +85,4 @@ class ScanMatcher:
         H = np.array(result.H)
         if not np.isfinite(H).all() or np.linalg.eigvalsh(H)[0] <= 0:
             return None
-        scale = np.sqrt(np.where(_IS_LEVEL, s.level_factor, s.plane_factor))
-        return PoseConstraint(T, np.outer(scale, scale) * np.linalg.inv(H) + s.least_std_m**2 * np.eye(6))
+        return PoseConstraint(T, s.covariance_factor * np.linalg.inv(H) + s.least_std_m**2 * np.eye(6))
