@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from executive.arrays import Float
+from executive.arrays import Bool, Float
 from executive.behaviours.action import Action, Steps
 from executive.behaviours.outcome import succeeded
 from executive.config import Meters, Radians, Seconds, Settings
@@ -50,12 +50,12 @@ class WaitForDensity(Action):
         inside = (np.abs(places) < reach).all(axis=1)
         cells = np.floor(places[inside]).astype(np.int64) + reach
         counts = np.bincount(cells[:, 0] * 2 * reach + cells[:, 1], minlength=(2 * reach) ** 2)
-        middles = np.indices((2 * reach, 2 * reach)).reshape(2, -1).T + 0.5 - reach
+        middles: Float = np.indices((2 * reach, 2 * reach), dtype=np.float64).reshape(2, -1).T + 0.5 - reach
         return float((counts[self._is_in_region(middles, heading_rad)] >= self.settings.density).mean())
 
-    def _is_in_region(self, places: Float, heading_rad: float) -> Any:
+    def _is_in_region(self, places: Float, heading_rad: float) -> Bool:
         distances = np.hypot(places[:, 0], places[:, 1])
         aside = np.arctan2(places[:, 1], places[:, 0]) - heading_rad
         turned = np.abs((aside + np.pi) % (2 * np.pi) - np.pi)
         is_near = (distances > self.settings.nearest) & (distances < self.context.machine().reach_m)
-        return is_near & (turned < self.settings.angle / 2)
+        return np.asarray(is_near & (turned < self.settings.angle / 2))
