@@ -12,7 +12,7 @@ from robot_models.rig import Rig
 
 # What a MEMS sensor does on a body that shakes: 5 to 50 times its data sheet's noise. Measured on a car: at rest the
 # engine alone gives a spread of 0.13 m/s² and 0.05 rad/s, the road gives more, and the accelerometer's bias was 0.14
-# m/s². Half or twice these figures change the errors in outages by less than a tenth.
+# m/s². Half or twice these figures change the median error after an outage of 5 s or 10 s by up to a quarter.
 _IMU = {
     "rate_hz": 100.0,
     "gyro_noise_rad_s": 0.03,
