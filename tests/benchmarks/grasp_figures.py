@@ -11,6 +11,7 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
+from lone_stones import generated
 from matplotlib.figure import Figure
 
 from executive.arrays import Float
@@ -29,7 +30,6 @@ from plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
 from plugins.grasping.sampled_planner import SampledPlanner
 from plugins.grasping.stone_views import StoneView, convex_solid, look_at
 from robot_models.machine import Machine, load_machine
-from tests.benchmarks.lone_stones import generated
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
 SEED, STONES, LIFTS = 91, 200, 4

@@ -13,6 +13,7 @@ from itertools import islice
 from time import process_time
 
 import numpy as np
+from lone_stones import generated
 
 from executive.arrays import Float
 from executive.geometry.pose import transform
@@ -28,7 +29,6 @@ from plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
 from plugins.grasping.sampled_planner import SampledPlanner
 from plugins.grasping.stone_views import StoneView, look_at
 from robot_models.machine import load_machine
-from tests.benchmarks.lone_stones import generated
 
 SEED, SAMPLES = 55, 100
 STANDS = np.array([[1, 0, 0, -5.5], [0, 1, 0, 0], [0, 0, 1, 0.9], [0, 0, 0, 1]], dtype=float)
