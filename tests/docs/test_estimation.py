@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -19,10 +20,11 @@ BENCHMARKS = [line.split("#")[0].strip() for line in LINES if line.startswith("p
 
 
 def usage(words: list[str]) -> str:
-    environment = {"COLUMNS": "200", "PATH": "", "HOME": str(ROOT)}
-    ended = subprocess.run(
-        [sys.executable, *words, "--help"], capture_output=True, text=True, timeout=120, env=environment
-    )
+    with tempfile.TemporaryDirectory() as home:  # matplotlib leaves its list of fonts there
+        environment = {"COLUMNS": "200", "PATH": "", "HOME": home}
+        ended = subprocess.run(
+            [sys.executable, *words, "--help"], capture_output=True, text=True, timeout=120, env=environment
+        )
     assert ended.returncode == 0, ended.stderr
     return ended.stdout
 
