@@ -13,11 +13,19 @@ _SETTLED = 0.002  # [rad] or [m]: at 8 m from the turning axis 2 mrad are 16 mm
 _GOAL_TOLERANCE = 0.02  # [rad] or [m]: what a servo under load may stand off for good
 _STALL_S = 2.0  # standing off the goal for so long: something is in the way
 _STALL_SPEED = 0.005  # [rad/s] or [m/s]
+_START_TOLERANCE = 0.045  # [rad] or [m]: a robot refuses a way that begins elsewhere, as a fault
 
 
 def follow(context: Context, trajectory: JointTrajectory) -> Generator[None, None, Outcome]:
-    """Command a trajectory and wait for its end; if given up before, stop the machine along the path."""
+    """Command a trajectory and wait for its end; if given up before, stop the machine along the path.
+
+    Fails without moving if the arm is not where the trajectory begins: a load that slips can push it after planning.
+    """
     robot = context.plugin("robot")
+    away = np.abs(_position(context, trajectory) - trajectory.position[0])
+    if away.max() > _START_TOLERANCE:
+        name = trajectory.names[int(away.argmax())]
+        return failed(f"{name} has moved {away.max():.3f} since the way was planned: plan again")
     robot.command(Follow(trajectory))
     is_over = False
     try:

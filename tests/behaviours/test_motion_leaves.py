@@ -89,6 +89,17 @@ def test_given_up_it_stops_the_machine(fakes):
     assert context.plugins["robot"].stops == 1
 
 
+def test_an_arm_that_was_pushed_since_the_plan_does_not_move(fakes):
+    context = fakes.Context(robot=Robot())
+    trajectory = turn_by(context, 0.5)
+    pushed = trajectory.position[0] + [0.06, *[0] * (trajectory.position.shape[1] - 1)]
+    context.positions = lambda t: pushed
+    outcome = fakes.finish(ExecuteTrajectory(NoSettings(), context), trajectory=trajectory)
+    assert not outcome.success
+    assert "J_TURN has moved 0.060 since the way was planned" in outcome.reason
+    assert not context.plugins["robot"].commands
+
+
 class Planner:
     def __init__(self, context=None, reason=""):
         self.context, self.reason = context, reason
