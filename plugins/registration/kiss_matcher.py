@@ -13,6 +13,7 @@ from executive.geometry.pose import pose
 from executive.interfaces.alignment import Aligner
 from executive.interfaces.segmentation import Segmenter
 from executive.messages.segment import Segmentation
+from plugins.registration.one_core import one_core
 from plugins.registration.segment_registrar import SegmentRegistrar
 from plugins.registration.segment_settings import SegmentSettings
 from plugins.registration.stopwatch import Stopwatch
@@ -32,12 +33,15 @@ class FasterPfh(Strategy):
     feature_voxel_m: float
 
     def propose(self, target: Segmentation, source: Segmentation, watch: Stopwatch) -> list[Float]:
-        """Return its motion, or none; see `Strategy.propose`. The package does all of it at once."""
+        """Return its motion, or none; see `Strategy.propose`. The package does all of it at once.
+
+        On one core, for its threads sum in the order in which they come; two are no faster on clouds of this size.
+        """
         matcher = _package().KISSMatcher(self.feature_voxel_m)
         here, there = (np.vstack([one.points for one in x.segments]).astype(np.float32) for x in (source, target))
-        with watch.stage("matching"):
+        with one_core(), watch.stage("matching"):
             matched = matcher.match(list(here), list(there))
-        with watch.stage("verification"):
+        with one_core(), watch.stage("verification"):
             solution = matcher.prune_and_solve(*matched)
         if not solution.valid:
             return []
@@ -52,7 +56,8 @@ def _orthonormal(R: Float) -> Float:
 
 def _package() -> Any:
     try:
-        import kiss_matcher
+        with one_core():  # its pools of threads are made as it is loaded
+            import kiss_matcher
     except ImportError as error:
         raise ConfigError("registration 'kiss_matcher' needs its package: pip install 'executive[kiss]'") from error
     return kiss_matcher
