@@ -6,10 +6,11 @@ import numpy as np
 from scipy.ndimage import maximum_filter, minimum_filter
 
 from executive.arrays import Bool, Float, Int
+from plugins.motion.ground_heights import ground_heights
 
 _CELL_M = 0.1
 _GROUND_CELLS = 5  # window of the lowest point: half a metre
-_GROUND_M = 0.12  # its roughness over that window
+_GROUND_M = 0.12  # the ground's roughness over that window
 _FREE = -1e3  # height of a cell without points [m]
 
 
@@ -21,9 +22,11 @@ class Obstacles:
         self.points = points_base[is_near]
         self._radius_m = radius_m
         self._cells = int(np.ceil(2 * radius_m / _CELL_M))
+        self._centres = np.asarray((np.arange(self._cells) + 0.5) * _CELL_M - radius_m, dtype=np.float64)
         self._heights = self._extremes(np.maximum, _FREE)
-        self._wide = maximum_filter(self._heights, size=3)  # samples of a body's surface are a cell and a half apart
         self._floor = self._ground()
+        # Samples of a body's surface are a cell and a half apart; the ground of a shadow is as solid as that beside it.
+        self._wide = np.maximum(maximum_filter(self._heights, size=3), self._floor)
 
     def clearances(self, points_base: Float) -> Float:
         """Return heights above the highest obstacle in the surrounding cells [m], of points (..., 3)."""
@@ -45,8 +48,7 @@ class Obstacles:
             azimuths_rad: First and last azimuth; the sector runs from the smaller number to the larger.
             radii_m: Inner and outer radius.
         """
-        axis = (np.arange(self._cells) + 0.5) * _CELL_M - self._radius_m
-        x, y = np.meshgrid(axis, axis, indexing="ij")
+        x, y = np.meshgrid(self._centres, self._centres, indexing="ij")
         radius = np.hypot(x, y)
         start, end = sorted(azimuths_rad)
         turned = (np.arctan2(y, x) - start) % (2 * np.pi)
@@ -71,9 +73,18 @@ class Obstacles:
         return np.clip(cells, 0, self._cells - 1)
 
     def _ground(self) -> Float:
-        """Return the lowest point of each cell and those around it: ground next to a stone's foot, free if unknown."""
-        lowest = minimum_filter(self._extremes(np.minimum, -_FREE), size=_GROUND_CELLS)
-        return np.where(lowest == -_FREE, _FREE, lowest)
+        """Return the ground's height in each cell, free where it is unknown.
+
+        It is the lowest point of the cell and those around it, on the slope there. Where that is a stone's, because the
+        ground beside it lies in its shadow, and where there is none, it is what the ground farther around tells.
+        """
+        lowest = self._extremes(np.minimum, -_FREE)
+        surface = ground_heights(self.points, self._centres)
+        is_known = ~np.isnan(surface)
+        surface = np.where(is_known, surface, 0.0)
+        above = minimum_filter(lowest - surface, size=_GROUND_CELLS)
+        is_ground = above <= np.where(is_known, _GROUND_M, -_FREE / 2)
+        return np.where(is_ground, surface + above, np.where(is_known, surface, _FREE))
 
     def _extremes(self, extreme: np.ufunc, of_none: float) -> Float:
         heights = np.full((self._cells, self._cells), of_none)

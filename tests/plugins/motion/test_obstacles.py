@@ -1,6 +1,7 @@
 """The height map and the ground below it."""
 
 import numpy as np
+import pytest
 
 from executive.arrays import Float
 from plugins.motion.obstacles import Obstacles
@@ -40,3 +41,41 @@ def test_nothing_around_is_no_obstacle() -> None:
     empty = Obstacles(np.zeros((0, 3)), 11.0)
     assert empty.clearances(np.zeros((1, 3)))[0] > 100
     assert empty.depths_in_ground(np.zeros((1, 3)))[0] < -100
+
+
+SUN = np.array([1.0, 0.0, -0.5])  # rays of a lidar far behind the stone's near side: a shadow twice its height
+
+
+def shadowed(slope: float) -> Float:
+    """Ground that rises along y, and a cube of 1 m at x = 5 m whose far side and shadow the lidar does not see."""
+    x, y = np.meshgrid(np.arange(-8, 8, 0.05), np.arange(-8, 8, 0.05))
+    is_stone = (np.abs(x - 5) < 0.5) & (np.abs(y) < 0.5)
+    is_dark = (x >= 5.5) & (x < 5.5 + 1.0 / -SUN[2]) & (np.abs(y) < 0.5)
+    ground = np.c_[x.ravel(), y.ravel(), (slope * y - 1.0).ravel()][~(is_stone | is_dark).ravel()]
+    top = np.c_[x[is_stone], y[is_stone], np.zeros(is_stone.sum()) + slope * y[is_stone]]
+    far_edge = np.c_[np.full(20, 5.5), np.linspace(-0.5, 0.5, 20), np.linspace(-0.5, 0.5, 20) * slope - 0.6]
+    return np.vstack([ground, top, far_edge])
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.3])
+def test_in_a_stone_s_shadow_the_stone_is_not_the_ground(slope: float) -> None:
+    obstacles = Obstacles(shadowed(slope), 11.0)
+    beside = np.array([[5.6, y, slope * y - 0.85] for y in (-0.2, 0.0, 0.2)])  # 15 cm above the ground that is not seen
+    np.testing.assert_allclose(obstacles.depths_in_ground(beside), -0.15, atol=0.03)
+    assert not obstacles.is_ground[np.abs(obstacles.points[:, 2] - slope * obstacles.points[:, 1] + 0.6) < 1e-6].any()
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.3])
+def test_the_ground_in_a_shadow_is_as_solid_as_that_beside_it(slope: float) -> None:
+    obstacles = Obstacles(shadowed(slope), 11.0)
+    buried = np.array([[6.5, 0.2, 0.2 * slope - 1.2]])
+    np.testing.assert_allclose(obstacles.depths_in_ground(buried), 0.2, atol=0.03)
+    assert obstacles.clearances(buried)[0] < 0.0
+
+
+def test_on_a_slope_the_ground_lies_where_it_is_seen() -> None:
+    x, y = np.meshgrid(np.arange(-8, 8, 0.05), np.arange(-8, 8, 0.05))
+    points = np.c_[x.ravel(), y.ravel(), (0.4 * x - 0.2 * y).ravel()]
+    probes = np.random.default_rng(0).uniform(-6, 6, (200, 3))
+    depth = 0.4 * probes[:, 0] - 0.2 * probes[:, 1] - probes[:, 2]
+    np.testing.assert_allclose(Obstacles(points, 11.0).depths_in_ground(probes), depth, atol=0.05)

@@ -1,0 +1,83 @@
+"""The ground's height over an area, under stones and in their shadows too: local planes through what lies lowest."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter, map_coordinates
+
+from executive.arrays import Float
+
+_CELL_M = 0.3  # the lowest point of each cell may be ground
+_WIDTHS_M = (2.0, 2.0, 2.0, 1.0, 1.0, 1.0)  # of the neighbourhoods, pass by pass: wide ones see past a stone
+_ABOVE_M = 0.08  # a cell so far above the surface counts a quarter in the next pass, higher ones hardly at all
+_LEAST_SUPPORT = 0.03  # share of a neighbourhood that must be seen, by weight
+_LEAST_SPREAD_M = 0.1  # of what a plane is fitted to: narrower, its slope is not to be believed
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Lowest:
+    """The lowest point of each cell of a square grid, (n, n) each; where there is none, `is_seen` is 0."""
+
+    is_seen: Float
+    x: Float
+    y: Float
+    z: Float
+    centres_m: Float  # of the cells along an axis, (n,)
+
+
+def ground_heights(points: Float, centres_m: Float) -> Float:
+    """Return the ground's height at (centres[i], centres[j]) [m], shape (n, n); NaN where too little is seen around.
+
+    A plane is fitted about each cell to the lowest points of the cells around it; those above it (stones) then count
+    less, six times over, first in wide neighbourhoods. A stone is so no ground, though nothing lower be seen in its
+    shadow; slopes stay slopes. At a step of the ground the upper side counts as a stone for a metre or so.
+
+    Args:
+        points: Ground and what stands on it, z up [m], shape (N, 3).
+        centres_m: Rising, evenly spaced coordinates, the same along x and y, shape (n,).
+    """
+    if not len(points):
+        return np.full((len(centres_m), len(centres_m)), np.nan)
+    low = _lowest(points, float(np.abs(centres_m).max()))
+    weight, surface = low.is_seen, np.full_like(low.z, np.nan)
+    for width_m in _WIDTHS_M:
+        fitted = _local_planes(low, weight, width_m / _CELL_M)
+        surface = np.where(np.isnan(fitted), surface, fitted)
+        above = np.maximum(low.z - surface, 0.0) / _ABOVE_M
+        weight = np.where(low.is_seen > 0, 1.0 / (1.0 + np.nan_to_num(above) ** 2) ** 2, 0.0)
+    at = (centres_m - low.centres_m[0]) / _CELL_M
+    return np.asarray(map_coordinates(surface, np.meshgrid(at, at, indexing="ij"), order=1, mode="nearest"))
+
+
+def _local_planes(low: _Lowest, weight: Float, width_cells: float) -> Float:
+    """Return the height of a weighted plane about each cell, at its centre, (n, n); NaN with too little support."""
+
+    def mean(values: Float) -> Float:
+        return np.asarray(gaussian_filter(weight * values, width_cells, mode="constant", truncate=3.0) / support)
+
+    support = np.asarray(gaussian_filter(weight, width_cells, mode="constant", truncate=3.0))
+    is_known = support >= _LEAST_SUPPORT
+    support = np.where(is_known, support, np.nan)
+    x, y, z = mean(low.x), mean(low.y), mean(low.z)
+    xx, yy, xy = mean(low.x**2) - x**2, mean(low.y**2) - y**2, mean(low.x * low.y) - x * y
+    xz, yz = mean(low.x * low.z) - x * z, mean(low.y * low.z) - y * z
+    xx, yy = xx + _LEAST_SPREAD_M**2, yy + _LEAST_SPREAD_M**2
+    determinant = xx * yy - xy**2
+    slope_x, slope_y = (yy * xz - xy * yz) / determinant, (xx * yz - xy * xz) / determinant
+    at_x, at_y = np.meshgrid(low.centres_m, low.centres_m, indexing="ij")
+    return np.asarray(z + slope_x * (at_x - x) + slope_y * (at_y - y))
+
+
+def _lowest(points: Float, half_m: float) -> _Lowest:
+    n = 2 * int(np.ceil(half_m / _CELL_M)) + 1
+    centres = np.asarray((np.arange(n) - n // 2) * _CELL_M, dtype=np.float64)
+    column, row = np.clip(np.rint(points[:, :2].T / _CELL_M).astype(np.int64) + n // 2, 0, n - 1)
+    cell = column * n + row
+    lowest = np.full(n * n, np.inf)
+    np.minimum.at(lowest, cell, points[:, 2])
+    is_lowest = points[:, 2] == lowest[cell]
+    filled = np.zeros((n * n, 4))
+    filled[cell, 0] = 1.0
+    filled[cell[is_lowest], 1:] = points[is_lowest]
+    is_seen, x, y, z = filled.T.reshape(4, n, n)
+    return _Lowest(is_seen, x, y, z, centres)
