@@ -8,7 +8,7 @@ from scipy.ndimage import gaussian_filter, map_coordinates
 from executive.arrays import Float
 
 _CELL_M = 0.3  # the lowest point of each cell may be ground
-_WIDTHS_M = (2.0, 2.0, 2.0, 1.0, 1.0, 1.0)  # of the neighbourhoods, pass by pass: wide ones see past a stone
+_WIDTHS_M = (2.0, 2.0, 1.0, 1.0, 0.6, 0.6)  # of the neighbourhoods, pass by pass: wide ones see past a stone
 _ABOVE_M = 0.08  # a cell so far above the surface counts a quarter in the next pass, higher ones hardly at all
 _LEAST_SUPPORT = 0.03  # share of a neighbourhood that must be seen, by weight
 _LEAST_SPREAD_M = 0.1  # of what a plane is fitted to: narrower, its slope is not to be believed

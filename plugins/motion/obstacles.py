@@ -10,7 +10,8 @@ from plugins.motion.ground_heights import ground_heights
 
 _CELL_M = 0.1
 _GROUND_CELLS = 5  # window of the lowest point: half a metre
-_GROUND_M = 0.12  # the ground's roughness over that window
+_ROUGH_M = 0.06  # how far that point may lie above the ground farther around and still be ground
+_GROUND_M = 0.12  # up to this height above the ground a point counts as ground, not as a stone
 _FREE = -1e3  # height of a cell without points [m]
 
 
@@ -83,7 +84,7 @@ class Obstacles:
         is_known = ~np.isnan(surface)
         surface = np.where(is_known, surface, 0.0)
         above = minimum_filter(lowest - surface, size=_GROUND_CELLS)
-        is_ground = above <= np.where(is_known, _GROUND_M, -_FREE / 2)
+        is_ground = above <= np.where(is_known, _ROUGH_M, -_FREE / 2)
         return np.where(is_ground, surface + above, np.where(is_known, surface, _FREE))
 
     def _extremes(self, extreme: np.ufunc, of_none: float) -> Float:

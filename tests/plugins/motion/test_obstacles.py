@@ -31,7 +31,7 @@ def test_finds_the_highest_point_of_a_sector_only() -> None:
 def test_the_ground_is_solid_and_a_stone_is_not_ground() -> None:
     obstacles = Obstacles(site(), 11.0)
     depths = obstacles.depths_in_ground(np.array([[0.0, 3.0, -1.4], [4.4, 0.0, -0.5], [0.0, 3.0, -0.9]]))
-    np.testing.assert_allclose(depths, [0.4, -0.5, -0.1], atol=1e-9)
+    np.testing.assert_allclose(depths, [0.4, -0.5, -0.1], atol=0.01)
     found = obstacles.points[obstacles.in_box(np.array([4.0, -1.0, -2.0]), np.array([6.0, 1.0, 2.0]))]
     assert len(found)
     assert (found[:, 2] == 0.0).all()
@@ -79,3 +79,12 @@ def test_on_a_slope_the_ground_lies_where_it_is_seen() -> None:
     probes = np.random.default_rng(0).uniform(-6, 6, (200, 3))
     depth = 0.4 * probes[:, 0] - 0.2 * probes[:, 1] - probes[:, 2]
     np.testing.assert_allclose(Obstacles(points, 11.0).depths_in_ground(probes), depth, atol=0.05)
+
+
+def test_waves_of_the_ground_are_ground() -> None:
+    x, y = np.meshgrid(np.arange(-8, 8, 0.05), np.arange(-8, 8, 0.05))
+    waves = 0.2 * np.sin(2 * np.pi * x / 6.0) * np.cos(2 * np.pi * y / 8.0)
+    obstacles = Obstacles(np.c_[x.ravel(), y.ravel(), waves.ravel()], 11.0)
+    is_inside = (np.abs(obstacles.points[:, :2]) < 6.0).all(axis=1)  # a metre or two from the edge of what is seen
+    assert obstacles.is_ground[is_inside].all()
+    assert obstacles.depths_in_ground(obstacles.points[is_inside]).max() < 0.03
