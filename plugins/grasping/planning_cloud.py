@@ -100,6 +100,11 @@ def build_planning_cloud(
     stone = thinned(np.concatenate([stone, cloud[is_foot]]), spacing_m)
     around = cloud[(distance > 1.5 * spacing_m) & ~is_foot]
     others = thinned(np.concatenate([around, fill_ground(ground, stone, low[:2], high[:2], spacing_m)]), spacing_m)
+    return _planning_cloud(T_map_plan, stone, others, ground, scale)
+
+
+def _planning_cloud(T_map_plan: Float, stone: Float, others: Float, ground: Ground, scale: float) -> PlanningCloud:
+    """Put the parts together, with what follows from them."""
     volume_m3, centre = volume_and_centroid(stone)
     return PlanningCloud(
         T_map_plan=T_map_plan,
