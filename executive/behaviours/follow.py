@@ -6,14 +6,14 @@ import numpy as np
 
 from executive.behaviours.context import Context
 from executive.behaviours.outcome import Outcome, failed, succeeded
-from executive.messages.command import Follow
+from executive.messages.command import START_TOLERANCE, Follow
 from executive.messages.trajectory import JointTrajectory
 
 _SETTLED = 0.002  # [rad] or [m]: at 8 m from the turning axis 2 mrad are 16 mm
 _GOAL_TOLERANCE = 0.02  # [rad] or [m]: what a servo under load may stand off for good
 _STALL_S = 2.0  # standing off the goal for so long: something is in the way
 _STALL_SPEED = 0.005  # [rad/s] or [m/s]
-_START_TOLERANCE = 0.045  # [rad] or [m]: a robot refuses a way that begins elsewhere, as a fault
+_START_SHARE = 0.9  # of what a robot bears: it measures once more, with other noise
 
 
 def follow(context: Context, trajectory: JointTrajectory) -> Generator[None, None, Outcome]:
@@ -23,7 +23,7 @@ def follow(context: Context, trajectory: JointTrajectory) -> Generator[None, Non
     """
     robot = context.plugin("robot")
     away = np.abs(_position(context, trajectory) - trajectory.position[0])
-    if away.max() > _START_TOLERANCE:
+    if away.max() > _START_SHARE * START_TOLERANCE:
         name = trajectory.names[int(away.argmax())]
         return failed(f"{name} has moved {away.max():.3f} since the way was planned: plan again")
     robot.command(Follow(trajectory))

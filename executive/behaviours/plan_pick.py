@@ -10,6 +10,7 @@ from executive.behaviours.action import Action, Steps
 from executive.behaviours.context import Context
 from executive.behaviours.outcome import failed, succeeded
 from executive.behaviours.port import Port
+from executive.behaviours.rest import come_to_rest
 from executive.behaviours.surroundings import surroundings
 from executive.config import Meters, Settings
 from executive.geometry.pose import inverse
@@ -52,6 +53,8 @@ class PlanPick(Action):
         if not inputs["grasps"]:
             before = self._refusals.get(stone.id, "those before were tried")
             return failed(f"no grasp of stone {stone.id} is left: {before}", grasps=[])
+        if moving := (yield from come_to_rest(self.context)):
+            return failed(moving)
         self._refusals.pop(stone.id, None)
         grasps = self._new_ones_first(stone, inputs["grasps"])
         cloud = surroundings(self.context)

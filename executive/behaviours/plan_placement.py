@@ -9,6 +9,7 @@ from executive.behaviours.action import Action, Steps
 from executive.behaviours.job import Job
 from executive.behaviours.outcome import failed, succeeded
 from executive.behaviours.port import Port
+from executive.behaviours.rest import come_to_rest
 from executive.behaviours.surroundings import held_surface, surroundings
 from executive.config import Meters, Settings
 from executive.messages.hold import Hold
@@ -38,6 +39,8 @@ class PlanPlacement(Action):
 
     def run(self, **inputs: Any) -> Steps:
         hold: Hold = inputs["hold"]
+        if moving := (yield from come_to_rest(self.context)):
+            return failed(moving)
         stone = self.context.plugin("objects").stone(hold.stone_id)
         cloud = surroundings(self.context, without=hold.stone_id)
         T_map_base = self.context.state().T_map_base

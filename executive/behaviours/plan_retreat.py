@@ -8,6 +8,7 @@ from pydantic import Field
 from executive.behaviours.action import Action, Steps
 from executive.behaviours.outcome import failed, succeeded
 from executive.behaviours.port import Port
+from executive.behaviours.rest import come_to_rest
 from executive.behaviours.surroundings import surroundings
 from executive.config import Meters, Settings
 from executive.messages.request import MotionPlan, MoveRequest
@@ -28,6 +29,8 @@ class PlanRetreat(Action):
     outputs = {"trajectory": Port(JointTrajectory, "the way up")}
 
     def run(self, **inputs: Any) -> Steps:
+        if moving := (yield from come_to_rest(self.context)):
+            return failed(moving)
         cloud = surroundings(self.context)
         reason = ""
         for height_m in np.arange(self.settings.height, 0.1, -_STEP_M):

@@ -7,6 +7,7 @@ import numpy as np
 from executive.behaviours.action import Action, Steps
 from executive.behaviours.outcome import failed, succeeded
 from executive.behaviours.port import Port
+from executive.behaviours.rest import come_to_rest
 from executive.behaviours.surroundings import held_surface, surroundings
 from executive.geometry.pose import transform
 from executive.messages.hold import Hold
@@ -26,6 +27,8 @@ class PlanSetDown(Action):
 
     def run(self, **inputs: Any) -> Steps:
         hold: Hold = inputs["hold"]
+        if moving := (yield from come_to_rest(self.context)):
+            return failed(moving)
         cloud = surroundings(self.context, without=hold.stone_id)
         surface = held_surface(self.context, hold)
         goal = self.context.gripper()

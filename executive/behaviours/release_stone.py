@@ -6,8 +6,9 @@ from pydantic import Field
 
 from executive.behaviours.action import Action, Steps
 from executive.behaviours.jaws import drive_jaws
-from executive.behaviours.outcome import succeeded
+from executive.behaviours.outcome import failed, succeeded
 from executive.behaviours.port import Port
+from executive.behaviours.rest import come_to_rest
 from executive.config import Newtons, Radians, Settings
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement
@@ -37,6 +38,8 @@ class ReleaseStone(Action):
     def run(self, **inputs: Any) -> Steps:
         hold: Hold = inputs["hold"]
         placement: Placement | None = inputs.get("placement")
+        if moving := (yield from come_to_rest(self.context)):
+            return failed(moving)
         T_map_gripper = self.context.gripper()
         self.context.end_hold()
         opening = min(hold.jaw_rad + self.settings.clearance, self.context.machine().gripper.open_rad)

@@ -7,6 +7,7 @@ from pydantic import Field
 from executive.behaviours.action import Action, Steps
 from executive.behaviours.follow import follow
 from executive.behaviours.outcome import failed, succeeded
+from executive.behaviours.rest import come_to_rest
 from executive.config import Radians, Seconds, Settings
 from executive.messages.command import SwitchLidars
 
@@ -23,6 +24,8 @@ class ScanSwing(Action):
     needs = ("robot", "mapping", "motion")
 
     def run(self, **inputs: Any) -> Steps:
+        if moving := (yield from come_to_rest(self.context)):
+            return failed(moving)
         plan = yield self.context.job(
             "motion", "swing", self.context.arm(), self.settings.angle, self.settings.duration
         )

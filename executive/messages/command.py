@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 from executive.messages.trajectory import JointTrajectory
 
+START_TOLERANCE = 0.05  # [rad] or [m]: how far from the arm a trajectory may begin; a robot refuses it beyond
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Follow:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from executive.behaviours.rest import is_standing
 from executive.behaviours.runtime import Question, Runtime
 from executive.behaviours.store import Store
 from executive.clock import Clock, wall_s
@@ -27,7 +28,6 @@ from executive.mission.streams import Streams
 from executive.tree.build import node_states
 from robot_models.kinematics import Kinematics
 
-_AT_REST_RAD_S = 0.01  # every joint slower than this: the machine stands (m/s for the telescope)
 _STOP_LIMIT_S = 10.0  # a machine that has not come to rest by then is faulted
 _STATE_PERIOD_S = 1.0  # of the estimates kept for the report
 _VIEW_PERIOD_S = 0.2  # of poses and tree states handed to the viewer
@@ -202,7 +202,7 @@ class Mission(Runtime):
 
     def _is_at_rest(self) -> bool:
         sample = self.services.streams.joints
-        return sample is None or bool((abs(sample.velocity) < _AT_REST_RAD_S).all())
+        return sample is None or is_standing(sample)
 
     def _end_tick(self) -> None:
         state = self.services.streams.state()

@@ -42,6 +42,7 @@ class FakeContext(Context):
         self.troubles = []
         self._machine = load_machine("m545")
         self.positions = lambda time_s: [self._machine.postures["scan"][n] for n in self._machine.arm_names]
+        self.velocities = lambda time_s: np.zeros(len(self._machine.arm_names))
         self.jaw = lambda time_s: 0.9
 
     def now_s(self):
@@ -62,8 +63,8 @@ class FakeContext(Context):
 
     def joints(self):
         position = np.array([*self.positions(self.time_s), self.jaw(self.time_s)])
-        zeros = np.zeros(len(position))
-        return JointSample(self.time_s, self._machine.joint_names, position, zeros, zeros)
+        velocity = np.array([*self.velocities(self.time_s), 0.0])
+        return JointSample(self.time_s, self._machine.joint_names, position, velocity, np.zeros(len(position)))
 
     def arm(self):
         return np.array(self.positions(self.time_s))

@@ -4,10 +4,10 @@ import numpy as np
 
 from executive.arrays import Float, Int
 from executive.errors import RobotError
+from executive.messages.command import START_TOLERANCE
 from executive.messages.trajectory import JointTrajectory
 from robot_models.machine import Machine
 
-START_TOLERANCE = 0.05  # largest distance of a trajectory's start from the arm's position [rad] or [m]
 _POSITION_TOLERANCE = 1e-3  # beyond a range [rad] or [m]: below what an encoder resolves
 _SPEED_TOLERANCE = 1.05  # cubic pieces overshoot the samples of a good timing a little
 _PROBE_S = 1e-3  # step of the difference that gives the path's acceleration [s]

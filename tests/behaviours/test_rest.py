@@ -1,0 +1,110 @@
+"""A plan begins where the arm is: after a cancelled motion that is known only once the arm stands."""
+
+import numpy as np
+import pytest
+
+from executive.behaviours.plan_retreat import PlanRetreat, PlanRetreatSettings
+from executive.behaviours.plan_set_down import PlanSetDown
+from executive.behaviours.release_stone import ReleaseStone, ReleaseStoneSettings
+from executive.behaviours.scan_swing import ScanSwing, ScanSwingSettings
+from executive.config import NoSettings
+from executive.geometry.pose import pose
+from executive.messages.cloud import Cloud
+from executive.messages.hold import Hold
+from executive.messages.request import MotionPlan
+from executive.messages.stone import Stone, StoneState
+
+STOPS_AFTER_S, SPEED = 1.5, 0.2  # of the boom [s], [rad/s]
+POINTS = np.random.default_rng(0).uniform(-0.3, 0.3, (50, 3)) + [5, 0, 1.2]
+GROUND = np.c_[np.random.default_rng(1).uniform([4, -1], [6, 1], (400, 2)), np.zeros(400)]
+
+
+class Objects:
+    def __init__(self):
+        self.released = []
+
+    def stone(self, stone_id):
+        return Stone(stone_id, StoneState.HELD, POINTS, POINTS.mean(axis=0), pose(t=POINTS.mean(axis=0)), True)
+
+    def stones(self):
+        return (self.stone(1),)
+
+    def release(self, stone_id, T_map_gripper, stamp_s, state):
+        self.released.append(T_map_gripper)
+        return self.stone(stone_id)
+
+
+class Mapper:
+    def cloud(self):
+        return Cloud("map", GROUND)
+
+    def mask_held(self, radius_m):
+        pass
+
+
+class Planner:
+    def __init__(self):
+        self.starts = []
+
+    def move(self, request):
+        self.starts.append(request.start)
+        return MotionPlan(None, "not asked here", np.zeros((0, 3)))
+
+    def swing(self, start, angle_rad, duration_s):
+        self.starts.append(start)
+        return MotionPlan(None, "not asked here", np.zeros((0, 3)))
+
+
+class Robot:
+    def command(self, command):
+        pass
+
+
+@pytest.fixture
+def stopping(fakes):
+    """A context whose arm comes to rest after a while."""
+
+    class Stopping(fakes.Context):
+        def gripper(self):
+            T = super().gripper()
+            T[2, 3] -= self.positions(self.time_s)[1] - self.positions(0.0)[1]
+            return T
+
+    context = Stopping(objects=Objects(), mapping=Mapper(), motion=Planner(), robot=Robot(), monitoring=())
+    first = np.array(context.positions(0.0))
+    boom = np.eye(len(first))[1]
+    context.positions = lambda t: first + boom * SPEED * min(t, STOPS_AFTER_S)
+    context.velocities = lambda t: boom * SPEED * (t < STOPS_AFTER_S)
+    return context
+
+
+HOLD = Hold(1, pose(t=np.array([5.0, 0.0, 2.0])), 0.4)
+
+
+@pytest.mark.parametrize(
+    ("make", "inputs"),
+    [
+        (lambda c: PlanSetDown(NoSettings(), c), {"hold": HOLD}),
+        (lambda c: PlanRetreat(PlanRetreatSettings(), c), {}),
+        (lambda c: ScanSwing(ScanSwingSettings(), c), {}),
+    ],
+)
+def test_a_plan_waits_until_the_arm_stands(stopping, fakes, make, inputs):
+    fakes.finish(make(stopping), **inputs)
+    starts = stopping.plugins["motion"].starts
+    assert starts
+    np.testing.assert_allclose(starts, [stopping.positions(100.0)] * len(starts))
+
+
+def test_a_stone_is_let_go_where_the_arm_has_come_to_rest(stopping, fakes):
+    assert fakes.finish(ReleaseStone(ReleaseStoneSettings(), stopping), hold=HOLD).success
+    (T_map_gripper,) = stopping.plugins["objects"].released
+    assert T_map_gripper[2, 3] == pytest.approx(2.0 - SPEED * STOPS_AFTER_S)
+
+
+def test_an_arm_that_does_not_come_to_rest_is_a_failure_that_names_the_joint(stopping, fakes):
+    stopping.velocities = lambda t: np.eye(len(stopping.arm()))[1] * SPEED
+    outcome = fakes.finish(PlanRetreat(PlanRetreatSettings(), stopping))
+    assert not outcome.success
+    assert outcome.reason == "J_BOOM still moves at 0.200 per second after 10 s"
+    assert not stopping.plugins["motion"].starts
