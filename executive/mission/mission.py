@@ -120,10 +120,12 @@ class Mission(Runtime):
     def run(self, after_tick: Callable[["Mission"], None]) -> Ending:
         """Tick until the tree has ended or the mission is stopped, and leave the machine at rest."""
         self._change(Phase.RUNNING, "")
-        while self._ending is None:
-            self._guarded_tick()
-            after_tick(self)
-        self._halt(self.root)
+        try:
+            while self._ending is None:
+                self._guarded_tick()
+                after_tick(self)
+        finally:  # also when the operator ends it at once: a leaf's clean-up needs the robot
+            self._halt(self.root)
         if self._ending.outcome != "fault":
             self._change(Phase.STOPPING, self._ending.reason)
             self._come_to_rest(after_tick)

@@ -10,8 +10,10 @@ import time
 import pytest
 
 from executive.journal import read_journal
+from executive.mission.interrupts import Aborted
 from executive.mission.run import Options, Run
 from executive.tree.load import load_mission
+from plugins.robot.kinematic import KinematicRobot
 
 PLUGINS = """
 api: 1
@@ -175,6 +177,22 @@ def test_ctrl_c_in_mid_swing_ends_with_a_whole_report(tmp_path, times):
     assert report["outcome"] == "stopped"
     assert "Traceback" not in said
     assert list(read_journal(journal))
+
+
+def test_ended_at_once_no_leaf_outlives_the_robot(tmp_path, monkeypatch):
+    calls = []
+    monkeypatch.setattr(KinematicRobot, "stop", lambda robot: calls.append("stop"))
+    monkeypatch.setattr(KinematicRobot, "close", lambda robot: calls.append("close"))
+
+    def ask_twice(mission):
+        if mission.clock.now_s() > 6.0:
+            raise Aborted("stopped at once by the operator")
+
+    result = run(tmp_path, SWING, after_tick=ask_twice)
+    assert (result.report["outcome"], result.report["reason"]) == ("stopped", "stopped at once by the operator")
+    swing = [e for e in read_journal(result.folder.journal) if e.node == "main/1:ScanSwing"]
+    assert [e.kind for e in swing] == ["node_started", "node_ended"]
+    assert calls == ["stop", "close"]  # the leaf's clean-up stops the machine while there is one
 
 
 def test_a_viewer_that_fails_does_not_disturb_the_mission(tmp_path, monkeypatch):
