@@ -3,9 +3,14 @@
 import json
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from executive.errors import ConfigError
+
+if TYPE_CHECKING:
+    from plugins.surveying.photogrammetry import Photogrammetry
 
 
 def survey(
@@ -20,16 +25,12 @@ def survey(
     import numpy as np
 
     from executive.clouds.coloured_ply import write_parts
-    from executive.errors import ConfigError
     from plugins.surveying.colmap import FEWEST_PICTURES
     from plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
     from plugins.surveying.photograph_folder import read_photographs
     from plugins.surveying.structure_from_motion import MotionSettings
 
-    if out.suffix.lower() != ".ply" or not out.parent.is_dir():
-        raise ConfigError(f"--out: {out}: name a .ply file in a folder that exists")
-    if view_angle is not None and not 6 < view_angle < 160:
-        raise ConfigError(f"--view-angle: {view_angle:g} is not within 6 to 160 degrees")
+    _refuse(out, view_angle)
     motion = MotionSettings(view_angle_rad=None if view_angle is None else float(np.radians(view_angle)))
     found = reconstruct(
         read_photographs(photographs, positions, FEWEST_PICTURES),
@@ -37,20 +38,34 @@ def survey(
         np.random.default_rng(seed),
     )
     write_parts(out, [found.cloud.points])
+    print(_told(found, out), file=sys.stderr)
+    if as_json:
+        print(json.dumps(_answer(found), indent=2))
+
+
+def _refuse(out: Path, view_angle_deg: float | None) -> None:
+    """Refuse options that a minute's work would end in."""
+    if out.suffix.lower() != ".ply" or not out.parent.is_dir():
+        raise ConfigError(f"--out: {out}: name a .ply file in a folder that exists")
+    if view_angle_deg is not None and not 6 < view_angle_deg < 160:
+        raise ConfigError(f"--view-angle: {view_angle_deg:g} is not within 6 to 160 degrees")
+
+
+def _told(found: "Photogrammetry", out: Path) -> str:
     alignment = found.alignment
-    print(
+    return (
         f"{len(found.names)} of {found.pictures} pictures found their place\n"
         f"  positions  {alignment.residual_m:.2f} m off (RMS), the scale is known to ±{alignment.scale_error:.1%}\n"
-        f"  points     {len(found.cloud)}   {out}",
-        file=sys.stderr,
+        f"  points     {len(found.cloud)}   {out}"
     )
-    if as_json:
-        answer = {
-            "pictures": found.pictures,
-            "placed": list(found.names),
-            "points": len(found.cloud),
-            "positions_rms_m": alignment.residual_m,
-            "positions_used": int(alignment.is_used.sum()),
-            "scale_error": alignment.scale_error,
-        }
-        print(json.dumps(answer, indent=2))
+
+
+def _answer(found: "Photogrammetry") -> dict[str, Any]:
+    return {
+        "pictures": found.pictures,
+        "placed": list(found.names),
+        "points": len(found.cloud),
+        "positions_rms_m": found.alignment.residual_m,
+        "positions_used": int(found.alignment.is_used.sum()),
+        "scale_error": found.alignment.scale_error,
+    }

@@ -22,18 +22,7 @@ from mapping_trials import MACHINE, Fan, Trial, TrueState, as_it_is, displacemen
 from executive.mission.run import Options, Run
 from executive.tree.load import load_mission
 
-SWING = """
-api: 1
-mission: swing
-extends: base
-trees:
-  main:
-    sequence:
-      - run: Localise
-        timeout: 30 s
-      - run: ScanSwing
-        with: {angle: 120 deg, duration: 20 s}
-"""
+SWING = Path(__file__).with_name("one_swing.yaml")
 OUTAGE_AFTER_S = 3.0  # of scanning
 
 Ticks = list[Sequence[Any]]
@@ -72,14 +61,12 @@ def recorded(seed: int) -> tuple[Ticks, Track]:
     ticks: Ticks = []
     track: Track = []
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "swing.yaml"
-        path.write_text(SWING)
 
         def keep(observations: Sequence[Any]) -> None:
             ticks.append(observations)
             track.append(tap.truth.track[-1])
 
-        tap = Tap(str(path), seed, Path(folder) / "run", keep)
+        tap = Tap(str(SWING), seed, Path(folder) / "run", keep)
         tap.run.execute(lambda mission: None)
     return ticks, track
 

@@ -33,18 +33,7 @@ from executive.tree.load import load_mission
 from robot_models.machine import Machine, load_machine
 
 ESTIMATORS = ("dual_graph", "error_state_ekf", "gnss_imu_filter")
-SWING = """
-api: 1
-mission: one_swing
-extends: base
-trees:
-  main:
-    sequence:
-      - run: Localise
-        timeout: 30 s
-      - run: ScanSwing
-        with: {angle: 120 deg, duration: 20 s}
-"""
+SWING = Path(__file__).with_name("one_swing.yaml")
 BEFORE_OUTAGE_S = 3.0
 UNWATCHED = "imu_base:0:9999"  # without its inertial sensor nothing tells that the chassis stands
 SHOWN_M = 0.3  # distance at the end of the colour scale
@@ -108,7 +97,6 @@ def made(capability: str, name: str, machine: Machine) -> Any:
 
 def recorded(seed: int, folder: Path) -> tuple[Path, Any, Surface]:
     """Swing once, and return the log, the simulator's own account of the cabin, and the surface."""
-    (folder / "swing.yaml").write_text(SWING)
     robots: list[Any] = []
     options = Options(seed=seed, run_dir=folder / "run", record_log=folder / "swing.mcap")
 
@@ -117,7 +105,7 @@ def recorded(seed: int, folder: Path) -> tuple[Path, Any, Surface]:
             robot = mission.services.plugins["robot"]
             robots.extend([robot.truth_log, Surface(robot.world.site)])
 
-    Run(load_mission(str(folder / "swing.yaml")), options).execute(watch)
+    Run(load_mission(str(SWING)), options).execute(watch)
     return folder / "swing.mcap", *robots
 
 
