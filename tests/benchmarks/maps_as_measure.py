@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 import open3d as o3d
+from mapping_trials import plugin
 from matplotlib.figure import Figure
 
-from executive import registry
 from executive.estimate.drop import Drop
 from executive.interfaces.estimation import Estimator
 from executive.interfaces.odometry import LidarOdometry
@@ -30,7 +30,7 @@ from executive.messages.lidar import LidarScan
 from executive.mission.run import Options, Run
 from executive.mission.streams import Streams
 from executive.tree.load import load_mission
-from robot_models.machine import Machine, load_machine
+from robot_models.machine import load_machine
 
 ESTIMATORS = ("dual_graph", "error_state_ekf", "gnss_imu_filter")
 SWING = Path(__file__).with_name("one_swing.yaml")
@@ -88,13 +88,6 @@ class Surface:
         return self._scene.compute_distance(points.astype(np.float32), 1).numpy()
 
 
-def made(capability: str, name: str, machine: Machine) -> Any:
-    plugin = registry.load(capability, name)
-    plugin = plugin(plugin.Settings(), *([machine] if registry.dependencies_of(plugin) else []))
-    plugin.start()
-    return plugin
-
-
 def recorded(seed: int, folder: Path) -> tuple[Path, Any, Surface]:
     """Swing once, and return the log, the simulator's own account of the cabin, and the surface."""
     robots: list[Any] = []
@@ -120,7 +113,7 @@ def mapped(log: Path, estimator: Estimator, odometry: LidarOdometry, drops: Sequ
     """Return the points of the map that an estimator's poses make (N, 3)."""
     machine = load_machine("m545")
     lidars = [sensor.name for sensor in machine.sensors_of("lidar")]
-    mapper = made("mapping", "voxel_map", machine)
+    mapper = plugin("mapping", "voxel_map", machine=machine)
     plugins = {"estimation": estimator, "odometry": odometry, "mapping": mapper}
     streams = Streams(plugins, lidars, lambda verdict: None)
     for observations in ticks(log, drops):
@@ -156,14 +149,14 @@ def measured(seed: int, folder: Path) -> tuple[dict[str, dict[str, np.ndarray]],
     log, truth, surface = recorded(seed, folder)
     outage = Drop("gnss", first_scan_s(log) + BEFORE_OUTAGE_S, np.inf)
     machine = load_machine("m545")
-    odometry = Remembering(made("odometry", "scan_to_submap", machine))
+    odometry = Remembering(plugin("odometry", "scan_to_submap", machine=machine))
     conditions = {"chassis watched": [outage], "chassis unwatched": [outage, Drop.parse(UNWATCHED)]}
     true_map = mapped(log, TruePoses(truth), odometry, ())
     maps: dict[str, dict[str, np.ndarray]] = {}
     for condition, drops in conditions.items():
         maps[condition] = {"true poses": true_map}
         for name in ESTIMATORS:
-            maps[condition][name] = mapped(log, made("estimation", name, machine), odometry, drops)
+            maps[condition][name] = mapped(log, plugin("estimation", name, machine=machine), odometry, drops)
             distance = surface.distances_m(maps[condition][name])
             print(line(seed, condition, name, distance), flush=True)
     print(line(seed, "", "true poses", surface.distances_m(true_map)), flush=True)
