@@ -20,6 +20,7 @@ from plugins.estimation.graph_estimate import Estimate
 from plugins.estimation.graph_measurements import Measurement
 from plugins.estimation.inertial_noise import InertialNoise
 from plugins.estimation.inertial_state import Inertial, InertialState
+from plugins.estimation.live_head import LiveHead
 from plugins.estimation.smoother_process import InlineSmoother, SmootherHost
 from plugins.estimation.smoother_settings import SmootherSettings
 from plugins.estimation.whole_graph import Recording, WholeGraph
@@ -28,33 +29,30 @@ from robot_models.rig import Rig
 SMOOTHED = "SMOOTHED"
 
 
-class _RecordingHost(SmootherHost):
+class _RecordingHost(InlineSmoother):
     """Smooths inline, and keeps what it was given and what it answered, from each start on."""
 
     def __init__(self, settings: SmootherSettings, noise: InertialNoise) -> None:
-        self._inline = InlineSmoother(settings, noise)
+        super().__init__(settings, noise)
         self.recordings: list[Recording] = []
 
-    def begin(self, state: InertialState, covariance: Float) -> None:
+    def begin(self, head: LiveHead, state: InertialState, covariance: Float) -> None:
         self.recordings.append(Recording((state, covariance)))
-        self._inline.begin(state, covariance)
+        super().begin(head, state, covariance)
 
     def add(self, measurement: Measurement) -> None:
         self.recordings[-1].measurements.append(measurement)
-        self._inline.add(measurement)
+        super().add(measurement)
 
-    def add_sample(self, sample: Inertial) -> Estimate | None:
+    def _updated(self, sample: Inertial) -> Estimate | None:
         recording = self.recordings[-1]
         recording.samples.append(sample)
-        estimate = self._inline.add_sample(sample)
+        estimate = super()._updated(sample)
         if estimate is not None and (
             not recording.estimates or estimate.state.stamp_s > recording.estimates[-1].stamp_s
         ):
             recording.estimates.append(estimate.state)
         return estimate
-
-    def close(self) -> None:
-        self._inline.close()
 
 
 class _RecordingGraph(DualGraph):

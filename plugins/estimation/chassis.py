@@ -14,48 +14,43 @@ from robot_models.rig import Rig
 
 
 class TurnJoint:
-    """The joint that ties the cabin to the chassis, at its newest sample; where there is none, they are one body."""
+    """The joint that ties the cabin to the chassis, at its newest sample; where there is none, they are one body.
+
+    Attributes:
+        axis: Of the turn, cabin axes, shape (3,).
+        T_joint_base: The chassis in the cabin at an angle of zero, shape (4, 4).
+        stamp_s: Time of the newest sample [s]; −∞ before the first.
+        position_rad, velocity_rad_s: Angle and rate of that sample [rad], [rad/s]; zero before the first.
+    """
 
     def __init__(self, machine: Rig) -> None:
         self._name = machine.turn_joint
-        self._T_base_joint, self._axis = np.eye(4), np.array([0.0, 0.0, 1.0])
+        self.T_joint_base, self.axis = np.eye(4), np.array([0.0, 0.0, 1.0])
         if machine.turn_joint is not None:
             joint = machine.joints[machine.arm_names.index(machine.turn_joint)]
-            self._T_base_joint, self._axis = joint.T_parent_joint, np.asarray(joint.axis, dtype=float)
-        self._T_joint_base = inverse(self._T_base_joint)
-        self._stamp_s: float | None = None
-        self._position_rad = 0.0
-        self._velocity_rad_s = 0.0
-
-    @property
-    def is_known(self) -> bool:
-        """Whether a sample has arrived, or none is needed."""
-        return self._stamp_s is not None or self._name is None
-
-    @property
-    def velocity_rad_s(self) -> float:
-        """Measured turn rate [rad/s]."""
-        return self._velocity_rad_s
+            self.T_joint_base, self.axis = inverse(joint.T_parent_joint), np.asarray(joint.axis, dtype=float)
+        self.stamp_s = -np.inf
+        self.position_rad = 0.0
+        self.velocity_rad_s = 0.0
+        self.is_known = self._name is None  # otherwise from the first sample on
 
     @property
     def rate_cabin(self) -> Float:
         """Angular velocity of the cabin against the chassis, cabin axes [rad/s], shape (3,)."""
-        return self._axis * self._velocity_rad_s
+        return self.axis * self.velocity_rad_s
 
     def update(self, sample: JointSample) -> None:
         """Take one joint sample."""
         if self._name is None:
             return
-        self._position_rad, self._velocity_rad_s, _ = sample.of(self._name)
-        self._stamp_s = sample.stamp_s
+        self.position_rad, self.velocity_rad_s, _ = sample.of(self._name)
+        self.stamp_s, self.is_known = sample.stamp_s, True
 
     def T_cabin_base(self, stamp_s: float) -> Float:
         """Return the chassis in the cabin at a time near the sample's, by its measured speed, shape (4, 4)."""
-        if self._stamp_s is None:
-            return self._T_joint_base
-        ahead_s = max(-0.1, min(0.1, stamp_s - self._stamp_s))
-        angle_rad = self._position_rad + ahead_s * self._velocity_rad_s
-        return np.asarray(pose(rotation_step(-angle_rad * self._axis)) @ self._T_joint_base)
+        ahead_s = max(-0.1, min(0.1, stamp_s - self.stamp_s))
+        angle_rad = self.position_rad + ahead_s * self.velocity_rad_s
+        return np.asarray(pose(rotation_step(-angle_rad * self.axis)) @ self.T_joint_base)
 
 
 class StandingSettings(Settings):

@@ -1,6 +1,6 @@
 """Estimation by two factor graphs over inertial, satellite and lidar measurements, propagated at each sample."""
 
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -22,27 +22,18 @@ from plugins.estimation.doorkeeper import Doorkeeper
 from plugins.estimation.dual_graph_settings import DualGraphSettings
 from plugins.estimation.estimator_modes import Mode, ModeChange
 from plugins.estimation.first_state import FirstState
-from plugins.estimation.graph_estimate import Estimate
 from plugins.estimation.graph_measurements import Fix, Increment, Measurement, Standing
 from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import (
-    Inertial,
-    InertialState,
-    carry_covariance,
-    propagate,
-    propagate_through,
-    skew,
-)
+from plugins.estimation.inertial_state import Inertial, skew
+from plugins.estimation.live_head import OUT_OF_RANGE, LiveHead
+from plugins.estimation.live_kernels import is_beyond_range
 from plugins.estimation.smoother_process import InlineSmoother, ProcessSmoother, SmootherHost
 from plugins.estimation.unordered_door import UnorderedDoor
 from robot_models.rig import Rig
 
 INITIALISING = "INITIALISING"
-_MAX_RATE_RAD_S = 35.0  # 2000 deg/s: the range of a MEMS sensor
-_MAX_FORCE_M_S2 = 160.0  # 16 g
 _JUMP_S = 2.0  # an inertial stamp so far ahead is believed if the next one agrees; less is a gap, and bridged
 _STANDING_PERIOD_S = 0.1
-_COVARIANCE_PERIOD_S = 0.049
 
 
 class DualGraph(Estimator):
@@ -70,13 +61,12 @@ class DualGraph(Estimator):
         self._turn = TurnJoint(self._machine)
         self._standing = StandingDetector(settings.standing)
         self._standing_s = -np.inf
-        self._report = CabinReport(self._T_imu_cabin, self._turn)
         self._datum = None if settings.datum is None else np.array(settings.datum)
         self._refused: Counter[str] = Counter()
         self.changes: list[ModeChange] = []
         self._host = self._made_host()
-        self._head: InertialState | None = None
-        self._carried: tuple[float, Float] | None = None  # time and covariance
+        gap_s = settings.restart_after_s
+        self._head = LiveHead(self._T_imu_cabin, self._turn, self._noise, gap_s, self._host.memory)
         self._restart()
 
     def _made_host(self) -> SmootherHost:
@@ -91,14 +81,13 @@ class DualGraph(Estimator):
     def _restart(self) -> None:
         settings = self._settings
         self._first = FirstState(settings.rest, settings.moving_start, self._antennas_imu, self._noise)
-        self._newest: Inertial | None = None
+        self._newest_s: float | None = None
         self._is_begun = False
-        self._samples: deque[Inertial] = deque()  # since the newest estimate
         self._mode = Mode.GLOBAL
 
     @property
     def _now_s(self) -> float:
-        return self._newest.stamp_s if self._newest is not None else np.inf
+        return self._newest_s if self._newest_s is not None else np.inf
 
     @property
     def refused(self) -> Mapping[str, int]:
@@ -108,52 +97,57 @@ class DualGraph(Estimator):
     def add_imu(self, sample: ImuSample) -> None:
         if not self._door.admits(sample.frame, sample.stamp_s, _JUMP_S):
             return
-        rate, force = sample.angular_velocity_rad_s, sample.specific_force_m_s2
-        if _largest(rate) > _MAX_RATE_RAD_S or _largest(force) > _MAX_FORCE_M_S2:
-            self._door.refuse(sample.frame, "out of range")
-        elif sample.frame == self._settings.imu:
-            since_last_s = sample.stamp_s - self._newest.stamp_s if self._newest is not None else 0.0
-            self._add_cabin_sample(Inertial(sample.stamp_s, rate, force, since_last_s))
+        if sample.frame == self._settings.imu:
+            self._add_cabin_sample(sample)
         elif sample.frame == self._settings.chassis_imu:
-            self._standing.add(sample.stamp_s, rate, force)
+            if is_beyond_range(sample.angular_velocity_rad_s, sample.specific_force_m_s2):
+                self._door.refuse(sample.frame, "out of range")
+            else:
+                self._standing.add(sample.stamp_s, sample.angular_velocity_rad_s, sample.specific_force_m_s2)
 
-    def _add_cabin_sample(self, sample: Inertial) -> None:
-        if not 0 <= sample.since_last_s <= self._settings.restart_after_s:
-            self._door.refuse(self._settings.imu, "gap, started again")
-            self._restart()
-        self._newest = sample
-        if self._head is None or not self._is_begun:
+    def _add_cabin_sample(self, sample: ImuSample) -> None:
+        """Go on to a sample; what is here for each one is little, see `live_kernels`."""
+        newest_s = self._newest_s
+        if not self._is_begun or newest_s is None:
             self._begin(sample)
             return
-        self._head = propagate(self._head, sample, self._noise.gravity_m_s2)
-        self._samples.append(sample)
-        estimate = self._host.add_sample(sample)
-        if estimate is not None:
-            self._take(estimate)
+        answered = self._head.step(sample.stamp_s, sample.angular_velocity_rad_s, sample.specific_force_m_s2)
+        if answered < 0:
+            self._refuse(sample, answered)
+            return
+        self._newest_s = sample.stamp_s
+        news = self._host.sampled(self._head, sample, sample.stamp_s - newest_s, answered)
+        if news is not None:
+            self._mode = news.mode
+            if news.changes or news.refused:
+                self.changes.extend(news.changes)
+                self._refused.update(news.refused)
 
-    def _begin(self, sample: Inertial) -> None:
-        first = self._first.add_sample(sample, self._turn.velocity_rad_s)
+    def _refuse(self, sample: ImuSample, why: int) -> None:
+        """Count a sample that the head has not gone on to; after too long a gap it is the first of a new start."""
+        if why == OUT_OF_RANGE:
+            self._door.refuse(sample.frame, "out of range")
+            return
+        self._door.refuse(sample.frame, "gap, started again")
+        self._restart()
+        self._begin(sample)
+
+    def _begin(self, sample: ImuSample) -> None:
+        rate, force = sample.angular_velocity_rad_s, sample.specific_force_m_s2
+        if is_beyond_range(rate, force):
+            self._door.refuse(sample.frame, "out of range")
+            return
+        since_last_s = sample.stamp_s - self._newest_s if self._newest_s is not None else 0.0
+        if not 0 <= since_last_s <= self._settings.restart_after_s:
+            self._door.refuse(sample.frame, "gap, started again")
+            self._restart()
+        self._newest_s = sample.stamp_s
+        inertial = Inertial(sample.stamp_s, rate, force, since_last_s)
+        first = self._first.add_sample(inertial, self._turn.velocity_rad_s)
         if first is not None:
-            self._estimated, self._covariance = first
-            self._move_to(self._estimated)
             self._is_begun = True
             self._begun_s = sample.stamp_s
-            self._host.begin(*first)
-
-    def _take(self, estimate: Estimate) -> None:
-        """Carry an estimate on to the newest sample, in the propagation's place."""
-        self._estimated, self._covariance, self._mode = estimate.state, estimate.covariance, estimate.mode
-        self.changes.extend(estimate.changes)
-        self._refused.update(estimate.refused)
-        while self._samples and self._samples[0].stamp_s <= estimate.state.stamp_s:
-            self._samples.popleft()
-        self._move_to(propagate_through(estimate.state, self._samples, self._noise.gravity_m_s2))
-
-    def _move_to(self, head: InertialState) -> None:
-        self._carried = None
-        if self._head is not None:
-            self._report.correct(self._head, head)
-        self._head = head
+            self._host.begin(self._head, *first)
 
     def add_gnss(self, fix: GnssFix) -> None:
         if fix.antenna not in self._antennas_imu:
@@ -187,6 +181,7 @@ class DualGraph(Estimator):
         if not self._door.admits("joints", sample.stamp_s):
             return
         self._turn.update(sample)
+        self._head.turned()
         if sample.stamp_s - self._standing_s >= _STANDING_PERIOD_S - 1e-6 and self._standing.stands(sample.stamp_s):
             self._standing_s = sample.stamp_s
             rate_cabin = self._turn.rate_cabin
@@ -202,22 +197,9 @@ class DualGraph(Estimator):
         return [StatusChange(c.stamp_s, str(c.before), str(c.after), c.reason) for c in self.changes]
 
     def state(self) -> BaseState:
-        if self._head is None or not self._is_begun or not self._turn.is_known:
-            return CabinReport.unknown(self._newest.stamp_s if self._newest else 0.0, INITIALISING)
-        return self._report.report(self._head, self._head_covariance(self._head.stamp_s), self._mode.value)
-
-    def _head_covariance(self, stamp_s: float) -> Float:
-        """Return the covariance at the head; it grows so slowly that one of up to 50 ms ago is good enough."""
-        if self._carried is None or stamp_s - self._carried[0] > _COVARIANCE_PERIOD_S:
-            ahead_s = stamp_s - self._estimated.stamp_s
-            P = carry_covariance(self._estimated, self._covariance, self._noise, ahead_s)
-            self._carried = (stamp_s, P)
-        return self._carried[1]
-
-
-def _largest(v: Float) -> float:
-    """Return the largest magnitude; on plain floats, for three numbers are too few for NumPy."""
-    return float(max(map(abs, v.tolist())))
+        if not self._is_begun or not self._turn.is_known:
+            return CabinReport.unknown(self._newest_s or 0.0, INITIALISING)
+        return self._head.state(self._mode.value)
 
 
 def _adjoint(T: Float) -> Float:

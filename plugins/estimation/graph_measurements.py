@@ -1,6 +1,6 @@
 """What crosses the border to the smoother besides inertial samples: plain values, so that they can be sent."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from executive.arrays import Float
 
@@ -58,3 +58,11 @@ class Standing:
 
 
 Measurement = Fix | Increment | Standing
+
+
+@dataclass(order=True, frozen=True, slots=True)
+class Waiting:
+    """A measurement that the inertial samples have not reached; in order of time."""
+
+    stamp_s: float
+    measurement: Measurement = field(compare=False)

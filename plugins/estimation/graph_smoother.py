@@ -2,7 +2,6 @@
 
 from bisect import insort
 from collections import Counter
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from plugins.estimation.graph_factors import (
     fix_factor,
     pose_factor,
 )
-from plugins.estimation.graph_measurements import Fix, Increment, Measurement, Standing
+from plugins.estimation.graph_measurements import Fix, Increment, Measurement, Standing, Waiting
 from plugins.estimation.graph_standing import StandingBelief
 from plugins.estimation.graph_window import GraphWindow, UnsolvableError
 from plugins.estimation.inertial_noise import InertialNoise
@@ -32,14 +31,6 @@ from plugins.estimation.smoother_settings import SmootherSettings
 _SCAN_S = 0.3  # a fix is compared with the odometry of a scan at most so long before it
 _FIX, _STANDING = "fix", "standing"
 _BREAK_S = 0.3  # a gap of samples over which the graph is cut
-
-
-@dataclass(order=True, frozen=True, slots=True)
-class _Waiting:
-    """A measurement that is newer than the inertial samples."""
-
-    stamp_s: float
-    measurement: Measurement = field(compare=False)
 
 
 class GraphSmoother:
@@ -57,7 +48,7 @@ class GraphSmoother:
         self._gate = GnssGate(settings.gate)
         self._chain = LidarChain()
         self._anchor: Float | None = None  # T_map_chain of Eq. (10)
-        self._waiting: list[_Waiting] = []
+        self._waiting: list[Waiting] = []
         self._refused: Counter[str] = Counter()
         self._used_fix_s = state.stamp_s
         self._used_fix_way_m = 0.0
@@ -88,7 +79,12 @@ class GraphSmoother:
 
     def add(self, measurement: Measurement) -> None:
         """Take a measurement, late or not; it is used in the next update that the samples have reached."""
-        insort(self._waiting, _Waiting(measurement.stamp_s, measurement))
+        insort(self._waiting, Waiting(measurement.stamp_s, measurement))
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether there is a measurement that has not been used."""
+        return bool(self._waiting)
 
     @property
     def is_due(self) -> bool:

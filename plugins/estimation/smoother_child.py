@@ -1,85 +1,103 @@
-"""One process that smooths: batches go in, packed estimates come out."""
+"""One process that smooths: measurements go in by a pipe; samples and estimates lie in memory that both have."""
 
 import multiprocessing
-import select
 import signal
 import time
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from typing import Any
+
+import numpy as np
 
 from executive.arrays import Float
+from plugins.estimation.estimator_modes import ModeChange
 from plugins.estimation.graph_estimate import Estimate
 from plugins.estimation.graph_measurements import Measurement
 from plugins.estimation.graph_smoother import GraphSmoother
 from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import Inertial, InertialState
-from plugins.estimation.smoother_parcel import estimate_of, packed_estimate, packed_samples, samples_of
+from plugins.estimation.inertial_state import InertialState
+from plugins.estimation.live_layout import ANSWERS, LIVE
+from plugins.estimation.smoother_parcel import is_finite, pack_into, samples_from
 from plugins.estimation.smoother_settings import SmootherSettings
 
 _LEAVE_S = 1.0  # time that a child is given to end by itself
 _SPAWN_S = 60.0  # time that a child may take to import what it needs, on a machine that is busy
+_IDLE_S = 0.05  # without measurements it looks so often whether samples have come
+_SOON_S = 0.001  # and so often while a measurement waits for its sample
 
-Start = tuple[InertialState, Float]
-_Batch = tuple[Start | None, Float, list[Measurement]]
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Where to begin.
+
+    Attributes:
+        epoch: Number of the beginning; estimates carry it.
+        state: The state.
+        covariance: Of its error, shape (15, 15).
+        first_sample: Number of the first sample to go on with.
+    """
+
+    epoch: int
+    state: InertialState
+    covariance: Float
+    first_sample: int
+
+
+Words = tuple[Sequence[ModeChange], Mapping[str, int]]
+Batch = list[Start | Measurement]
 
 
 class SmootherChild:
-    """A child process with one batch under way at most; it says once that it is ready.
+    """A child process; it says once that it is ready.
 
     Attributes:
         process: The process.
     """
 
-    def __init__(self, settings: SmootherSettings, noise: InertialNoise, answer_within_s: float) -> None:
-        self._answer_within_s = answer_within_s
+    def __init__(self, settings: SmootherSettings, noise: InertialNoise, memory: Any) -> None:
         context = multiprocessing.get_context("spawn")
         self._connection, theirs = context.Pipe()
-        self.process = context.Process(target=_serve, args=(theirs, settings, noise), daemon=True)
+        self.process = context.Process(target=_serve, args=(theirs, memory, settings, noise), daemon=True)
         self.process.start()
         theirs.close()
-        self._answered = select.poll()
-        self._answered.register(self._connection.fileno(), select.POLLIN)
-        self._deadline_s: float | None = time.monotonic() + _SPAWN_S
+        self._ready_by_s = time.monotonic() + _SPAWN_S
+        self._is_ready = False
 
     @property
-    def is_idle(self) -> bool:
-        """Whether a batch may be sent."""
-        return self._deadline_s is None
+    def is_ready(self) -> bool:
+        """Whether it takes batches.
 
-    @property
-    def is_late(self) -> bool:
-        """Whether it owes an answer for longer than it may, by the wall clock, the only one that a hung child obeys."""
-        return self._deadline_s is not None and time.monotonic() > self._deadline_s
+        Raises:
+            EOFError, OSError: If it has died, or takes too long to begin.
+        """
+        if not self._is_ready and self._connection.poll(0):
+            self._is_ready = self._connection.recv()
+        if not self._is_ready and time.monotonic() > self._ready_by_s:
+            raise OSError("the smoother's process does not begin")
+        return self._is_ready
 
-    def send(self, start: Start | None, samples: list[Inertial], measurements: list[Measurement]) -> None:
+    def send(self, batch: Batch) -> None:
         """Hand over a batch.
 
         Raises:
             OSError: If it has died.
         """
-        self._connection.send((start, packed_samples(samples), measurements))
-        self._deadline_s = time.monotonic() + self._answer_within_s
+        self._connection.send(batch)
 
-    def receive(self) -> Estimate | None:
-        """Return what it has answered, if it has; it is idle then.
+    def words(self) -> Words:
+        """Return the next words that it has sent; only to be called when there are any.
 
         Raises:
-            EOFError, OSError: If it has died, at work or idle.
+            EOFError, OSError: If it has died.
         """
-        if not self._answered.poll(0):
-            return None
-        estimate = estimate_of(self._connection.recv_bytes())
-        self._deadline_s = None
-        return estimate
-
-    def wait(self, patience_s: float) -> None:
-        """Wait until there is something to receive; for what has no clock to keep, such as a replay or a test."""
-        if self._deadline_s is not None:
-            self._answered.poll(1000 * patience_s)
+        words: Words = self._connection.recv()
+        return words
 
     def close(self) -> None:
         """Ask it to leave, and end it if it does not."""
-        if self.is_idle and self.process.is_alive():
+        if self._is_ready and self.process.is_alive():
             with suppress(OSError):  # it may have died just now
                 self._connection.send(None)
             self.process.join(_LEAVE_S)
@@ -92,31 +110,67 @@ class SmootherChild:
         self.process.join()
 
 
-def _serve(connection: Connection, settings: SmootherSettings, noise: InertialNoise) -> None:
-    """Answer each batch with an estimate, or None where it brought nothing new; end with the parent."""
+def _serve(connection: Connection, memory: Any, settings: SmootherSettings, noise: InertialNoise) -> None:
+    """Answer measurements with estimates; end with the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
-    smoother: GraphSmoother | None = None
+    work = _Work(connection, memory, settings, noise)
     try:
-        connection.send_bytes(packed_estimate(None))
+        connection.send(True)
         while True:
-            batch: _Batch | None = connection.recv()
-            if batch is None:
-                return
-            start, rows, measurements = batch
-            if start is not None:
-                smoother = GraphSmoother(settings, noise, *start)
-            connection.send_bytes(packed_estimate(_updated(smoother, samples_of(rows), measurements)))
+            if connection.poll(work.patience_s):
+                batch: Batch | None = connection.recv()
+                if batch is None:
+                    return
+                work.take(batch)
+            work.update()
     except (EOFError, OSError):  # nobody is there any more
         return
 
 
-def _updated(
-    smoother: GraphSmoother | None, samples: list[Inertial], measurements: list[Measurement]
-) -> Estimate | None:
-    if smoother is None:
-        return None
-    for sample in samples:
-        smoother.add_sample(sample)
-    for measurement in measurements:
-        smoother.add(measurement)
-    return smoother.update() if smoother.is_due else None
+class _Work:
+    """The smoother, and what it has read and written of the shared block."""
+
+    def __init__(self, connection: Connection, memory: Any, settings: SmootherSettings, noise: InertialNoise) -> None:
+        self._connection = connection
+        self._block = np.frombuffer(memory, LIVE, 1)
+        self._made = (settings, noise)
+        self._smoother: GraphSmoother | None = None
+        self._epoch, self._read, self._words, self._batches = 0, 0, 0, 0
+
+    @property
+    def patience_s(self) -> float:
+        """Time to wait for a batch before looking for samples [s]."""
+        return _SOON_S if self._smoother is not None and self._smoother.is_waiting else _IDLE_S
+
+    def take(self, batch: Batch) -> None:
+        self._batches += 1
+        for item in batch:
+            if isinstance(item, Start):
+                self._smoother = GraphSmoother(*self._made, item.state, item.covariance)
+                self._epoch, self._read = item.epoch, item.first_sample
+            elif self._smoother is not None:
+                self._smoother.add(item)
+
+    def update(self) -> None:
+        """Read the samples that have come, and answer if they have brought anything new."""
+        if self._smoother is not None:
+            end = int(self._block["published"][0])
+            for sample in samples_from(self._block, self._read, end):
+                self._smoother.add_sample(sample)
+            self._read = max(end, self._read)
+            if self._smoother.is_due:
+                self._answer(self._smoother.update())
+            self._block["handled"][0] = self._batches  # one in reserve, which has no smoother, writes nothing
+
+    def _answer(self, estimate: Estimate) -> None:
+        """Write the estimate, then say so; what has no room in the block goes first, by the pipe."""
+        number = int(self._block["answered"][0]) + 1
+        row = self._block["answers"][0][number % ANSWERS : number % ANSWERS + 1]
+        pack_into(row, estimate)
+        if not is_finite(row):
+            return
+        if estimate.changes or estimate.refused:
+            self._connection.send((estimate.changes, estimate.refused))
+            self._words += 1
+        row["epoch"], row["words"] = self._epoch, self._words
+        self._block["answered"][0] = number

@@ -1,58 +1,64 @@
-"""What crosses the border to the smoother's process, packed: a pickle of many small objects costs ten times as much."""
-
-import pickle
-from collections.abc import Sequence
+"""Samples and estimates in the block that the inertial path shares with the smoother, and out of it."""
 
 import numpy as np
 
 from executive.arrays import Float
+from plugins.estimation.estimator_modes import Mode
 from plugins.estimation.graph_estimate import Estimate
-from plugins.estimation.inertial_state import DIMENSION, Inertial, InertialState
+from plugins.estimation.inertial_state import Inertial, InertialState
+from plugins.estimation.live_kernels import Block
+from plugins.estimation.live_layout import ESTIMATE, SAMPLES
 
-_SAMPLE = 8  # stamp, time since the last, rate, force
-_STATE = _SAMPLE + 21
-
-
-def packed_samples(samples: Sequence[Inertial]) -> Float:
-    """Return samples as rows of stamp, time since the last, rate and force, shape (n, 8)."""
-    rows = np.empty((len(samples), _SAMPLE))
-    for row, sample in zip(rows, samples, strict=True):
-        _write_sample(row, sample)
-    return rows
+MODES = tuple(Mode)
 
 
-def samples_of(rows: Float) -> list[Inertial]:
-    """Return the samples of rows, shape (n, 8)."""
-    return [_read_sample(row) for row in rows]
+def samples_from(block: Block, first: int, end: int) -> list[Inertial]:
+    """Return copies of the samples of some numbers, of those that the block still holds.
+
+    Args:
+        block: Shape (1,), dtype `LIVE`.
+        first: Number of the first sample, counted from 0.
+        end: Number after the last.
+    """
+    kept = np.arange(max(first, end - SAMPLES, 0), end) % SAMPLES
+    return [sample_of(row) for row in block["samples"][0][kept]]
 
 
-def packed_estimate(estimate: Estimate | None) -> bytes:
-    """Return an estimate, or that there is none, as bytes."""
-    if estimate is None:
-        return b""
-    state, numbers = estimate.state, np.empty(_STATE + DIMENSION**2)
-    _write_sample(numbers[:_SAMPLE], state.sample)
-    parts = (state.R_map_imu.ravel(), state.p_map_imu, state.v_map_imu, state.gyro_bias, state.accel_bias)
-    np.concatenate(parts, out=numbers[_SAMPLE:_STATE])
-    numbers[_STATE:] = estimate.covariance.ravel()
-    words = (numbers.tobytes(), estimate.mode, estimate.changes, dict(estimate.refused))
-    return pickle.dumps(words, pickle.HIGHEST_PROTOCOL)
+def sample_of(row: Block) -> Inertial:
+    """Return the sample of a row, dtype `SAMPLE`, which is copied."""
+    return Inertial(float(row["stamp_s"]), row["rate"].copy(), row["force"].copy(), float(row["since_last_s"]))
 
 
-def estimate_of(parcel: bytes) -> Estimate | None:
-    """Return the estimate of bytes that the smoother's own process has packed."""
-    if not parcel:
-        return None
-    content, mode, changes, refused = pickle.loads(parcel)
-    numbers = np.frombuffer(content)
-    R, (p, v, gyro_bias, accel_bias) = numbers[8:17].reshape(3, 3), numbers[17:_STATE].reshape(4, 3)
-    state = InertialState(_read_sample(numbers), R, p, v, gyro_bias, accel_bias)
-    return Estimate(state, numbers[_STATE:].reshape(DIMENSION, DIMENSION), mode, changes, refused)
+def packed(state: InertialState, covariance: Float) -> Block:
+    """Return a state with its covariance (15, 15) as an estimate of the mode GLOBAL, shape (1,), dtype `ESTIMATE`."""
+    return packed_estimate(Estimate(state, covariance, Mode.GLOBAL, (), {}))
 
 
-def _write_sample(row: Float, sample: Inertial) -> None:
-    row[0], row[1], row[2:5], row[5:8] = sample.stamp_s, sample.since_last_s, sample.rate, sample.force
+def packed_estimate(estimate: Estimate) -> Block:
+    """Return an estimate without its words, shape (1,), dtype `ESTIMATE`."""
+    row = np.zeros(1, ESTIMATE)
+    pack_into(row, estimate)
+    return row
 
 
-def _read_sample(row: Float) -> Inertial:
-    return Inertial(float(row[0]), row[2:5], row[5:8], float(row[1]))
+def pack_into(row: Block, estimate: Estimate) -> None:
+    """Write an estimate into a row, shape (1,), dtype `ESTIMATE`; its changes and refusals do not fit."""
+    state, to = estimate.state, row[0]
+    sample = to["sample"]
+    sample["stamp_s"], sample["since_last_s"] = state.sample.stamp_s, state.sample.since_last_s
+    sample["rate"], sample["force"] = state.sample.rate, state.sample.force
+    to["R"], to["p"], to["v"] = state.R_map_imu, state.p_map_imu, state.v_map_imu
+    to["gyro_bias"], to["accel_bias"] = state.gyro_bias, state.accel_bias
+    to["P"], to["mode"] = estimate.covariance, MODES.index(estimate.mode)
+
+
+def unpacked(row: Block) -> tuple[InertialState, Float]:
+    """Return copies of the state and the covariance (15, 15) of a row, shape (1,), dtype `ESTIMATE`."""
+    one = row[0]
+    names = ("R", "p", "v", "gyro_bias", "accel_bias")
+    return InertialState(sample_of(one["sample"]), *(one[name].copy() for name in names)), one["P"].copy()
+
+
+def is_finite(row: Block) -> bool:
+    """Return whether an estimate, shape (1,), dtype `ESTIMATE`, holds numbers only."""
+    return all(bool(np.isfinite(row[name]).all()) for name in ("R", "p", "v", "gyro_bias", "accel_bias", "P"))

@@ -1,36 +1,80 @@
 """Where the smoother runs: beside the inertial path in a process of its own, or in line with it."""
 
 import logging
+import time
 from abc import ABC, abstractmethod
-from collections import deque
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from multiprocessing import get_context
+from typing import Any
+
+import numpy as np
 
 from executive.arrays import Float
+from executive.messages.imu import ImuSample
+from plugins.estimation.estimator_modes import Mode, ModeChange
 from plugins.estimation.graph_estimate import Estimate
 from plugins.estimation.graph_measurements import Measurement
 from plugins.estimation.graph_smoother import GraphSmoother
 from plugins.estimation.inertial_noise import InertialNoise
 from plugins.estimation.inertial_state import Inertial, InertialState
-from plugins.estimation.smoother_child import SmootherChild, Start
+from plugins.estimation.live_head import LiveHead
+from plugins.estimation.live_layout import ANSWERS, LIVE
+from plugins.estimation.smoother_child import Batch, SmootherChild, Start
+from plugins.estimation.smoother_parcel import MODES, packed, packed_estimate, unpacked
 from plugins.estimation.smoother_settings import SmootherSettings
 
 _log = logging.getLogger(__name__)
-_MOST_SAMPLES = 20  # that wait for a measurement to be sent along with
+_MOST_BATCHES = 16  # under way at a time: so many fit into the pipe, and a child that hangs never blocks the sender
+_MEASUREMENT_S = 0.01  # what one may cost on a busy machine
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class News:
+    """What an estimate brought besides the state.
+
+    Attributes:
+        mode: How the estimator stands.
+        changes: Changes of the mode since the last news.
+        refused: Number of measurements refused since then, by stream and reason.
+    """
+
+    mode: Mode
+    changes: Sequence[ModeChange]
+    refused: Mapping[str, int]
+
+
+_NOTHING_BESIDES = tuple(News(mode, (), {}) for mode in MODES)
 
 
 class SmootherHost(ABC):
-    """Takes raw samples, gives estimates whenever there is a new one; never blocks for long."""
+    """Takes raw samples, gives estimates whenever there is a new one; never blocks for long.
+
+    Attributes:
+        memory: What the head's block is to lie in, for another process to read; None if there is no other.
+    """
+
+    memory: Any = None
 
     @abstractmethod
-    def begin(self, state: InertialState, covariance: Float) -> None:
-        """Begin anew at a state, shape of the covariance (15, 15)."""
+    def begin(self, head: LiveHead, state: InertialState, covariance: Float) -> None:
+        """Begin anew at a state, shape of the covariance (15, 15), and put it into the head."""
 
     @abstractmethod
     def add(self, measurement: Measurement) -> None:
         """Hand over a measurement."""
 
     @abstractmethod
-    def add_sample(self, sample: Inertial) -> Estimate | None:
-        """Hand over an inertial sample; return a new estimate, if there is one."""
+    def sampled(self, head: LiveHead, sample: ImuSample, since_last_s: float, answered: int) -> News | None:
+        """Take notice of a sample to which the head has gone on; put a new estimate into it, if there is one.
+
+        Args:
+            head: The head.
+            sample: The sample.
+            since_last_s: Time since the one before [s].
+            answered: What the head has said to it.
+        """
 
     @abstractmethod
     def close(self) -> None:
@@ -44,13 +88,24 @@ class InlineSmoother(SmootherHost):
         self._settings = settings
         self._noise = noise
 
-    def begin(self, state: InertialState, covariance: Float) -> None:
+    def begin(self, head: LiveHead, state: InertialState, covariance: Float) -> None:
         self._smoother = GraphSmoother(self._settings, self._noise, state, covariance)
+        head.take(packed(state, covariance))
 
     def add(self, measurement: Measurement) -> None:
         self._smoother.add(measurement)
 
-    def add_sample(self, sample: Inertial) -> Estimate | None:
+    def sampled(self, head: LiveHead, sample: ImuSample, since_last_s: float, answered: int) -> News | None:
+        rate, force = sample.angular_velocity_rad_s, sample.specific_force_m_s2
+        estimate = self._updated(Inertial(sample.stamp_s, rate, force, since_last_s))
+        if estimate is None:
+            return None
+        if not head.take(packed_estimate(estimate)):
+            return News(estimate.mode, estimate.changes, {**estimate.refused, "smoother: not finite": 1})
+        return News(estimate.mode, estimate.changes, estimate.refused)
+
+    def _updated(self, sample: Inertial) -> Estimate | None:
+        """Hand over a sample; return a new estimate, if there is one."""
         self._smoother.add_sample(sample)
         return self._smoother.update() if self._smoother.is_due else None
 
@@ -61,10 +116,9 @@ class InlineSmoother(SmootherHost):
 class ProcessSmoother(SmootherHost):
     """Updates in a child process, for GTSAM holds the interpreter's lock through a whole update.
 
-    One batch is under way at a time, so that a child which hangs never blocks the sender, and what has nothing to
-    correct waits: an inertial sample by itself only asks whether there is an answer. A child that died, or does
-    not answer in time, is replaced by one that begins at the last estimate. It stands by: to begin with a new process
-    would cost the seconds that its imports take.
+    An inertial sample costs no system call: the child finds it in the block, and leaves its estimates there. Only
+    measurements are sent. A child that died, or does not answer in time, is replaced by one that begins at the last
+    estimate. It stands by: to begin with a new process would cost the seconds that its imports take.
 
     Attributes:
         restarts: Number of children that had to be replaced.
@@ -74,74 +128,137 @@ class ProcessSmoother(SmootherHost):
         self._settings = settings
         self._noise = noise
         self._answer_within_s = answer_within_s
+        self.memory = get_context("spawn").RawArray("b", LIVE.itemsize)
+        self._block = np.frombuffer(self.memory, LIVE, 1)
+        self._published, self._handled = (_counter(self.memory, name) for name in ("published", "handled"))
         self.restarts = 0
-        self._start: Start | None = None
-        self._last: Start | None = None
-        self._samples: list[Inertial] = []
-        self._measurements: list[Measurement] = []
-        self._since: deque[Inertial] = deque()  # samples newer than the last estimate, for the next child
+        self._outbox: Batch = []
+        self._begun: Start | None = None
+        self._taken = self._words = self._sent = self._seen = 0
+        self._deadline_s: float | None = None
         self.child = self._spawned()
         self.spare: SmootherChild | None = None
 
     def _spawned(self) -> SmootherChild:
-        return SmootherChild(self._settings, self._noise, self._answer_within_s)
+        return SmootherChild(self._settings, self._noise, self.memory)
 
-    def begin(self, state: InertialState, covariance: Float) -> None:
-        self._start = self._last = (state, covariance)
-        self._samples.clear()
-        self._measurements.clear()
-        self._since.clear()
+    def begin(self, head: LiveHead, state: InertialState, covariance: Float) -> None:
+        epoch = 1 if self._begun is None else self._begun.epoch + 1
+        self._begun = Start(epoch, state, covariance, head.samples)
+        head.take(packed(state, covariance))
+        head.epoch = epoch
+        self._outbox = [self._begun]
+        self._send()
 
     def add(self, measurement: Measurement) -> None:
-        self._measurements.append(measurement)
-        if self.child.is_idle and self._samples and measurement.stamp_s <= self._samples[-1].stamp_s:
-            try:
-                self._send()
-            except OSError:
-                self._replace("died")
+        self._outbox.append(measurement)
+        self._send()
 
-    def add_sample(self, sample: Inertial) -> Estimate | None:
-        self._samples.append(sample)
-        self._since.append(sample)
+    def sampled(self, head: LiveHead, sample: ImuSample, since_last_s: float, answered: int) -> News | None:
+        self._published[0] = head.samples  # not before the sample is written
+        if self._deadline_s is not None and time.monotonic() > self._deadline_s:
+            self._look_after()
+        if answered == self._taken:
+            return None
+        self._taken = answered
+        return self._news(*head.take_answer(answered))
+
+    def _news(self, mode: int, words: int) -> News | None:
+        """Return what came with an estimate; None if it goes back to an earlier beginning."""
+        if mode < 0:
+            return None
+        if words == self._words:
+            return _NOTHING_BESIDES[mode]
+        changes: list[ModeChange] = []
+        refused: Counter[str] = Counter()
         try:
-            estimate = self._receive()
-            if self.child.is_idle and (self._measurements or len(self._samples) >= _MOST_SAMPLES or self._start):
-                self._send()
+            while self._words < words:
+                more, counts = self.child.words()
+                self._words += 1
+                changes.extend(more)
+                refused.update(counts)
         except (EOFError, OSError):
             self._replace("died")
-            return None
-        if self.child.is_late:
-            self._replace("does not answer")
-        return estimate
-
-    def _receive(self) -> Estimate | None:
-        """Return the estimate that the child has answered, if it has, and if it is of the present start."""
-        estimate = self.child.receive()
-        if self.spare is None and self.child.is_idle:  # not before, for the two would import side by side
-            self.spare = self._spawned()
-        if estimate is None or self._start is not None:
-            return None
-        self._last = (estimate.state, estimate.covariance)
-        while self._since and self._since[0].stamp_s <= estimate.state.stamp_s:
-            self._since.popleft()
-        return estimate
+        return News(MODES[mode], changes, refused)
 
     def _send(self) -> None:
-        if self._last is None:
+        """Send what waits, if the child is ready; see that there is another one in reserve."""
+        try:
+            if not self.child.is_ready or self._sent - self._handled[0] >= _MOST_BATCHES:
+                return
+            self.child.send(self._outbox)
+        except (EOFError, OSError):
+            self._replace("died")
             return
-        start, samples, measurements = self._start, self._samples, self._measurements
-        self._start, self._samples, self._measurements = None, [], []
-        self.child.send(start, samples, measurements)
+        self._sent += 1
+        if self._deadline_s is None:
+            self._wait_for_answer(len(self._outbox))
+        self._outbox = []
+        if self.spare is None:  # not before, for the two would import side by side
+            self.spare = self._spawned()
+
+    def _wait_for_answer(self, measurements: int = 0) -> None:
+        """Give the child its time from now on, by the wall clock, the only one that a hung child obeys.
+
+        It is given more if many measurements have gathered, as when it takes over from another.
+        """
+        self._seen = self._handled[0]
+        self._deadline_s = time.monotonic() + self._answer_within_s + _MEASUREMENT_S * measurements
+
+    def _look_after(self) -> None:
+        handled = self._handled[0]
+        if handled == self._sent:
+            self._deadline_s = None
+        elif handled > self._seen:
+            self._wait_for_answer()
+        else:
+            self._replace("does not answer")
 
     def _replace(self, reason: str) -> None:
         _log.warning("the smoother's process %s; another one goes on from the last estimate", reason)
         self.restarts += 1
         self.child.kill()
-        self._start = self._last
-        self._samples = list(self._since)
+        self._sent = self._handled[0] = self._words = 0
+        self._deadline_s = None
+        waiting = [item for item in self._outbox if not isinstance(item, Start)]
+        self._outbox = [*self._last_start(), *waiting]
         self.child, self.spare = self.spare or self._spawned(), None
+        self._send()
+
+    def _last_start(self) -> list[Start]:
+        """Return the last estimate as a beginning, or the beginning itself if there is none since."""
+        if self._begun is None:
+            return []
+        number = int(self._block["answered"][0]) % ANSWERS
+        row = self._block["answers"][0][number : number + 1]
+        if row["epoch"][0] != self._begun.epoch:
+            return [self._begun]
+        state, covariance = unpacked(row)
+        return [Start(self._begun.epoch, state, covariance, self._first_after(state.stamp_s))]
+
+    def _first_after(self, stamp_s: float) -> int:
+        """Return the number of the first sample that is newer."""
+        first = self._published[0]
+        samples = self._block["samples"][0]
+        while first > max(0, self._published[0] - len(samples)) and samples[(first - 1) % len(samples)][0] > stamp_s:
+            first -= 1
+        return int(first)
+
+    def wait(self, patience_s: float) -> None:
+        """Wait until all that was sent is answered; for what has no clock to keep, such as a replay or a test."""
+        until_s = time.monotonic() + patience_s
+        while (self._outbox or self._handled[0] < self._sent) and time.monotonic() < until_s:
+            if self._outbox:
+                self._send()
+            self.child.process.join(0.001)
 
     def close(self) -> None:
         for child in (self.child, self.spare):
             if child is not None:
                 child.close()
+
+
+def _counter(memory: Any, name: str) -> memoryview:
+    """Return one number of the block, which Python reads and writes at once, and in the order of its lines."""
+    offset = LIVE.fields[name][1]  # type: ignore[index]
+    return memoryview(np.frombuffer(memory, np.uint8)[offset : offset + 8]).cast("q")  # type: ignore[arg-type]

@@ -20,24 +20,29 @@ _N = 15  # the error of rotation, velocity, position, gyro bias, accelerometer b
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _turn(v: Float, factor: float) -> Float:
-    """Map a rotation vector [rad] times a factor to its matrix (Rodrigues), shape (3,) → (3, 3)."""
-    x, y, z = factor * v[0], factor * v[1], factor * v[2]
+def turn_into(x: float, y: float, z: float, R: Float) -> None:
+    """Write the matrix of a rotation vector [rad] (Rodrigues), shape (3, 3)."""
     angle2 = x * x + y * y + z * z
     if angle2 < 1e-10:  # the next terms of both series are below 1e-11
         a, b = 1.0 - angle2 / 6, 0.5 - angle2 / 24
     else:
         angle = math.sqrt(angle2)
         a, b = math.sin(angle) / angle, (1 - math.cos(angle)) / angle2
-    R = np.empty((3, 3))
     R[0, 0], R[0, 1], R[0, 2] = 1 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y
     R[1, 0], R[1, 1], R[1, 2] = b * x * y + a * z, 1 - b * (x * x + z * z), b * y * z - a * x
     R[2, 0], R[2, 1], R[2, 2] = b * x * z - a * y, b * y * z + a * x, 1 - b * (x * x + y * y)
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _turn(v: Float, factor: float) -> Float:
+    """Map a rotation vector [rad] times a factor to its matrix, shape (3,) → (3, 3)."""
+    R = np.empty((3, 3))
+    turn_into(factor * v[0], factor * v[1], factor * v[2], R)
     return R
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _multiply(A: Float, B: Float, C: Float) -> None:
+def multiply(A: Float, B: Float, C: Float) -> None:
     """Find C = A B, shapes (3, 3)."""
     for i in range(3):
         for j in range(3):
@@ -54,7 +59,7 @@ def _rotated(R: Float, v: Float) -> Float:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _chain(A: Float, B: Float, C: Float) -> None:
+def chain(A: Float, B: Float, C: Float) -> None:
     """Find C = A B for poses, shapes (4, 4)."""
     for i in range(3):
         for j in range(4):
@@ -97,10 +102,10 @@ def advance(  # noqa: PLR0913 - the numbers of a state, which the compiler wants
     """
     half_turn = _turn(rate - gyro_bias, 0.5 * dt_s)
     R_middle = np.empty((3, 3))
-    _multiply(R, half_turn, R_middle)
+    multiply(R, half_turn, R_middle)
     acceleration = _rotated(R_middle, force - accel_bias)
     acceleration[2] -= gravity_m_s2
-    _multiply(R_middle, half_turn, R_after)
+    multiply(R_middle, half_turn, R_after)
     for i in range(3):
         v_after[i] = v[i] + dt_s * acceleration[i]
         p_after[i] = p[i] + 0.5 * dt_s * (v[i] + v_after[i])
@@ -141,6 +146,23 @@ def carry_cross_by(C: Float, R: Float, rate: Float, force: Float, dt_s: float, a
     _carry_rows(C, _turn(rate, -dt_s), R, _turned_force(R, force), dt_s, after)
 
 
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def carry_covariance_into(
+    P: Float, R: Float, rate: Float, force: Float, densities: Float, dt_s: float, after: Float
+) -> None:
+    """Find F P Fᵀ + Q, see `carry_covariance_by`; for arrays of any kind that compiled code may hold."""
+    turned_back, by_rotation = _turn(rate, -dt_s), _turned_force(R, force)
+    half = np.empty((_N, _N))
+    _carry_rows(P, turned_back, R, by_rotation, dt_s, half)
+    _carry_rows(half.T, turned_back, R, by_rotation, dt_s, after)  # F (F P)ᵀ = F P Fᵀ, for P is symmetric
+    for i in range(3):
+        after[i, i] += densities[0] ** 2 * dt_s
+        after[3 + i, 3 + i] += densities[1] ** 2 * dt_s
+        after[6 + i, 6 + i] += densities[1] ** 2 * dt_s**3 / 3
+        after[9 + i, 9 + i] += densities[2] ** 2 * dt_s
+        after[12 + i, 12 + i] += densities[3] ** 2 * dt_s
+
+
 @njit(  # type: ignore[untyped-decorator]
     types.void(_MATRIX, _MATRIX, _VECTOR, _VECTOR, _VECTOR, _REAL, _NEW_MATRIX), cache=True
 )
@@ -157,16 +179,7 @@ def carry_covariance_by(
         dt_s: Length of the step [s].
         after: What is found, shape (15, 15).
     """
-    turned_back, by_rotation = _turn(rate, -dt_s), _turned_force(R, force)
-    half = np.empty((_N, _N))
-    _carry_rows(P, turned_back, R, by_rotation, dt_s, half)
-    _carry_rows(half.T, turned_back, R, by_rotation, dt_s, after)  # F (F P)ᵀ = F P Fᵀ, for P is symmetric
-    for i in range(3):
-        after[i, i] += densities[0] ** 2 * dt_s
-        after[3 + i, 3 + i] += densities[1] ** 2 * dt_s
-        after[6 + i, 6 + i] += densities[1] ** 2 * dt_s**3 / 3
-        after[9 + i, 9 + i] += densities[2] ** 2 * dt_s
-        after[12 + i, 12 + i] += densities[3] ** 2 * dt_s
+    carry_covariance_into(P, R, rate, force, densities, dt_s, after)
 
 
 @njit(  # type: ignore[untyped-decorator]
@@ -202,9 +215,9 @@ def report_motion(  # noqa: PLR0913 - as above
     T_map_imu = np.eye(4)
     for i in range(3):  # assigning slices would double the time of compiling
         T_map_imu[i, 0], T_map_imu[i, 1], T_map_imu[i, 2], T_map_imu[i, 3] = R[i, 0], R[i, 1], R[i, 2], p[i]
-    _chain(T_map_imu, T_imu_cabin, T_map_cabin)
-    _chain(T_map_cabin, T_cabin_base, T_map_base)
-    _chain(T_odom_map, T_map_base, T_odom_base)
+    chain(T_map_imu, T_imu_cabin, T_map_cabin)
+    chain(T_map_cabin, T_cabin_base, T_map_base)
+    chain(T_odom_map, T_map_base, T_odom_base)
     turning = np.empty(3)
     for i in range(3):
         k, m = (i + 1) % 3, (i + 2) % 3

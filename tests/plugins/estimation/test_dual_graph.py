@@ -65,7 +65,7 @@ def test_in_a_process_of_its_own_it_follows_the_cabin_as_well(cabin, begin, run,
     for observation in cabin.observations(9.0):
         states += run(estimator, [observation])
         if isinstance(observation, GnssFix):
-            estimator._host.child.wait(60.0)  # on the machine it has 50 ms; here, as long as others leave it none
+            estimator._host.wait(60.0)  # on the machine it has 50 ms; here, as long as others leave it none
     assert errors_m(cabin, states, 6.0).max() < 0.06
     assert states[-1].status == "GLOBAL"
 

@@ -1,15 +1,20 @@
-"""What crosses the border between processes arrives as it was sent."""
+"""What lies in the block that two processes share is what was put there."""
 
 import numpy as np
 
-from plugins.estimation.estimator_modes import Mode, ModeChange
+from plugins.estimation.estimator_modes import Mode
 from plugins.estimation.graph_estimate import Estimate
 from plugins.estimation.inertial_state import Inertial, InertialState
-from plugins.estimation.smoother_parcel import estimate_of, packed_estimate, packed_samples, samples_of
+from plugins.estimation.live_layout import LIVE, SAMPLES
+from plugins.estimation.smoother_parcel import MODES, is_finite, packed, packed_estimate, samples_from, unpacked
 
 
 def sample(rng: np.random.Generator) -> Inertial:
     return Inertial(rng.normal(), rng.normal(0, 1, 3), rng.normal(0, 1, 3), rng.normal())
+
+
+def some_state(rng: np.random.Generator) -> InertialState:
+    return InertialState(sample(rng), rng.normal(0, 1, (3, 3)), *rng.normal(0, 1, (4, 3)))
 
 
 def assert_same(a: Inertial, b: Inertial) -> None:
@@ -18,27 +23,36 @@ def assert_same(a: Inertial, b: Inertial) -> None:
     np.testing.assert_array_equal(a.force, b.force)
 
 
-def test_samples_arrive_as_they_were() -> None:
-    rng = np.random.default_rng(1)
-    sent = [sample(rng) for _ in range(5)]
-    for a, b in zip(sent, samples_of(packed_samples(sent)), strict=True):
-        assert_same(a, b)
-    assert samples_of(packed_samples([])) == []
-
-
-def test_an_estimate_arrives_as_it_was() -> None:
+def test_an_estimate_is_unpacked_as_it_was_packed() -> None:
     rng = np.random.default_rng(2)
-    names = ("p_map_imu", "v_map_imu", "gyro_bias", "accel_bias")
-    state = InertialState(sample(rng), rng.normal(0, 1, (3, 3)), *rng.normal(0, 1, (4, 3)))
-    changes = (ModeChange(1.5, Mode.GLOBAL, Mode.SUSPECT, "no fix for 0.7 s"),)
-    sent = Estimate(state, rng.normal(0, 1, (15, 15)), Mode.SUSPECT, changes, {"gnss_left: outlier": 3})
-    got = estimate_of(packed_estimate(sent))
-    assert_same(got.state.sample, state.sample)
-    for name in ("R_map_imu", *names):
-        np.testing.assert_array_equal(getattr(got.state, name), getattr(state, name))
-    np.testing.assert_array_equal(got.covariance, sent.covariance)
-    assert (got.mode, got.changes, got.refused) == (sent.mode, sent.changes, sent.refused)
+    state, covariance = some_state(rng), rng.normal(0, 1, (15, 15))
+    row = packed_estimate(Estimate(state, covariance, Mode.SUSPECT, (), {"gnss_left: outlier": 3}))
+    got, got_covariance = unpacked(row)
+    assert_same(got.sample, state.sample)
+    for name in ("R_map_imu", "p_map_imu", "v_map_imu", "gyro_bias", "accel_bias"):
+        np.testing.assert_array_equal(getattr(got, name), getattr(state, name))
+    np.testing.assert_array_equal(got_covariance, covariance)
+    assert MODES[row["mode"][0]] == Mode.SUSPECT
+    row["R"] = 0.0
+    assert got.R_map_imu.any()  # a copy
 
 
-def test_no_estimate_arrives_as_none() -> None:
-    assert estimate_of(packed_estimate(None)) is None
+def test_an_estimate_with_a_number_missing_is_seen() -> None:
+    rng = np.random.default_rng(3)
+    row = packed(some_state(rng), np.eye(15))
+    assert is_finite(row)
+    for name in ("R", "p", "gyro_bias", "P"):
+        broken = row.copy()
+        broken[name].flat[-1] = np.nan
+        assert not is_finite(broken)
+
+
+def test_samples_are_read_around_the_end_of_the_ring_and_those_that_are_gone_are_left_out() -> None:
+    block = np.zeros(1, LIVE)
+    for number in range(SAMPLES, SAMPLES + 3):  # the ring has been filled once, and three more have come
+        block["samples"][0, number % SAMPLES]["stamp_s"] = number
+    for number in range(3, SAMPLES):
+        block["samples"][0, number]["stamp_s"] = number
+    assert [s.stamp_s for s in samples_from(block, SAMPLES - 2, SAMPLES + 3)] == list(range(SAMPLES - 2, SAMPLES + 3))
+    assert [s.stamp_s for s in samples_from(block, 0, SAMPLES + 3)] == list(range(3, SAMPLES + 3))
+    assert samples_from(block, 5, 5) == []

@@ -9,12 +9,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from executive.messages.imu import ImuSample
+from plugins.estimation.chassis import TurnJoint
 from plugins.estimation.dual_graph_settings import DualGraphSettings
-from plugins.estimation.graph_estimate import Estimate
 from plugins.estimation.graph_measurements import Fix
 from plugins.estimation.inertial_noise import InertialNoise
 from plugins.estimation.inertial_state import Inertial, InertialState
-from plugins.estimation.smoother_process import InlineSmoother, ProcessSmoother
+from plugins.estimation.live_head import LiveHead
+from plugins.estimation.smoother_child import Start
+from plugins.estimation.smoother_process import InlineSmoother, News, ProcessSmoother, SmootherHost
 from plugins.estimation.smoother_settings import SmootherSettings
 
 NOISE = InertialNoise(1e-4, 1e-3, 1e-6, 1e-5, 1e-2, 9.81)
@@ -24,30 +27,39 @@ PATIENCE_S = 150.0  # a child imports for a second, on a busy machine for many
 class Rest:
     """An IMU at rest at the origin with an antenna 1 m ahead, sampled for as long as is asked."""
 
-    def __init__(self) -> None:
+    def __init__(self, host: SmootherHost, machine) -> None:
         self.k = 0
+        self.host = host
+        self.head = LiveHead(np.eye(4), TurnJoint(machine), NOISE, 5.0, host.memory)
+        self.begin(np.zeros(3))
+
+    def begin(self, p: np.ndarray) -> None:
         z = np.zeros(3)
-        self.state = InertialState(self.sample(), np.eye(3), z, z, z, z)
-        self.covariance = 1e-4 * np.eye(15)
+        sample = Inertial(self.k / 100, z, np.array([0, 0, 9.81]), 0.01)
+        self.host.begin(self.head, InertialState(sample, np.eye(3), p, z, z, z), 1e-4 * np.eye(15))
 
-    def sample(self) -> Inertial:
-        return Inertial(self.k / 100, np.zeros(3), np.array([0, 0, 9.81]), 0.01)
-
-    def feed(self, host) -> Estimate | None:
+    def feed(self, has_fixes: bool = True) -> News | None:
         self.k += 1
-        if self.k % 5 == 0:
+        if has_fixes and self.k % 5 == 0:
             arm = np.array([1.0, 0, 0])
-            host.add(Fix(self.k / 100, "gnss_left", arm, arm, 1e-4 * np.eye(3)))
-        return host.add_sample(self.sample())
+            self.host.add(Fix(self.k / 100, "gnss_left", arm, arm, 1e-4 * np.eye(3)))
+        sample = ImuSample(self.k / 100, "imu_cabin", np.zeros(3), np.array([0, 0, 9.81]))
+        answered = self.head.step(sample.stamp_s, sample.angular_velocity_rad_s, sample.specific_force_m_s2)
+        return self.host.sampled(self.head, sample, 0.01, answered)
 
-    def feed_until_answered(self, host) -> Estimate:
+    def feed_until(self, is_so, has_fixes: bool = True) -> None:
         deadline_s = time.monotonic() + PATIENCE_S
-        while time.monotonic() < deadline_s:
-            estimate = self.feed(host)
-            if estimate is not None:
-                return estimate
+        while not is_so(self.feed(has_fixes)):
+            if time.monotonic() > deadline_s:
+                raise TimeoutError("it never came to be so")
             time.sleep(0.01)
-        raise TimeoutError("no estimate")
+
+    def feed_until_answered(self) -> None:
+        self.feed_until(lambda news: news is not None)
+
+    @property
+    def p(self) -> np.ndarray:
+        return self.head.state("").T_map_cabin[:3, 3]
 
 
 @pytest.fixture
@@ -57,94 +69,115 @@ def host() -> Iterator[ProcessSmoother]:
     host.close()
 
 
-def feed_until_a_spare_is_ready(rest, host) -> None:
-    deadline_s = time.monotonic() + PATIENCE_S
-    while host.spare is None or not is_ready(host.spare):
-        rest.feed_until_answered(host)
-        if time.monotonic() > deadline_s:
-            raise TimeoutError("no spare")
+@pytest.fixture
+def rest(host, machine) -> Rest:
+    return Rest(host, machine)
 
 
-def is_ready(spare) -> bool:
-    spare.receive()
-    return spare.is_idle
+def feed_until_a_spare_is_ready(rest) -> None:
+    rest.feed_until(lambda _: rest.host.spare is not None and rest.host.spare.is_ready)
+    rest.host.wait(PATIENCE_S)
 
 
 def watched(child) -> list[object]:
-    """Return a list that grows by the start of each batch that the child is sent."""
-    starts, send = [], child.send
+    """Return a list that grows by what the child is sent."""
+    sent, send = [], child.send
 
-    def sending(start, samples, measurements):
-        starts.append(start)
-        send(start, samples, measurements)
+    def sending(batch):
+        sent.extend(batch)
+        send(batch)
 
     child.send = sending
-    return starts
+    return sent
 
 
-def test_a_child_that_is_killed_is_replaced_at_the_next_sample_by_one_that_is_ready(host) -> None:
-    rest = Rest()
-    host.begin(rest.state, rest.covariance)
-    before = rest.feed_until_answered(host)
-    np.testing.assert_allclose(before.state.p_map_imu, np.zeros(3), atol=1e-3)
-    feed_until_a_spare_is_ready(rest, host)
+def test_a_child_that_is_killed_is_replaced_at_the_next_measurement_by_one_that_is_ready(rest, host) -> None:
+    rest.feed_until_answered()
+    np.testing.assert_allclose(rest.p, np.zeros(3), atol=1e-3)
+    feed_until_a_spare_is_ready(rest)
     spare, sent = host.spare, watched(host.spare)
     host.child.process.kill()
     host.child.process.join()
-    for _ in range(3):  # an answer may still be in the pipe, then its end is met, then the spare is sent to
-        rest.feed(host)
+    for _ in range(5):
+        rest.feed()
     assert host.restarts == 1
     assert host.child is spare
-    assert sent[0] is not None  # it is at work already, from the last estimate: what remains is one update
-    after = rest.feed_until_answered(host)
-    assert after.state.stamp_s > before.state.stamp_s
-    np.testing.assert_allclose(after.state.p_map_imu, np.zeros(3), atol=1e-3)
+    assert isinstance(sent[0], Start)  # it is at work already, from the last estimate: what remains is one update
+    assert rest.k / 100 - sent[0].state.stamp_s < 0.2
+    rest.feed_until_answered()
+    np.testing.assert_allclose(rest.p, np.zeros(3), atol=1e-3)
 
 
-def test_a_child_that_hangs_is_replaced_when_its_time_is_up(host, monkeypatch) -> None:
+def test_a_child_that_hangs_is_replaced_when_its_time_is_up(rest, host, monkeypatch) -> None:
     assert DualGraphSettings().answer_within_s <= 1.0  # so that with one update it is back within two seconds
-    rest = Rest()
-    host.begin(rest.state, rest.covariance)
-    before = rest.feed_until_answered(host)
-    feed_until_a_spare_is_ready(rest, host)
-    clock = SimpleNamespace(now_s=time.monotonic())
-    monkeypatch.setattr("plugins.estimation.smoother_child.time", SimpleNamespace(monotonic=lambda: clock.now_s))
+    rest.feed_until_answered()
+    feed_until_a_spare_is_ready(rest)
+    clock = SimpleNamespace(now_s=time.monotonic() + 10.0)
+    monkeypatch.setattr("plugins.estimation.smoother_process.time", SimpleNamespace(monotonic=lambda: clock.now_s))
+    rest.feed(has_fixes=False)  # all is answered: no deadline is left
     os.kill(host.child.process.pid, signal.SIGSTOP)
     spare, hung, sent = host.spare, host.child, watched(host.spare)
     for _ in range(40):
-        rest.feed(host)
+        rest.feed()
     clock.now_s += 0.99
-    rest.feed(host)
+    rest.feed()
     assert host.child is hung
-    clock.now_s += 0.02
-    rest.feed(host)
+    clock.now_s += 0.05
+    rest.feed()
     assert host.restarts == 1
     assert host.child is spare
-    rest.feed(host)
-    assert sent[0] is not None
+    assert isinstance(sent[0], Start)
     monkeypatch.undo()
-    assert rest.feed_until_answered(host).state.stamp_s > before.state.stamp_s
+    rest.feed_until_answered()
+    np.testing.assert_allclose(rest.p, np.zeros(3), atol=1e-3)
 
 
-def test_a_new_beginning_drops_answers_to_the_old_one(host) -> None:
-    rest = Rest()
-    host.begin(rest.state, rest.covariance)
-    rest.feed_until_answered(host)
-    moved = InertialState(rest.sample(), np.eye(3), np.array([5.0, 0, 0]), *(np.zeros(3) for _ in range(3)))
-    host.begin(moved, 1e-8 * np.eye(15))
-    deadline_s = time.monotonic() + PATIENCE_S
-    estimate = None
-    while estimate is None and time.monotonic() < deadline_s:
-        rest.k += 1
-        estimate = host.add_sample(rest.sample())
-        time.sleep(0.01)
-    np.testing.assert_allclose(estimate.state.p_map_imu, [5, 0, 0], atol=1e-3)
+def test_a_child_that_answers_is_not_replaced_however_long_it_goes_on(rest, host, monkeypatch) -> None:
+    rest.feed_until_answered()
+    feed_until_a_spare_is_ready(rest)
+    clock = SimpleNamespace(offset_s=0.0)
+    real = time.monotonic
+    monkeypatch.setattr(
+        "plugins.estimation.smoother_process.time", SimpleNamespace(monotonic=lambda: real() + clock.offset_s)
+    )
+    for _ in range(6):  # a deadline passes each time, with all answered or something new under way
+        for _ in range(5):
+            rest.feed()
+        host.wait(PATIENCE_S)
+        clock.offset_s += 1.5
+    assert host.restarts == 0
 
 
-def test_in_line_each_fix_is_answered_at_the_sample_that_reaches_it() -> None:
-    rest = Rest()
+def test_one_in_reserve_does_not_disturb_the_one_at_work(rest, host) -> None:
+    rest.feed_until_answered()
+    feed_until_a_spare_is_ready(rest)
+    handled = host._handled[0]
+    assert handled > 0
+    host.spare.process.join(0.3)  # time for the one in reserve to look around several times
+    assert host._handled[0] >= handled
+
+
+def test_without_measurements_the_child_notices_that_time_passes(rest, host) -> None:
+    rest.feed_until_answered()
+    heard = []
+    rest.feed_until(lambda news: heard.append(news) or (news is not None and news.changes), has_fixes=False)
+    assert "no fix for" in heard[-1].changes[0].reason
+
+
+def test_a_new_beginning_drops_answers_to_the_old_one(rest, host) -> None:
+    rest.feed_until_answered()
+    rest.feed_until(lambda _: rest.k % 5 == 0)  # a fix is under way
+    rest.begin(np.array([5.0, 0, 0]))
+    for _ in range(3):
+        rest.feed(has_fixes=False)
+        host.wait(PATIENCE_S)
+    rest.feed_until(lambda news: news is not None, has_fixes=False)
+    np.testing.assert_allclose(rest.p, [5, 0, 0], atol=1e-2)
+
+
+def test_in_line_each_fix_is_answered_at_the_sample_that_reaches_it(machine) -> None:
     host = InlineSmoother(SmootherSettings(), NOISE)
-    host.begin(rest.state, rest.covariance)
-    answered = [rest.k for _ in range(50) if rest.feed(host) is not None]
+    rest = Rest(host, machine)
+    answered = [rest.k for _ in range(50) if rest.feed() is not None]
     assert answered == list(range(5, 51, 5))
     host.close()

@@ -1,0 +1,66 @@
+"""A state of the machine that costs little to make: its arrays are views, made when they are asked for."""
+
+from typing import Any
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.messages.base_state import BaseState
+
+ROW = np.dtype(
+    [
+        ("T_map_base", "f8", (4, 4)),
+        ("T_odom_base", "f8", (4, 4)),
+        ("T_map_cabin", "f8", (4, 4)),
+        ("v_map_cabin", "f8", (3,)),
+        ("w_map_cabin_in_cabin", "f8", (3,)),
+        ("covariance", "f8", (6, 6)),
+    ],
+    align=True,
+)
+
+
+class PackedState(BaseState):
+    """What `BaseState` is, over one row of memory, for an estimator that reports at each inertial sample.
+
+    To make and to check six arrays costs more than to propagate a state. Whoever makes the row answers for it: it is
+    finite, locked, and nobody writes to it any more.
+    """
+
+    __slots__ = ("_row",)
+    _row: np.ndarray[Any, Any]
+
+    def __init__(self, stamp_s: float, row: np.ndarray[Any, Any], status: str) -> None:
+        """Make a state of a locked row, shape (1,), dtype `ROW`."""
+        put = object.__setattr__
+        put(self, "stamp_s", stamp_s)
+        put(self, "_row", row)
+        put(self, "status", status)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        arrays = (getattr(self, name) for name in ROW.names or ())
+        return BaseState, (self.stamp_s, *arrays, self.status)
+
+    @property
+    def T_map_base(self) -> Float:
+        return np.asarray(self._row["T_map_base"][0])
+
+    @property
+    def T_odom_base(self) -> Float:
+        return np.asarray(self._row["T_odom_base"][0])
+
+    @property
+    def T_map_cabin(self) -> Float:
+        return np.asarray(self._row["T_map_cabin"][0])
+
+    @property
+    def v_map_cabin(self) -> Float:
+        return np.asarray(self._row["v_map_cabin"][0])
+
+    @property
+    def w_map_cabin_in_cabin(self) -> Float:
+        return np.asarray(self._row["w_map_cabin_in_cabin"][0])
+
+    @property
+    def covariance(self) -> Float:
+        return np.asarray(self._row["covariance"][0])
