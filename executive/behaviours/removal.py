@@ -4,9 +4,8 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.behaviours.context import Context
-from executive.messages.stone import Stone, StoneState
+from executive.messages.stone import Stone
 
-_STANDING = (StoneState.ON_GROUND, StoneState.PLACED, StoneState.SET_ASIDE)
 _MARGIN_M = 0.1  # beyond a stone's farthest point: a hand's breadth
 
 
@@ -34,7 +33,7 @@ def remove_from_map(context: Context, stone: Stone, least_radius_m: float) -> tu
     removed = mapping.remove_sphere(stone.centroid_map, radius_m)
     put_back = 0
     for other in context.plugin("objects").stones():
-        if other.id != stone.id and other.state in _STANDING:
+        if other.id != stone.id and other.state.is_lying:
             cut = _within(other.points_map, stone.centroid_map, radius_m)
             mapping.add_surface(cut)
             put_back += len(cut)

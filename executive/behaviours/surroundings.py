@@ -7,10 +7,8 @@ from executive.geometry.pose import inverse, transform
 from executive.geometry.voxels import voxel_means
 from executive.messages.cloud import Cloud
 from executive.messages.hold import Hold
-from executive.messages.stone import StoneState
 
 _CELL_M = 0.03  # the map's own grid (Mascaro 2020, Table 3)
-_IN_THE_WAY = (StoneState.ON_GROUND, StoneState.PLACED, StoneState.SET_ASIDE)
 
 
 def surroundings(context: Context, without: int | None = None) -> Cloud:
@@ -25,7 +23,7 @@ def surroundings(context: Context, without: int | None = None) -> Cloud:
     if without is not None:
         own = next(stone for stone in stones if stone.id == without)
         points = points[~_near(points, own.points_map)]
-    models = [stone.points_map for stone in stones if stone.state in _IN_THE_WAY and stone.id != without]
+    models = [stone.points_map for stone in stones if stone.state.is_lying and stone.id != without]
     return Cloud("map", voxel_means(np.concatenate([points, *models]), _CELL_M))
 
 

@@ -5,11 +5,10 @@ from scipy.spatial import cKDTree
 
 from executive.behaviours.context import Context
 from executive.messages.cloud import Cloud
-from executive.messages.stone import Stone, StoneState
+from executive.messages.stone import Stone
 
 _EXPLAINED_M = 0.08  # a point this near another stone's model is of that stone
 _GROUND_M = 0.10  # so high above its lowest point a stone's model begins to explain: below, the ground begins
-_LYING = (StoneState.ON_GROUND, StoneState.PLACED, StoneState.SET_ASIDE)
 
 
 def unexplained(context: Context, stone: Stone, radius_m: float) -> Cloud:
@@ -23,7 +22,7 @@ def unexplained(context: Context, stone: Stone, radius_m: float) -> Cloud:
     points = context.plugin("mapping").cloud().points
     points = points[np.hypot(*(points[:, :2] - stone.centroid_map[:2]).T) < radius_m]
     for other in context.plugin("objects").stones():
-        if len(points) and other.id != stone.id and other.state in _LYING:
+        if len(points) and other.id != stone.id and other.state.is_lying:
             points = points[~_explained(points, other.points_map)]
     return Cloud("map", points)
 

@@ -15,6 +15,11 @@ class StoneState(StrEnum):
     SET_ASIDE = "set_aside"  # left where it lies: it cannot be grasped
     LOST = "lost"
 
+    @property
+    def is_lying(self) -> bool:
+        """Whether the stone is where the database says, and in the way of others."""
+        return self in (StoneState.ON_GROUND, StoneState.PLACED, StoneState.SET_ASIDE)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stone:

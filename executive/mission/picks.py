@@ -86,15 +86,28 @@ def picks_from(entries: Iterable[Entry]) -> list[Pick]:
             pick_of(payload["stone"]).tries.append(current)
         elif entry.kind in ("verdict", *_ENDINGS) and current is not None:
             _end(current, entry)
-        if entry.kind == "released":
-            pick_of(payload["stone"]).released = payload
+        if entry.kind in ("released", "set_aside"):
+            _settle(pick_of(payload["stone"]), entry)
         elif entry.kind == "realigned" and payload["stone"] in newest:
             newest[payload["stone"]].estimated_pose = payload["estimated_pose"]
-        elif entry.kind == "set_aside":
-            pick_of(payload["stone"]).set_aside = payload["reason"]
+        elif entry.kind == "taken_up_again":
+            _reopen(newest, payload["stones"])
         last_s = entry.time_s
     _cut_off(current, last_s)
     return picks
+
+
+def _settle(pick: Pick, entry: Entry) -> None:
+    if entry.kind == "released":
+        pick.released = entry.payload
+    else:
+        pick.set_aside = entry.payload["reason"]
+
+
+def _reopen(newest: Mapping[int, Pick], stones: Iterable[int]) -> None:
+    """Let the picks of stones that were set aside go on: their tries before that count."""
+    for stone in stones:
+        newest[stone].set_aside = ""
 
 
 def _cut_off(current: Try | None, now_s: float) -> None:
