@@ -19,6 +19,7 @@ from executive.interfaces.segmentation import Segmenter
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment, Segmentation
+from plugins.registration.form import form_error
 from plugins.registration.gate import Agreement, measure
 from plugins.registration.segment_settings import SegmentSettings
 from plugins.registration.similarity import Similarity, Surface, refine
@@ -29,7 +30,7 @@ _SIZES = (0.35, 1.2)  # of a view's diagonal to the model's
 _TURNS = 240  # rotations to begin with: none is farther than some 30° from one of them
 _FINE = 40  # motions, the likeliest, that are refined to the end
 _MIN_SHARE = 0.9  # of the view must lie on the model, for the model is all that may be seen there
-_MAX_RMSE_M = 0.03  # of it: in 3 scenes seen anew the right stones came to 2.9 cm at most, others to 3.1 and more
+_MAX_FORM_M = 0.011  # of both surfaces: right stones came to 8 mm at most, others that pass the rest to 15 and more
 _MIN_COVERAGE = 0.3  # of the model must be seen: a small patch fits anywhere
 _SUNK_M, _MAX_SUNK = 0.15, 0.05  # depth under the ground, and the share of the model that may be deeper
 _OTHER_RAD = 0.35  # motions that turn differently by this are two answers
@@ -117,26 +118,28 @@ class ObjectFinder:
             a for a in answers if angle_between(a.T_target_model[:3, :3], best.T_target_model[:3, :3]) > _OTHER_RAD
         ]
         rival = others[0].misfit_m / max(best.misfit_m, 1e-6) if others else np.inf
-        faults = _faults(found, float((heights < -_SUNK_M).mean()), rival)
+        surface = Surface.thinned(moved, s.voxel_m / 2)
+        form_m = form_error(surface, _thin(best.view, s.voxel_m), s.truncation_m)
+        faults = _faults(found, form_m, float((heights < -_SUNK_M).mean()), rival)
         return Alignment(
             T_target_source=best.T_target_model,
             accepted=not faults,
-            reason="; ".join(faults) or f"{found}",
+            reason="; ".join(faults) or f"{found}, form {100 * form_m:.1f} cm",
             rmse_m=found.target.rmse_m,
             overlap=found.source.share,
             timings_ms=watch.timings_ms(),
         )
 
 
-def _faults(found: Agreement, sunk: float, rival: float) -> list[str]:
+def _faults(found: Agreement, form_m: float, sunk: float, rival: float) -> list[str]:
     """Say what speaks against a motion; `found.target` is how the view lies on the model."""
     faults = []
     if found.target.share < _MIN_SHARE:
         faults.append(f"{found.target.share:.2f} of what is seen lies on the object, need {_MIN_SHARE}")
     if found.source.share < _MIN_COVERAGE:
         faults.append(f"{found.source.share:.2f} of the object is seen, need {_MIN_COVERAGE}")
-    if found.target.rmse_m > _MAX_RMSE_M:
-        faults.append(f"rmse {found.target.rmse_m * 100:.1f} cm above {_MAX_RMSE_M * 100:.1f} cm")
+    if form_m > _MAX_FORM_M:
+        faults.append(f"their forms differ by {100 * form_m:.1f} cm, more than {100 * _MAX_FORM_M:.1f} cm")
     if sunk > _MAX_SUNK:
         faults.append(f"{sunk:.2f} of the object would be under the ground")
     if rival < _RIVAL:
