@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 from executive.arrays import Float
+from executive.errors import DataError
 from executive.geometry.pose import inverse
 from executive.interfaces.smoothing import TrajectorySmoother
 from executive.messages.base_state import BaseState
@@ -11,7 +12,6 @@ from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.observation import Observation
 from executive.messages.odometry import LidarIncrement
-from plugins.estimation.cabin_report import CabinReport
 from plugins.estimation.cabin_sensors import cabin_imu
 from plugins.estimation.chassis import TurnJoint
 from plugins.estimation.dual_graph import DualGraph
@@ -21,6 +21,7 @@ from plugins.estimation.graph_measurements import Measurement
 from plugins.estimation.inertial_noise import InertialNoise
 from plugins.estimation.inertial_state import Inertial, InertialState
 from plugins.estimation.live_head import LiveHead
+from plugins.estimation.smoother_parcel import packed
 from plugins.estimation.smoother_process import InlineSmoother, SmootherHost
 from plugins.estimation.smoother_settings import SmootherSettings
 from plugins.estimation.whole_graph import Recording, WholeGraph
@@ -87,13 +88,16 @@ class BatchGraph(TrajectorySmoother):
         noise = InertialNoise.of(imu, self._settings.noise_factor, self._settings.gravity_m_s2)
         graphs = [WholeGraph(recording, self._settings.smoother, noise) for recording in online.host.recordings]
         turn = TurnJoint(self._machine)
-        report = CabinReport(inverse(imu.T_link_sensor), turn)
+        head = LiveHead(inverse(imu.T_link_sensor), turn, noise, self._settings.restart_after_s)
         answers, k = [], 0
         for state, P in (pair for graph in graphs for pair in _smoothed(graph)):
             while k < len(joints) and joints[k].stamp_s <= state.stamp_s:
                 turn.update(joints[k])
                 k += 1
-            answers.append(report.report(state, P, SMOOTHED))
+            head.turned()
+            if not head.take(packed(state, P), is_alone=True):
+                raise DataError(f"the smoothed state at {state.stamp_s:.2f} s is not finite")
+            answers.append(head.state(SMOOTHED))
         return answers
 
 

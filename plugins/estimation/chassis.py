@@ -86,8 +86,15 @@ class StandingDetector:
         self._window.append(np.concatenate([rate, force]))
 
     def stands(self, stamp_s: float) -> bool:
-        """Return whether the chassis is seen to stand around a time."""
-        if not self._settings.is_used or len(self._window) < self._WINDOW or abs(stamp_s - self._newest_s) > 0.1:
+        """Return whether the chassis is seen to stand around a time, and that is to be made use of."""
+        return self._settings.is_used and self._is_quiet(stamp_s)
+
+    def force(self, stamp_s: float) -> Float | None:
+        """Return the mean specific force of a chassis that stands, its sensor's axes [m/s²], shape (3,); else None."""
+        return np.mean(self._window, axis=0)[3:] if self._is_quiet(stamp_s) else None
+
+    def _is_quiet(self, stamp_s: float) -> bool:
+        if len(self._window) < self._WINDOW or abs(stamp_s - self._newest_s) > 0.1:
             return False
         spread = np.std(self._window, axis=0)
         is_quiet = spread[:3].max() < self._settings.max_rate_std_rad_s

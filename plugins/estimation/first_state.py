@@ -3,7 +3,10 @@
 import math
 from collections.abc import Mapping
 
+import numpy as np
+
 from executive.arrays import Float
+from plugins.estimation.chassis_level import ChassisLevel
 from plugins.estimation.inertial_noise import InertialNoise
 from plugins.estimation.inertial_state import Inertial, InertialState
 from plugins.estimation.moving_start import MovingStart, MovingStartSettings
@@ -16,17 +19,22 @@ class FirstState:
     """Collects samples and fixes until a state is known."""
 
     def __init__(
-        self, rest: RestSettings, moving: MovingStartSettings, antennas_imu: Mapping[str, Float], noise: InertialNoise
+        self,
+        rest: RestSettings,
+        moving: MovingStartSettings,
+        antennas_imu: Mapping[str, Float],
+        noise: InertialNoise,
+        chassis: ChassisLevel | None,
     ) -> None:
         self._max_rate_rad_s = rest.max_rate_rad_s
         self._has_heading = len(antennas_imu) > 1
-        self._rest = RestInitialisation(rest, antennas_imu, noise)
+        self._rest = RestInitialisation(rest, antennas_imu, noise, chassis)
         self._moving = MovingStart(moving, next(iter(antennas_imu.values())), noise)
         self._tried_s = -math.inf
 
-    def add_fix(self, stamp_s: float, antenna: str, p_map_antenna: Float) -> None:
-        """Take the measured position of an antenna in the map."""
-        self._rest.add_fix(stamp_s, antenna, p_map_antenna)
+    def add_fix(self, stamp_s: float, antenna: str, p_map_antenna: Float, covariance: Float) -> None:
+        """Take the measured position of an antenna in the map [m], and its covariance [m²], shape (3, 3)."""
+        self._rest.add_fix(stamp_s, antenna, p_map_antenna, float(np.sqrt(np.diag(covariance).max())))
         self._moving.add_fix(stamp_s, p_map_antenna)
 
     def add_sample(self, sample: Inertial, turn_rate_rad_s: float) -> tuple[InertialState, Float] | None:

@@ -1,16 +1,15 @@
-"""A filter that trails the newest inertial sample, and the state at that sample, predicted from it."""
+"""A filter that trails the newest inertial sample, for measurements that come late."""
 
 from bisect import insort
 from collections import deque
 
-from executive.arrays import Float
-from plugins.estimation.cabin_report import CabinReport
 from plugins.estimation.correction import Correction
 from plugins.estimation.error_state_filter import ErrorStateFilter
-from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import Inertial, carry_covariance, propagate, propagate_through
+from plugins.estimation.inertial_state import Inertial
+from plugins.estimation.live_head import LiveHead
+from plugins.estimation.smoother_parcel import packed
 
-_COVARIANCE_PERIOD_S = 0.049
+_COVARIANCE_PERIOD_S = 0.049  # without a correction the head's covariance is carried on from a newer one so often
 
 
 class TrailingFilter:
@@ -18,19 +17,17 @@ class TrailingFilter:
 
     Attributes:
         kalman: The filter, `lag_s` behind the head.
-        head: The state at the newest sample.
     """
 
-    def __init__(self, kalman: ErrorStateFilter, noise: InertialNoise, lag_s: float, report: CabinReport) -> None:
+    def __init__(self, kalman: ErrorStateFilter, lag_s: float, head: LiveHead) -> None:
         self.kalman = kalman
-        self.head = kalman.state
-        self._noise = noise
         self._lag_s = lag_s
-        self._report = report
+        self._head = head
         self._begin_s = kalman.state.stamp_s
         self._samples: deque[Inertial] = deque()  # newer than the filter
         self._corrections: list[Correction] = []
-        self._covariance: tuple[float, Float] | None = None
+        self._anchored_s = self._begin_s
+        head.take(packed(kalman.state, kalman.covariance))
 
     def add(self, correction: Correction) -> bool:
         """Take a correction; return whether it is in time. What is older than the first state, that one has in it."""
@@ -41,12 +38,17 @@ class TrailingFilter:
         return True
 
     def add_sample(self, sample: Inertial) -> None:
-        """Move the filter on, and the head to the sample; where a correction moves the head, the map takes it."""
+        """Move the filter on behind a sample that the head has gone on to; put the head where a correction says."""
         self._samples.append(sample)
-        predicted = self.head = propagate(self.head, sample, self._noise.gravity_m_s2)
-        if self._advance(sample.stamp_s - self._lag_s):
-            self.head = propagate_through(self.kalman.state, self._samples, self._noise.gravity_m_s2)
-            self._report.correct(predicted, self.head)
+        is_corrected = self._advance(sample.stamp_s - self._lag_s)
+        if not is_corrected and sample.stamp_s - self._anchored_s < _COVARIANCE_PERIOD_S:
+            return
+        self._anchored_s = sample.stamp_s
+        estimate = packed(self.kalman.state, self.kalman.covariance)
+        if is_corrected:
+            self._head.take(estimate)
+        else:
+            self._head.anchor(estimate)
 
     def _advance(self, until_s: float) -> bool:
         """Predict up to a time, correcting on the way by all that was measured until then; return whether any was."""
@@ -64,12 +66,3 @@ class TrailingFilter:
             self.kalman.predict(self._samples.popleft())
         if self._samples and self.kalman.state.stamp_s < until_s:
             self.kalman.predict(self._samples[0].until(until_s))
-
-    def covariance(self) -> Float:
-        """Return that of the head's error, (15, 15); it grows so slowly that one of up to 50 ms ago is good enough."""
-        stamp_s = self.head.stamp_s
-        if self._covariance is None or stamp_s - self._covariance[0] >= _COVARIANCE_PERIOD_S:
-            ahead_s = stamp_s - self.kalman.state.stamp_s
-            P = carry_covariance(self.kalman.state, self.kalman.covariance, self._noise, ahead_s)
-            self._covariance = (stamp_s, P)
-        return self._covariance[1]

@@ -2,38 +2,16 @@
 
 from pydantic import Field
 
-from executive.config import Seconds, Settings
-from plugins.estimation.chassis import StandingSettings
-from plugins.estimation.moving_start import MovingStartSettings
-from plugins.estimation.rest_initialisation import RestSettings
+from executive.config import Seconds
+from plugins.estimation.cabin_settings import CabinSettings
 
 
-class GnssImuSettings(Settings):
-    """Settings of the filter; the sensors' noise comes from the machine's description."""
+class GnssImuSettings(CabinSettings):
+    """Settings of the filter: those of all, and what it believes when."""
 
-    datum: tuple[float, float, float] | None = Field(
-        (47.4084, 8.5106, 440.0),
-        description="Origin of the map: latitude [deg], longitude [deg], altitude [m]; null for the first fix.",
-    )
-    imu: str = Field("imu_cabin", description="Inertial sensor on the cabin.")
-    chassis_imu: str = Field("imu_base", description="Inertial sensor on the chassis; need not exist.")
-    gravity_m_s2: float = Field(9.81, gt=9.7, lt=9.9, description="Local gravity [m/s²].")
-    noise_factor: float = Field(2.0, ge=1, le=100, description="Inertial noise on the machine over the data sheet's.")
     lag_s: Seconds = Field(
         0.1, ge=0, le=2, description="Corrections may come this late [s]; the state is predicted over it."
     )
-    gnss_scale: float = Field(1.0, gt=0, le=10, description="Factor on the fixes' own standard deviation.")
-    max_gnss_std_m: float = Field(0.1, gt=0, le=10, description="A fix worse than this is not used [m].")
     gate: float = Field(22.0, gt=0, description="Largest squared Mahalanobis distance of a fix (χ², 3: 1 in 15,000).")
     reacquire_after: int = Field(100, gt=0, description="Fixes refused in a row by the gate until the pose is doubted.")
     fallback_after_s: Seconds = Field(1.0, gt=0, le=60, description="Time without a used fix until FALLBACK [s].")
-    restart_after_s: Seconds = Field(
-        5.0, gt=0, le=600, description="Gap of inertial samples that ends the estimate [s]."
-    )
-    rest: RestSettings = Field(default_factory=RestSettings, description="Initialisation at rest.")
-    moving_start: MovingStartSettings = Field(
-        default_factory=MovingStartSettings, description="Heading from the first motion, with one antenna."
-    )
-    standing: StandingSettings = Field(
-        default_factory=StandingSettings, description="Correction by a standing chassis."
-    )

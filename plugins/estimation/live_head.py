@@ -9,7 +9,7 @@ from executive.messages.base_state import BaseState
 from executive.messages.packed_state import ROW, PackedState
 from plugins.estimation.chassis import TurnJoint
 from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.live_kernels import GAP, MODES, OUT_OF_RANGE, Block, report, step, take, take_answer
+from plugins.estimation.live_kernels import GAP, MODES, OUT_OF_RANGE, Block, anchor, report, step, take, take_answer
 from plugins.estimation.live_layout import LIVE
 from plugins.estimation.smoother_parcel import is_finite
 
@@ -68,17 +68,26 @@ class LiveHead:
         if len(self._rows) < _ROWS // 2:
             self._rows = _new_rows() + self._rows
 
-    def take(self, estimate: Block) -> bool:
+    def take(self, estimate: Block, is_alone: bool = False) -> bool:
         """Put an estimate in the state's place, shape (1,), dtype `ESTIMATE`; not one that is not finite.
+
+        Args:
+            estimate: The estimate; the head goes on from it to the newest sample.
+            is_alone: Whether it corrects nothing: map and odometry stay as they lie to one another.
 
         Returns:
             Whether it was finite, and taken.
         """
         if not is_finite(estimate):
             return False
-        take(self.block, estimate, not self._has_state)
+        take(self.block, estimate, self._has_state and not is_alone)
         self._has_state, self._row, self.stamp_s = True, None, float(self.block["stamp_s"][0])
         return True
+
+    def anchor(self, estimate: Block) -> None:
+        """Carry the covariance on from an estimate, shape (1,), dtype `ESTIMATE`, and leave the state as it is."""
+        anchor(self.block, estimate)
+        self._row = None
 
     def take_answer(self, number: int) -> tuple[int, int]:
         """Put an estimate that lies in the block in the state's place.

@@ -197,29 +197,46 @@ def _correct_odometry(s: Any) -> None:
             s.T_odom_map[i, j] = after[i, j]
 
 
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _anchor(s: Any, e: Any) -> None:
+    """Carry the covariance on from an estimate from now on."""
+    s.from_s = e.sample.stamp_s
+    for i in range(3):
+        s.from_rate[i] = e.sample.rate[i] - e.gyro_bias[i]
+        s.from_force[i] = e.sample.force[i] - e.accel_bias[i]
+        for j in range(3):
+            s.from_R[i, j] = e.R[i, j]
+    for i in range(_N):
+        for j in range(_N):
+            s.from_P[i, j] = e.P[i, j]
+    s.carried_s = -math.inf
+
+
+@njit(types.void(_LIVE, _ESTIMATE), cache=True)  # type: ignore[untyped-decorator]
+def anchor(live: Block, estimate: Block) -> None:
+    """Carry the covariance on from an estimate, shape (1,), dtype `ESTIMATE`, and leave the state as it is."""
+    _anchor(live[0], estimate[0])
+
+
 @njit(types.void(_LIVE, _ESTIMATE, types.boolean), cache=True)  # type: ignore[untyped-decorator]
-def take(live: Block, estimate: Block, is_first: bool) -> None:
+def take(live: Block, estimate: Block, moves_map: bool) -> None:
     """Put an estimate in the state's place, and carry it on through the samples that are newer.
 
     Args:
         live: The block, shape (1,), dtype `LIVE`.
         estimate: What is taken, shape (1,), dtype `ESTIMATE`; finite.
-        is_first: Whether there was no state before, which the odometry frame would go on from.
+        moves_map: Whether it corrects a state before, so that the odometry frame goes on from that and the map moves.
     """
     s, e = live[0], estimate[0]
     _place(s, s.T_before)
-    s.from_s = s.stamp_s = e.sample.stamp_s
+    _anchor(s, e)
+    s.stamp_s = e.sample.stamp_s
     for i in range(3):
         s.p[i], s.v[i] = e.p[i], e.v[i]
         s.gyro_bias[i], s.accel_bias[i] = e.gyro_bias[i], e.accel_bias[i]
         s.rate[i] = e.sample.rate[i]
-        s.from_rate[i] = e.sample.rate[i] - e.gyro_bias[i]
-        s.from_force[i] = e.sample.force[i] - e.accel_bias[i]
         for j in range(3):
-            s.R[i, j] = s.from_R[i, j] = e.R[i, j]
-    for i in range(_N):
-        for j in range(_N):
-            s.from_P[i, j] = e.P[i, j]
+            s.R[i, j] = e.R[i, j]
     first = s.written
     oldest = max(0, s.written - SAMPLES)
     while first > oldest and s.samples[(first - 1) % SAMPLES].stamp_s > s.stamp_s:
@@ -227,8 +244,7 @@ def take(live: Block, estimate: Block, is_first: bool) -> None:
     for k in range(first, s.written):
         sample = s.samples[k % SAMPLES]
         _propagate(s, sample.stamp_s, sample.rate, sample.force)
-    s.carried_s = -math.inf
-    if not is_first:
+    if moves_map:
         _correct_odometry(s)
 
 
@@ -244,5 +260,5 @@ def take_answer(live: Block, number: int) -> int:
     answers = live[0].answers
     if answers[k].epoch != live[0].epoch:
         return -1
-    take(live, answers[k : k + 1], False)
+    take(live, answers[k : k + 1], True)
     return int(answers[k].mode + MODES * answers[k].words)

@@ -8,7 +8,15 @@ from pydantic import Field
 from executive.arrays import Float
 from executive.config import Meters, Seconds, Settings
 from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import POSITION, ROTATION, VELOCITY, Inertial, InertialState, propagate
+from plugins.estimation.inertial_state import (
+    ACCEL_BIAS,
+    POSITION,
+    ROTATION,
+    VELOCITY,
+    Inertial,
+    InertialState,
+    propagate,
+)
 
 
 class MovingStartSettings(Settings):
@@ -98,6 +106,7 @@ class MovingStart:
         level = float(np.sqrt(np.linalg.eigvalsh(P[ROTATION, ROTATION])[0])) + 0.01
         heading = misfit + 0.02
         P[ROTATION, ROTATION] = R_imu_map @ np.diag([level**2, level**2, heading**2]) @ R_imu_map.T
+        P[ROTATION, ACCEL_BIAS] = P[ACCEL_BIAS, ROTATION] = 0.0  # the tie of rest, which dead reckoning has loosened
         P[VELOCITY, VELOCITY] = 0.5**2 * np.eye(3)
         P[POSITION, POSITION] = 0.1**2 * np.eye(3)
         return P

@@ -7,7 +7,8 @@ from executive.errors import ConfigError
 from executive.geometry.pose import inverse
 from executive.geometry.rotation import log_so3
 from executive.messages.gnss import GnssFix
-from plugins.estimation.dual_graph import INITIALISING, DualGraph
+from plugins.estimation.cabin_estimator import INITIALISING
+from plugins.estimation.dual_graph import DualGraph
 from plugins.estimation.dual_graph_settings import DualGraphSettings
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.odometry import LidarIncrement
-from plugins.estimation.dual_graph import INITIALISING
+from plugins.estimation.cabin_estimator import INITIALISING
 
 
 def test_fixes_late_and_out_of_order_are_used_within_the_lag(cabin, begin, run, errors_m) -> None:

@@ -11,7 +11,8 @@ from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import angle_between, from_rpy, log_so3
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
-from plugins.estimation.gnss_imu_filter import FALLBACK, GLOBAL, INITIALISING, GnssImuFilter
+from plugins.estimation.cabin_estimator import INITIALISING
+from plugins.estimation.gnss_imu_filter import FALLBACK, GLOBAL, GnssImuFilter
 from plugins.estimation.gnss_imu_settings import GnssImuSettings
 
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import exp_so3
 from plugins.estimation.inertial_noise import InertialNoise
 from plugins.estimation.inertial_state import (
@@ -14,7 +13,6 @@ from plugins.estimation.inertial_state import (
     propagate,
     propagate_through,
 )
-from plugins.estimation.strapdown import report_motion
 
 NOISE = InertialNoise(2e-3, 3e-2, 4e-4, 5e-3, 0.1, 9.81)
 STEP_S = 0.03
@@ -71,20 +69,3 @@ def positions(state: InertialState) -> tuple[np.ndarray, ...]:
 
 def numbers(state: InertialState) -> tuple[np.ndarray, ...]:
     return (state.R_map_imu, *positions(state))
-
-
-def test_a_report_is_a_chain_of_poses_and_a_velocity_of_a_point() -> None:
-    state, rng = some_state(), np.random.default_rng(6)
-    T_imu_cabin, T_cabin_base, T_odom_map = (pose(exp_so3(rng.normal(0, 1, 3)), rng.normal(0, 1, 3)) for _ in range(3))
-    R, p, v = state.R_map_imu, state.p_map_imu, state.v_map_imu
-    found = T_map_base, T_odom_base, T_map_cabin, v_cabin, w_cabin = [
-        np.full(shape, np.nan) for shape in ((4, 4), (4, 4), (4, 4), 3, 3)
-    ]
-    report_motion(R, p, v, state.rate, T_imu_cabin, T_cabin_base, T_odom_map, *found)
-    np.testing.assert_allclose(T_map_cabin, pose(R, p) @ T_imu_cabin, atol=1e-12)
-    np.testing.assert_allclose(inverse(T_map_cabin) @ T_map_base, T_cabin_base, atol=1e-12)
-    np.testing.assert_allclose(T_odom_base, T_odom_map @ T_map_base, atol=1e-12)
-    h = 1e-6  # a point of a body: by finite differences of a small motion
-    after = pose(R @ exp_so3(h * state.rate), p + h * v) @ T_imu_cabin
-    np.testing.assert_allclose(v_cabin, (after - T_map_cabin)[:3, 3] / h, atol=1e-4)
-    np.testing.assert_allclose(T_map_cabin[:3, :3] @ w_cabin, R @ state.rate, atol=1e-12)
