@@ -26,4 +26,4 @@ class SampledAntipodal(SampledPlanner):
 
     def ordered(self, scene: PlanningCloud, pool: Pool) -> Order:
         """Return the paper's order (Sec. 5.4); nothing tells what a grasp is worth before it is rehearsed."""
-        return Order(self.paper_order(pool), np.zeros(len(pool)), {})
+        return Order(self.paper_order(pool), np.zeros(len(pool)), {}, is_telling=False)

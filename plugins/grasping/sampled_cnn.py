@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from executive.arrays import Bool
-from executive.config import Settings
+from executive.config import Meters, Settings
 from executive.interfaces.motion import MotionPlanner
 from plugins.grasping.evidence import evidence_of
 from plugins.grasping.grasp_images import draw_images, image_cube
@@ -37,7 +37,8 @@ class SampledCnnSettings(SampledPlannerSettings):
         "learned", description="By predicted success, or the paper's stages on what is predicted to succeed."
     )
     min_success: float = Field(0.5, ge=0, le=1, description="Predicted success that the paper's ranking asks for.")
-    rehearsed: int = Field(0, ge=0, le=500, description="Most lifts that are rehearsed on top; 0 for none.")
+    rehearsed: int = Field(8, ge=0, le=500, description="Most grasps that are rehearsed on top; 0 for none.")
+    max_slip_m: Meters = Field(1.0, gt=0, description="A grasp whose stone moves more in rehearsals is refused [m].")
 
 
 class SampledCnn(SampledPlanner):
@@ -69,7 +70,8 @@ class SampledCnn(SampledPlanner):
         by_success = (int(i) for i in np.argsort(-likely, kind="stable"))
         is_paper = self._judging.ranking == "paper"
         order = self._paper_first(pool, likely >= self._judging.min_success, by_success) if is_paper else by_success
-        return Order(order, np.zeros(len(pool)) if is_paper else likely, {"failure": 1.0 - likely})
+        worth = np.zeros(len(pool)) if is_paper else likely
+        return Order(order, worth, {"failure": 1.0 - likely}, is_telling=not is_paper)
 
     def _paper_first(self, pool: Pool, is_accepted: Bool, by_success: Iterator[int]) -> Iterator[int]:
         """Yield what is accepted in the paper's order; then the others, the likeliest first."""

@@ -62,11 +62,13 @@ class Order:
         indices: Best first; taken as they are asked for.
         worth: What the score of each begins with, shape (M,).
         costs: Further costs by name, each of shape (M,).
+        is_telling: Whether the worth tells enough of a grasp to return it unrehearsed.
     """
 
     indices: Iterable[int]
     worth: Float
     costs: Costs
+    is_telling: bool
 
 
 class SampledPlanner(GraspPlanner):
@@ -120,24 +122,31 @@ class SampledPlanner(GraspPlanner):
         return (int(i) for passed in ranked_rounds(pool.costs, stages, "distance_m") for i in passed)
 
     def _chosen(self, scene: PlanningCloud, pool: Pool, T_map_base: Float, refused: Counter[str]) -> tuple[Grasp, ...]:
-        """Rehearse the first that the arm comes to, and rank them by what they are worth less how far they slip."""
+        """Rehearse the first that the arm comes to, and rank them by what they are worth less how far they slip.
+
+        Those that are worth no more than what others have left after their rehearsal are spared theirs.
+        """
         s, gripper = self._settings, self._machine.gripper
         rehearsal = Rehearsal(gripper, scene.body, scene.ground.normal, scene.volume_m3 * s.density)
         order = self.ordered(scene, pool)
         grasps: list[Grasp] = []
-        firm = 0
+        firm, best = 0, -np.inf
         attainable = self._attainable(scene, pool, order.indices, T_map_base, refused)
         for tried, (i, T_map_gripper) in enumerate(attainable, start=1):
-            lifted = self._rehearsed(rehearsal, pose(pool.R[i], pool.position[i]), float(pool.jaw_rad[i]))
+            is_beaten = order.is_telling and best >= order.worth[i]
+            T_plan_gripper = pose(pool.R[i], pool.position[i])
+            lifted = {} if is_beaten else self._rehearsed(rehearsal, T_plan_gripper, float(pool.jaw_rad[i]))
             cost = round(lifted.get("slip_m", 0.0) + _PUSH_WEIGHT * lifted.get("push_m", 0.0), 2)
             firm += bool(lifted) and cost <= _FIRM_M
             if cost > s.max_slip_m:
                 refused["slips"] += 1
             else:
                 named = {name: float(values[i]) for name, values in (*pool.costs.items(), *order.costs.items())}
-                score = float(order.worth[i]) - cost
+                score = float(order.worth[i]) - cost / FALLEN_M  # a stone that falls is worth nothing
+                best = max(best, score)
                 grasps.append(Grasp(T_map_gripper, gripper.max_opening_m, score, named | lifted))
-            if firm == _ENOUGH or tried == max(s.rehearsed, s.max_grasps):
+            is_settled = is_beaten and len(grasps) >= s.max_grasps if order.is_telling else firm == _ENOUGH
+            if is_settled or tried == max(s.rehearsed, s.max_grasps):
                 break
         grasps.sort(key=lambda grasp: -grasp.score)  # stable: equals keep their order
         return tuple(grasps[: s.max_grasps])

@@ -52,7 +52,7 @@ def test_a_twentieth_of_everything_gives_the_same_grasps(
 ) -> None:
     def grasps(on: Machine, scale: float) -> tuple[Grasp, ...]:
         if kind == "sampled_cnn":
-            planner = SampledCnn(SampledCnnSettings(samples=20, scale=scale), on, free_motion)
+            planner = SampledCnn(SampledCnnSettings(samples=20, scale=scale, rehearsed=0), on, free_motion)
         else:
             planner = SampledAntipodal(SampledAntipodalSettings(samples=20, scale=scale, rehearsed=0), on, free_motion)
         stone, around = scene
