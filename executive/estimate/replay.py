@@ -11,7 +11,6 @@ from executive.logs.log import Arrival
 from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
-from executive.messages.joints import JointSample
 from executive.messages.observation import Observation
 from executive.messages.odometry import LidarIncrement
 
@@ -70,12 +69,7 @@ class Replayer:
             self._take_imu(observation)
             return
         replay.counts[type(observation).__name__] += 1
-        if isinstance(observation, GnssFix):
-            self._estimator.add_gnss(observation)
-        elif isinstance(observation, JointSample):
-            self._estimator.add_joints(observation)
-        elif isinstance(observation, LidarIncrement):
-            self._estimator.add_odometry(observation)
+        self._estimator.add(observation)
 
     def _take_imu(self, sample: ImuSample) -> None:
         replay = self._replay

@@ -8,6 +8,7 @@ from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
+from executive.messages.observation import Observation
 from executive.messages.odometry import LidarIncrement
 from executive.messages.status_change import StatusChange
 
@@ -30,6 +31,17 @@ class Estimator(Plugin, ABC):
     @abstractmethod
     def add_joints(self, sample: JointSample) -> None:
         """Take the joints, of which the turn joint ties the cabin to the chassis."""
+
+    def add(self, observation: Observation | LidarIncrement) -> None:
+        """Hand an observation to the verb that takes it; none takes scans, whose odometry is estimated before."""
+        if isinstance(observation, ImuSample):
+            self.add_imu(observation)
+        elif isinstance(observation, JointSample):
+            self.add_joints(observation)
+        elif isinstance(observation, GnssFix):
+            self.add_gnss(observation)
+        elif isinstance(observation, LidarIncrement):
+            self.add_odometry(observation)
 
     @abstractmethod
     def state(self) -> BaseState:

@@ -7,8 +7,6 @@ from executive.errors import DataError
 from executive.geometry.pose import inverse
 from executive.interfaces.smoothing import TrajectorySmoother
 from executive.messages.base_state import BaseState
-from executive.messages.gnss import GnssFix
-from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.observation import Observation
 from executive.messages.odometry import LidarIncrement
@@ -104,14 +102,8 @@ class BatchGraph(TrajectorySmoother):
 def _fed(online: DualGraph, observations: Iterable[Observation | LidarIncrement]) -> Iterator[JointSample]:
     """Feed everything; yield the joints on the way."""
     for observation in observations:
-        if isinstance(observation, ImuSample):
-            online.add_imu(observation)
-        elif isinstance(observation, GnssFix):
-            online.add_gnss(observation)
-        elif isinstance(observation, LidarIncrement):
-            online.add_odometry(observation)
-        elif isinstance(observation, JointSample):
-            online.add_joints(observation)
+        online.add(observation)
+        if isinstance(observation, JointSample):
             yield observation
 
 

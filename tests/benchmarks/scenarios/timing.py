@@ -18,7 +18,6 @@ from robot_models.machine import Machine
 from scenarios import faults
 from scenarios.motion import Kind, Motion
 from scenarios.streams import LidarErrors, Message, stream
-from scenarios.trial import feed
 from scenarios.truth import RATE_HZ, Truth
 
 BLOCK_S, BLOCKS, WARM_S = 3.0, 5, 10.0
@@ -37,7 +36,7 @@ class Lane:
         estimator.start()
         self._until_s = WARM_S
         for arrival_s, message in self._messages:
-            feed(estimator, message)
+            estimator.add(message)
             if arrival_s >= WARM_S:
                 break
 
@@ -64,7 +63,7 @@ class Lane:
                 self._estimator.state()
                 times.append((time.perf_counter() - wall_s, time.thread_time() - own_s))
             else:
-                feed(self._estimator, message)
+                self._estimator.add(message)
             if arrival_s >= self._until_s:
                 break
         return times
@@ -134,7 +133,7 @@ def updates(make: Callable[[bool], Estimator], machine: Machine, seconds: float 
     estimator.start()
     with patch.object(GraphSmoother, "update", timed):
         for _, message in stream(truth, seconds, faults.none, LidarErrors(), rng):
-            feed(estimator, message)
+            estimator.add(message)
     full = 1e3 * np.array(times[len(times) // 4 :])
     rate_hz = len(times) / seconds
     parts = np.array_split(full, max(1, len(full) // 100))

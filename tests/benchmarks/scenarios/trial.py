@@ -13,22 +13,9 @@ from executive.interfaces.estimation import Estimator
 from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
-from executive.messages.joints import JointSample
 from executive.messages.odometry import LidarIncrement
 from scenarios.streams import Message
 from scenarios.truth import Truth
-
-
-def feed(estimator: Estimator, message: Message) -> None:
-    """Hand one message to the verb that takes it."""
-    if isinstance(message, ImuSample):
-        estimator.add_imu(message)
-    elif isinstance(message, GnssFix):
-        estimator.add_gnss(message)
-    elif isinstance(message, JointSample):
-        estimator.add_joints(message)
-    elif isinstance(message, LidarIncrement):
-        estimator.add_odometry(message)
 
 
 @dataclass
@@ -57,7 +44,7 @@ class Trial:
         estimator.start()
         try:
             for _, message in stream:
-                feed(estimator, message)
+                estimator.add(message)
                 if isinstance(message, GnssFix) and states:
                     fixes += 1
                 if isinstance(message, ImuSample) and message.frame == "imu_cabin":

@@ -9,7 +9,6 @@ import pytest
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import exp_so3, from_rpy
-from executive.interfaces.estimation import Estimator
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
@@ -118,17 +117,6 @@ def cabin(machine: Machine) -> SwingingCabin:
 
 
 @pytest.fixture
-def feed() -> Callable[[Estimator, Observation], None]:
-    """Hand one observation to the estimator's fitting verb."""
-
-    def feed(estimator: Estimator, observation: Observation) -> None:
-        verbs = {ImuSample: estimator.add_imu, GnssFix: estimator.add_gnss, JointSample: estimator.add_joints}
-        verbs[type(observation)](observation)
-
-    return feed
-
-
-@pytest.fixture
 def start(machine: Machine) -> Callable[..., GnssImuFilter]:
     """Make and start a filter with other settings."""
 
@@ -209,14 +197,8 @@ def run():
     def run(estimator, observations):
         """Feed all; return the states at every fifth cabin sample."""
         states = []
-        verbs = {
-            ImuSample: estimator.add_imu,
-            GnssFix: estimator.add_gnss,
-            JointSample: estimator.add_joints,
-            LidarIncrement: estimator.add_odometry,
-        }
         for observation in observations:
-            verbs[type(observation)](observation)
+            estimator.add(observation)
             is_cabin = isinstance(observation, ImuSample) and observation.frame == "imu_cabin"
             if is_cabin and round(100 * observation.stamp_s) % 5 == 0:
                 states.append(estimator.state())

@@ -28,7 +28,7 @@ def increments(cabin, machine, end_s):
         yield LidarIncrement(a, b, "lidar_horizontal", T, np.diag(STD**2))
 
 
-def outage_error(cabin, machine, feed, with_lidar):
+def outage_error(cabin, machine, with_lidar):
     """Return the largest position error [m] in an outage of ten seconds while the cabin swings."""
     estimator = ErrorStateEkf(ErrorStateEkfSettings(standing={"is_used": False}), machine)
     estimator.start()
@@ -37,7 +37,7 @@ def outage_error(cabin, machine, feed, with_lidar):
     for observation in cabin.observations(18.0):
         if isinstance(observation, GnssFix) and 7 < observation.stamp_s < 17:
             continue
-        feed(estimator, observation)
+        estimator.add(observation)
         while waiting and waiting[0].to_s <= observation.stamp_s:
             estimator.add_odometry(waiting.pop(0))
         if 7 < observation.stamp_s < 17 and round(observation.stamp_s * 100) % 10 == 0:
@@ -47,10 +47,10 @@ def outage_error(cabin, machine, feed, with_lidar):
     return worst
 
 
-def test_lidar_carries_it_through_an_outage(cabin, machine, feed):
-    with_lidar = outage_error(cabin, machine, feed, with_lidar=True)
+def test_lidar_carries_it_through_an_outage(cabin, machine):
+    with_lidar = outage_error(cabin, machine, with_lidar=True)
     assert with_lidar < 0.5  # a hundred increments of 2 cm and 3 mrad each
-    assert with_lidar < 0.7 * outage_error(cabin, machine, feed, with_lidar=False)
+    assert with_lidar < 0.7 * outage_error(cabin, machine, with_lidar=False)
 
 
 @pytest.fixture
@@ -116,14 +116,14 @@ def test_a_fix_moves_the_clone_with_the_state(kalman):
     np.testing.assert_allclose(kalman._R, R @ exp_so3((K @ residual)[15:18]), atol=1e-9)
 
 
-def test_an_increment_that_does_not_join_the_last_one_begins_anew(cabin, machine, feed):
+def test_an_increment_that_does_not_join_the_last_one_begins_anew(cabin, machine):
     estimator = ErrorStateEkf(ErrorStateEkfSettings(), machine)
     estimator.start()
     for observation in cabin.observations(4.0):
-        feed(estimator, observation)
+        estimator.add(observation)
     wild = pose(from_rpy(0, 0, 1.0), np.array([5.0, 0, 0]))
     estimator.add_odometry(LidarIncrement(3.7, 3.95, "lidar_horizontal", wild, np.diag(STD**2)))
     for observation in cabin.observations(6.0, 4.0):
-        feed(estimator, observation)
+        estimator.add(observation)
     state = estimator.state()
     assert np.linalg.norm((state.T_map_cabin - cabin.T_map_cabin(state.stamp_s))[:3, 3]) < 0.03

@@ -16,11 +16,11 @@ from plugins.estimation.gnss_imu_filter import FALLBACK, GLOBAL, GnssImuFilter
 from plugins.estimation.gnss_imu_settings import GnssImuSettings
 
 
-def run(estimator, observations, feed, every_s=0.05):
+def run(estimator, observations, every_s=0.05):
     """Feed all and return the states at cabin samples, `every_s` apart."""
     states, due_s = [], 0.0
     for observation in observations:
-        feed(estimator, observation)
+        estimator.add(observation)
         is_cabin = isinstance(observation, ImuSample) and observation.frame == "imu_cabin"
         if is_cabin and observation.stamp_s >= due_s:
             states.append(estimator.state())
@@ -38,8 +38,8 @@ def errors(cabin, states):
     return np.array(rows).T
 
 
-def test_a_swinging_cabin_is_followed_to_millimetres(cabin, estimator, feed) -> None:
-    states = run(estimator, cabin.observations(34.0), feed)
+def test_a_swinging_cabin_is_followed_to_millimetres(cabin, estimator) -> None:
+    states = run(estimator, cabin.observations(34.0))
     stamps_s, position_m, heading_rad = errors(cabin, states)
     assert stamps_s[0] < 3.0
     assert position_m[stamps_s > 6].mean() < 0.006
@@ -50,9 +50,9 @@ def test_a_swinging_cabin_is_followed_to_millimetres(cabin, estimator, feed) -> 
     assert estimator.refused == {}
 
 
-def test_velocity_and_rate_are_those_of_the_cabin(cabin, estimator, feed) -> None:
+def test_velocity_and_rate_are_those_of_the_cabin(cabin, estimator) -> None:
     cabin.noise = 0.0
-    states = run(estimator, cabin.observations(12.0), feed)
+    states = run(estimator, cabin.observations(12.0))
     for state in states[-60:]:
         t, h = state.stamp_s - 0.005, 1e-4  # a sample is a mean over 10 ms, centred 5 ms ago
         v = (cabin.T_map_cabin(t + h)[:3, 3] - cabin.T_map_cabin(t - h)[:3, 3]) / (2 * h)
@@ -60,16 +60,16 @@ def test_velocity_and_rate_are_those_of_the_cabin(cabin, estimator, feed) -> Non
         np.testing.assert_allclose(state.w_map_cabin_in_cabin, [0, 0, cabin.turn(t)[1]], atol=2e-3)
 
 
-def test_the_chassis_stays_where_it_stands_while_the_cabin_turns(cabin, estimator, feed) -> None:
-    states = [s for s in run(estimator, cabin.observations(16.0), feed) if s.stamp_s > 5]
+def test_the_chassis_stays_where_it_stands_while_the_cabin_turns(cabin, estimator) -> None:
+    states = [s for s in run(estimator, cabin.observations(16.0)) if s.stamp_s > 5]
     for state in states:
         assert np.linalg.norm(state.T_map_base[:3, 3] - cabin.T_map_base[:3, 3]) < 0.03
         assert np.degrees(angle_between(state.T_map_base[:3, :3], cabin.T_map_base[:3, :3])) < 0.35
 
 
-def test_covariance_is_honest(cabin, estimator, feed) -> None:
+def test_covariance_is_honest(cabin, estimator) -> None:
     squares = []
-    for state in run(estimator, cabin.observations(30.0), feed, every_s=0.5):
+    for state in run(estimator, cabin.observations(30.0), every_s=0.5):
         if state.is_ready:
             D = inverse(cabin.T_map_cabin(state.stamp_s)) @ state.T_map_cabin
             error = np.concatenate([log_so3(D[:3, :3]), D[:3, 3]])
@@ -78,29 +78,29 @@ def test_covariance_is_honest(cabin, estimator, feed) -> None:
     assert 1.0 < np.mean(squares) < 8.0
 
 
-def test_latency_of_fixes_costs_nothing_up_to_the_lag(cabin, start, feed) -> None:
+def test_latency_of_fixes_costs_nothing_up_to_the_lag(cabin, start) -> None:
     mean_m = {}
     for latency_s in (0.0, 0.1):
         cabin.gnss_latency_s = latency_s
         estimator = start(lag_s=0.12)
-        stamps_s, position_m, _ = errors(cabin, run(estimator, cabin.observations(14.0), feed))
+        stamps_s, position_m, _ = errors(cabin, run(estimator, cabin.observations(14.0)))
         mean_m[latency_s] = position_m[stamps_s > 6].mean()
         assert estimator.refused == {}
     assert mean_m[0.1] < mean_m[0.0] + 0.003
 
 
-def test_fixes_later_than_the_lag_are_refused_and_counted(cabin, start, feed) -> None:
+def test_fixes_later_than_the_lag_are_refused_and_counted(cabin, start) -> None:
     cabin.gnss_latency_s = 0.3
     estimator = start(lag_s=0.1)
-    states = run(estimator, cabin.observations(6.0), feed)
+    states = run(estimator, cabin.observations(6.0))
     assert estimator.refused["gnss_left: too late"] > 10
     assert states[-1].status == FALLBACK
 
 
-def test_odometry_never_steps_when_satellites_come_back(cabin, start, feed) -> None:
+def test_odometry_never_steps_when_satellites_come_back(cabin, start) -> None:
     estimator = start(standing={"is_used": False})
     observations = (o for o in cabin.observations(16.0) if not (isinstance(o, GnssFix) and 7 < o.stamp_s < 13))
-    states = [s for s in run(estimator, observations, feed) if s.is_ready]
+    states = [s for s in run(estimator, observations) if s.is_ready]
     steps = {"map": [], "odom": []}
     for before, after in pairwise(states):
         steps["map"].append(np.linalg.norm(after.T_map_base[:3, 3] - before.T_map_base[:3, 3]))
@@ -109,9 +109,9 @@ def test_odometry_never_steps_when_satellites_come_back(cabin, start, feed) -> N
     assert max(steps["odom"]) < 0.02
 
 
-def test_a_standing_chassis_holds_the_estimate_without_satellites(cabin, estimator, feed) -> None:
+def test_a_standing_chassis_holds_the_estimate_without_satellites(cabin, estimator) -> None:
     observations = (o for o in cabin.observations(30.0) if not (isinstance(o, GnssFix) and 10 < o.stamp_s < 28))
-    states = run(estimator, observations, feed)
+    states = run(estimator, observations)
     _, position_m, heading_rad = errors(cabin, states)
     assert position_m.max() < 0.05
     assert np.degrees(heading_rad).max() < 0.6
@@ -119,36 +119,36 @@ def test_a_standing_chassis_holds_the_estimate_without_satellites(cabin, estimat
     assert (status[9.5], status[12.0], status[27.0], status[29.5]) == (GLOBAL, FALLBACK, FALLBACK, GLOBAL)
 
 
-def test_refuses_to_initialise_while_the_cabin_turns(cabin, estimator, feed) -> None:
+def test_refuses_to_initialise_while_the_cabin_turns(cabin, estimator) -> None:
     cabin.rest_s = 0.0
     cabin.period_s = 8.0
     cabin.swing_rad = 2.0
-    states = run(estimator, cabin.observations(7.0), feed)
+    states = run(estimator, cabin.observations(7.0))
     assert {s.status for s in states} == {INITIALISING}
     assert not states[-1].is_ready
 
 
-def test_a_second_chassis_pose_and_heading_are_found_as_well(cabin, estimator, feed) -> None:
+def test_a_second_chassis_pose_and_heading_are_found_as_well(cabin, estimator) -> None:
     cabin.T_map_base = pose(from_rpy(-0.08, 0.06, -2.7), np.array([-40.0, 25.0, -3.0]))
-    stamps_s, position_m, heading_rad = errors(cabin, run(estimator, cabin.observations(10.0), feed))
+    stamps_s, position_m, heading_rad = errors(cabin, run(estimator, cabin.observations(10.0)))
     assert position_m[stamps_s > 4].max() < 0.025
     assert np.degrees(heading_rad[stamps_s > 4]).max() < 0.3
 
 
-def test_without_a_datum_the_first_fix_is_the_origin(cabin, start, feed) -> None:
+def test_without_a_datum_the_first_fix_is_the_origin(cabin, start) -> None:
     estimator = start(datum=None)
-    state = run(estimator, cabin.observations(4.0), feed)[-1]
+    state = run(estimator, cabin.observations(4.0))[-1]
     antenna = cabin.machine.sensors["gnss_left"].T_link_sensor[:3, 3]
     p_map_antenna = state.T_map_cabin[:3, :3] @ antenna + state.T_map_cabin[:3, 3]
     assert np.linalg.norm(p_map_antenna) < 0.06  # one fix of 8 and 15 mm
 
 
-def test_wrong_samples_are_refused_at_the_door_and_change_nothing(cabin, start, feed) -> None:
+def test_wrong_samples_are_refused_at_the_door_and_change_nothing(cabin, start) -> None:
     good, bad = start(), start()
     wild = np.array([0.0, 0.0, 900.0])
     for k, observation in enumerate(cabin.observations(8.0)):
-        feed(good, observation)
-        feed(bad, observation)
+        good.add(observation)
+        bad.add(observation)
         if isinstance(observation, ImuSample) and k % 50 == 0:
             bad.add_imu(observation)
             bad.add_imu(replace(observation, stamp_s=observation.stamp_s - 0.5))
@@ -162,13 +162,13 @@ def test_wrong_samples_are_refused_at_the_door_and_change_nothing(cabin, start, 
     np.testing.assert_allclose(bad.state().T_map_cabin, good.state().T_map_cabin, atol=1e-12)
 
 
-def test_an_outlying_or_uncertain_fix_moves_nothing(cabin, estimator, feed) -> None:
+def test_an_outlying_or_uncertain_fix_moves_nothing(cabin, estimator) -> None:
     for observation in cabin.observations(12.0):
         if isinstance(observation, GnssFix) and 8 < observation.stamp_s < 8.6:
             observation = replace(observation, geodetic=observation.geodetic + np.array([2e-5, 0, 0]))  # 2 m north
         if isinstance(observation, GnssFix) and 9 < observation.stamp_s < 9.5:
             observation = replace(observation, covariance_enu_m2=np.eye(3), is_rtk_fixed=False)
-        feed(estimator, observation)
+        estimator.add(observation)
         if isinstance(observation, ImuSample) and 7 < observation.stamp_s < 9.9 and observation.frame == "imu_cabin":
             state = estimator.state()
             assert np.linalg.norm(state.T_map_cabin[:3, 3] - cabin.T_map_cabin(state.stamp_s)[:3, 3]) < 0.03
@@ -176,40 +176,40 @@ def test_an_outlying_or_uncertain_fix_moves_nothing(cabin, estimator, feed) -> N
     assert estimator.refused["gnss_left: too uncertain"] >= 8
 
 
-def test_fixes_that_agree_for_long_against_the_filter_are_believed_in_the_end(cabin, estimator, feed) -> None:
+def test_fixes_that_agree_for_long_against_the_filter_are_believed_in_the_end(cabin, estimator) -> None:
     for observation in cabin.observations(10.0):
         if isinstance(observation, GnssFix) and observation.stamp_s > 4:
             observation = replace(observation, geodetic=observation.geodetic + np.array([0, 0, 3.0]))
-        feed(estimator, observation)
+        estimator.add(observation)
     state = estimator.state()
     assert state.T_map_cabin[2, 3] - cabin.T_map_cabin(state.stamp_s)[2, 3] == pytest.approx(3.0, abs=0.1)
     assert state.status == GLOBAL
 
 
-def test_a_gap_of_inertial_samples_is_bridged_or_begins_anew(cabin, start, feed) -> None:
+def test_a_gap_of_inertial_samples_is_bridged_or_begins_anew(cabin, start) -> None:
     for gap_s, status in ((0.5, GLOBAL), (3.0, INITIALISING)):
         estimator = start(restart_after_s=2.0)
         end_s = 4.0 + gap_s
         observations = (
             o for o in cabin.observations(end_s + 1.0) if not (isinstance(o, ImuSample) and 4.0 < o.stamp_s < end_s)
         )
-        state = run(estimator, observations, feed)[-1]
+        state = run(estimator, observations)[-1]
         assert state.status == status
         if state.is_ready:
             assert np.linalg.norm(state.T_map_cabin[:3, 3] - cabin.T_map_cabin(state.stamp_s)[:3, 3]) < 0.05
 
 
-def test_a_gap_of_inertial_samples_in_mid_swing_is_followed_by_satellites(cabin, estimator, feed) -> None:
+def test_a_gap_of_inertial_samples_in_mid_swing_is_followed_by_satellites(cabin, estimator) -> None:
     observations = (o for o in cabin.observations(12.0) if not (isinstance(o, ImuSample) and 8.5 < o.stamp_s < 10.0))
-    stamps_s, position_m, heading_rad = errors(cabin, run(estimator, observations, feed))
+    stamps_s, position_m, heading_rad = errors(cabin, run(estimator, observations))
     assert estimator.refused == {}
     assert np.degrees(heading_rad[(stamps_s > 10.0) & (stamps_s < 10.2)]).max() < 6  # the cabin turned by 60°
     assert np.degrees(heading_rad[stamps_s > 11.0]).max() < 0.5
     assert position_m[stamps_s > 11.0].max() < 0.03
 
 
-def test_the_same_samples_give_the_same_state(cabin, start, feed) -> None:
-    first, second = (run(start(), cabin.observations(7.0), feed)[-1] for _ in range(2))
+def test_the_same_samples_give_the_same_state(cabin, start) -> None:
+    first, second = (run(start(), cabin.observations(7.0))[-1] for _ in range(2))
     np.testing.assert_array_equal(first.T_map_cabin, second.T_map_cabin)
 
 

@@ -30,10 +30,10 @@ def drive(cabin):
     return Drive(cabin.machine, swing_rad=0.0)
 
 
-def worst_m(drive, estimator, observations, feed, after_s) -> float:
+def worst_m(drive, estimator, observations, after_s) -> float:
     worst = 0.0
     for observation in observations:
-        feed(estimator, observation)
+        estimator.add(observation)
         state = estimator.state()
         if state.is_ready and state.stamp_s > after_s:
             worst = max(worst, np.linalg.norm(state.T_map_cabin[:3, 3] - drive.T_map_cabin(state.stamp_s)[:3, 3]))
@@ -41,14 +41,14 @@ def worst_m(drive, estimator, observations, feed, after_s) -> float:
 
 
 @pytest.mark.parametrize("kind", [DualGraph, GnssImuFilter])
-def test_it_is_not_taken_for_standing(kind, drive, machine, feed) -> None:
+def test_it_is_not_taken_for_standing(kind, drive, machine) -> None:
     estimator = kind(kind.Settings(), machine)
     estimator.start()
-    assert worst_m(drive, estimator, drive.observations(12.0), feed, 3.0) < 0.04
+    assert worst_m(drive, estimator, drive.observations(12.0), 3.0) < 0.04
     assert {reason for reason in estimator.refused if "outlier" in reason} == set()
 
 
-def test_a_filter_in_doubt_about_its_place_does_not_believe_that_it_stands(drive, start, feed) -> None:
+def test_a_filter_in_doubt_about_its_place_does_not_believe_that_it_stands(drive, start) -> None:
     def back_and_forth(observation):
         is_wrong = isinstance(observation, GnssFix) and 9.0 < observation.stamp_s < 14.0
         if not is_wrong:
@@ -56,4 +56,4 @@ def test_a_filter_in_doubt_about_its_place_does_not_believe_that_it_stands(drive
         return replace(observation, geodetic=geodetic_from_enu(np.array([0.0, 1.0, 0.0]), observation.geodetic))
 
     observations = map(back_and_forth, drive.observations(18.0))
-    assert worst_m(drive, start(), observations, feed, 17.0) < 0.05
+    assert worst_m(drive, start(), observations, 17.0) < 0.05
