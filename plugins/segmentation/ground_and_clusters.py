@@ -83,8 +83,8 @@ class GroundAndClusters(Segmenter):
         heights = terrain.heights_above(cloud.points, centre)
         is_rising = heights > settings.plane_margin_m
         rising, lying = np.flatnonzero(is_rising), np.flatnonzero(~is_rising)
-        points = cloud.points.take(rising, axis=0) - centre
-        parts = self._objects(points, heights[rising], points @ terrain.R_plane_cloud[:2].T, rng)
+        points, heights = cloud.points.take(rising, axis=0) - centre, heights[rising]
+        parts = self._objects(points, heights, points @ terrain.R_plane_cloud[:2].T, rng)
         normals = None if cloud.normals is None else cloud.normals[lying]
         return Segmentation(
             frame=cloud.frame,
