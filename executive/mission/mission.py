@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from executive.behaviours.rest import is_standing
+from executive.behaviours.rest import Rest
 from executive.behaviours.runtime import Question, Runtime
 from executive.behaviours.store import Store
 from executive.clock import Clock, wall_s
@@ -185,13 +185,13 @@ class Mission(Runtime):
     def _come_to_rest(self, after_tick: Callable[["Mission"], None]) -> None:
         try:
             self._robot.stop()
-            limit_s = self.clock.now_s() + _STOP_LIMIT_S
-            while not self._is_at_rest() and self.clock.now_s() < limit_s:
+            limit_s, rest = self.clock.now_s() + _STOP_LIMIT_S, Rest()
+            while not self._stands(rest):
+                if self.clock.now_s() >= limit_s:
+                    raise RobotError(f"the machine still moves {_STOP_LIMIT_S:.0f} s after the stop")
                 self._read()
                 self._end_tick()
                 after_tick(self)
-            if not self._is_at_rest():
-                raise RobotError(f"the machine still moves {_STOP_LIMIT_S:.0f} s after the stop")
         except RobotError as error:
             self._ending = Ending("fault", str(error))
 
@@ -202,9 +202,9 @@ class Mission(Runtime):
         except RobotError as error:
             self.record("stop_failed", "", {"reason": str(error)})
 
-    def _is_at_rest(self) -> bool:
+    def _stands(self, rest: Rest) -> bool:
         sample = self.services.streams.joints
-        return sample is None or is_standing(sample)
+        return sample is None or rest.add(self.clock.now_s(), sample.position, sample.velocity)
 
     def _end_tick(self) -> None:
         state = self.services.streams.state()
