@@ -35,10 +35,10 @@ def scanned(folder: Path, seed: int) -> Iterator[tuple[Float, Solid]]:
         if T is None or not _VOLUME_M3[0] <= volume_m3 <= _VOLUME_M3[1]:
             continue
         T = pose(t=-np.append(transform(T, hull)[:, :2].mean(axis=0), 0.0)) @ T
-        yield transform(T, hull), _mesh_solid(transform(T, vertices), triangles)
+        yield transform(T, hull), mesh_solid(transform(T, vertices), triangles)
 
 
-def _mesh_solid(vertices: Float, triangles: Int) -> Solid:
+def mesh_solid(vertices: Float, triangles: Int) -> Solid:
     scene = o3d.t.geometry.RaycastingScene()
     scene.add_triangles(vertices.astype(np.float32), triangles.astype(np.uint32))
 
