@@ -2,13 +2,11 @@
 
 from typing import Any
 
-import numpy as np
-
 from executive.behaviours.action import Action, Steps
 from executive.behaviours.outcome import failed, succeeded
 from executive.behaviours.port import Port
 from executive.behaviours.rest import come_to_rest
-from executive.behaviours.surroundings import held_surface, surroundings
+from executive.behaviours.surroundings import gap_below, held_surface, surroundings
 from executive.geometry.pose import transform
 from executive.messages.hold import Hold
 from executive.messages.request import MotionPlan, MoveRequest
@@ -32,7 +30,7 @@ class PlanSetDown(Action):
         cloud = surroundings(self.context, without=hold.stone_id)
         surface = held_surface(self.context, hold)
         goal = self.context.gripper()
-        way_m = _gap_below(transform(goal, surface), cloud.points) - _CLEARANCE_M
+        way_m = gap_below(transform(goal, surface), cloud.points) - _CLEARANCE_M
         if way_m < _LEAST_WAY_M:
             return failed("the stone is at the ground already")
         goal[2, 3] -= way_m
@@ -50,11 +48,3 @@ class PlanSetDown(Action):
         if plan.trajectory is None:
             return failed(f"no way down: {plan.reason}")
         return succeeded(f"{way_m:.2f} m down", trajectory=plan.trajectory)
-
-
-def _gap_below(stone: np.ndarray, ground: np.ndarray) -> float:
-    """Return the height [m] of the stone's lowest point above the highest ground under it."""
-    low, high = stone.min(axis=0), stone.max(axis=0)
-    under = ground[((ground[:, :2] >= low[:2]) & (ground[:, :2] <= high[:2])).all(axis=1)]
-    under = under[under[:, 2] < high[2]]
-    return float(low[2] - under[:, 2].max()) if len(under) else 0.0

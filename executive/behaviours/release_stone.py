@@ -4,12 +4,15 @@ from typing import Any
 
 from pydantic import Field
 
+from executive.arrays import Float
 from executive.behaviours.action import Action, Steps
 from executive.behaviours.jaws import drive_jaws
 from executive.behaviours.outcome import failed, succeeded
 from executive.behaviours.port import Port
 from executive.behaviours.rest import come_to_rest
+from executive.behaviours.surroundings import gap_below, held_surface, surroundings
 from executive.config import Newtons, Radians, Settings
+from executive.geometry.pose import transform
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement
 from executive.messages.stone import StoneState
@@ -23,7 +26,9 @@ class ReleaseStoneSettings(Settings):
 class ReleaseStone(Action):
     """Open the jaws a little and move the stone's model by the gripper's motion since the grasp (Mascaro 2020, Eq. 3).
 
-    Only a little: jaws that open wide beside another stone push it away.
+    Only a little: jaws that open wide beside another stone push it away. Deviation from the paper: a stone that is let
+    go without a placement is believed on the ground below, for nothing holds it in the air: one that has slid out of
+    the jaws did not rise with them.
     """
 
     Settings = ReleaseStoneSettings
@@ -46,6 +51,8 @@ class ReleaseStone(Action):
         yield from drive_jaws(self.context, opening, self.settings.force)
         self.context.plugin("mapping").mask_held(0.0)
         state = StoneState.ON_GROUND if placement is None else StoneState.PLACED
+        if placement is None:
+            T_map_gripper[2, 3] -= self._fall_m(hold, T_map_gripper)
         stone = self.context.plugin("objects").release(hold.stone_id, T_map_gripper, self.context.now_s(), state)
         self.context.show(f"stones/{stone.id}", stone)
         if placement is None:
@@ -60,3 +67,8 @@ class ReleaseStone(Action):
                 estimated_pose=stone.T_map_object,
             )
         return succeeded()
+
+    def _fall_m(self, hold: Hold, T_map_gripper: Float) -> float:
+        """Return how far the held stone is above the ground below it [m]."""
+        stone_map = transform(T_map_gripper, held_surface(self.context, hold))
+        return max(0.0, gap_below(stone_map, surroundings(self.context, without=hold.stone_id).points))

@@ -13,6 +13,7 @@ from executive.config import NoSettings
 from executive.geometry.pose import pose
 from executive.messages.cloud import Cloud
 from executive.messages.hold import Hold
+from executive.messages.placement import Placement, Slot
 from executive.messages.request import MotionPlan
 from executive.messages.stone import Stone, StoneState
 
@@ -99,9 +100,17 @@ def test_a_plan_waits_until_the_arm_stands(stopping, fakes, make, inputs):
 
 
 def test_a_stone_is_let_go_where_the_arm_has_come_to_rest(stopping, fakes):
-    assert fakes.finish(ReleaseStone(ReleaseStoneSettings(), stopping), hold=HOLD).success
+    placement = Placement(Slot(1, np.zeros(3)), np.eye(4), np.eye(4))
+    leaf = ReleaseStone(ReleaseStoneSettings(), stopping)
+    assert fakes.finish(leaf, hold=HOLD, placement=placement).success
     (T_map_gripper,) = stopping.plugins["objects"].released
     assert T_map_gripper[2, 3] == pytest.approx(2.0 - SPEED * STOPS_AFTER_S)
+
+
+def test_a_stone_that_is_just_let_go_is_believed_on_the_ground(stopping, fakes):
+    assert fakes.finish(ReleaseStone(ReleaseStoneSettings(), stopping), hold=HOLD).success
+    (T_map_gripper,) = stopping.plugins["objects"].released
+    assert T_map_gripper[2, 3] == pytest.approx(HOLD.T_map_gripper[2, 3] - POINTS[:, 2].min())
 
 
 def shaking(context, amplitude):
