@@ -10,8 +10,8 @@ _log = logging.getLogger(__name__)
 class Mode(StrEnum):
     """State of the estimator.
 
-    GLOBAL: fixes correct the estimate. SUSPECT: none has lately, or one was refused; the main graph still leads.
-    FALLBACK: the fallback graph leads, by lidar. RECOVERING: fixes agree again with the odometry, but not for long.
+    GLOBAL: fixes correct the estimate. SUSPECT: none has lately, or one was refused.
+    FALLBACK: lidar and inertia carry it. RECOVERING: fixes agree again with the odometry, but not for long.
     """
 
     GLOBAL = "GLOBAL"
@@ -46,7 +46,7 @@ class Modes:
 
     @property
     def is_fallen_back(self) -> bool:
-        """Whether the fallback graph leads."""
+        """Whether the estimate does without satellites."""
         return self.current in (Mode.FALLBACK, Mode.RECOVERING)
 
     def change(self, stamp_s: float, after: Mode, reason: str) -> None:

@@ -34,7 +34,13 @@ _BREAK_S = 0.3  # a gap of samples over which the graph is cut
 
 
 class GraphSmoother:
-    """Main graph with satellites and relative lidar; fallback graph with the lidar's poses as if they were global."""
+    """Main graph with satellites and relative lidar; fallback graph with the lidar's poses as if they were global.
+
+    The paper lets the second lead in an outage (Nubert 2022, Sec. IV-A4b, IV-C). Its anchor keeps the tilt and heading
+    that were believed at the loss, and counts each pose as independent of the last: over ten simulated outages the
+    worst error was a third larger than by the main graph alone. So that goes on to lead unless `fallback` says
+    otherwise, and the covariance is its own in any case.
+    """
 
     def __init__(self, settings: SmootherSettings, noise: InertialNoise, state: InertialState, P: Float) -> None:
         self._settings = settings
@@ -101,7 +107,7 @@ class GraphSmoother:
             self._solve()
         except UnsolvableError:
             self._rebuild()
-        state, P = self._last_good = self._leading.newest(), self._leading.covariance
+        state, P = self._last_good = self._leading.newest(), self._main.covariance  # the other's hides its anchor's
         estimate = Estimate(state, P, self._modes.current, tuple(self._modes.changes), dict(self._refused))
         self._modes.changes.clear()
         self._refused.clear()
@@ -221,11 +227,13 @@ class GraphSmoother:
             self._fall_back(now_s, f"no good fix for {silent_s:.1f} s")
 
     def _fall_back(self, stamp_s: float, reason: str) -> None:
-        """Let the fallback graph lead; at this point both are the same."""
+        """Do without satellites. If the fallback graph is to lead: at this point both are the same."""
         self._modes.change(stamp_s, Mode.FALLBACK, reason)
+        self._gate.begin_recovery()
+        if self._settings.fallback == "relative":
+            return
         self._solve()  # without the fixes that were taken back
         self._fallback = self._main.copy()
-        self._gate.begin_recovery()
         self._anchor = None
         newest = self._chain.newest()
         if newest is not None and self._main.oldest_s < newest[0] <= self._samples.newest_s:
@@ -252,14 +260,14 @@ class GraphSmoother:
 
     def _return_to_main(self, first: Compared) -> None:
         """Let the main graph lead again; where it has drifted more than it knows, it begins anew in doubt."""
-        fallback, self._fallback = self._leading, None
+        leading, self._fallback = self._leading, None
         stamp_s = first.fix.stamp_s
         own = self._compared(first.fix)
         self._gate.forget_odometry()
         if own.distance2 < self._settings.gate.innovation:
             return
-        state = fallback.state_at(stamp_s)
-        doubted = ErrorStateFilter(state, fallback.covariance, self._noise)
+        state = leading.state_at(stamp_s)
+        doubted = ErrorStateFilter(state, leading.covariance, self._noise)
         doubted.doubt(float(np.linalg.norm(first.residual)) + 0.1, 0.5, 0.1)
         self._main = GraphWindow(self._noise, self._samples, state, doubted.covariance)
 

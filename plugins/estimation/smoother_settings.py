@@ -1,5 +1,7 @@
 """Settings of the two graphs."""
 
+from typing import Literal
+
 from pydantic import Field
 
 from executive.config import Meters, MetersPerSecond, Radians, RadiansPerSecond, Seconds, Settings
@@ -14,6 +16,10 @@ class SmootherSettings(Settings):
     suspect_after_s: Seconds = Field(0.6, gt=0, le=60, description="Time without a used fix until SUSPECT [s].")
     fallback_after_s: Seconds = Field(1.0, gt=0, le=60, description="Time without a used fix until FALLBACK [s].")
     gate: GnssGateSettings = Field(default_factory=GnssGateSettings, description="Which fixes are believed.")
+    fallback: Literal["relative", "pseudo_global"] = Field(
+        "relative",
+        description="What leads without satellites: the main graph by relative poses, or the paper's second one.",
+    )
     fallback_position_std_m: Meters = Field(
         0.02, gt=0, le=5, description="Standard deviation of a pseudo-global lidar position [m]."
     )

@@ -3,6 +3,7 @@
 from itertools import pairwise
 
 import numpy as np
+import pytest
 
 from executive.geometry.pose import inverse
 from plugins.estimation.estimator_modes import Mode
@@ -10,10 +11,11 @@ from plugins.estimation.estimator_modes import Mode
 NO_STANDING = {"is_used": False}
 
 
+@pytest.mark.parametrize("fallback", ["relative", "pseudo_global"])
 def test_lidar_carries_it_through_an_outage_in_a_swing(
-    cabin, begin, with_lidar, shifted, run, errors_m, reasons
+    fallback, cabin, begin, with_lidar, shifted, run, errors_m, reasons
 ) -> None:
-    estimator = begin(standing=NO_STANDING)
+    estimator = begin(standing=NO_STANDING, smoother={"lag_s": 1.5, "fallback": fallback})
     observations = shifted(cabin.observations(24.0), lambda t: None if 8 < t < 20 else np.zeros(3))
     states = run(estimator, with_lidar(cabin, observations))
     assert errors_m(cabin, states).max() < 0.12
@@ -22,6 +24,10 @@ def test_lidar_carries_it_through_an_outage_in_a_swing(
     back = next(c.stamp_s for c in estimator.changes if c.after == Mode.GLOBAL)
     assert 20.0 < back < 21.5
     assert errors_m(cabin, states, 21.5).max() < 0.02
+    std_m = [np.sqrt(np.trace(s.covariance[3:, 3:])) for s in states if s.is_ready and 10 < s.stamp_s < 20]
+    assert std_m[-1] > 1.2 * std_m[0]  # what is only reckoned is known worse and worse
+    away = [s for s in states if s.is_ready and 10 < s.stamp_s < 20]
+    assert np.median(errors_m(cabin, away) / std_m) < 2
 
 
 def test_the_odometry_frame_does_not_step_when_satellites_come_back(cabin, begin, shifted, run, errors_m) -> None:
