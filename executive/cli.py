@@ -204,10 +204,10 @@ def plugins_doctor(as_json: JsonOption = False) -> None:
 
 
 def _one_of(option: str, value: str | None, allowed: tuple[str, ...]) -> str | None:
-    from executive.errors import ConfigError, did_you_mean
+    from executive.errors import ConfigError
 
     if value is not None and value not in allowed:
-        raise ConfigError(f"{option}: '{value}' is not one of {', '.join(allowed)}{did_you_mean(value, allowed)}")
+        raise ConfigError(f"{option}: '{value}' is not one of {', '.join(allowed)}")
     return value
 
 
