@@ -204,10 +204,12 @@ def plugins_doctor(as_json: JsonOption = False) -> None:
 
 
 def _one_of(option: str, value: str | None, allowed: tuple[str, ...]) -> str | None:
-    from executive.errors import ConfigError
+    from executive.errors import ConfigError, did_you_mean
 
     if value is not None and value not in allowed:
-        raise ConfigError(f"{option}: '{value}' is not one of {', '.join(allowed)}")
+        hint = did_you_mean(value, allowed)
+        listed = f" is not one of {', '.join(allowed)}" if hint.startswith(";") else f" is unknown{hint}"
+        raise ConfigError(f"{option}: '{value}'{listed}")
     return value
 
 
