@@ -202,8 +202,7 @@ def test_a_mistake_in_an_option_names_the_option(load: Any, option: str, words: 
     assert words in errors(caught)[0]
 
 
-def test_a_mission_written_out_loads_again_as_the_same(load: Any, tmp_path: Path, catalogue: Catalogue) -> None:
-    text = """
+EVERY_WORD = """
 trees:
   main:
     timeout: 10 min
@@ -233,7 +232,10 @@ trees:
     out: {held: bool}
     run: Pick
 """
-    mission = load(text.replace("      - run: FindStones", "      - set: {busy: false}\n      - run: FindStones"))
+
+
+def test_a_mission_written_out_loads_again_as_the_same(load: Any, tmp_path: Path, catalogue: Catalogue) -> None:
+    mission = load(EVERY_WORD.replace("      - run: FindStones", "      - set: {busy: false}\n      - run: FindStones"))
     written = resolved_yaml(mission)
     path = tmp_path / "again.yaml"
     path.write_text(written, encoding="utf-8")
