@@ -47,7 +47,6 @@ class CabinEstimator(Estimator):
         self._door = Doorkeeper()
         self._turn = TurnJoint(self._machine)
         self._standing = StandingDetector(settings.standing)
-        self._standing_s = -np.inf
         self._datum = None if settings.datum is None else np.array(settings.datum)
         memory = self._shared_memory()
         self._head = LiveHead(self._T_imu_cabin, self._turn, self._noise, settings.restart_after_s, memory)
@@ -63,6 +62,7 @@ class CabinEstimator(Estimator):
         self._first = FirstState(settings.rest, settings.moving_start, self._antennas_imu, self._noise, level)
         self._newest_s: float | None = None  # of the cabin's inertial sensor
         self._is_begun = False
+        self._standing_s = -np.inf
 
     @property
     def refused(self) -> Mapping[str, int]:
@@ -102,6 +102,7 @@ class CabinEstimator(Estimator):
     def _begin_again(self, sample: ImuSample) -> None:
         """Forget all after too long a gap, and begin with the sample after it."""
         self._door.refuse(sample.frame, "gap, started again")
+        self._head.forget_samples()
         self._restart()
         self._begin(sample)
 

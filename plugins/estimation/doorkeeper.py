@@ -4,13 +4,15 @@ import math
 from collections import Counter
 
 _JUMP_S = 5.0  # more than lies between two samples of any stream
+_SET_BACK_S = 1.0  # stamps that are behind, but rise for so long, are those of a clock that was set back
 
 
 class Doorkeeper:
     """Admits samples whose stamps rise, one stream at a time.
 
     A stamp far ahead is admitted only if the next one agrees with it: by itself it would shut the door on all that is
-    right after it. Where it is the very first, the second may therefore go far back.
+    right after it. Where it is the very first, the second may therefore go far back. A clock that goes back for good
+    is followed once its stamps have risen for a second with none of the old clock between them.
 
     Attributes:
         refused: Number of refused samples by reason, such as `imu_cabin: back in time`.
@@ -20,6 +22,7 @@ class Doorkeeper:
         self.refused: Counter[str] = Counter()
         self._newest_s: dict[str, float] = {}
         self._ahead_s: dict[str, float] = {}
+        self._behind_s: dict[str, tuple[float, float, float]] = {}  # newest of the old clock, first and last of the new
         self._alone: set[str] = set()  # streams whose newest stamp no other has followed yet
 
     def admits(self, stream: str, stamp_s: float, jump_s: float = _JUMP_S) -> bool:
@@ -49,10 +52,22 @@ class Doorkeeper:
             return "stamp not finite"
         if stamp_s == newest_s:
             return "duplicate"
-        if stamp_s < newest_s:  # far back: it was the first one that was wrong
-            return "" if stream in self._alone and newest_s - stamp_s > jump_s else "back in time"
+        if stamp_s < newest_s:
+            first_was_wrong = stream in self._alone and newest_s - stamp_s > jump_s
+            return "" if first_was_wrong or self._is_set_back(stream, stamp_s, newest_s, jump_s) else "back in time"
         if stamp_s - newest_s <= jump_s:
             return ""
         before_s = self._ahead_s.get(stream, math.inf)
         self._ahead_s[stream] = stamp_s
         return "" if 0 < stamp_s - before_s <= jump_s else "ahead of time"
+
+    def _is_set_back(self, stream: str, stamp_s: float, newest_s: float, jump_s: float) -> bool:
+        """Return whether the clock itself has gone back for good; count it."""
+        against_s, first_s, last_s = self._behind_s.get(stream, (math.nan, stamp_s, stamp_s))
+        if against_s != newest_s or not 0 < stamp_s - last_s <= jump_s:
+            first_s = stamp_s
+        self._behind_s[stream] = (newest_s, first_s, stamp_s)
+        if stamp_s - first_s < _SET_BACK_S:
+            return False
+        self.refuse(stream, "clock set back, followed")
+        return True

@@ -68,6 +68,10 @@ class LiveHead:
         if len(self._rows) < _ROWS // 2:
             self._rows = _new_rows() + self._rows
 
+    def forget_samples(self) -> None:
+        """Carry no estimate on through the samples so far: a clock that was set back has put them in its future."""
+        self.block["forgotten"] = self.block["written"]
+
     def take(self, estimate: Block, is_alone: bool = False) -> bool:
         """Put an estimate in the state's place, shape (1,), dtype `ESTIMATE`; not one that is not finite.
 

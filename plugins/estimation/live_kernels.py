@@ -238,7 +238,7 @@ def take(live: Block, estimate: Block, moves_map: bool) -> None:
         for j in range(3):
             s.R[i, j] = e.R[i, j]
     first = s.written
-    oldest = max(0, s.written - SAMPLES)
+    oldest = max(s.forgotten, s.written - SAMPLES)
     while first > oldest and s.samples[(first - 1) % SAMPLES].stamp_s > s.stamp_s:
         first -= 1
     for k in range(first, s.written):

@@ -64,6 +64,7 @@ LIVE = np.dtype(
         ("T_before", "f8", (4, 4)),
         # what crosses to the smoother's process and back
         ("written", "i8"),  # samples that are there
+        ("forgotten", "i8"),  # samples that no estimate is carried on through: of before a new beginning
         ("published", "i8"),  # samples that the other side may read
         ("handled", "i8"),  # batches that the other side has worked through
         ("answered", "i8"),  # estimates that this side may read

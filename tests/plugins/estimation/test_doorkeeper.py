@@ -41,6 +41,20 @@ def test_a_first_stamp_of_the_far_future_is_given_up_for_the_second() -> None:
     assert admitted([1.0, 0.9, 1.1])[0] == [1.0, 1.1]
 
 
+def test_a_clock_that_goes_back_for_good_is_followed_after_a_second() -> None:
+    stamps = [50.0, 50.25, *(3.0 + k / 4 for k in range(8))]
+    good, refused = admitted(stamps)
+    assert good == [50.0, 50.25, 4.0, 4.25, 4.5, 4.75]
+    assert refused == {"imu: back in time": 4, "imu: clock set back, followed": 1}
+
+
+def test_late_samples_are_no_clock_that_was_set_back() -> None:
+    late = [3.0 + k / 4 for k in range(8)]
+    assert admitted([50.0, 50.25, *late[:4], 50.5, *late[4:], 50.75])[0] == [50.0, 50.25, 50.5, 50.75]
+    assert admitted([50.0, 50.25, *reversed(late)])[0] == [50.0, 50.25]
+    assert admitted([50.0, 50.25, *[3.0] * 9])[0] == [50.0, 50.25]
+
+
 def test_streams_have_doors_of_their_own() -> None:
     door = Doorkeeper()
     assert door.admits("imu", 5.0)

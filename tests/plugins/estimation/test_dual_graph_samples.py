@@ -82,6 +82,17 @@ def test_a_gap_of_inertial_samples_is_bridged_or_begins_anew(cabin, begin, run, 
             assert errors_m(cabin, [state])[0] < 0.05
 
 
+def test_after_all_clocks_have_gone_back_for_good_it_begins_anew(cabin, begin, run, errors_m) -> None:
+    estimator = begin()
+    run(estimator, cabin.observations(104.0, start_s=100.0))
+    states = run(estimator, cabin.observations(9.0))
+    assert estimator.refused["imu_cabin: clock set back, followed"] == 1
+    assert states[-1].status == "GLOBAL"
+    again = [s for s in states if s.is_ready and s.stamp_s < 50]
+    assert again[0].stamp_s < 4.0  # a second until the clock is believed, and two of rest
+    assert errors_m(cabin, again).max() < 0.03
+
+
 def test_a_gap_of_inertial_samples_in_mid_swing_is_followed_by_satellites(cabin, begin, run, errors_m) -> None:
     observations = [o for o in cabin.observations(13.0) if not (isinstance(o, ImuSample) and 8.5 < o.stamp_s < 10.0)]
     states = run(begin(), observations)
