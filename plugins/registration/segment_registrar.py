@@ -144,8 +144,9 @@ class SegmentRegistrar(Registrar):
         start = Similarity(aligned.T_target_source, 1.0) if aligned.accepted else coarse
         surface = stones.joined(Surface.thinned(target.ground.points, s.ground_voxel_m))
         points = np.vstack([moving, _thin(source.ground.points, s.ground_voxel_m)])
-        reaches = tuple(s.truncation_m * factor for factor in (3, 3, 2, 2, 1.5, 1.5, 1, 1))
-        return refine(surface, points, start, reaches, s.max_scale_error)
+        wide, narrow = (tuple(s.truncation_m * factor for factor in steps) for steps in ((3, 3, 2, 2), (1.5, 1, 1)))
+        near = refine(surface, points[::2], start, wide, s.max_scale_error)  # half the points find the basin as well
+        return refine(surface, points, near, narrow, s.max_scale_error)
 
     def _judge(self, target: Segmentation, source: Segmentation, fine: Similarity) -> Alignment:
         """Pass the gate on the segments whose centroids have been matched (step 5)."""
