@@ -14,6 +14,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -53,7 +54,12 @@ def run(seed: int, folder: Path, overrides: Sequence[str]) -> None:
         logs[:] = [mission.services.plugins["robot"].truth_log]
 
     print(made.execute(look).summary, file=sys.stderr, flush=True)
-    np.savez_compressed(folder / TRUTH, stamps_s=logs[0]._stamps_s, T_stones=np.array(logs[0]._T_stones))
+    write_truth(folder, logs[0])
+
+
+def write_truth(folder: Path, log: Any) -> None:
+    """Keep where all stones were throughout a run."""
+    np.savez_compressed(folder / TRUTH, stamps_s=log._stamps_s, T_stones=np.array(log._T_stones))
 
 
 def errors_of(folder: Path) -> tuple[list[dict], dict[str, int]]:

@@ -2,6 +2,7 @@
 
     OMP_NUM_THREADS=1 python tests/benchmarks/mapping.py swing 1 2 3 4 5
     OMP_NUM_THREADS=1 python tests/benchmarks/mapping.py relocate 1
+    OMP_NUM_THREADS=1 python tests/benchmarks/mapping.py relocate --keep runs 1     for database_poses.py --read runs/1
 
 `swing`: one swing of 20 s; what the sensors said is fed to each estimator with each mapper, as it is, with noisier
 satellites, and with none after the first seconds. `relocate`: the whole mission on the pose graph, with the other
@@ -17,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from database_poses import write_truth
 from mapping_trials import MACHINE, Fan, Trial, TrueState, as_it_is, displacement_m, plugin, trial, trials
 
 from executive.mission.run import Options, Run
@@ -84,9 +86,9 @@ def replayed(ticks: Ticks, track: Track, seed: int) -> tuple[list[Trial], Trial]
     return everyone, true
 
 
-def relocate(seed: int) -> dict[str, Any]:
+def relocate(seed: int, kept: Path | None) -> dict[str, Any]:
     """Run the mission on the pose graph; the other mapper and the true one see, forget and put back what it does."""
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as scratch:
         others: list[Trial] = []
 
         def hand_on(observations: Sequence[Any]) -> None:
@@ -104,15 +106,17 @@ def relocate(seed: int) -> dict[str, Any]:
             print(f"{count} relocations, drift [mm]: {drifts}", flush=True)
 
         told = [0]
-        tap = Tap("relocate", seed, Path(folder) / "run", hand_on, ["mapping.plugin=pose_graph"])
+        folder = (kept or Path(scratch)) / str(seed)
+        tap = Tap("relocate", seed, folder, hand_on, ["mapping.plugin=pose_graph"])
         own = tap.plugins["mapping"]
         voxels = trial("", plugin("estimation", "gnss_imu_filter", machine=MACHINE), ["voxel_map"], as_it_is)
         others += [trial("truth", tap.truth, ["voxel_map"], as_it_is), voxels]
-        tap.plugins["mapping"] = Company(own, [trial.fan for other in others])
+        tap.plugins["mapping"] = Company(own, [other.fan for other in others])
         close, own.close = own.close, lambda: None  # its last map is looked at once more
         report = tap.run.execute(lambda mission: None).report
         tell(sum(pick["placed"] for pick in report["picks"]))
         close()
+        write_truth(folder, tap.plugins["robot"].truth_log)
     return report
 
 
@@ -153,7 +157,9 @@ def measured(everyone: Sequence[Trial], true: Trial) -> Iterator[tuple[tuple[str
             mapper.close()
 
 
-def main(what: str, seeds: list[int]) -> None:
+def main(what: str, words: list[str]) -> None:
+    kept = Path(words[1]) if words[:1] == ["--keep"] else None
+    seeds = [int(word) for word in words[2 if kept else 0 :]] or [1]
     rows: dict[tuple[str, str], list[tuple[float, float, float]]] = {}
     for seed in seeds:
         if what == "swing":
@@ -161,7 +167,7 @@ def main(what: str, seeds: list[int]) -> None:
                 rows.setdefault(key, []).append(values)
             print(f"after seed {seed}\n{table(rows)}", flush=True)
         else:
-            report = relocate(seed)
+            report = relocate(seed, kept)
             spent = report["timings_ms"]["mapping.add_scan_pair"]
             print(
                 f"seed {seed}: {report['outcome']}, {report['ended_s']:.0f} s, {report['counts']}, {spent}", flush=True
@@ -169,4 +175,4 @@ def main(what: str, seeds: list[int]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], [int(word) for word in sys.argv[2:]] or [1])
+    main(sys.argv[1], sys.argv[2:])

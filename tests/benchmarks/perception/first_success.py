@@ -10,6 +10,7 @@ Fifteen seconds of processor time a seed.
 import json
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -57,8 +58,8 @@ def line(journal: list[dict], witness: Witness, seed: int) -> tuple[str, float, 
     return text, first_s, error_m
 
 
-def main(seeds: list[int], overrides: list[str]) -> None:
-    print("seed  dense_s  first_s attempts matched stones  error_mm", flush=True)
+def measured(seeds: Sequence[int], overrides: Sequence[str] = ()) -> tuple[list[float], list[float]]:
+    """Run the mission over seeds; return when each first succeeded [s] and how far it was off [m], inf if never."""
     times, errors, witness = [], [], Witness()
     with tempfile.TemporaryDirectory() as folder:
         for seed in seeds:
@@ -70,6 +71,12 @@ def main(seeds: list[int], overrides: list[str]) -> None:
             print(text, flush=True)
             times.append(first_s)
             errors.append(error_m)
+    return times, errors
+
+
+def main(seeds: list[int], overrides: list[str]) -> None:
+    print("seed  dense_s  first_s attempts matched stones  error_mm", flush=True)
+    times, errors = measured(seeds, overrides)
     early = ", ".join(f"{np.mean(np.array(times) <= limit):.0%} after {limit} s" for limit in (5, 10, 15))
     print(f"first success: median {np.median(times):.1f} s, worst {max(times):.1f} s; {early}, of {len(times)}")
     print(f"error: median {1e3 * np.median(errors):.0f} mm, worst {1e3 * max(errors):.0f} mm")

@@ -15,8 +15,9 @@ from executive.arrays import Float, Int
 from executive.messages.cloud import Cloud
 from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
 
-STONES, SCENES = 7, 5
+STONES, SCENES, FIRST_SEED = 7, 10, 7500
 BANDS_M = ((0.05, 0.10), (0.10, 0.15), (0.15, 0.30))
+Tallies = dict[tuple[str, tuple[float, float]], Counter[str]]
 LEAST_SEEN = 100  # points: fewer of a stone are not asked for
 
 
@@ -40,36 +41,46 @@ def _fate(shares: Float, kept: float, seen: int, stone: int) -> str:
     return "merged" if others.max() > 0.2 else "single"
 
 
-def test_neighbours(make_piles: Callable) -> None:
+def tallied(make_piles: Callable, scenes: int) -> tuple[Tallies, dict[str, list[float]]]:
+    """Segment so many scenes a gap and kind of stones; return the fates of stones, and what a cloud took [ms]."""
     segmentation = GroundAndClusters(GroundAndClustersSettings())
     segmentation.start()
     spent_ms: dict[str, list[float]] = {"lidar": [], "drone": []}
     tallies = {(shape, band): Counter[str]() for shape in ("convex", "scanned") for band in BANDS_M}
     for (shape, band), tally in tallies.items():
-        for seed in range(7500, 7500 + SCENES):
+        for seed in range(FIRST_SEED, FIRST_SEED + scenes):
             for kind, (points, labels) in make_piles(seed, band, shape).clouds.items():
                 begun_s = time.process_time()
                 found = segmentation.segment(Cloud(kind, points)).segments
                 spent_ms[kind].append(1e3 * (time.process_time() - begun_s))
                 tally.update(fates(points, labels, [one.points for one in found]))
+    return tallies, spent_ms
+
+
+def summed(tallies: Tallies, least_m: float) -> Counter[str]:
+    """Return the fates of all stones whose gap is at least so wide."""
+    return sum((tally for (_, band), tally in tallies.items() if band[0] >= least_m), Counter())
+
+
+def test_neighbours(make_piles: Callable) -> None:
+    tallies, spent_ms = tallied(make_piles, SCENES)
     print(f"\n  {'stones':10}{'gap [cm]':>10}{'single':>10}{'merged':>8}{'split':>8}{'missed':>8}{'seen':>6}")
     for (shape, band), tally in tallies.items():
         _print(shape, f"{100 * band[0]:.0f}-{100 * band[1]:.0f}", tally)
-    narrow, wide = (
-        sum((t for (_, band), t in tallies.items() if band[0] >= least), Counter()) for least in (0.0, 0.15)
-    )
+    narrow, wide = summed(tallies, 0.0), summed(tallies, 0.15)
     _print("all", ">= 5", narrow)
     _print("all", ">= 15", wide)
     for kind, spent in spent_ms.items():
         print(f"  {kind}: {np.median(spent):.0f} ms median, {np.percentile(spent, 95):.0f} ms p95, n {len(spent)}")
-    assert narrow["single"] >= 0.90 * _seen(narrow)
-    assert wide["single"] >= 0.97 * _seen(wide)
+    assert narrow["single"] >= 0.90 * seen(narrow)
+    assert wide["single"] >= 0.97 * seen(wide)
 
 
-def _seen(tally: Counter[str]) -> int:
+def seen(tally: Counter[str]) -> int:
+    """Return how many stones were there to be seen."""
     return tally.total() - tally["unseen"]
 
 
 def _print(shape: str, gap: str, tally: Counter[str]) -> None:
     counts = "".join(f"{tally[fate]:8d}" for fate in ("merged", "split", "missed"))
-    print(f"  {shape:10}{gap:>10}{tally['single'] / _seen(tally):10.1%}{counts}{_seen(tally):6d}")
+    print(f"  {shape:10}{gap:>10}{tally['single'] / seen(tally):10.1%}{counts}{seen(tally):6d}")

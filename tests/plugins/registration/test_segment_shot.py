@@ -1,4 +1,4 @@
-"""Registration by SHOT, on scenes with truth; its figures are in tests/benchmarks/test_registration.py."""
+"""Registration by SHOT, on scenes with truth; its figures are in tests/benchmarks/perception_figures.py."""
 
 import json
 from collections.abc import Callable
