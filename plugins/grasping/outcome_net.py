@@ -109,7 +109,8 @@ def _logits(net: nn.Module, images: NDArray[np.float32], numbers: NDArray[np.flo
 def save_net(net: FourLayer | TwoStream, path: Path, card: str) -> None:
     """Write a network's weights with its architecture and a data card, JSON text of what it was trained on."""
     architecture = next(name for name, kind in _ARCHITECTURES.items() if isinstance(net, kind))
-    save_file(net.state_dict(), path, metadata={"format": _FORMAT, "architecture": architecture, "card": card})
+    weights = {name: values.contiguous() for name, values in net.state_dict().items()}
+    save_file(weights, path, metadata={"format": _FORMAT, "architecture": architecture, "card": card})
 
 
 def load_net(path: Path) -> FourLayer | TwoStream:
