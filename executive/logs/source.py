@@ -17,6 +17,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from zstandard import ZstdError
 
 from executive.errors import DataError
+from executive.logs.mcap_messages import in_order
 from executive.logs.topics import TYPES
 
 # The readers let through whatever their decoders raise on a damaged file: these were met in tests with flipped bytes.
@@ -120,7 +121,7 @@ class Source:
         ros1.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", TYPES["tf_static"]))
         decoders = {"cdr": cdr.deserialize_cdr, "ros1": ros1.deserialize_ros1}
         with self.path.open("rb") as file:
-            for schema, channel, message in make_reader(file, validate_crcs=True).iter_messages(topics=topics):
+            for schema, channel, message in in_order(file, topics):
                 decode = decoders.get(channel.message_encoding)
                 if decode is None or schema is None:
                     encoding = channel.message_encoding
