@@ -35,7 +35,7 @@ from executive.messages.command import Follow, MoveJaws, SwitchLidars
 from executive.messages.joints import JointSample
 from executive.messages.request import MoveRequest
 from executive.messages.stone import Stone, StoneState
-from executive.messages.verdict import Verdict
+from executive.messages.verdict import Trouble, Verdict
 from executive.mission.assembly import assemble
 from executive.tree.load import load_mission
 from plugins.grasping.stone_views import look_at
@@ -165,18 +165,21 @@ def carry(site: Site, i: int, known_map: Float) -> dict[str, Any]:
     site.begin_hold(i)
     others = [j for j in range(len(site.world.site.stones)) if j != i]
     held = transform(inverse(T_grasp), known_map)
-    is_free = any(site.move(T, 1.0, 1.0, others, held) for T in places(site, i, T_grasp))
+    T_place = next((T for T in places(site, i, T_grasp) if site.move(T, 1.0, 1.0, others, held)), None)
     told = site.end_hold()
-    rise_m, released = max(site.heights_m) - site.heights_m[0], site.T(i)
+    rise_m = max(site.heights_m) - site.heights_m[0]
     if told:
         site.plugins["robot"].stop()
         site.run(1.5)
-        site.move(T_grasp, 0.0, 0.5, others)  # down again, if there is a way
-        released = site.T(i)
+        if has_arrived(site.gripper(), T_place, told[0]):
+            told = []
+        else:
+            site.move(T_grasp, 0.0, 0.5, others)  # down again, if there is a way
+    released = site.T(i)
     site.jaws(min(jaw_rad + LOOSE_RAD, site.machine.gripper.open_rad))
     site.move(pose(t=np.array([0.0, 0.0, 1.5])) @ site.gripper(), 1.0, 0.0, [])
     fallen_m, astray_m = released[2, 3] - site.T(i)[2, 3], np.linalg.norm((released - site.T(i))[:2, 3])
-    good = is_free and not told
+    good = T_place is not None and not told
     return {
         "outcome": "placed" if good else told[0].trouble.value if told else "no place",
         "reason": told[0].detail if told else "",
@@ -197,6 +200,12 @@ def places(site: Site, i: int, T_grasp: Float) -> Iterator[Float]:
         turn = pose(about_axis(up, away * np.radians(turn_deg)))
         rise_m = float((ground_m((turn[:3, :3] @ at)[None, :2]) - ground_m(at[None, :2]))[0]) + ROOM_M
         yield pose(t=rise_m * up) @ turn @ T_grasp
+
+
+def has_arrived(T: Float, T_place: Float, told: Verdict) -> bool:
+    """Forgive, as missions do, a stone that met the ground a little early and shifted in the jaws."""
+    gap = (T - T_place)[:3, 3]
+    return bool(told.trouble is Trouble.SLIP and np.hypot(gap[0], gap[1]) < 0.1 and gap[2] < 0.25)
 
 
 def alike(T_a: Float, T_b: Float) -> bool:
