@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from perception.figure_table import FEATURES, beside_the_paper, bounds, decoys, missed
+from perception.figure_table import FEATURES, beside_the_paper, bounds, decoys, missed, piles
 
 KEPT = Path(__file__).parents[2] / "docs" / "perception_figures.json"
 
@@ -88,7 +88,7 @@ def neighbours() -> dict[str, Any]:
 
     scenes = load_scenes()
     tallies, _ = tallied(lambda seed, gap, shape: piles_of(seed, gap, shape, scenes), 10)
-    sums = {"5 cm": summed(tallies, 0.0), "15 cm": summed(tallies, 0.15)}
+    sums: dict[str, Any] = {"5 cm": summed(tallies, 0.0), "15 cm": summed(tallies, 0.15)}
     kinds = {f"{shape}, {100 * low:.0f} to {100 * high:.0f} cm": t for (shape, (low, high)), t in tallies.items()}
     return {name: {**tally, "n": seen(tally)} for name, tally in (sums | kinds).items()}
 
@@ -160,6 +160,7 @@ def tables(figures: dict[str, Any]) -> list[str]:
     made = [bounds(figures)]
     made += [beside_the_paper(figures)] if "swing_20_s" in figures else []
     made += [decoys(figures)] if "wrong_sites" in figures else []
+    made += [piles(figures)] if "neighbours" in figures else []
     return made
 
 

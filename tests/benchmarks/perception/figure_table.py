@@ -87,6 +87,16 @@ def decoys(figures: Figures) -> str:
     return "\n".join(lines)
 
 
+def piles(figures: Figures) -> str:
+    """Return the table of stones that stand close to one another."""
+    lines = ["| stones, gap | one segment each | merged | split | missed |", "|---|---|---|---|---|"]
+    for name, one in figures["neighbours"].items():
+        if ", " in name:
+            fates = " | ".join(str(one.get(fate, 0)) for fate in ("merged", "split", "missed"))
+            lines.append(f"| {name} | {one.get('single', 0)} of {one['n']} | {fates} |")
+    return "\n".join(lines)
+
+
 def _share(one: Figures) -> str:
     return f"{one['right']} of {one['n']}"
 

@@ -24,7 +24,7 @@ from plugins.surveying.simulated_photographs import (
     SimulatedPhotographsSettings,
     take_photographs,
 )
-from plugins.surveying.structure_from_motion import MotionSettings, find_motion, load_pycolmap
+from plugins.surveying.structure_from_motion import load_pycolmap
 from robot_models.machine import load_machine
 
 FLIGHT = GridFlightSettings(
@@ -83,18 +83,21 @@ def test_pictures_become_the_site_to_centimetres(flight: Flight) -> None:
     assert np.median((found.cloud.normals @ R.T)[ground, 2]) > 0.97
 
 
-def test_one_seed_gives_one_model(flight: Flight) -> None:
+def test_one_seed_gives_one_cloud_to_the_last_bit(flight: Flight) -> None:
     few = Photographs(
         flight.photographs.folder,
         flight.photographs.names[:6],
         flight.photographs.positions_m[:6],
         flight.photographs.size_px,
     )
-    settings = MotionSettings(features=800, neighbours=5)
-    first, again = (find_motion(few, settings, 7) for _ in range(2))
-    assert np.array_equal(first.points, again.points)
-    for a, b in zip(first.pictures, again.pictures, strict=True):
-        assert np.array_equal(a.T_optical_model, b.T_optical_model)
+    settings = PhotogrammetrySettings.model_validate(
+        {"motion": {"features": 800, "neighbours": 5}, "depth": {"pixel_m": 0.05}, "max_scale_error": 0.5}
+    )
+    first, again = (reconstruct(few, settings, np.random.default_rng(7)) for _ in range(2))
+    assert len(first.cloud) > 1000
+    assert np.array_equal(first.cloud.points, again.cloud.points)
+    assert np.array_equal(first.cloud.normals, again.cloud.normals)
+    assert np.array_equal(first.centres_m, again.centres_m)
 
 
 def test_pictures_of_nothing_in_common_find_no_place(tmp_path: Path) -> None:
