@@ -1,18 +1,22 @@
-"""A site of which the truth is known: rolling ground and ellipsoidal stones, seen as noisy points."""
+"""A site of which the truth is known, seen as noisy points, and a judge of what the arm does there."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
+import fcl
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import from_rpy
 from executive.messages.cloud import Cloud
 from executive.messages.request import MoveRequest
+from executive.messages.trajectory import JointTrajectory
 from plugins.motion.hermite import Hermite, HermiteSettings
+from robot_models.kinematics import Kinematics
 from robot_models.machine import Machine, load_machine
 
 DOWN = from_rpy(0.0, np.pi / 2, 0.0)
@@ -97,9 +101,77 @@ class Site:
         )
 
 
+class Judge:
+    """Looks at a trajectory in fine steps, with other means than the planner: Pinocchio, whole hulls, ellipsoids."""
+
+    def __init__(self, machine: Machine, site: Site) -> None:
+        self.machine, self.site = machine, site
+        self.kinematics = Kinematics(machine)
+        self._parts = [
+            (name, shape.vertices, fcl.CollisionObject(_fcl_hull(shape.vertices)))
+            for name, link in machine.links.items()
+            for shape in link.shapes
+        ]
+
+    def deepest_in_site(self, request: MoveRequest, trajectory: JointTrajectory, but: int | None) -> float:
+        """Return how deep the arm goes into ground and stones [m], all but one stone."""
+        deepest = -np.inf
+        stones = [stone for i, stone in enumerate(self.site.stones) if i != but]
+        for q in _fine(trajectory, 0.1):
+            frames = self.kinematics.frames(q, request.jaw_rad)
+            points = [
+                transform(frames[name], _filled(v)) for name, v, _ in self._parts if name in _carried(self.machine)
+            ]
+            points_map = transform(request.T_map_base, np.vstack(points))
+            sunk = self.site.ground_height(*points_map[:, :2].T) - points_map[:, 2]
+            deepest = max([deepest, sunk.max(), *(stone.depths(points_map).max() for stone in stones)])
+        return float(deepest)
+
+    def touches_itself(self, request: MoveRequest, trajectory: JointTrajectory) -> bool:
+        """Tell whether links touch that must not."""
+        forbidden = {frozenset(pair) for pair in self.machine.collision_pairs}
+        for q in _fine(trajectory, 0.2):
+            frames = self.kinematics.frames(q, request.jaw_rad)
+            for name, _, part in self._parts:
+                part.setTransform(fcl.Transform(frames[name][:3, :3], frames[name][:3, 3]))
+            for i, (a, _, part_a) in enumerate(self._parts):
+                for b, _, part_b in self._parts[:i]:
+                    if frozenset((a, b)) in forbidden and fcl.collide(part_a, part_b):
+                        return True
+        return False
+
+
+def _fcl_hull(vertices: Float) -> fcl.BVHModel:
+    mesh = fcl.BVHModel()
+    hull = ConvexHull(vertices)
+    mesh.beginModel(len(vertices), len(hull.simplices))
+    mesh.addSubModel(vertices, hull.simplices)
+    mesh.endModel()
+    return mesh
+
+
+def _filled(vertices: Float) -> Float:
+    """Return corners and points between any two of them."""
+    i, j = np.triu_indices(len(vertices))
+    return np.vstack([(1 - s) * vertices[i] + s * vertices[j] for s in (0.0, 0.25, 0.5, 0.75)])
+
+
+def _carried(machine: Machine) -> set[str]:
+    return set(machine.links) - {machine.base_link, machine.cabin_link}
+
+
+def _fine(trajectory: JointTrajectory, step_s: float) -> Float:
+    return np.array([trajectory.at(t)[0] for t in np.arange(0.0, trajectory.duration_s, step_s)])
+
+
 @pytest.fixture(scope="session")
 def make_site() -> type[Site]:
     return Site
+
+
+@pytest.fixture(scope="session")
+def make_judge() -> type[Judge]:
+    return Judge
 
 
 @pytest.fixture(scope="session")

@@ -1,9 +1,7 @@
 """The whole planner: its trajectories are judged by the truth of a made-up site, not by its own checks."""
 
-import fcl
 import numpy as np
 import pytest
-from scipy.spatial import ConvexHull
 
 from executive.arrays import Float
 from executive.errors import ShapeError
@@ -19,75 +17,16 @@ NOTHING = Cloud("map", np.zeros((0, 3)))
 RINGS = {"m545": ((4.0, 7.0), 1.0), "mini": ((2.8, 4.7), 0.6)}  # of the stones [m], and their size
 
 
-class Judge:
-    """Looks at a trajectory in fine steps, with other means than the planner: Pinocchio, whole hulls, ellipsoids."""
-
-    def __init__(self, machine: Machine, site) -> None:
-        self.machine, self.site = machine, site
-        self.kinematics = Kinematics(machine)
-        self._parts = [
-            (name, shape.vertices, fcl.CollisionObject(_fcl_hull(shape.vertices)))
-            for name, link in machine.links.items()
-            for shape in link.shapes
-        ]
-
-    def deepest_in_site(self, request: MoveRequest, trajectory: JointTrajectory, but: int | None) -> float:
-        """Return how deep the arm goes into ground and stones [m], all but one stone."""
-        deepest = -np.inf
-        stones = [stone for i, stone in enumerate(self.site.stones) if i != but]
-        for q in _fine(trajectory, 0.1):
-            frames = self.kinematics.frames(q, request.jaw_rad)
-            points = [
-                transform(frames[name], _filled(v)) for name, v, _ in self._parts if name in _carried(self.machine)
-            ]
-            points_map = transform(request.T_map_base, np.vstack(points))
-            sunk = self.site.ground_height(*points_map[:, :2].T) - points_map[:, 2]
-            deepest = max([deepest, sunk.max(), *(stone.depths(points_map).max() for stone in stones)])
-        return float(deepest)
-
-    def touches_itself(self, request: MoveRequest, trajectory: JointTrajectory) -> bool:
-        """Tell whether links touch that must not."""
-        forbidden = {frozenset(pair) for pair in self.machine.collision_pairs}
-        for q in _fine(trajectory, 0.2):
-            frames = self.kinematics.frames(q, request.jaw_rad)
-            for name, _, part in self._parts:
-                part.setTransform(fcl.Transform(frames[name][:3, :3], frames[name][:3, 3]))
-            for i, (a, _, part_a) in enumerate(self._parts):
-                for b, _, part_b in self._parts[:i]:
-                    if frozenset((a, b)) in forbidden and fcl.collide(part_a, part_b):
-                        return True
-        return False
-
-
-def _fcl_hull(vertices: Float) -> fcl.BVHModel:
-    mesh = fcl.BVHModel()
-    hull = ConvexHull(vertices)
-    mesh.beginModel(len(vertices), len(hull.simplices))
-    mesh.addSubModel(vertices, hull.simplices)
-    mesh.endModel()
-    return mesh
-
-
-def _filled(vertices: Float) -> Float:
-    """Return corners and points between any two of them."""
-    i, j = np.triu_indices(len(vertices))
-    return np.vstack([(1 - s) * vertices[i] + s * vertices[j] for s in (0.0, 0.25, 0.5, 0.75)])
-
-
-def _carried(machine: Machine) -> set[str]:
-    return set(machine.links) - {machine.base_link, machine.cabin_link}
-
-
-def _fine(trajectory: JointTrajectory, step_s: float) -> Float:
+def sampled(trajectory: JointTrajectory, step_s: float) -> Float:
     return np.array([trajectory.at(t)[0] for t in np.arange(0.0, trajectory.duration_s, step_s)])
 
 
 @pytest.mark.parametrize("seed", [0])
-def test_picks_and_places_hit_nothing_and_keep_every_limit(make_planner, make_site, seed: int) -> None:
+def test_picks_and_places_hit_nothing_and_keep_every_limit(make_planner, make_site, make_judge, seed: int) -> None:
     machine, planner = load_machine("m545"), make_planner("m545")
     q = machine.posture("scan")
     site = make_site(machine, *RINGS["m545"], seed)
-    judge = Judge(machine, site)
+    judge = make_judge(machine, site)
     for stone in range(5):
         pick = site.pick(q, stone)
         there = planner.move(pick)
@@ -97,14 +36,14 @@ def test_picks_and_places_hit_nothing_and_keep_every_limit(make_planner, make_si
         assert back.trajectory is not None, back.reason
         for request, plan, held in ((pick, there, None), (place, back, stone)):
             assert_keeps_limits(machine, plan.trajectory, is_loaded=held is not None)
-            # Tolerance of the planner 5 cm; the ground it knows is the lowest point of half a metre, and rough.
+            # Tolerance of the planner 5 cm; the ground that it knows is the lowest of rough points.
             assert judge.deepest_in_site(request, plan.trajectory, held) < 0.15
             assert not judge.touches_itself(request, plan.trajectory)
         q = back.trajectory.position[-1] if stone % 2 else machine.posture("carry")
 
 
 def assert_keeps_limits(machine: Machine, trajectory: JointTrajectory, is_loaded: bool) -> None:
-    fine = _fine(trajectory, 0.005)
+    fine = sampled(trajectory, 0.005)
     velocity = np.diff(fine, axis=0) / 0.005
     acceleration = np.diff(velocity, axis=0) / 0.005
     fastest = machine.loaded_max_velocity if is_loaded else machine.max_velocity
@@ -135,7 +74,7 @@ def test_arrives_and_leaves_straight_along_the_normal_without_turning(make_plann
 
 def gripper_poses(machine: Machine, request: MoveRequest, trajectory: JointTrajectory) -> Float:
     kinematics = Kinematics(machine)
-    return np.array([request.T_map_base @ kinematics.gripper(q) for q in _fine(trajectory, 0.02)])
+    return np.array([request.T_map_base @ kinematics.gripper(q) for q in sampled(trajectory, 0.02)])
 
 
 def test_ends_where_it_was_asked_to_and_starts_where_it_is(make_planner, make_site) -> None:
@@ -151,7 +90,7 @@ def test_ends_where_it_was_asked_to_and_starts_where_it_is(make_planner, make_si
     )
 
 
-def test_five_joints_pick_from_straight_above(make_planner, make_site) -> None:
+def test_five_joints_pick_from_straight_above(make_planner, make_site, make_judge) -> None:
     machine, planner = load_machine("mini"), make_planner("mini")
     site = make_site(machine, *RINGS["mini"], 0)
     site.machine = machine
@@ -160,7 +99,7 @@ def test_five_joints_pick_from_straight_above(make_planner, make_site) -> None:
         plan = planner.move(request)
         assert plan.trajectory is not None, plan.reason
         assert_keeps_limits(machine, plan.trajectory, is_loaded=False)
-        assert Judge(machine, site).deepest_in_site(request, plan.trajectory, None) < 0.15
+        assert make_judge(machine, site).deepest_in_site(request, plan.trajectory, None) < 0.15
 
 
 def vertical_pick(site, machine: Machine, stone: int) -> MoveRequest:
