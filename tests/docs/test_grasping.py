@@ -38,7 +38,7 @@ def test_a_command_of_the_page_knows_its_options(command: str) -> None:
 
 def test_the_page_shows_every_planner() -> None:
     assert {plugin.name for plugin in registry.installed("grasping")} <= set(re.findall(r"\w+", PAGE))
-    assert len(SELECTIONS) == 5
+    assert len(SELECTIONS) == 6
     assert len(COMMANDS) == 6
 
 
