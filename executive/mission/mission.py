@@ -228,6 +228,7 @@ class Mission(Runtime):
 
     def _take_status(self, change: StatusChange) -> None:
         payload = {"from": change.before, "to": change.after, "stamp_s": change.stamp_s, "reason": change.reason}
+        self.show("estimator", change)
         self.record("estimator_status", "", payload)
 
     def _change(self, phase: Phase, reason: str) -> None:

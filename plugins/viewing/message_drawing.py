@@ -12,9 +12,10 @@ from executive.messages.grasp import Grasp
 from executive.messages.placement import Slot
 from executive.messages.request import MotionPlan
 from executive.messages.segment import Segmentation
+from executive.messages.status_change import StatusChange
 from executive.messages.stone import Stone, StoneState
 from executive.messages.verdict import Verdict
-from plugins.viewing.palette import DRONE, GRASP, GROUND, PATH, SLOT, STATES, of_heights, of_number
+from plugins.viewing.palette import DRONE, ESTIMATES, GRASP, GROUND, PATH, SLOT, STATES, of_heights, of_number
 from plugins.viewing.solids import mesh
 from robot_models.gripper import Gripper
 
@@ -103,6 +104,15 @@ def _alignment(value: Alignment, entity: str, gripper: Gripper, max_points: int)
 @draw.register
 def _verdict(value: Verdict, entity: str, gripper: Gripper, max_points: int) -> Drawing:
     yield f"log/{entity}", rr.TextLog(f"{value.monitor}: {value.trouble}: {value.detail}", level="ERROR")
+
+
+@draw.register
+def _status_change(value: StatusChange, entity: str, gripper: Gripper, max_points: int) -> Drawing:
+    """Draw how the estimator stands as a lane beside the tree's, and each change with its reason in the log."""
+    yield f"states/{entity}", rr.StateConfiguration(values=list(ESTIMATES), colors=list(ESTIMATES.values()))
+    yield f"states/{entity}", rr.StateChange(state=value.after)
+    text = f"{entity}: {value.before} → {value.after}" + (f": {value.reason}" if value.reason else "")
+    yield f"log/{entity}", rr.TextLog(text, level="INFO" if value.after == "GLOBAL" else "WARN")
 
 
 def draw_tree(states: Mapping[str, object], changed: Mapping[str, object]) -> Drawing:

@@ -12,6 +12,13 @@ GRASP = (60, 200, 90)
 PATH = (230, 60, 150)
 SLOT = (90, 90, 230)
 STATES = {"RUNNING": (240, 180, 40), "SUCCESS": (70, 180, 90), "FAILURE": (220, 70, 60), "INVALID": (110, 110, 110)}
+ESTIMATES = {  # how an estimator stands
+    "INITIALISING": (110, 110, 110),
+    "GLOBAL": (70, 180, 90),
+    "SUSPECT": (240, 180, 40),
+    "FALLBACK": (220, 70, 60),
+    "RECOVERING": (90, 90, 230),
+}
 
 _LOW = np.array([115.0, 100.0, 82.0])  # earth
 _HIGH = np.array([235.0, 225.0, 205.0])  # limestone in the sun

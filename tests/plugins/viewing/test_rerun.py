@@ -13,6 +13,7 @@ from executive.messages.base_state import BaseState
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
 from executive.messages.joints import JointSample
+from executive.messages.status_change import StatusChange
 from plugins.viewing.rerun import RerunSettings, RerunViewer
 from robot_models.kinematics import Kinematics
 from robot_models.machine import Machine, load_machine
@@ -133,3 +134,15 @@ def test_nothing_is_written_before_it_is_opened(machine: Machine) -> None:
     viewer = RerunViewer(RerunSettings(), machine)
     viewer.show(0.0, "map", Cloud("map", np.zeros((3, 3))))
     viewer.close()
+
+
+def test_how_the_estimator_stands_has_a_lane_and_its_reasons_are_in_the_log(viewer: RerunViewer, rows: Rows) -> None:
+    viewer.show(3.0, "estimator", StatusChange(2.9, "INITIALISING", "GLOBAL", ""))
+    viewer.show(5.0, "estimator", StatusChange(4.9, "GLOBAL", "SUSPECT", "no fix for 0.7 s"))
+    lane = rows("/states/estimator", "StateChange:state")
+    assert [(t, *state) for t, state in lane if state] == [(3.0, "GLOBAL"), (5.0, "SUSPECT")]
+    log = rows("/log/estimator", "TextLog:text")
+    assert [text for _, (text,) in log] == [
+        "estimator: INITIALISING → GLOBAL",
+        "estimator: GLOBAL → SUSPECT: no fix for 0.7 s",
+    ]
