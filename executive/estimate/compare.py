@@ -10,7 +10,8 @@ from executive.estimate.measures import Track
 from executive.estimate.run import Estimated, Material, Options, estimate
 from executive.messages.base_state import BaseState
 
-# What a simulator says of estimated states: `error_m` and `error_rad`, each with mean, std and max.
+# What a simulator says of estimated states: `error_m` and `error_rad`, each with mean, std and max of the magnitude;
+# of the first also the bias and a component's std.
 Truth = Callable[[Sequence[BaseState]], Mapping[str, Mapping[str, float]]]
 
 
@@ -71,6 +72,7 @@ def table(reports: Mapping[str, Mapping[str, Any]]) -> str:
     if all(report["truth"] for report in reports.values()):
         rows = {
             "position error against the truth [cm]": lambda r: _mean_std({"n": 1, **r["truth"]["error_m"]}, 100),
+            "  as bias ± std of a component": lambda r: _bias_std(r["truth"]["error_m"]),
             "  largest [cm]": lambda r: f"{100 * r['truth']['error_m']['max']:.2f}",
             "attitude error against the truth [mrad]": lambda r: _mean_std({"n": 1, **r["truth"]["error_rad"]}, 1e3),
         } | rows
@@ -110,6 +112,11 @@ def _right(cells: Sequence[str], widths: Sequence[int]) -> list[str]:
 
 def _mean_std(figures: Mapping[str, float], factor: float) -> str:
     return f"{factor * figures['mean']:.2f} ± {factor * figures['std']:.2f}" if figures["n"] else "-"
+
+
+def _bias_std(figures: Mapping[str, float]) -> str:
+    """Return what Nubert 2022 gives in its Table I, in centimetres; not every oracle tells it."""
+    return f"{100 * figures['bias']:.2f} ± {100 * figures['component_std']:.2f}" if "bias" in figures else "-"
 
 
 def _figure(figures: Mapping[str, float], name: str, factor: float) -> str:

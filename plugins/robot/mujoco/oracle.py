@@ -150,9 +150,11 @@ def _estimate(states: Sequence[BaseState], log: TruthLog) -> dict[str, Any]:
     if not ready:
         return {}
     true = [log.T_world_cabin(state.stamp_s) for state in ready]
-    offsets = [np.linalg.norm(s.T_map_cabin[:3, 3] - T[:3, 3]) for s, T in zip(ready, true, strict=True)]
+    offsets = np.array([s.T_map_cabin[:3, 3] - T[:3, 3] for s, T in zip(ready, true, strict=True)])
     turns = [angle_between(T[:3, :3], s.T_map_cabin[:3, :3]) for s, T in zip(ready, true, strict=True)]
-    return {"error_m": _statistics(np.array(offsets)), "error_rad": _statistics(np.array(turns))}
+    bias, std = float(np.linalg.norm(offsets.mean(axis=0))), float(offsets.std(axis=0).mean())
+    distances = _statistics(np.linalg.norm(offsets, axis=1)) | {"bias": bias, "component_std": std}
+    return {"error_m": distances, "error_rad": _statistics(np.array(turns))}
 
 
 def _statistics(values: Float) -> dict[str, float]:
