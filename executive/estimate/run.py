@@ -155,11 +155,17 @@ def estimate(material: Material, name: str, options: Options) -> Estimated:
         refused = ", ".join(f"{reason} ×{n}" for reason, n in replay.refused.items()) or "nothing"
         raise DataError(
             f"{material.log.path}: {name} never came to a state. It needs some seconds at rest, and with one antenna "
-            f"some metres of motion after them. Refused: {refused}"
+            f"some metres of motion after them. {_last_word(estimator)}Refused: {refused}"
         )
     track = Track.of(replay.states)
     errors = fix_errors(track, replay.fixes, material.rig, prepared.datum, material.drops)
     return Estimated(_report(material, name, replay, track, errors), replay, track, errors)
+
+
+def _last_word(estimator: Estimator) -> str:
+    """Return the last reason that the estimator gave; empty if it gave none."""
+    account = estimator.account()
+    return f"At {account[-1].stamp_s:.1f} s it {account[-1].reason}. " if account else ""
 
 
 def _report(material: Material, name: str, replay: Replay, track: Track, errors: FixErrors) -> dict[str, Any]:

@@ -67,7 +67,8 @@ class Streams:
         state = self._estimator.state()
         for change in account[self._told :]:
             self._on_status(change)
-        if len(account) == self._told and state.status != self._status:
+            self._status = change.after
+        if state.status != self._status:
             self._on_status(StatusChange(state.stamp_s, self._status, state.status, ""))
         self._told, self._status = len(account), state.status
 

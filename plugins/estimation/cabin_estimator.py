@@ -1,7 +1,7 @@
 """What estimators of a cabin have in common: the door, the first state, and the head that goes on at each sample."""
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
+from executive.messages.status_change import StatusChange
 from plugins.estimation.cabin_sensors import antennas_in_imu, cabin_imu
 from plugins.estimation.cabin_settings import CabinSettings
 from plugins.estimation.chassis import StandingDetector, TurnJoint
@@ -29,6 +30,7 @@ from robot_models.rig import Rig
 INITIALISING = "INITIALISING"
 _JUMP_S = 2.0  # an inertial stamp so far ahead is believed if the next one agrees; less is a gap, and bridged
 _STANDING_PERIOD_S = 0.1
+_TELL_PERIOD_S = 5.0  # of what a start waits for
 
 
 class CabinEstimator(Estimator):
@@ -48,6 +50,8 @@ class CabinEstimator(Estimator):
         self._turn = TurnJoint(self._machine)
         self._standing = StandingDetector(settings.standing)
         self._datum = None if settings.datum is None else np.array(settings.datum)
+        self._account: list[StatusChange] = []
+        self._told_s = -np.inf
         memory = self._shared_memory()
         self._head = LiveHead(self._T_imu_cabin, self._turn, self._noise, settings.restart_after_s, memory)
         self._restart()
@@ -119,6 +123,10 @@ class CabinEstimator(Estimator):
         if first is not None:
             self._is_begun = True
             self._begun_at(*first)
+        elif self._first.waits_for and not 0 <= sample.stamp_s - self._told_s < _TELL_PERIOD_S:
+            self._told_s = sample.stamp_s
+            reason = f"waits for {self._first.waits_for}"
+            self._account.append(StatusChange(sample.stamp_s, INITIALISING, INITIALISING, reason))
 
     @abstractmethod
     def _begun_at(self, state: InertialState, covariance: Float) -> None:
@@ -170,6 +178,10 @@ class CabinEstimator(Estimator):
     @abstractmethod
     def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
         """Correct by a chassis that stands, the cabin turning on it at a rate [rad/s], cabin axes, shape (3,)."""
+
+    def account(self) -> Sequence[StatusChange]:
+        """Return the changes that have a reason, and what each start waited for, every few seconds."""
+        return tuple(self._account)
 
     @abstractmethod
     def _status(self) -> str:

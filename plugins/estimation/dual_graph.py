@@ -1,7 +1,7 @@
 """Estimation by two factor graphs over inertial, satellite and lidar measurements, propagated at each sample."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -74,6 +74,7 @@ class DualGraph(CabinEstimator):
             self._mode = news.mode
             if news.changes or news.refused:
                 self.changes.extend(news.changes)
+                self._account += [StatusChange(c.stamp_s, str(c.before), str(c.after), c.reason) for c in news.changes]
                 self._refused.update(news.refused)
 
     @property
@@ -105,9 +106,6 @@ class DualGraph(CabinEstimator):
     def _hand_over(self, measurement: Measurement) -> None:
         if self._is_begun and measurement.stamp_s > self._begun_s:
             self._host.add(measurement)
-
-    def account(self) -> Sequence[StatusChange]:
-        return [StatusChange(c.stamp_s, str(c.before), str(c.after), c.reason) for c in self.changes]
 
     def _status(self) -> str:
         return self._mode.value

@@ -16,7 +16,11 @@ _PERIOD_S = 0.1  # between looks for rest, which cost milliseconds, where a long
 
 
 class FirstState:
-    """Collects samples and fixes until a state is known."""
+    """Collects samples and fixes until a state is known.
+
+    Attributes:
+        waits_for: What is missing, as far as it is known; empty before the first look.
+    """
 
     def __init__(
         self,
@@ -31,6 +35,7 @@ class FirstState:
         self._rest = RestInitialisation(rest, antennas_imu, noise, chassis)
         self._moving = MovingStart(moving, next(iter(antennas_imu.values())), noise)
         self._tried_s = -math.inf
+        self.waits_for = ""
 
     def add_fix(self, stamp_s: float, antenna: str, p_map_antenna: Float, covariance: Float) -> None:
         """Take the measured position of an antenna in the map [m], and its covariance [m²], shape (3, 3)."""
@@ -44,9 +49,12 @@ class FirstState:
         """
         self._rest.add_sample(sample)
         at_rest = None
-        if sample.stamp_s - self._tried_s >= _PERIOD_S and abs(turn_rate_rad_s) < self._max_rate_rad_s:
+        if abs(turn_rate_rad_s) >= self._max_rate_rad_s:
+            self.waits_for = f"rest: the cabin turns on its chassis at {abs(turn_rate_rad_s):.3f} rad/s"
+        elif sample.stamp_s - self._tried_s >= _PERIOD_S:
             self._tried_s = sample.stamp_s
             at_rest = self._rest.state()
+            self.waits_for = self._rest.waits_for or ("" if self._has_heading else "motion, which gives the heading")
         if self._has_heading:
             return at_rest
         self._moving.add_sample(sample)

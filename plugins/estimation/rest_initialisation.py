@@ -43,7 +43,11 @@ class RestSettings(Settings):
 
 
 class RestInitialisation:
-    """Collects samples, forgets old ones, and gives a state as soon as the newest few seconds were at rest."""
+    """Collects samples, forgets old ones, and gives a state as soon as the newest few seconds were at rest.
+
+    Attributes:
+        waits_for: Why there was no state when one was asked for last; empty if there was, or too little is known yet.
+    """
 
     def __init__(
         self,
@@ -59,6 +63,7 @@ class RestInitialisation:
         self._samples: deque[Inertial] = deque()
         self._fixes: dict[str, deque[tuple[float, Float]]] = {name: deque() for name in antennas_imu}
         self._fix_std_m = 0.0  # as the newest fix says
+        self.waits_for = ""
 
     def add_sample(self, sample: Inertial) -> None:
         """Take one inertial sample."""
@@ -81,7 +86,8 @@ class RestInitialisation:
         rates = np.array([s.rate for s in self._samples])
         forces = np.array([s.force for s in self._samples])
         positions = {name: np.array([p for _, p in fixes]) for name, fixes in self._fixes.items()}
-        if not self._is_at_rest(rates, forces, positions):
+        self.waits_for = self._motion(rates, forces, positions)
+        if self.waits_for:
             return None
         means = {name: p.mean(axis=0) for name, p in positions.items()}
         force = forces.mean(axis=0)
@@ -94,20 +100,29 @@ class RestInitialisation:
         return state, self._covariance(R, level_rad, rates, positions)
 
     def _is_long_enough(self) -> bool:
+        self.waits_for = ""
         start_s = self._samples[-1].stamp_s - 0.9 * self._settings.duration_s
         if self._samples[0].stamp_s > start_s or len(self._samples) < 20:
             return False
-        return all(len(fixes) >= 5 and fixes[-1][0] > start_s for fixes in self._fixes.values())
+        few = [name for name, fixes in self._fixes.items() if len(fixes) < 5 or fixes[-1][0] <= start_s]
+        if few:
+            self.waits_for = f"fixes of {' and '.join(few)}: fewer than five of late"
+        return not few
 
-    def _is_at_rest(self, rates: Float, forces: Float, positions: Mapping[str, Float]) -> bool:
+    def _motion(self, rates: Float, forces: Float, positions: Mapping[str, Float]) -> str:
+        """Return what says that the machine moves; empty if nothing does."""
         settings = self._settings
-        max_antenna_std_m = max(settings.max_antenna_std_m, _DECLARED * self._fix_std_m)
-        return bool(
-            np.linalg.norm(rates.mean(axis=0)) < settings.max_rate_rad_s
-            and rates.std(axis=0).max() < settings.max_rate_std_rad_s
-            and forces.std(axis=0).max() < settings.max_force_std_m_s2
-            and all(p.std(axis=0).max() < max_antenna_std_m for p in positions.values())
-        )
+        turn, shake, jolt = np.linalg.norm(rates.mean(axis=0)), rates.std(axis=0).max(), forces.std(axis=0).max()
+        if turn >= settings.max_rate_rad_s:
+            return f"rest: it turns at {turn:.3f} rad/s"
+        if shake >= settings.max_rate_std_rad_s:
+            return f"rest: its rate varies by {shake:.3f} rad/s"
+        if jolt >= settings.max_force_std_m_s2:
+            return f"rest: its force varies by {jolt:.2f} m/s²"
+        spread_m, name = max((float(p.std(axis=0).max()), name) for name, p in positions.items())
+        if spread_m >= max(settings.max_antenna_std_m, _DECLARED * self._fix_std_m):
+            return f"rest: the fixes of {name} vary by {spread_m:.3f} m"
+        return ""
 
     def _level(self, force: Float) -> tuple[Float, float]:
         """Return what is up in IMU axes, and how well that is known [rad].

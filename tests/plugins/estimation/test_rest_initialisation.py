@@ -105,3 +105,35 @@ def test_less_certain_fixes_leave_the_first_state_less_certain() -> None:
     assert poor[VELOCITY].min() > 2 * good[VELOCITY].max()
     assert poor[ROTATION].max() > 3 * good[ROTATION].max()  # the heading's
     np.testing.assert_allclose(poor[GYRO_BIAS], good[GYRO_BIAS], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("kind", "change", "reason"),
+    [
+        ("imu_cabin", {"angular_velocity_rad_s": np.array([0.0, 0.0, 0.1])}, "it turns at 0.1"),
+        ("gnss_right", None, "fixes of gnss_right: fewer than five"),
+        ("joints", {"velocity": np.full(10, 0.2)}, "the cabin turns on its chassis at 0.2"),
+    ],
+)
+def test_what_a_start_waits_for_is_told_now_and_then(kind, change, reason, cabin, begin) -> None:
+    estimator = begin()
+    for observation in cabin.observations(5.5):
+        frame = getattr(observation, "frame", getattr(observation, "antenna", "joints"))
+        if frame != kind:
+            estimator.add(observation)
+        elif change is not None:
+            estimator.add(replace(observation, **{k: v[: len(getattr(observation, k))] for k, v in change.items()}))
+    assert estimator.state().status == "INITIALISING"
+    account = estimator.account()
+    assert 1 <= len(account) <= 2  # once in five seconds
+    assert all(reason in told.reason and told.after == "INITIALISING" for told in account)
+
+
+def test_a_machine_that_drives_is_told_by_its_fixes(cabin, begin) -> None:
+    estimator = begin()
+    for observation in cabin.observations(4.0):
+        if isinstance(observation, GnssFix):
+            moved = geodetic_from_enu(np.array([0.3 * observation.stamp_s, 0, 0]), observation.geodetic)
+            observation = replace(observation, geodetic=moved)
+        estimator.add(observation)
+    assert estimator.account()[0].reason.startswith("waits for rest: the fixes of gnss_")
