@@ -28,6 +28,7 @@ from lone_stones import mesh_solid
 
 from executive.arrays import Float
 from executive.clock import wall_s
+from executive.errors import RobotError
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis, angle_between, exp_so3
 from executive.messages.cloud import Cloud
@@ -104,10 +105,14 @@ class Site:
             jaw_rad=self.jaw_rad,
         )
         plan = self.plugins["motion"].move(request)
-        if plan.trajectory is not None:
+        if plan.trajectory is None:
+            return False
+        try:
             self.plugins["robot"].command(Follow(plan.trajectory))
-            self.run(plan.trajectory.duration_s + 0.5)
-        return plan.trajectory is not None
+        except RobotError:  # a stone has pressed a joint of the arm beyond its limit
+            return False
+        self.run(plan.trajectory.duration_s + 0.5)
+        return True
 
     def surroundings(self, stones: list[int]) -> Cloud:
         xy = np.stack(np.meshgrid(*[np.arange(-11.0, 11.0, CELL_M)] * 2), axis=-1).reshape(-1, 2)
