@@ -124,7 +124,7 @@ def scan_pair() -> dict[str, Any]:
 
 
 def database(folders: Sequence[str]) -> dict[str, Any]:
-    """Compare databases that were kept with the truth; a stone that was not realigned counts as it was believed."""
+    """Compare databases that were kept with the truth, as they were after each realignment."""
     from database_poses import errors_of
 
     entries: list[dict[str, Any]] = []
@@ -133,11 +133,13 @@ def database(folders: Sequence[str]) -> dict[str, Any]:
         found, told = errors_of(Path(folder))
         entries += found
         counts = {name: counts.get(name, 0) + number for name, number in told.items()}
+    released = len(entries)
+    entries = [entry for entry in entries if entry["was_realigned"]]
     cm, deg = np.array([entry["final"] for entry in entries]).T
     return counts | {
         "runs": len(folders),
         "n": len(entries),
-        "realigned": sum(entry["was_realigned"] for entry in entries),
+        "released": released,
         "within": int(((cm <= 3) & (deg <= 3)).sum()),
         **{
             f"{name}_{unit}": round(float(np.percentile(values, share)), 2)
