@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 from executive.arrays import Float
 from executive.geometry.voxels import voxel_means
 
+_DRAWS = 20
 _COARSER = 1.26  # twice the volume of a cell
 
 
@@ -50,6 +51,26 @@ def shifts_of(model: Float, view: Float, voxel_m: float) -> tuple[Float, Float]:
     """
     even = voxel_means(view, voxel_m)
     return even.mean(axis=0) - model.mean(axis=0), _middle(even) - _middle(model)
+
+
+def drawn_shift(model: Float, view: Float, distance_m: float) -> Float:
+    """Return the shift of a view from a model that its points' nearest neighbours draw it by [m], shape (3,).
+
+    ICP without turning (Besl 1992), for a view from one side that lies near: its mean and its box tell little.
+
+    Args:
+        model, view: Shapes (N, 3), (M, 3), in one frame [m].
+        distance_m: Neighbours farther off draw nothing.
+    """
+    shift, surface = np.zeros(3), cKDTree(model)
+    for _ in range(_DRAWS):
+        moved = view - shift
+        distances, nearest = surface.query(moved, distance_upper_bound=distance_m)
+        is_near = np.isfinite(distances)
+        if not is_near.any():
+            break
+        shift += (moved[is_near] - model[nearest[is_near]]).mean(axis=0)
+    return shift
 
 
 def merged(model: Float, view: Float, voxel_m: float, most: int) -> Float:

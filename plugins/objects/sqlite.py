@@ -16,7 +16,7 @@ from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
 from plugins.objects.association import associate
 from plugins.objects.database_file import open_file, transaction
-from plugins.objects.growth import Fit, fit_of, merged, shifts_of
+from plugins.objects.growth import Fit, drawn_shift, fit_of, merged, shifts_of
 from plugins.objects.schema import pack_pose, read_event, read_stone, unpack_pose
 from plugins.objects.surface import pack
 
@@ -193,12 +193,9 @@ class SqliteObjects(ObjectDatabase):
         known, seen, T = stone.points_map, segment.points, stone.T_map_object
         kind, fit, state = "seen", self._fit(known, seen), _found(stone.state)
         if not self._agrees(fit):
-            shifts = shifts_of(known, seen, self._settings.voxel_m)
-            fits = [self._fit(known + shift, seen) for shift in shifts]
-            best = max((0, 1), key=lambda i: (self._agrees(fits[i]), -fits[i].rmse_m))
-            is_whole = self._agrees(fits[best])
-            kind, fit = ("moved", fits[best]) if is_whole else ("replaced", fit)
-            shift = shifts[best] if is_whole else shifts[0]
+            shift, there = self._moved(known, seen)
+            is_whole = self._agrees(there)
+            kind, fit = ("moved", there) if is_whole else ("replaced", fit)
             known, T = (known + shift if is_whole else known[:0]), pose(T[:3, :3], T[:3, 3] + shift)
         limit = self._settings.max_growth_whole if stone.seen_from_above else self._settings.max_growth
         note = f"{_eyes(seen_from_above)}, {fit}"
@@ -209,6 +206,17 @@ class SqliteObjects(ObjectDatabase):
             self._resurface(db, stone.id, known, seen, T, from_above)
             self._note(db, stone.id, stamp_s, kind, state, note)
         return stone.id
+
+    def _moved(self, known: Float, seen: Float) -> tuple[Float, Fit]:
+        """Return how far a stone seems to have moved unturned [m], shape (3,), and how the view lies on it there.
+
+        By means, by boxes, or as the points draw it, whichever fits best; if nothing fits, by means.
+        """
+        by_mean, by_box = shifts_of(known, seen, self._settings.voxel_m)
+        drawn = drawn_shift(known, seen, self._settings.agreement_m)
+        fits = [(shift, self._fit(known + shift, seen)) for shift in (by_mean, by_box, drawn)]
+        shift, fit = max(fits, key=lambda one: (self._agrees(one[1]), -one[1].rmse_m))
+        return (shift, fit) if self._agrees(fit) else fits[0]
 
     def _fit(self, known: Float, seen: Float) -> Fit:
         return fit_of(known, seen, self._settings.agreement_m)

@@ -119,6 +119,19 @@ def test_a_pushed_stone_keeps_its_whole_model(objects: SqliteObjects) -> None:
     np.testing.assert_allclose(stone.points_map.mean(axis=0), [3.3, 0.3, 0], atol=0.02)
 
 
+def test_a_stone_seen_from_one_side_a_little_off_keeps_its_whole_model(objects: SqliteObjects) -> None:
+    """Mean and box of such a view are those of the side; the model used to be given up for it."""
+    objects.observe([segment(block((3, 0, 0)))], 0.0, True)
+    side = block((0, 0, 0), seed=1, count=8000)
+    side = side[(side[:, 2] > 0.0) & ((side[:, 0] > 0.45) | (side[:, 2] > 0.2))]
+    off = pose(about_axis(Z, np.radians(2.0)), np.array([3.05, 0.045, 0.065]))
+    stone = objects.observe([segment(transform(off, side))], 1.0, False)[0]
+    assert objects.history(1)[-1].kind == "moved"
+    assert stone.seen_from_above
+    np.testing.assert_allclose(stone.T_map_object[:3, 3], [3.05, 0.045, 0.065], atol=0.04)
+    np.testing.assert_allclose(np.ptp(stone.points_map, axis=0), [1.0, 0.7, 0.5], atol=0.08)
+
+
 def test_a_turned_stone_is_seen_afresh(objects: SqliteObjects) -> None:
     objects.observe([segment(block((3, 0, 0)))], 0.0, True)
     turned = transform(pose(about_axis(np.array([0, 1.0, 0]), np.pi / 2), np.array([3.2, 0, 3.0])), block((3, 0, 0), 1))
