@@ -33,6 +33,10 @@ class Doorkeeper:
             stamp_s: Time of measurement [s].
             jump_s: A stamp that is so much newer must be followed by another before it is believed [s].
         """
+        is_usual = stream not in self._alone and stream not in self._ahead_s
+        if is_usual and 0 < stamp_s - self._newest_s.get(stream, math.inf) <= jump_s:
+            self._newest_s[stream] = stamp_s  # as nearly all are: little is spent on them
+            return True
         reason = self._reason(stream, stamp_s, jump_s)
         if reason:
             self.refuse(stream, reason)
