@@ -64,7 +64,6 @@ def _carry_covariance(s: Any) -> None:
     T, R = s.T_imu_cabin, s.R
     J = np.zeros((6, 6))
     for i in range(3):
-        k, m = (i + 1) % 3, (i + 2) % 3
         for j in range(3):
             J[i, j] = T[j, i]
             J[3 + i, 3 + j] = T[0, i] * R[j, 0] + T[1, i] * R[j, 1] + T[2, i] * R[j, 2]

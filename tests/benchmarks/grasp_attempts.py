@@ -14,7 +14,6 @@ no lower than 0.2 m and no farther than 0.6 m from where it was set down. After 
 planned anew, up to three times; grasps unlike those before come first, as in missions. All rankings see the same.
 """
 
-import argparse
 import json
 import tempfile
 from collections.abc import Iterator
@@ -23,7 +22,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from grasp_lifts import A_SITE, FIRST_SEED, RANKINGS, TRIES, is_success, scans_of, shapes_of, table, weights_id
+from grasp_lifts import (
+    A_SITE,
+    FIRST_SEED,
+    RANKINGS,
+    TRIES,
+    arguments,
+    is_success,
+    scans_of,
+    shapes_of,
+    table,
+    weights_id,
+)
 from lone_stones import mesh_solid
 
 from executive.arrays import Float
@@ -251,16 +261,7 @@ def run_site(stones: str, scale: float, ranking: str, number: int) -> Iterator[d
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path)
-    verbs = parser.add_subparsers(dest="verb", required=True)
-    verbs.add_parser("table")
-    run = verbs.add_parser("run")
-    run.add_argument("stones", help="`generated`, or a folder of meshes")
-    run.add_argument("ranking", choices=RANKINGS)
-    run.add_argument("sites", help="first and last and one, such as 1:16")
-    run.add_argument("--scale", type=float, default=1.0)
-    given = parser.parse_args()
+    given = arguments(__doc__)
     given.folder.mkdir(exist_ok=True, parents=True)
     path = given.folder / "attempts.jsonl"
     rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []

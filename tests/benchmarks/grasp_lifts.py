@@ -164,8 +164,9 @@ def table(rows: list[dict[str, Any]]) -> str:
     return "\n".join(lines)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def arguments(doc: str | None) -> argparse.Namespace:
+    """Read the command line of a benchmark that runs sites, or lays out the table of what was run."""
+    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     verbs = parser.add_subparsers(dest="verb", required=True)
     verbs.add_parser("table")
@@ -174,7 +175,11 @@ def main() -> None:
     run.add_argument("ranking", choices=RANKINGS)
     run.add_argument("sites", help="first and last and one, such as 1:16")
     run.add_argument("--scale", type=float, default=1.0)
-    given = parser.parse_args()
+    return parser.parse_args()
+
+
+def main() -> None:
+    given = arguments(__doc__)
     given.folder.mkdir(exist_ok=True, parents=True)
     path = given.folder / "lifts.jsonl"
     rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
