@@ -16,7 +16,7 @@ _LIMIT_S = 10.0  # the slowest stop along a path takes less
 
 
 class Rest:
-    """Tells whether joints stand: they hardly move, or shake on the spot, as those of an arm that leans on a stone."""
+    """Tells whether joints stand: they hardly move, or shake on the spot, as the simulated jaws do in some postures."""
 
     def __init__(self) -> None:
         self._seen: deque[tuple[float, Float]] = deque()
