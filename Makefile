@@ -27,6 +27,7 @@ check: lint test
 lint: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	@mkdir -p build/typing && ln -sfn ../../plugins build/typing/executive_plugins
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 

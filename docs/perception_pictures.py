@@ -15,8 +15,8 @@ from matplotlib.axes import Axes
 
 from executive.arrays import Float
 from executive.clouds.reader import read_site
+from executive.commands.plugin_choice import chosen
 from executive.messages.cloud import Cloud
-from executive.perception.plugin_choice import chosen
 
 IMAGES = Path(__file__).parent / "images"
 LIDAR, DRONE, GREY = "#2a9d5c", "#d1495b", "#b5b5b5"
@@ -35,14 +35,29 @@ def main(source: Path, target: Path) -> list[Path]:
         merged = segmenter.segment(Cloud("target", np.vstack([clouds[0].points, moved])))
     middle = moved.mean(axis=0)
     maps, axes = plt.subplots(1, 2, figsize=(13, 6.2), layout="constrained")
-    _map(axes[0], [(clouds[1].points, DRONE), (clouds[0].points, LIDAR)], "before: each in a frame of its own", None)
-    _map(axes[1], [(moved, DRONE), (clouds[0].points, LIDAR)], "after: drone red, lidar green", middle)
+    _map(
+        axes[0],
+        [(clouds[1].points, DRONE), (clouds[0].points, LIDAR)],
+        "before: each in a frame of its own",
+        None,
+    )
+    _map(
+        axes[1],
+        [(moved, DRONE), (clouds[0].points, LIDAR)],
+        "after: drone red, lidar green",
+        middle,
+    )
     segments, axes = plt.subplots(1, 3, figsize=(17, 6.0), layout="constrained")
     parts = (apart[1], apart[0], merged)
     names = ("drone", "lidar", "both, registered")
     for axis, segmentation, name in zip(axes, parts, names, strict=True):
         centre = middle if name != "drone" else clouds[1].points.mean(axis=0)
-        _map(axis, [(segmentation.ground.points, GREY)], f"{name}: {len(segmentation.segments)} segments", centre)
+        _map(
+            axis,
+            [(segmentation.ground.points, GREY)],
+            f"{name}: {len(segmentation.segments)} segments",
+            centre,
+        )
         for number, segment in enumerate(segmentation.segments):
             _dots(axis, segment.points, f"C{number % 10}")
     paths = [IMAGES / "perception_maps.png", IMAGES / "perception_segments.png"]

@@ -50,11 +50,19 @@ def cloud(file: Path) -> Path:
     return path
 
 
-def _draw(axis: plt.Axes, points: Float, height: Float, shade: Float, order: tuple[int, int]) -> None:
+def _draw(
+    axis: plt.Axes, points: Float, height: Float, shade: Float, order: tuple[int, int]
+) -> None:
     order_drawn = np.argsort(points[:, 2])
     colours = plt.get_cmap("viridis")(np.clip((height + 0.1) / 1.1, 0, 1))[:, :3] * shade[:, None]
     across, up = order
-    axis.scatter(points[order_drawn, across], points[order_drawn, up], s=1.6, c=colours[order_drawn], linewidths=0)
+    axis.scatter(
+        points[order_drawn, across],
+        points[order_drawn, up],
+        s=1.6,
+        c=colours[order_drawn],
+        linewidths=0,
+    )
 
 
 def _shade(points: Float) -> Float:

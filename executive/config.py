@@ -10,7 +10,9 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
 class Settings(BaseModel):
     """Base of every settings class: frozen, nothing extra, no silent conversion of defaults."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", validate_default=True, allow_inf_nan=False
+    )
 
 
 class NoSettings(Settings):
@@ -29,7 +31,9 @@ UNITS: dict[str, dict[str, float]] = {
     "density": {"kg/m3": 1.0, "t/m3": 1e3},
     "frequency": {"Hz": 1.0, "kHz": 1e3},
 }
-_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/][A-Za-z0-9/]*)\s*")
+_QUANTITY = re.compile(
+    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/][A-Za-z0-9/]*)\s*"
+)
 
 
 def parse_quantity(value: Any, dimension: str) -> float:
@@ -47,7 +51,9 @@ def parse_quantity(value: Any, dimension: str) -> float:
         raise ValueError(f"expected {_expected(dimension)}, got {value!r}")
     number, unit = match.groups()
     if unit not in UNITS[dimension]:
-        raise ValueError(f"'{unit}' is no unit of {dimension}; expected {_expected(dimension)}, got {value!r}")
+        raise ValueError(
+            f"'{unit}' is no unit of {dimension}; expected {_expected(dimension)}, got {value!r}"
+        )
     return float(number) * UNITS[dimension][unit]
 
 
@@ -58,7 +64,10 @@ def _expected(dimension: str) -> str:
 
 
 def _quantity(dimension: str) -> Any:
-    schema = {"anyOf": [{"type": "number"}, {"type": "string"}], "description": _expected(dimension)}
+    schema = {
+        "anyOf": [{"type": "number"}, {"type": "string"}],
+        "description": _expected(dimension),
+    }
     return (BeforeValidator(lambda value: parse_quantity(value, dimension)), WithJsonSchema(schema))
 
 

@@ -39,7 +39,9 @@ class Journal:
         self._checksum = "0" * _DIGITS
         self.entries: list[Entry] = []
 
-    def append(self, tick: int, time_s: float, kind: str, node: str, payload: Mapping[str, Any]) -> None:
+    def append(
+        self, tick: int, time_s: float, kind: str, node: str, payload: Mapping[str, Any]
+    ) -> None:
         """Add one entry; numpy values become plain numbers and lists."""
         entry = Entry(len(self.entries), tick, round(time_s, 6), kind, node, plain(payload))
         self.entries.append(entry)
@@ -67,7 +69,9 @@ def read_journal(path: Path) -> Iterator[Entry]:
         try:
             fields = json.loads(line)
             stated = fields.pop("checksum")
-            entry = Entry(*(fields[k] for k in ("sequence", "tick", "time_s", "kind", "node", "payload")))
+            entry = Entry(
+                *(fields[k] for k in ("sequence", "tick", "time_s", "kind", "node", "payload"))
+            )
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise DataError(f"{path}:{number}: not a line of a journal: {error}") from error
         checksum = _chain(checksum, _body(entry))

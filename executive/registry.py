@@ -139,7 +139,14 @@ def diagnose() -> list[dict[str, str]]:
                 problem = ""
             except BrokenPluginError as error:
                 problem = str(error)
-            findings.append({"capability": capability, "name": one.name, "target": one.target, "problem": problem})
+            findings.append(
+                {
+                    "capability": capability,
+                    "name": one.name,
+                    "target": one.target,
+                    "problem": problem,
+                }
+            )
     return findings
 
 

@@ -1,1 +1,1 @@
-"""Machines: one folder each, robot.yaml the single source; what is generated from it; its kinematics."""
+"""Machines as data: a folder each, with robot.yaml as the single source."""

@@ -5,7 +5,17 @@ import math
 import pytest
 from pydantic import Field, ValidationError
 
-from executive.config import UNITS, Kilograms, Meters, Newtons, NoSettings, Radians, Seconds, Settings, parse_quantity
+from executive.config import (
+    UNITS,
+    Kilograms,
+    Meters,
+    Newtons,
+    NoSettings,
+    Radians,
+    Seconds,
+    Settings,
+    parse_quantity,
+)
 
 
 class Swing(Settings):
@@ -85,7 +95,9 @@ def test_a_unit_is_converted_before_the_bound_is_checked() -> None:
         ({"duration": -1}, "greater than 0"),
     ],
 )
-def test_unknown_and_impossible_settings_are_refused(settings: dict[str, object], message: str) -> None:
+def test_unknown_and_impossible_settings_are_refused(
+    settings: dict[str, object], message: str
+) -> None:
     with pytest.raises(ValidationError, match=message):
         Swing(**settings)
 

@@ -23,7 +23,9 @@ def test_without_a_near_word_all_are_listed_in_order() -> None:
 
 
 def test_an_unknown_plugin_is_a_mistake_in_the_file_and_says_what_there_is() -> None:
-    with pytest.raises(ConfigError, match=r"no registration plugin 'gicpp'\. Did you mean 'gicp'\?"):
+    with pytest.raises(
+        ConfigError, match=r"no registration plugin 'gicpp'\. Did you mean 'gicp'\?"
+    ):
         raise UnknownPluginError("registration", "gicpp", ["gicp"])
 
 

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.follow import follow
-from executive.behaviours.port import Port
+from executive.leaf.action import Action, Steps
+from executive.leaf.follow import follow
+from executive.leaf.port import Port
 from executive.messages.trajectory import JointTrajectory
 
 

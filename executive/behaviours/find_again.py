@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.outcome import failed, succeeded
-from executive.behaviours.port import Port
-from executive.behaviours.unexplained import unexplained
 from executive.config import Meters, Settings
+from executive.leaf.action import Action, Steps
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.port import Port
+from executive.leaf.unexplained import unexplained
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segmentation
@@ -17,7 +17,9 @@ from executive.messages.stone import StoneState
 
 
 class FindAgainSettings(Settings):
-    radius: Meters = Field(4.0, gt=0, le=20, description="How far from its last known place to look [m].")
+    radius: Meters = Field(
+        4.0, gt=0, le=20, description="How far from its last known place to look [m]."
+    )
 
 
 class FindAgain(Action):
@@ -39,22 +41,40 @@ class FindAgain(Action):
         if not len(near):
             return failed(f"the map shows nothing around stone {stone.id}")
         around = unexplained(self.context, stone, self.settings.radius)
-        found: Alignment = yield self.context.job("registration", "find", around, Cloud("map", stone.points_map))
+        found: Alignment = yield self.context.job(
+            "registration", "find", around, Cloud("map", stone.points_map)
+        )
         if found.accepted:
             note = f"registration, {found.reason}"
             stone = objects.realign(stone.id, found.T_target_source, self.context.now_s(), note)
-            self.context.note("looked_again", stone=stone.id, seen=[stone.id], method="registration", reason=note)
+            self.context.note(
+                "looked_again", stone=stone.id, seen=[stone.id], method="registration", reason=note
+            )
             return succeeded(note)
-        segmentation: Segmentation = yield self.context.job("segmentation", "segment", Cloud("map", near))
+        segmentation: Segmentation = yield self.context.job(
+            "segmentation", "segment", Cloud("map", near)
+        )
         seen = objects.observe(self._not_placed(segmentation), self.context.now_s(), False)
         numbers = [s.id for s in seen]
-        self.context.note("looked_again", stone=stone.id, seen=numbers, method="segmentation", reason=found.reason)
+        self.context.note(
+            "looked_again", stone=stone.id, seen=numbers, method="segmentation", reason=found.reason
+        )
         if stone.id not in numbers:
-            return failed(f"stone {stone.id} was not found within {self.settings.radius:.1f} m of its last place")
+            return failed(
+                f"stone {stone.id} was not found within {self.settings.radius:.1f} m of its last place"
+            )
         return succeeded()
 
     def _not_placed(self, segmentation: Segmentation) -> list[Any]:
         """Leave out segments that are stones which stand in their slots: those are not looked for."""
         stones = self.context.plugin("objects").stones()
-        placed = [s.centroid_map[:2] for s in stones if s.state in (StoneState.PLACED, StoneState.SET_ASIDE)]
-        return [s for s in segmentation.segments if all(np.hypot(*(s.centroid[:2] - p)) > 0.6 for p in placed)]
+        placed = [
+            s.centroid_map[:2]
+            for s in stones
+            if s.state in (StoneState.PLACED, StoneState.SET_ASIDE)
+        ]
+        return [
+            s
+            for s in segmentation.segments
+            if all(np.hypot(*(s.centroid[:2] - p)) > 0.6 for p in placed)
+        ]

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from executive.behaviours.action import Condition
-from executive.behaviours.outcome import Outcome, failed, succeeded
-from executive.behaviours.port import Port
+from executive.leaf.action import Condition
+from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.port import Port
 from executive.messages.placement import Slot
 from executive.messages.stone import StoneState
 
@@ -19,7 +19,9 @@ class FindFreeSlots(Condition):
     outputs = {"free_slots": Port(list[Slot], "those that are free, best first")}
 
     def check(self, **inputs: Any) -> Outcome:
-        placed = [s for s in self.context.plugin("objects").stones() if s.state is StoneState.PLACED]
+        placed = [
+            s for s in self.context.plugin("objects").stones() if s.state is StoneState.PLACED
+        ]
         free = []
         for slot in inputs["slots"]:
             gaps = [stone.centroid_map[:2] - slot.position_map[:2] for stone in placed]

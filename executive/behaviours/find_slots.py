@@ -4,10 +4,10 @@ from typing import Any
 
 from pydantic import Field
 
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.outcome import failed, succeeded
-from executive.behaviours.port import Port
 from executive.config import Settings
+from executive.leaf.action import Action, Steps
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.port import Port
 from executive.messages.placement import Slot
 from executive.messages.segment import Segmentation
 
@@ -27,11 +27,19 @@ class FindSlots(Action):
 
     def run(self, **inputs: Any) -> Steps:
         slots = yield self.context.job(
-            "placing", "slots", inputs["segmentation"], self.context.state().T_map_base, self.settings.count
+            "placing",
+            "slots",
+            inputs["segmentation"],
+            self.context.state().T_map_base,
+            self.settings.count,
         )
-        self.context.note("slots", slots=[{"slot": s.id, "position_map": s.position_map} for s in slots])
+        self.context.note(
+            "slots", slots=[{"slot": s.id, "position_map": s.position_map} for s in slots]
+        )
         for slot in slots:
             self.context.show(f"slots/{slot.id}", slot)
         if len(slots) < self.settings.at_least:
-            return failed(f"free ground for {len(slots)} stones, {self.settings.at_least} are wanted")
+            return failed(
+                f"free ground for {len(slots)} stones, {self.settings.at_least} are wanted"
+            )
         return succeeded(f"{len(slots)} places", slots=list(slots))

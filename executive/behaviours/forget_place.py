@@ -4,15 +4,17 @@ from typing import Any
 
 from pydantic import Field
 
-from executive.behaviours.action import Condition
-from executive.behaviours.outcome import Outcome, succeeded
-from executive.behaviours.port import Port
-from executive.behaviours.removal import remove_from_map
 from executive.config import Meters, Settings
+from executive.leaf.action import Condition
+from executive.leaf.outcome import Outcome, succeeded
+from executive.leaf.port import Port
+from executive.leaf.removal import remove_from_map
 
 
 class ForgetPlaceSettings(Settings):
-    removal_radius: Meters = Field(1.0, gt=0, le=3, description="Least radius of what the map forgets [m].")
+    removal_radius: Meters = Field(
+        1.0, gt=0, le=3, description="Least radius of what the map forgets [m]."
+    )
 
 
 class ForgetPlace(Condition):
@@ -29,5 +31,7 @@ class ForgetPlace(Condition):
     def check(self, **inputs: Any) -> Outcome:
         stone = self.context.plugin("objects").stone(inputs["stone"])
         removed, put_back = remove_from_map(self.context, stone, self.settings.removal_radius)
-        self.context.note("place_forgotten", stone=stone.id, removed_points=removed, put_back_points=put_back)
+        self.context.note(
+            "place_forgotten", stone=stone.id, removed_points=removed, put_back_points=put_back
+        )
         return succeeded()

@@ -5,17 +5,21 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from executive.behaviours.action import Condition
-from executive.behaviours.outcome import Outcome, failed, succeeded
-from executive.behaviours.port import Port
 from executive.config import Meters, Settings
+from executive.leaf.action import Condition
+from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.port import Port
 from executive.messages.placement import Placement
 from executive.messages.verdict import Trouble
 
 
 class HasArrivedSettings(Settings):
-    aside: Meters = Field(0.1, ge=0, le=1, description="Largest horizontal distance from the placement [m].")
-    above: Meters = Field(0.25, ge=0, le=1, description="Largest height above it [m]: the stone met the ground early.")
+    aside: Meters = Field(
+        0.1, ge=0, le=1, description="Largest horizontal distance from the placement [m]."
+    )
+    above: Meters = Field(
+        0.25, ge=0, le=1, description="Largest height above it [m]: the stone met the ground early."
+    )
 
 
 class HasArrived(Condition):

@@ -4,14 +4,16 @@ from typing import Any
 
 from pydantic import Field
 
-from executive.behaviours.action import Condition
-from executive.behaviours.outcome import Outcome, failed, succeeded
 from executive.config import Radians, Settings
+from executive.leaf.action import Condition
+from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.verdict import Trouble
 
 
 class IsHoldingSettings(Settings):
-    empty_below: Radians = Field(0.08, ge=0, le=1, description="Jaws that stand below this hold nothing [rad].")
+    empty_below: Radians = Field(
+        0.08, ge=0, le=1, description="Jaws that stand below this hold nothing [rad]."
+    )
 
 
 class IsHolding(Condition):

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.outcome import succeeded
+from executive.leaf.action import Action, Steps
+from executive.leaf.outcome import succeeded
 
 
 class Localise(Action):

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from executive.behaviours.action import Condition
-from executive.behaviours.outcome import Outcome, failed, succeeded
+from executive.leaf.action import Condition
+from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.stone import StoneState
 
 
@@ -13,5 +13,7 @@ class NoStoneLeft(Condition):
     needs = ("objects",)
 
     def check(self, **inputs: Any) -> Outcome:
-        left = [s.id for s in self.context.plugin("objects").stones() if s.state is StoneState.ON_GROUND]
+        left = [
+            s.id for s in self.context.plugin("objects").stones() if s.state is StoneState.ON_GROUND
+        ]
         return failed(f"stones {left} are left") if left else succeeded()

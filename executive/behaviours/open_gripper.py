@@ -4,14 +4,16 @@ from typing import Any
 
 from pydantic import Field
 
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.jaws import drive_jaws
-from executive.behaviours.outcome import failed, succeeded
 from executive.config import Newtons, Radians, Settings
+from executive.leaf.action import Action, Steps
+from executive.leaf.jaws import drive_jaws
+from executive.leaf.outcome import failed, succeeded
 
 
 class OpenGripperSettings(Settings):
-    force: Newtons | None = Field(None, gt=0, description="Force at each tip [N]; by default the gripper's own.")
+    force: Newtons | None = Field(
+        None, gt=0, description="Force at each tip [N]; by default the gripper's own."
+    )
     tolerance: Radians = Field(
         0.1, gt=0, le=1, description="Standing wider than this off fully open is a failure [rad]."
     )

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.outcome import failed, succeeded
-from executive.behaviours.port import Port
-from executive.behaviours.surroundings import surroundings
+from executive.leaf.action import Action, Steps
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.port import Port
+from executive.leaf.surroundings import surroundings
 from executive.messages.grasp import Grasp, GraspPlan
 
 
@@ -20,8 +20,12 @@ class PlanGrasp(Action):
         stone = self.context.plugin("objects").stone(inputs["stone"])
         T_map_base = self.context.state().T_map_base
         cloud = surroundings(self.context)
-        plan: GraspPlan = yield self.context.job("grasping", "plan", stone, cloud, T_map_base, self.context.rng())
-        self.context.note("grasps_planned", stone=stone.id, grasps=len(plan.grasps), refused=dict(plan.refused))
+        plan: GraspPlan = yield self.context.job(
+            "grasping", "plan", stone, cloud, T_map_base, self.context.rng()
+        )
+        self.context.note(
+            "grasps_planned", stone=stone.id, grasps=len(plan.grasps), refused=dict(plan.refused)
+        )
         if not plan.grasps:
             refused = ", ".join(f"{n} {reason}" for reason, n in plan.refused.items())
             return failed(f"no grasp of stone {stone.id}: {refused or 'no hypothesis'}")

@@ -6,26 +6,31 @@ import numpy as np
 from pydantic import Field
 
 from executive.arrays import Float
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.context import Context
-from executive.behaviours.outcome import failed, succeeded
-from executive.behaviours.port import Port
-from executive.behaviours.rest import come_to_rest
-from executive.behaviours.surroundings import surroundings
 from executive.config import Meters, Settings
 from executive.geometry.pose import inverse
 from executive.geometry.rotation import angle_between
+from executive.leaf.action import Action, Steps
+from executive.leaf.context import Context
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.port import Port
+from executive.leaf.rest import come_to_rest
+from executive.leaf.surroundings import surroundings
 from executive.messages.grasp import Grasp
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.stone import Stone
 from executive.messages.trajectory import JointTrajectory
 
-_ALIKE_M, _ALIKE_RAD = 0.1, 0.25  # two grasps nearer than both are one: about the spread of the jaws' own errors
+_ALIKE_M, _ALIKE_RAD = (
+    0.1,
+    0.25,
+)  # two grasps nearer than both are one: about the spread of the jaws' own errors
 
 
 class PlanPickSettings(Settings):
     leave: Meters = Field(0.5, ge=0, le=5, description="Straight way up before travelling [m].")
-    arrive: Meters = Field(1.2, ge=0, le=5, description="Straight way to the grasp along the ground's normal [m].")
+    arrive: Meters = Field(
+        1.2, ge=0, le=5, description="Straight way to the grasp along the ground's normal [m]."
+    )
 
 
 class PlanPick(Action):
@@ -36,7 +41,10 @@ class PlanPick(Action):
 
     Settings = PlanPickSettings
     needs = ("motion", "mapping", "objects")
-    inputs = {"stone": Port(int, "id of the stone"), "grasps": Port(list[Grasp], "grasps, best first")}
+    inputs = {
+        "stone": Port(int, "id of the stone"),
+        "grasps": Port(list[Grasp], "grasps, best first"),
+    }
     outputs = {
         "grasp": Port(Grasp, "the grasp that the way leads to"),
         "grasps": Port(list[Grasp], "the grasps that are left for another try"),
@@ -46,7 +54,9 @@ class PlanPick(Action):
     def __init__(self, settings: Any, context: Context) -> None:
         super().__init__(settings, context)
         self._tried: dict[int, list[Float]] = {}  # T_object_gripper by stone
-        self._refusals: dict[int, str] = {}  # why there was no way, by stone, when its grasps were last all refused
+        self._refusals: dict[
+            int, str
+        ] = {}  # why there was no way, by stone, when its grasps were last all refused
 
     def run(self, **inputs: Any) -> Steps:
         stone = self.context.plugin("objects").stone(inputs["stone"])
@@ -66,17 +76,26 @@ class PlanPick(Action):
                 continue
             self._tried.setdefault(stone.id, []).append(_on_stone(grasp, stone))
             self.context.note(
-                "attempt", stone=stone.id, centroid_map=stone.centroid_map, grasp=_as_record(grasp), passed_over=reasons
+                "attempt",
+                stone=stone.id,
+                centroid_map=stone.centroid_map,
+                grasp=_as_record(grasp),
+                passed_over=reasons,
             )
             self.context.show("grasp", grasp)
             self.context.show("path", plan)
             return succeeded(grasp=grasp, grasps=grasps[number:], trajectory=plan.trajectory)
-        self._refusals[stone.id] = f"no way to any of {len(grasps)}: {'; '.join(sorted(set(reasons)))}"
+        self._refusals[stone.id] = (
+            f"no way to any of {len(grasps)}: {'; '.join(sorted(set(reasons)))}"
+        )
         return failed(f"stone {stone.id}: {self._refusals[stone.id]}", grasps=[])
 
     def _new_ones_first(self, stone: Stone, grasps: list[Grasp]) -> list[Grasp]:
         tried = self._tried.get(stone.id, [])
-        return sorted(grasps, key=lambda grasp: any(_are_alike(_on_stone(grasp, stone), other) for other in tried))
+        return sorted(
+            grasps,
+            key=lambda grasp: any(_are_alike(_on_stone(grasp, stone), other) for other in tried),
+        )
 
     def _request(self, grasp: Grasp, cloud: Any) -> MoveRequest:
         return MoveRequest(

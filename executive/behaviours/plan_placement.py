@@ -5,13 +5,13 @@ from typing import Any
 
 from pydantic import Field
 
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.job import Job
-from executive.behaviours.outcome import failed, succeeded
-from executive.behaviours.port import Port
-from executive.behaviours.rest import come_to_rest
-from executive.behaviours.surroundings import held_surface, surroundings
 from executive.config import Meters, Settings
+from executive.leaf.action import Action, Steps
+from executive.leaf.job import Job
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.port import Port
+from executive.leaf.rest import come_to_rest
+from executive.leaf.surroundings import held_surface, surroundings
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement, Slot
 from executive.messages.request import MotionPlan, MoveRequest
@@ -46,18 +46,26 @@ class PlanPlacement(Action):
         T_map_base = self.context.state().T_map_base
         reasons: list[str] = []
         for slot in inputs["free_slots"]:
-            ways = yield self.context.job("placing", "plan", stone, slot, hold.T_map_gripper, cloud, T_map_base)
+            ways = yield self.context.job(
+                "placing", "plan", stone, slot, hold.T_map_gripper, cloud, T_map_base
+            )
             if not ways:
                 reasons.append(f"no placement on slot {slot.id} is in reach")
             for placement in ways:
                 plan = yield from self._way_to(placement, hold, cloud)
                 if plan.trajectory is not None:
                     self.context.show("path", plan)
-                    return succeeded(f"slot {slot.id}", placement=placement, trajectory=plan.trajectory)
+                    return succeeded(
+                        f"slot {slot.id}", placement=placement, trajectory=plan.trajectory
+                    )
                 reasons.append(f"slot {slot.id}: {plan.reason}")
-        return failed(f"no way to any of {len(inputs['free_slots'])} slots: {'; '.join(dict.fromkeys(reasons))}")
+        return failed(
+            f"no way to any of {len(inputs['free_slots'])} slots: {'; '.join(dict.fromkeys(reasons))}"
+        )
 
-    def _way_to(self, placement: Placement, hold: Hold, cloud: Any) -> Generator[Job, Any, MotionPlan]:
+    def _way_to(
+        self, placement: Placement, hold: Hold, cloud: Any
+    ) -> Generator[Job, Any, MotionPlan]:
         request = MoveRequest(
             start=self.context.arm(),
             T_map_gripper=placement.T_map_gripper,

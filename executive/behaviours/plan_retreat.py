@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.outcome import failed, succeeded
-from executive.behaviours.port import Port
-from executive.behaviours.rest import come_to_rest
-from executive.behaviours.surroundings import surroundings
 from executive.config import Meters, Settings
+from executive.leaf.action import Action, Steps
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.port import Port
+from executive.leaf.rest import come_to_rest
+from executive.leaf.surroundings import surroundings
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.trajectory import JointTrajectory
 
@@ -18,7 +18,9 @@ _STEP_M = 0.3  # by which a height out of reach is lowered
 
 
 class PlanRetreatSettings(Settings):
-    height: Meters = Field(1.5, gt=0, le=5, description="How far up [m]; less where the arm does not reach.")
+    height: Meters = Field(
+        1.5, gt=0, le=5, description="How far up [m]; less where the arm does not reach."
+    )
 
 
 class PlanRetreat(Action):

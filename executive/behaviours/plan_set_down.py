@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.outcome import failed, succeeded
-from executive.behaviours.port import Port
-from executive.behaviours.rest import come_to_rest
-from executive.behaviours.surroundings import gap_below, held_surface, surroundings
 from executive.geometry.pose import transform
+from executive.leaf.action import Action, Steps
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.port import Port
+from executive.leaf.rest import come_to_rest
+from executive.leaf.surroundings import gap_below, held_surface, surroundings
 from executive.messages.hold import Hold
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.trajectory import JointTrajectory

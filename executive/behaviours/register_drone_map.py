@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.outcome import failed, succeeded
-from executive.behaviours.port import Port
+from executive.leaf.action import Action, Steps
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.port import Port
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 
@@ -24,7 +24,9 @@ class RegisterDroneMap(Action):
         target = self.context.plugin("mapping").cloud()
         if not len(target):
             return failed("the map is empty: scan first")
-        alignment = yield self.context.job("registration", "register", target, survey, self.context.rng())
+        alignment = yield self.context.job(
+            "registration", "register", target, survey, self.context.rng()
+        )
         self.context.note(
             "registration",
             accepted=alignment.accepted,
@@ -39,4 +41,6 @@ class RegisterDroneMap(Action):
             return failed(f"registration refused: {alignment.reason}")
         drone_map = Cloud("map", alignment.apply(survey.points))
         self.context.show("drone_map", drone_map)
-        return succeeded(f"rmse {1e3 * alignment.rmse_m:.0f} mm", alignment=alignment, drone_map=drone_map)
+        return succeeded(
+            f"rmse {1e3 * alignment.rmse_m:.0f} mm", alignment=alignment, drone_map=drone_map
+        )

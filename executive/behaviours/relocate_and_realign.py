@@ -6,22 +6,28 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.job import Job
-from executive.behaviours.outcome import succeeded
-from executive.behaviours.port import Port
-from executive.behaviours.unexplained import unexplained
 from executive.config import Meters, Settings
+from executive.leaf.action import Action, Steps
+from executive.leaf.job import Job
+from executive.leaf.outcome import succeeded
+from executive.leaf.port import Port
+from executive.leaf.unexplained import unexplained
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 from executive.messages.stone import Stone
 
 
 class RelocateAndRealignSettings(Settings):
-    margin: Meters = Field(0.5, gt=0, le=2, description="Map around the model that the alignment sees [m].")
+    margin: Meters = Field(
+        0.5, gt=0, le=2, description="Map around the model that the alignment sees [m]."
+    )
     max_distance: Meters = Field(0.3, gt=0, le=2, description="Farthest correspondence [m].")
-    max_shift: Meters = Field(0.5, gt=0, le=2, description="A larger correction by alignment is not believed [m].")
-    search_radius: Meters = Field(2.0, gt=0, le=10, description="How far around a lost stone is looked for [m].")
+    max_shift: Meters = Field(
+        0.5, gt=0, le=2, description="A larger correction by alignment is not believed [m]."
+    )
+    search_radius: Meters = Field(
+        2.0, gt=0, le=10, description="How far around a lost stone is looked for [m]."
+    )
 
 
 class RelocateAndRealign(Action):
@@ -54,7 +60,9 @@ class RelocateAndRealign(Action):
             estimated_pose=stone.T_map_object,
         )
         self.context.show(f"stones/{stone.id}", stone)
-        return succeeded(f"kept the gripper's estimate: {refusal}" if refusal else f"realigned by {method}")
+        return succeeded(
+            f"kept the gripper's estimate: {refusal}" if refusal else f"realigned by {method}"
+        )
 
     def _correct(self, stone: Stone) -> Generator[Job, Any, tuple[str, Alignment, str]]:
         """Return by which method, the motion in the map, and why it is not to be believed, if it is not."""

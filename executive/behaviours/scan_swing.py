@@ -4,11 +4,11 @@ from typing import Any
 
 from pydantic import Field
 
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.follow import follow
-from executive.behaviours.outcome import failed, succeeded
-from executive.behaviours.rest import come_to_rest
 from executive.config import Radians, Seconds, Settings
+from executive.leaf.action import Action, Steps
+from executive.leaf.follow import follow
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.rest import come_to_rest
 from executive.messages.command import SwitchLidars
 
 

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.outcome import failed, succeeded
-from executive.behaviours.port import Port
 from executive.geometry.voxels import voxel_means
+from executive.leaf.action import Action, Steps
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.port import Port
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segmentation
 from executive.messages.stone import Stone
@@ -32,7 +32,11 @@ class Segment(Action):
     def run(self, **inputs: Any) -> Steps:
         drone_map: Cloud | None = inputs.get("drone_map")
         lidar_map = self.context.plugin("mapping").cloud()
-        parts = [lidar_map.points] if drone_map is None else [lidar_map.points, self._in_reach(drone_map.points)]
+        parts = (
+            [lidar_map.points]
+            if drone_map is None
+            else [lidar_map.points, self._in_reach(drone_map.points)]
+        )
         merged = Cloud("map", voxel_means(np.concatenate(parts), _CELL_M))
         if not len(merged):
             return failed("the map is empty: scan first")
@@ -40,7 +44,9 @@ class Segment(Action):
         stones = self.context.plugin("objects").observe(
             segmentation.segments, self.context.now_s(), drone_map is not None
         )
-        self.context.note("segmented", stones=[s.id for s in stones], points=[len(s.points_map) for s in stones])
+        self.context.note(
+            "segmented", stones=[s.id for s in stones], points=[len(s.points_map) for s in stones]
+        )
         self.context.show("segments", segmentation)
         for stone in stones:
             self.context.show(f"stones/{stone.id}", stone)

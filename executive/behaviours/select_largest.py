@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from executive.behaviours.action import Condition
-from executive.behaviours.outcome import Outcome, failed, succeeded
-from executive.behaviours.port import Port
+from executive.leaf.action import Condition
+from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.port import Port
 from executive.messages.stone import StoneState
 
 
@@ -15,7 +15,9 @@ class SelectLargest(Condition):
     outputs = {"stone": Port(int, "id of the stone")}
 
     def check(self, **inputs: Any) -> Outcome:
-        stones = [s for s in self.context.plugin("objects").stones() if s.state is StoneState.ON_GROUND]
+        stones = [
+            s for s in self.context.plugin("objects").stones() if s.state is StoneState.ON_GROUND
+        ]
         if not stones:
             return failed("no stone is left on the ground")
         largest = max(stones, key=lambda stone: (len(stone.points_map), -stone.id))

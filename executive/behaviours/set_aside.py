@@ -4,15 +4,17 @@ from typing import Any
 
 from pydantic import Field
 
-from executive.behaviours.action import Condition
-from executive.behaviours.outcome import Outcome, succeeded
-from executive.behaviours.port import Port
 from executive.config import Settings
+from executive.leaf.action import Condition
+from executive.leaf.outcome import Outcome, succeeded
+from executive.leaf.port import Port
 from executive.messages.stone import StoneState
 
 
 class SetAsideSettings(Settings):
-    reason: str = Field("every attempt failed", min_length=1, description="What the report says, then the cause.")
+    reason: str = Field(
+        "every attempt failed", min_length=1, description="What the report says, then the cause."
+    )
 
 
 class SetAside(Condition):
@@ -23,7 +25,9 @@ class SetAside(Condition):
     inputs = {"stone": Port(int, "id of the stone")}
 
     def check(self, **inputs: Any) -> Outcome:
-        self.context.plugin("objects").set_state(inputs["stone"], StoneState.SET_ASIDE, self.context.now_s())
+        self.context.plugin("objects").set_state(
+            inputs["stone"], StoneState.SET_ASIDE, self.context.now_s()
+        )
         cause = self.context.last_failure()
         reason = f"{self.settings.reason}: {cause}" if cause else self.settings.reason
         self.context.note("set_aside", stone=inputs["stone"], reason=reason)

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from executive.behaviours.action import Condition
-from executive.behaviours.outcome import Outcome, failed, succeeded
+from executive.leaf.action import Condition
+from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.stone import StoneState
 
 

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.outcome import failed, succeeded
-from executive.behaviours.port import Port
+from executive.leaf.action import Action, Steps
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.port import Port
 from executive.messages.cloud import Cloud
 
 

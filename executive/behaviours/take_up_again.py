@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from executive.behaviours.action import Condition
-from executive.behaviours.outcome import Outcome, failed, succeeded
+from executive.leaf.action import Condition
+from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.stone import Stone, StoneState
 
 
@@ -18,8 +18,15 @@ class TakeUpAgain(Condition):
     def check(self, **inputs: Any) -> Outcome:
         objects = self.context.plugin("objects")
         stones = objects.stones()
-        last_placed_s = max((self._since_s(s) for s in stones if s.state is StoneState.PLACED), default=float("-inf"))
-        left = [s for s in stones if s.state is StoneState.SET_ASIDE and self._since_s(s) < last_placed_s]
+        last_placed_s = max(
+            (self._since_s(s) for s in stones if s.state is StoneState.PLACED),
+            default=float("-inf"),
+        )
+        left = [
+            s
+            for s in stones
+            if s.state is StoneState.SET_ASIDE and self._since_s(s) < last_placed_s
+        ]
         if not left:
             return failed("no stone was set aside for a reason that may be gone")
         for stone in left:

@@ -6,16 +6,24 @@ import numpy as np
 from pydantic import Field
 
 from executive.arrays import Bool, Float
-from executive.behaviours.action import Action, Steps
-from executive.behaviours.outcome import succeeded
 from executive.config import Meters, Radians, Seconds, Settings
+from executive.leaf.action import Action, Steps
+from executive.leaf.outcome import succeeded
 
 
 class WaitForDensitySettings(Settings):
-    angle: Radians = Field(2.094, gt=0, le=6.3, description="Whole angle of the region, about the arm's heading [rad].")
-    nearest: Meters = Field(3.0, ge=0, description="Inner radius of the region around the machine [m].")
-    density: float = Field(100.0, gt=0, description="Points of the map on a square metre of the region [1/m²].")
-    share: float = Field(0.7, gt=0, le=1, description="Share of the region's square metres that are so dense.")
+    angle: Radians = Field(
+        2.094, gt=0, le=6.3, description="Whole angle of the region, about the arm's heading [rad]."
+    )
+    nearest: Meters = Field(
+        3.0, ge=0, description="Inner radius of the region around the machine [m]."
+    )
+    density: float = Field(
+        100.0, gt=0, description="Points of the map on a square metre of the region [1/m²]."
+    )
+    share: float = Field(
+        0.7, gt=0, le=1, description="Share of the region's square metres that are so dense."
+    )
     period: Seconds = Field(0.5, gt=0, description="Time between two looks at the map [s].")
 
 
@@ -50,8 +58,12 @@ class WaitForDensity(Action):
         inside = (np.abs(places) < reach).all(axis=1)
         cells = np.floor(places[inside]).astype(np.int64) + reach
         counts = np.bincount(cells[:, 0] * 2 * reach + cells[:, 1], minlength=(2 * reach) ** 2)
-        middles: Float = np.indices((2 * reach, 2 * reach), dtype=np.float64).reshape(2, -1).T + 0.5 - reach
-        return float((counts[self._is_in_region(middles, heading_rad)] >= self.settings.density).mean())
+        middles: Float = (
+            np.indices((2 * reach, 2 * reach), dtype=np.float64).reshape(2, -1).T + 0.5 - reach
+        )
+        return float(
+            (counts[self._is_in_region(middles, heading_rad)] >= self.settings.density).mean()
+        )
 
     def _is_in_region(self, places: Float, heading_rad: float) -> Bool:
         distances = np.hypot(places[:, 0], places[:, 1])

@@ -7,7 +7,9 @@ import numpy as np
 from executive.clouds.point_collector import CHUNK, PointCollector
 
 
-def collect_rows(path: Path, start: int, row: np.dtype, count: int, collector: PointCollector) -> None:
+def collect_rows(
+    path: Path, start: int, row: np.dtype, count: int, collector: PointCollector
+) -> None:
     """Add the x, y and z of `count` rows from a byte on; the file is known to be long enough."""
     with path.open("rb") as file:
         file.seek(start)

@@ -22,5 +22,12 @@ def write_parts(path: Path, parts: Sequence[Float]) -> None:
     properties = [f"property double {axis}" for axis in "xyz"] + [
         f"property uchar {c}" for c in ("red", "green", "blue")
     ]
-    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}", *properties, "end_header", ""]
+    header = [
+        "ply",
+        "format binary_little_endian 1.0",
+        f"element vertex {len(points)}",
+        *properties,
+        "end_header",
+        "",
+    ]
     path.write_bytes("\n".join(header).encode("ascii") + rows.tobytes())

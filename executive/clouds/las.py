@@ -26,7 +26,15 @@ def read_las(path: Path) -> Float:
     import laspy  # takes a while to import; most files do without
     import lazrs
 
-    damage = (laspy.errors.LaspyException, lazrs.LazrsError, ValueError, IndexError, KeyError, OSError, struct.error)
+    damage = (
+        laspy.errors.LaspyException,
+        lazrs.LazrsError,
+        ValueError,
+        IndexError,
+        KeyError,
+        OSError,
+        struct.error,
+    )
     try:
         with laspy.open(path, laz_backend=laspy.LazBackend.Lazrs) as file:
             _check_header(path, file.header)
@@ -36,14 +44,18 @@ def read_las(path: Path) -> Float:
             points = collector.points()
             _check_box(path, file.header, points)
     except damage as error:
-        raise DataError(f"{path}: cut short or damaged ({error}); copy or export it again") from error
+        raise DataError(
+            f"{path}: cut short or damaged ({error}); copy or export it again"
+        ) from error
     return points
 
 
 def _check_header(path: Path, header: Any) -> None:
     """Hold the header against the file's size, and its unit against the metre."""
     if not (np.isfinite([*header.scales, *header.offsets]).all() and (header.scales > 0).all()):
-        raise DataError(f"{path}: its scale {header.scales} or offset {header.offsets} is none; export it again")
+        raise DataError(
+            f"{path}: its scale {header.scales} or offset {header.offsets} is none; export it again"
+        )
     wanted = header.offset_to_point_data + header.point_count * header.point_format.size
     if not header.are_points_compressed and path.stat().st_size < wanted:
         raise DataError(
@@ -52,12 +64,18 @@ def _check_header(path: Path, header: Any) -> None:
         )
     unit = _unit(header.vlrs)
     if unit:
-        raise DataError(f"{path}: its coordinates are in {unit} by its own word; project it to metres")
+        raise DataError(
+            f"{path}: its coordinates are in {unit} by its own word; project it to metres"
+        )
 
 
 def _unit(records: Any) -> str:
     """Return the unit that the file's coordinate system names, or nothing if it is the metre or not told."""
-    keys = {key.id: key.value_offset for record in records.get("GeoKeyDirectoryVlr") for key in record.geo_keys}
+    keys = {
+        key.id: key.value_offset
+        for record in records.get("GeoKeyDirectoryVlr")
+        for key in record.geo_keys
+    }
     if keys.get(_MODEL_TYPE_KEY) == _GEOGRAPHIC:
         return "degrees"
     if keys.get(_LINEAR_UNITS_KEY, _METRE) != _METRE:

@@ -24,14 +24,18 @@ def read_pcd(path: Path) -> Float:
     size = path.stat().st_size - header.start
     if header.form == "binary_compressed":
         return _read_compressed(path, header, size)
-    least = header.count * (2 * header.columns_of_a_line if header.form == "ascii" else header.row.itemsize)
+    least = header.count * (
+        2 * header.columns_of_a_line if header.form == "ascii" else header.row.itemsize
+    )
     if size < least - (header.form == "ascii"):
         raise _cut_short(path, header, f"at least {least} bytes", f"{size} bytes")
     collector = PointCollector(path, header.count)
     if header.form == "binary":
         collect_rows(path, header.start, header.row, header.count, collector)
     else:
-        found = collect_lines(path, header.start, header.lines + 1, header.columns, header.count, collector)
+        found = collect_lines(
+            path, header.start, header.lines + 1, header.columns, header.count, collector
+        )
         if found < header.count:
             raise _cut_short(path, header, "a line each", f"{found} lines")
     return collector.points()
@@ -49,14 +53,23 @@ def _read_compressed(path: Path, header: PcdHeader, size: int) -> Float:
     if len(packed) < lengths[0]:
         raise _cut_short(path, header, f"{lengths[0]} packed bytes", f"{max(0, size - 8)} bytes")
     if lengths[1] < wanted or wanted > _MOST_PACKED * len(packed):
-        raise DataError(f"{path}: {header.count} points cannot be in {len(packed)} packed bytes; export it again")
+        raise DataError(
+            f"{path}: {header.count} points cannot be in {len(packed)} packed bytes; export it again"
+        )
     collector = PointCollector(path, header.count)
-    starts = {name: header.count * header.row.fields[name][1] for name in "xyz"} if header.row.fields else {}
+    starts = (
+        {name: header.count * header.row.fields[name][1] for name in "xyz"}
+        if header.row.fields
+        else {}
+    )
     ends = [starts[name] + header.count * header.row[name].itemsize for name in "xyz"]
     unpacked = decompress(packed[: lengths[0]], max(ends))
     if len(unpacked) < max(ends):
         raise DataError(f"{path}: its packed points are damaged; copy or export it again")
-    columns = [unpacked[starts[name] : end].view(header.row[name]) for name, end in zip("xyz", ends, strict=True)]
+    columns = [
+        unpacked[starts[name] : end].view(header.row[name])
+        for name, end in zip("xyz", ends, strict=True)
+    ]
     for begun in range(0, header.count, CHUNK):
         x, y, z = (column[begun : begun + CHUNK] for column in columns)
         collector.add(x, y, z)

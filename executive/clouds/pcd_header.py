@@ -51,11 +51,15 @@ def read_pcd_header(path: Path) -> PcdHeader:
     """
     fields, start, lines = _fields(path)
     if not {"x", "y", "z"} <= set(fields["FIELDS"]):
-        raise DataError(f"{path}: the header names no fields x, y and z; export it as a point cloud")
+        raise DataError(
+            f"{path}: the header names no fields x, y and z; export it as a point cloud"
+        )
     try:
         return PcdHeader(_form(fields), int(fields["POINTS"][0]), _row(fields), start, lines)
     except (IndexError, ValueError, KeyError, TypeError) as error:
-        raise DataError(f"{path}: the PCD header cannot be understood ({error}); export it again") from error
+        raise DataError(
+            f"{path}: the PCD header cannot be understood ({error}); export it again"
+        ) from error
 
 
 def _form(fields: dict[str, list[str]]) -> str:
@@ -64,7 +68,9 @@ def _form(fields: dict[str, list[str]]) -> str:
         raise ValueError(f"unknown DATA {form}")
     if points < 0:
         raise ValueError(f"{points} points")
-    if {"WIDTH", "HEIGHT"} <= set(fields) and int(fields["WIDTH"][0]) * int(fields["HEIGHT"][0]) != points:
+    if {"WIDTH", "HEIGHT"} <= set(fields) and int(fields["WIDTH"][0]) * int(
+        fields["HEIGHT"][0]
+    ) != points:
         raise ValueError(f"WIDTH times HEIGHT is not {points}")
     return form
 
@@ -74,12 +80,16 @@ def _row(fields: dict[str, list[str]]) -> np.dtype:
     kinds = fields.get("TYPE", ["F"] * len(names))
     counts = [int(count) for count in fields.get("COUNT", ["1"] * len(names))]
     described = []
-    for i, (name, kind, size, count) in enumerate(zip(names, kinds, fields["SIZE"], counts, strict=True)):
+    for i, (name, kind, size, count) in enumerate(
+        zip(names, kinds, fields["SIZE"], counts, strict=True)
+    ):
         if count < 1 or (name in ("x", "y", "z") and count != 1):
             raise ValueError(f"field {name} has {count} values")
         unique = name if name in ("x", "y", "z") else f"{i}"  # padding fields share the name _
         described.append(
-            (unique, f"<{_KINDS[kind]}{size}", (count,)) if count > 1 else (unique, f"<{_KINDS[kind]}{size}")
+            (unique, f"<{_KINDS[kind]}{size}", (count,))
+            if count > 1
+            else (unique, f"<{_KINDS[kind]}{size}")
         )
     return np.dtype(described)
 
@@ -90,7 +100,13 @@ def _fields(path: Path) -> tuple[dict[str, list[str]], int, int]:
     start = beginning.find(b"\nDATA ")
     stop = beginning.find(b"\n", start + 1)
     lines = beginning[:stop].decode("ascii", errors="replace").splitlines()
-    fields = {words[0]: words[1:] for line in lines if (words := line.split()) and not words[0].startswith("#")}
+    fields = {
+        words[0]: words[1:]
+        for line in lines
+        if (words := line.split()) and not words[0].startswith("#")
+    }
     if start < 0 or stop < 0 or not {"FIELDS", "SIZE", "POINTS", "DATA"} <= set(fields):
-        raise DataError(f"{path}: no PCD file: it lacks a header with FIELDS, SIZE, POINTS and DATA; export it again")
+        raise DataError(
+            f"{path}: no PCD file: it lacks a header with FIELDS, SIZE, POINTS and DATA; export it again"
+        )
     return fields, stop + 1, len(lines)

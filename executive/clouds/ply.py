@@ -29,9 +29,13 @@ def _collect_text(path: Path, header: PlyHeader, collector: PointCollector) -> N
     start = header.start
     with path.open("rb") as file:
         file.seek(start)
-        start += sum(len(file.readline()) for _ in range(min(header.skipped_lines, path.stat().st_size)))
+        start += sum(
+            len(file.readline()) for _ in range(min(header.skipped_lines, path.stat().st_size))
+        )
     columns = [header.row.names.index(axis) for axis in "xyz"] if header.row.names else []
-    found = collect_lines(path, start, header.lines + header.skipped_lines + 1, columns, header.count, collector)
+    found = collect_lines(
+        path, start, header.lines + header.skipped_lines + 1, columns, header.count, collector
+    )
     if found < header.count:
         raise DataError(
             f"{path}: cut short: the header promises {header.count} points, the file has {found}; "

@@ -55,14 +55,29 @@ def read_ply_header(path: Path) -> PlyHeader:
     form, elements = _parse(path, text)
     vertex = next((element for element in elements if element.name == "vertex"), None)
     if vertex is None or not {"x", "y", "z"} <= {name for name, _ in vertex.fields}:
-        raise DataError(f"{path}: the header names no vertices with x, y and z; export it as a point cloud")
+        raise DataError(
+            f"{path}: the header names no vertices with x, y and z; export it as a point cloud"
+        )
     before = elements[: elements.index(vertex)]
     is_text = form == "ascii"
     if vertex.has_list or (not is_text and any(element.has_list for element in before)):
-        raise DataError(f"{path}: has lists in its vertices or before them; export it as a point cloud")
+        raise DataError(
+            f"{path}: has lists in its vertices or before them; export it as a point cloud"
+        )
     row = np.dtype([(name, _ORDERS[form] + code) for name, code in vertex.fields])
-    skipped = 0 if is_text else sum(e.count * sum(np.dtype(code).itemsize for _, code in e.fields) for e in before)
-    header = PlyHeader(is_text, vertex.count, row, start + skipped, sum(e.count for e in before), text.count("\n") + 1)
+    skipped = (
+        0
+        if is_text
+        else sum(e.count * sum(np.dtype(code).itemsize for _, code in e.fields) for e in before)
+    )
+    header = PlyHeader(
+        is_text,
+        vertex.count,
+        row,
+        start + skipped,
+        sum(e.count for e in before),
+        text.count("\n") + 1,
+    )
     # The shortest line of n numbers takes 2n bytes; what follows the points counts as nothing.
     least = vertex.count * (2 * len(vertex.fields) if is_text else row.itemsize) - is_text
     if path.stat().st_size - header.start < least:
@@ -79,7 +94,9 @@ def _header(path: Path) -> tuple[str, int]:
     end = beginning.find(b"end_header")
     stop = beginning.find(b"\n", end)
     if not beginning.startswith(b"ply") or end < 0 or stop < 0:
-        raise DataError(f"{path}: no PLY file: it lacks a header from 'ply' to 'end_header'; export it again")
+        raise DataError(
+            f"{path}: no PLY file: it lacks a header from 'ply' to 'end_header'; export it again"
+        )
     return beginning[:end].decode("ascii", errors="replace"), stop + 1
 
 
@@ -96,9 +113,13 @@ def _parse(path: Path, text: str) -> tuple[str, list[_Element]]:
             elif words[:1] == ["property"]:
                 elements[-1].fields.append((words[2], _CODES[words[1]]))
         if form not in _ORDERS or any(element.count < 0 for element in elements):
-            raise ValueError(f"format '{form}'" if form not in _ORDERS else "a negative number of elements")
+            raise ValueError(
+                f"format '{form}'" if form not in _ORDERS else "a negative number of elements"
+            )
         for element in elements:
             np.dtype(element.fields)  # refuses a name that is there twice
     except (IndexError, ValueError, KeyError) as error:
-        raise DataError(f"{path}: the PLY header cannot be understood ({error}); export it again") from error
+        raise DataError(
+            f"{path}: the PLY header cannot be understood ({error}); export it again"
+        ) from error
     return form, elements

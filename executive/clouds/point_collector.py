@@ -30,7 +30,9 @@ class PointCollector:
             DataError: If they are more than anyone would wait for.
         """
         if most > _MOST_READ:
-            raise DataError(f"{path}: {most} points are more than {_MOST_READ:.0e}; thin or crop the cloud")
+            raise DataError(
+                f"{path}: {most} points are more than {_MOST_READ:.0e}; thin or crop the cloud"
+            )
         self._path = path
         self._points = np.empty((min(most, MOST + CHUNK), 3))
         self._kept = 0
@@ -47,7 +49,9 @@ class PointCollector:
 
     def _add(self, x: Float, y: Float, z: Float) -> None:
         piece = np.empty((len(x), 3))
-        with np.errstate(invalid="ignore"):  # some single floats that are no number complain when they are widened
+        with np.errstate(
+            invalid="ignore"
+        ):  # some single floats that are no number complain when they are widened
             piece[:, 0], piece[:, 1], piece[:, 2] = x, y, z
         finite = np.isfinite(piece).all(axis=1)
         self._unfinite += len(piece) - int(finite.sum())
@@ -66,7 +70,9 @@ class PointCollector:
         if not read:
             raise DataError(f"{self._path}: holds no points; export the cloud again")
         if not len(points):
-            raise DataError(f"{self._path}: none of its {read} points is finite; export the cloud again")
+            raise DataError(
+                f"{self._path}: none of its {read} points is finite; export the cloud again"
+            )
         points, repeated = _once(points)
         crowd = f"are nearer than {100 * self._grid_m:.3g} cm to others"
         for number, what in (
@@ -85,8 +91,12 @@ class PointCollector:
         before = self._kept
         while True:
             first = _first(_digests(self._points[: self._kept], self._grid_m))
-            for start in range(0, len(first), CHUNK):  # rows only move forward: none is written before it is read
-                self._points[start : start + CHUNK][: len(first) - start] = self._points[first[start : start + CHUNK]]
+            for start in range(
+                0, len(first), CHUNK
+            ):  # rows only move forward: none is written before it is read
+                self._points[start : start + CHUNK][: len(first) - start] = self._points[
+                    first[start : start + CHUNK]
+                ]
             self._kept = len(first)
             if self._kept <= MOST // 2:
                 break
@@ -120,7 +130,9 @@ def _digests(points: Float, grid_m: float | None = None) -> np.ndarray:
     digests = np.empty(len(points), dtype=np.uint64)
     for start in range(0, len(points), CHUNK):
         piece = points[start : start + CHUNK]
-        digests[start : start + CHUNK] = _digest(piece if grid_m is None else np.floor(piece / grid_m))
+        digests[start : start + CHUNK] = _digest(
+            piece if grid_m is None else np.floor(piece / grid_m)
+        )
     return digests
 
 

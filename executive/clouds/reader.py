@@ -71,5 +71,7 @@ def _reader(path: Path) -> Callable[[Path], Float]:
             return _READERS[suffix]
     suffix = path.suffix.lower()
     if suffix not in _READERS:
-        raise DataError(f"{path}: not a kind of cloud that can be read; convert it to {', '.join(_READERS)}")
+        raise DataError(
+            f"{path}: not a kind of cloud that can be read; convert it to {', '.join(_READERS)}"
+        )
     return _READERS[suffix]

@@ -17,7 +17,12 @@ _DECIMAL_COMMAS = re.compile(r"[+-]?\d+,\d+([;\s]+[+-]?\d+,\d+){2}")
 
 
 def collect_lines(
-    path: Path, start: int, first_line: int, columns: Sequence[int], most: int, collector: PointCollector
+    path: Path,
+    start: int,
+    first_line: int,
+    columns: Sequence[int],
+    most: int,
+    collector: PointCollector,
 ) -> int:
     """Add the points of at most so many lines from a byte on and return how many there were.
 
@@ -62,7 +67,9 @@ def _blocks(path: Path, start: int, number: int) -> Iterator[tuple[int, str, boo
         while piece := file.read(_BLOCK):
             whole, end, rest = (rest + piece).rpartition(b"\n")
             if len(rest) > _LONGEST_LINE or b"\0" in piece:
-                raise DataError(f"{path}: no text of numbers, but binary or UTF-16; export it again, as plain text")
+                raise DataError(
+                    f"{path}: no text of numbers, but binary or UTF-16; export it again, as plain text"
+                )
             yield number, whole.decode("utf-8", errors="replace"), False
             number += whole.count(b"\n") + len(end)
         yield number, rest.decode("utf-8", errors="replace"), True
@@ -75,12 +82,16 @@ def _content(block: str) -> list[str]:
     return [line.strip() for line in block.lstrip("\ufeff").split("\n")]
 
 
-def _parse(path: Path, rows: Sequence[tuple[int, str]], columns: Sequence[int], is_last: bool) -> Float:
+def _parse(
+    path: Path, rows: Sequence[tuple[int, str]], columns: Sequence[int], is_last: bool
+) -> Float:
     """Return the numbers of the wanted columns, shape (N, 3)."""
     if any("," in line or ";" in line for _, line in rows):
         for number, line in rows:
             if _DECIMAL_COMMAS.match(line):
-                raise DataError(f"{path}:{number}: '{line[:40]}' has decimal commas; export it with decimal points")
+                raise DataError(
+                    f"{path}:{number}: '{line[:40]}' has decimal commas; export it with decimal points"
+                )
         rows = [(number, line.replace(",", " ").replace(";", " ")) for number, line in rows]
     try:
         return np.loadtxt([line for _, line in rows], usecols=columns, comments=None, ndmin=2)
@@ -88,11 +99,15 @@ def _parse(path: Path, rows: Sequence[tuple[int, str]], columns: Sequence[int], 
         raise _first_bad_line(path, rows, columns, is_last) from None
 
 
-def _first_bad_line(path: Path, rows: Sequence[tuple[int, str]], columns: Sequence[int], is_last: bool) -> DataError:
+def _first_bad_line(
+    path: Path, rows: Sequence[tuple[int, str]], columns: Sequence[int], is_last: bool
+) -> DataError:
     for number, line in rows:
         words = line.split()
         if len(words) <= max(columns) or not all(_NUMBER.fullmatch(words[i]) for i in columns):
             if is_last:
-                return DataError(f"{path}: cut short: ends in line {number}, '{line[:40]}'; copy or export it again")
+                return DataError(
+                    f"{path}: cut short: ends in line {number}, '{line[:40]}'; copy or export it again"
+                )
             return DataError(f"{path}:{number}: expected x y z, got '{line[:40]}'; repair the line")
     return DataError(f"{path}: its lines cannot be read as numbers; export it again")

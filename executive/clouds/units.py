@@ -27,12 +27,20 @@ def check_site(path: Path, points: Float, most_m: float = 500.0) -> None:
     low, high = np.percentile(sample, _BULK, axis=0)
     bulk, whole = float((high - low).max()), float(np.ptp(points, axis=0).max())
     if whole > most_m:
-        cure = _crop(points, (low + high) / 2, bulk, most_m) if bulk < most_m else _rescale(whole, most_m)
-        raise DataError(f"{path}: {whole:.6g} across is no site in metres (at most {most_m:g} m); {cure}")
+        cure = (
+            _crop(points, (low + high) / 2, bulk, most_m)
+            if bulk < most_m
+            else _rescale(whole, most_m)
+        )
+        raise DataError(
+            f"{path}: {whole:.6g} across is no site in metres (at most {most_m:g} m); {cure}"
+        )
     if _is_geographic(sample):
         raise DataError(f"{path}: its x and y look like degrees; project it to metres")
     if whole < _LEAST_M:
-        raise DataError(f"{path}: {whole:.3g} m across is no site (at least {_LEAST_M:g} m); is its unit the metre?")
+        raise DataError(
+            f"{path}: {whole:.3g} m across is no site (at least {_LEAST_M:g} m); is its unit the metre?"
+        )
     step = _step_m(sample)
     if step > _STEP_M:
         raise DataError(
@@ -50,7 +58,9 @@ def unit_hint(source: Float, target: Float) -> str:
     for name, one in (("source", ratio), ("target", 1 / max(ratio, 1e-9))):
         for unit, metres in _METRES.items():
             if abs(one * metres - 1) < _SAME:
-                return f"the {name} is {one:.3g} times as large as the other cloud: is it in {unit}?"
+                return (
+                    f"the {name} is {one:.3g} times as large as the other cloud: is it in {unit}?"
+                )
     return ""
 
 
@@ -60,8 +70,14 @@ def _crop(points: Float, centre: Float, bulk: float, most_m: float) -> str:
 
 
 def _rescale(whole: float, most_m: float) -> str:
-    fits = {unit: f for unit, f in _METRES.items() if unit in _SURVEYED and _LEAST_M <= whole * f <= most_m}
-    cures = [f"in {unit} it would be {whole * f:.3g} m: scale it by {f}" for unit, f in fits.items()]
+    fits = {
+        unit: f
+        for unit, f in _METRES.items()
+        if unit in _SURVEYED and _LEAST_M <= whole * f <= most_m
+    }
+    cures = [
+        f"in {unit} it would be {whole * f:.3g} m: scale it by {f}" for unit, f in fits.items()
+    ]
     return ", ".join(cures) or "crop it"
 
 

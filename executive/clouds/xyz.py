@@ -8,7 +8,9 @@ from executive.clouds.point_collector import PointCollector
 from executive.clouds.text_rows import collect_lines, count_lines
 from executive.errors import DataError
 
-_TITLES = re.compile(rb"\s*\"?x\"?[\s,;]+\"?y\"?[\s,;]+\"?z\"?\b[^\n]*\n", re.IGNORECASE)  # of a table's columns
+_TITLES = re.compile(
+    rb"\s*\"?x\"?[\s,;]+\"?y\"?[\s,;]+\"?z\"?\b[^\n]*\n", re.IGNORECASE
+)  # of a table's columns
 _COUNT = re.compile(rb"\s*\d+\s*\n")  # a PTS file begins with its number of points
 
 

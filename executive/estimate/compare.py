@@ -30,7 +30,9 @@ def reported(estimated: Estimated, truth: Truth | None = None) -> dict[str, Any]
     """Return the report of one estimator, with the largest step of its odometry frame and the end of each outage."""
     return estimated.report | {
         "odometry_step_m": round(float(odometry_steps(estimated.track).max(initial=0.0)), 5),
-        "outages": [_with_recovery(outage, estimated, truth) for outage in estimated.report["outages"]],
+        "outages": [
+            _with_recovery(outage, estimated, truth) for outage in estimated.report["outages"]
+        ],
         "truth": dict(truth(estimated.replay.states)) if truth is not None else {},
     }
 
@@ -44,13 +46,23 @@ def odometry_steps(track: Track) -> Float:
     return np.asarray(np.linalg.norm(moved - even, axis=1))
 
 
-def _with_recovery(outage: Mapping[str, Any], estimated: Estimated, truth: Truth | None) -> dict[str, Any]:
+def _with_recovery(
+    outage: Mapping[str, Any], estimated: Estimated, truth: Truth | None
+) -> dict[str, Any]:
     """Add when the estimator was global again after the outage, and how far it was from the truth within."""
     states = estimated.report["states"]
     begun = [state["status"] for state in states if state["time_s"] <= outage["to_s"]]
-    back = [state["time_s"] for state in states if state["time_s"] > outage["to_s"] and state["status"] == "GLOBAL"]
-    recovered_s = 0.0 if begun and begun[-1] == "GLOBAL" else (back[0] - outage["to_s"] if back else None)
-    added: dict[str, Any] = {"recovered_after_s": None if recovered_s is None else round(recovered_s, 3)}
+    back = [
+        state["time_s"]
+        for state in states
+        if state["time_s"] > outage["to_s"] and state["status"] == "GLOBAL"
+    ]
+    recovered_s = (
+        0.0 if begun and begun[-1] == "GLOBAL" else (back[0] - outage["to_s"] if back else None)
+    )
+    added: dict[str, Any] = {
+        "recovered_after_s": None if recovered_s is None else round(recovered_s, 3)
+    }
     within = [s for s in estimated.replay.states if outage["from_s"] <= s.stamp_s < outage["to_s"]]
     if truth is not None and within:
         added["truth"] = dict(truth(within)["error_m"])
@@ -71,15 +83,24 @@ def table(reports: Mapping[str, Mapping[str, Any]]) -> str:
     }
     if all(report["truth"] for report in reports.values()):
         rows = {
-            "position error against the truth [cm]": lambda r: _mean_std({"n": 1, **r["truth"]["error_m"]}, 100),
+            "position error against the truth [cm]": lambda r: _mean_std(
+                {"n": 1, **r["truth"]["error_m"]}, 100
+            ),
             "  as bias ± std of a component": lambda r: _bias_std(r["truth"]["error_m"]),
             "  largest [cm]": lambda r: f"{100 * r['truth']['error_m']['max']:.2f}",
-            "attitude error against the truth [mrad]": lambda r: _mean_std({"n": 1, **r["truth"]["error_rad"]}, 1e3),
+            "attitude error against the truth [mrad]": lambda r: _mean_std(
+                {"n": 1, **r["truth"]["error_rad"]}, 1e3
+            ),
         } | rows
-    lines = [["", *reports], *[[title, *map(cell, reports.values())] for title, cell in rows.items()]]
+    lines = [
+        ["", *reports],
+        *[[title, *map(cell, reports.values())] for title, cell in rows.items()],
+    ]
     lines += [line for i in range(_outages(reports)) for line in _outage_lines(reports, i)]
     widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
-    return "\n".join("  ".join([line[0].ljust(widths[0]), *_right(line[1:], widths[1:])]) for line in lines)
+    return "\n".join(
+        "  ".join([line[0].ljust(widths[0]), *_right(line[1:], widths[1:])]) for line in lines
+    )
 
 
 def _outages(reports: Mapping[str, Mapping[str, Any]]) -> int:
@@ -90,15 +111,25 @@ def _outage_lines(reports: Mapping[str, Mapping[str, Any]], i: int) -> list[list
     """Return what an outage did to each: at its end and at most, against the fixes left out or the truth."""
     outages = [report["outages"][i] for report in reports.values()]
     first = outages[0]
-    title = f"outage {first['from_s']:.0f}–{first['to_s']:.0f} s, antennas' way {first['way_m']:.0f} m:"
+    title = (
+        f"outage {first['from_s']:.0f}–{first['to_s']:.0f} s, antennas' way {first['way_m']:.0f} m:"
+    )
     lines = [
         [title, *[""] * len(outages)],
-        ["  at its end, against the fixes [m]", *[f"{outage['error_at_end_m']:.2f}" for outage in outages]],
+        [
+            "  at its end, against the fixes [m]",
+            *[f"{outage['error_at_end_m']:.2f}" for outage in outages],
+        ],
         ["  largest [m]", *[f"{outage['max_error_m']:.2f}" for outage in outages]],
-        ["  GLOBAL again after [s]", *[_seconds(outage["recovered_after_s"]) for outage in outages]],
+        [
+            "  GLOBAL again after [s]",
+            *[_seconds(outage["recovered_after_s"]) for outage in outages],
+        ],
     ]
     if all("truth" in outage for outage in outages):
-        lines.insert(3, ["  largest, against the truth [m]", *[f"{o['truth']['max']:.3f}" for o in outages]])
+        lines.insert(
+            3, ["  largest, against the truth [m]", *[f"{o['truth']['max']:.3f}" for o in outages]]
+        )
     return lines
 
 
@@ -111,12 +142,18 @@ def _right(cells: Sequence[str], widths: Sequence[int]) -> list[str]:
 
 
 def _mean_std(figures: Mapping[str, float], factor: float) -> str:
-    return f"{factor * figures['mean']:.2f} ± {factor * figures['std']:.2f}" if figures["n"] else "-"
+    return (
+        f"{factor * figures['mean']:.2f} ± {factor * figures['std']:.2f}" if figures["n"] else "-"
+    )
 
 
 def _bias_std(figures: Mapping[str, float]) -> str:
     """Return what Nubert 2022 gives in its Table I, in centimetres; not every oracle tells it."""
-    return f"{100 * figures['bias']:.2f} ± {100 * figures['component_std']:.2f}" if "bias" in figures else "-"
+    return (
+        f"{100 * figures['bias']:.2f} ± {100 * figures['component_std']:.2f}"
+        if "bias" in figures
+        else "-"
+    )
 
 
 def _figure(figures: Mapping[str, float], name: str, factor: float) -> str:

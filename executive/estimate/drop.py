@@ -10,7 +10,13 @@ from executive.messages.lidar import LidarScan
 from executive.messages.observation import Observation
 from executive.messages.odometry import LidarIncrement
 
-_KINDS = {ImuSample: "imu", GnssFix: "gnss", JointSample: "joints", LidarScan: "lidar", LidarIncrement: "lidar"}
+_KINDS = {
+    ImuSample: "imu",
+    GnssFix: "gnss",
+    JointSample: "joints",
+    LidarScan: "lidar",
+    LidarIncrement: "lidar",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,14 +44,18 @@ class Drop:
         try:
             from_s, to_s = (float(time) for time in times)
         except ValueError:
-            raise ConfigError(f"--drop: '{text}' is not SENSOR:FROM:TO in seconds, such as gnss:120:165") from None
+            raise ConfigError(
+                f"--drop: '{text}' is not SENSOR:FROM:TO in seconds, such as gnss:120:165"
+            ) from None
         if not from_s < to_s:
             raise ConfigError(f"--drop: '{text}' ends before it begins")
         return cls(sensor, from_s, to_s)
 
     def takes(self, observation: Observation | LidarIncrement) -> bool:
         """Return whether an observation falls into the outage."""
-        stamp_s = observation.to_s if isinstance(observation, LidarIncrement) else observation.stamp_s
+        stamp_s = (
+            observation.to_s if isinstance(observation, LidarIncrement) else observation.stamp_s
+        )
         return self.from_s <= stamp_s < self.to_s and is_of(observation, self.sensor)
 
 

@@ -25,7 +25,9 @@ def write_files(out: Path, material: Material, estimated: Estimated) -> tuple[Pa
         out.with_suffix(".png"),
     )
     if len(set(paths)) < len(paths):
-        raise ConfigError(f"--out {out}: .json and .png stand for the report and the plot; name it .tum")
+        raise ConfigError(
+            f"--out {out}: .json and .png stand for the report and the plot; name it .tum"
+        )
     track, origin_s = estimated.track, 1e-9 * material.log.origin_ns
     try:
         _write_tum(paths[0], origin_s + track.stamps_s, track.T_map_base)
@@ -34,7 +36,9 @@ def write_files(out: Path, material: Material, estimated: Estimated) -> tuple[Pa
         plot(paths[3], estimated, material.drops)
         if estimated.reference is not None:
             paths = (*paths, out.with_name(f"{out.stem}_smoothed{out.suffix}"))
-            _write_tum(paths[-1], origin_s + estimated.reference.stamps_s, estimated.reference.T_map_base)
+            _write_tum(
+                paths[-1], origin_s + estimated.reference.stamps_s, estimated.reference.T_map_base
+            )
     except OSError as error:
         raise ConfigError(f"{error.filename} cannot be written: {error.strerror}") from error
     return paths
@@ -42,5 +46,7 @@ def write_files(out: Path, material: Material, estimated: Estimated) -> tuple[Pa
 
 def _write_tum(path: Path, stamps_s: Float, poses: Float) -> None:
     """Write `stamp x y z qx qy qz qw` lines, the format that evo and others read."""
-    rows = np.column_stack([stamps_s, poses[:, :3, 3], Rotation.from_matrix(poses[:, :3, :3]).as_quat()])
+    rows = np.column_stack(
+        [stamps_s, poses[:, :3, 3], Rotation.from_matrix(poses[:, :3, :3]).as_quat()]
+    )
     np.savetxt(path, rows, fmt=["%.6f", *["%.5f"] * 3, *["%.7f"] * 4])

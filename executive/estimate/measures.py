@@ -9,9 +9,9 @@ import numpy as np
 from executive.arrays import Bool, Float
 from executive.estimate.drop import Drop
 from executive.geometry.geodesy import enu_from_geodetic
+from executive.machine.rig import Rig
 from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
-from robot_models.rig import Rig
 
 _NEAR_S = 0.05  # a state nearer to a fix than this is carried to it by its own velocity
 _SETTLED_S = 0.15  # after a fix, when even an estimator that trails by 0.1 s has taken it in
@@ -69,19 +69,27 @@ class FixErrors:
     antennas: tuple[str, ...]
 
 
-def fix_errors(track: Track, fixes: Sequence[GnssFix], rig: Rig, datum: Float, drops: Sequence[Drop]) -> FixErrors:
+def fix_errors(
+    track: Track, fixes: Sequence[GnssFix], rig: Rig, datum: Float, drops: Sequence[Drop]
+) -> FixErrors:
     """Compare the track with every fix that has a state just before it and one after it."""
     T_map_odom = track.T_map_odom
     rows, antennas = [], []
     for fix in fixes:
         before = int(np.searchsorted(track.stamps_s, fix.stamp_s, side="left")) - 1
         after = int(np.searchsorted(track.stamps_s, fix.stamp_s + _SETTLED_S))
-        if before < 0 or after >= len(track.stamps_s) or fix.stamp_s - track.stamps_s[before] > _NEAR_S:
+        if (
+            before < 0
+            or after >= len(track.stamps_s)
+            or fix.stamp_s - track.stamps_s[before] > _NEAR_S
+        ):
             continue
         sensor = rig.sensors[fix.antenna]
         T = track.T_map_cabin[before] if sensor.link == rig.cabin_link else track.T_map_base[before]
         arm = sensor.T_link_sensor[:3, 3]
-        turning = track.T_map_cabin[before, :3, :3] @ np.cross(track.w_map_cabin_in_cabin[before], arm)
+        turning = track.T_map_cabin[before, :3, :3] @ np.cross(
+            track.w_map_cabin_in_cabin[before], arm
+        )
         ahead_s = fix.stamp_s - track.stamps_s[before]
         predicted = T[:3, :3] @ arm + T[:3, 3] + ahead_s * (track.v_map_cabin[before] + turning)
         correction = T_map_odom[after] @ np.linalg.inv(T_map_odom[before])
@@ -89,9 +97,13 @@ def fix_errors(track: Track, fixes: Sequence[GnssFix], rig: Rig, datum: Float, d
         measured = enu_from_geodetic(fix.geodetic, datum)
         is_dropped = any(drop.takes(fix) for drop in drops)
         antennas.append(fix.antenna)
-        rows.append([fix.stamp_s, *measured, *(predicted - measured), *(posterior - measured), is_dropped])
+        rows.append(
+            [fix.stamp_s, *measured, *(predicted - measured), *(posterior - measured), is_dropped]
+        )
     table = np.array(rows, dtype=float).reshape(-1, 11)
-    return FixErrors(table[:, 0], table[:, 1:4], table[:, 4:7], table[:, 7:10], table[:, 10] > 0, tuple(antennas))
+    return FixErrors(
+        table[:, 0], table[:, 1:4], table[:, 4:7], table[:, 7:10], table[:, 10] > 0, tuple(antennas)
+    )
 
 
 def consistency(track: Track) -> Float:
@@ -110,12 +122,18 @@ def outages(errors: FixErrors, drops: Sequence[Drop]) -> list[dict[str, Any]]:
     """Return what became of the position in each outage of the satellites; the fixes left out are the reference."""
     answers = []
     for drop in drops:
-        inside = (errors.stamps_s >= drop.from_s) & (errors.stamps_s < drop.to_s) & errors.is_dropped
+        inside = (
+            (errors.stamps_s >= drop.from_s) & (errors.stamps_s < drop.to_s) & errors.is_dropped
+        )
         if not inside.any() or drop.sensor not in ("gnss", *errors.antennas):
             continue
         distance = np.linalg.norm(errors.predicted_m[inside], axis=1)
-        first = np.array([antenna == errors.antennas[0] for antenna in errors.antennas])  # two would zigzag
-        way = float(np.linalg.norm(np.diff(errors.p_map_antenna[inside & first], axis=0), axis=1).sum())
+        first = np.array(
+            [antenna == errors.antennas[0] for antenna in errors.antennas]
+        )  # two would zigzag
+        way = float(
+            np.linalg.norm(np.diff(errors.p_map_antenna[inside & first], axis=0), axis=1).sum()
+        )
         answers.append(
             {
                 "sensor": drop.sensor,
@@ -148,4 +166,7 @@ def statistics(values: Float, digits: int = 5) -> Mapping[str, float | int]:
         "p99": np.percentile(values, 99),
         "max": values.max(),
     }
-    return {**{name: round(float(value), digits) for name, value in figures.items()}, "n": len(values)}
+    return {
+        **{name: round(float(value), digits) for name, value in figures.items()},
+        "n": len(values),
+    }

@@ -32,15 +32,23 @@ class Offset:
         try:
             return cls(sensor, float(seconds if colon and sensor else "none"))
         except ValueError:
-            raise ConfigError(f"--offset: '{text}' is not SENSOR:SECONDS, such as gnss:0.05") from None
+            raise ConfigError(
+                f"--offset: '{text}' is not SENSOR:SECONDS, such as gnss:0.05"
+            ) from None
 
     def applied(self, observation: Observation | LidarIncrement) -> Observation | LidarIncrement:
         """Return an observation with its stamps moved, or as it is if it is of another sensor."""
         if not is_of(observation, self.sensor):
             return observation
         if isinstance(observation, LidarIncrement):
-            return replace(observation, from_s=observation.from_s + self.seconds, to_s=observation.to_s + self.seconds)
+            return replace(
+                observation,
+                from_s=observation.from_s + self.seconds,
+                to_s=observation.to_s + self.seconds,
+            )
         if isinstance(observation, LidarScan):
             stamps_s = observation.point_stamps_s + self.seconds
-            return replace(observation, stamp_s=observation.stamp_s + self.seconds, point_stamps_s=stamps_s)
+            return replace(
+                observation, stamp_s=observation.stamp_s + self.seconds, point_stamps_s=stamps_s
+            )
         return replace(observation, stamp_s=observation.stamp_s + self.seconds)

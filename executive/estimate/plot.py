@@ -21,14 +21,26 @@ def plot(path: Path, estimated: Estimated, drops: Sequence[Drop]) -> None:
     above.plot(*track.T_map_base[:, :2, 3].T, "-", linewidth=1, label="estimate, map frame")
     above.plot(*track.T_odom_base[:, :2, 3].T, "--", linewidth=1, label="estimate, odometry frame")
     if estimated.reference is not None:
-        above.plot(*estimated.reference.T_map_base[:, :2, 3].T, ":", linewidth=1, label="smoothed as a whole")
-    above.set(xlabel="east [m]", ylabel="north [m]", aspect="equal", title=estimated.report["estimator"])
+        above.plot(
+            *estimated.reference.T_map_base[:, :2, 3].T,
+            ":",
+            linewidth=1,
+            label="smoothed as a whole",
+        )
+    above.set(
+        xlabel="east [m]", ylabel="north [m]", aspect="equal", title=estimated.report["estimator"]
+    )
     above.legend(loc="best", fontsize="small")
-    for name, vectors in (("when given out", errors.predicted_m), ("after the fix", errors.posterior_m)):
+    for name, vectors in (
+        ("when given out", errors.predicted_m),
+        ("after the fix", errors.posterior_m),
+    ):
         distance_m = np.maximum(np.linalg.norm(vectors, axis=1), _SMALLEST_M)
         over_time.semilogy(errors.stamps_s, distance_m, ".", markersize=3, label=name)
     for drop in drops:
         over_time.axvspan(drop.from_s, drop.to_s, color="0.9")
-    over_time.set(xlabel="time [s]", ylabel="distance from the fix [m]", title="error; outages in grey")
+    over_time.set(
+        xlabel="time [s]", ylabel="distance from the fix [m]", title="error; outages in grey"
+    )
     over_time.legend(loc="best", fontsize="small")
     figure.savefig(path, dpi=120)

@@ -29,10 +29,16 @@ def with_reference(material: Material, estimated: Estimated, name: str) -> Estim
     finally:
         smoother.close()
     if not states:
-        raise DataError(f"{material.log.path}: {name} came to no trajectory: nothing is known of where it begins")
+        raise DataError(
+            f"{material.log.path}: {name} came to no trajectory: nothing is known of where it begins"
+        )
     reference = Track.of(states)
     fixes = fix_errors(reference, estimated.replay.fixes, material.rig, prepared.datum, ())
-    report = {"smoother": name, **_difference(estimated.track, reference), "fixes_m": spread(fixes.predicted_m)}
+    report = {
+        "smoother": name,
+        **_difference(estimated.track, reference),
+        "fixes_m": spread(fixes.predicted_m),
+    }
     return replace(estimated, report=estimated.report | {"reference": report}, reference=reference)
 
 

@@ -52,7 +52,9 @@ class Replayer:
         started_s = wall_s()
         for arrival in arrivals:
             while clock is not None and (early_s := arrival.arrival_s - clock.now_s()) > 0:
-                clock.advance(early_s)  # a clock counts from its last tick, not from now: once is not always enough
+                clock.advance(
+                    early_s
+                )  # a clock counts from its last tick, not from now: once is not always enough
             self._take(arrival.observation)
         self._replay.wall_s = wall_s() - started_s
         self._replay.refused = dict(getattr(self._estimator, "refused", {}))

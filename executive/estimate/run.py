@@ -15,7 +15,15 @@ from executive.clock import WallClock
 from executive.config import Settings
 from executive.errors import ConfigError, DataError
 from executive.estimate.drop import Drop
-from executive.estimate.measures import FixErrors, Track, consistency, fix_errors, outages, spread, statistics
+from executive.estimate.measures import (
+    FixErrors,
+    Track,
+    consistency,
+    fix_errors,
+    outages,
+    spread,
+    statistics,
+)
 from executive.estimate.offset import Offset
 from executive.estimate.replay import Replay, Replayer
 from executive.interfaces.estimation import Estimator
@@ -23,19 +31,23 @@ from executive.interfaces.odometry import LidarOdometry
 from executive.interfaces.plugin import Plugin
 from executive.logs.log import Arrival, Log
 from executive.logs.topics import Topics
+from executive.machine.machine import Machine
+from executive.machine.rig import Rig
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.observation import Observation
 from executive.messages.odometry import LidarIncrement
-from robot_models.machine import Machine
-from robot_models.rig import Rig
 
 S = TypeVar("S", bound=Settings)
 
 # On a body that no description knows: an engine shakes it, yet it stands; fixes are as good as they say, and twice.
-_UNKNOWN_BODY = {"rest": {"max_rate_std_rad_s": 0.15}, "gate": 60.0, "smoother": {"gate": {"innovation": 60.0}}}
+_UNKNOWN_BODY = {
+    "rest": {"max_rate_std_rad_s": 0.15},
+    "gate": 60.0,
+    "smoother": {"gate": {"innovation": 60.0}},
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +93,9 @@ class Material:
         log = Log(path, _validated(Topics, _nested(options.topics), "--topic"))
         rig = log.rig(options.machine)
         offsets = tuple(map(Offset.parse, options.offsets))
-        arrivals = list(_without_scans((_moved(arrival, offsets) for arrival in log.arrivals()), options, rig))
+        arrivals = list(
+            _without_scans((_moved(arrival, offsets) for arrival in log.arrivals()), options, rig)
+        )
         fixes = [a.observation for a in arrivals if isinstance(a.observation, GnssFix)]
         first = next((fix for fix in fixes if fix.is_rtk_fixed), None)
         if first is None:
@@ -93,7 +107,9 @@ class Material:
             raise DataError(
                 f"{path}: {rig.name} has no antenna {', '.join(strangers)}; name the machine with --machine"
             )
-        return cls(log, rig, arrivals, np.array(first.geodetic), tuple(map(Drop.parse, options.drops)))
+        return cls(
+            log, rig, arrivals, np.array(first.geodetic), tuple(map(Drop.parse, options.drops))
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,9 +147,15 @@ def prepare(material: Material, capability: str, name: str, pairs: Sequence[str]
     """
     plugin = registry.load(capability, name)
     imu = _main_imu(material, plugin.Settings)
-    settings = _validated(plugin.Settings, _settings(plugin.Settings, material, imu, pairs), "--set")
+    settings = _validated(
+        plugin.Settings, _settings(plugin.Settings, material, imu, pairs), "--set"
+    )
     datum = getattr(settings, "datum", None)
-    return Prepared(_made(plugin, settings, material.rig), imu, material.datum if datum is None else np.array(datum))
+    return Prepared(
+        _made(plugin, settings, material.rig),
+        imu,
+        material.datum if datum is None else np.array(datum),
+    )
 
 
 def estimate(material: Material, name: str, options: Options) -> Estimated:
@@ -168,7 +190,9 @@ def _last_word(estimator: Estimator) -> str:
     return f"At {account[-1].stamp_s:.1f} s it {account[-1].reason}. " if account else ""
 
 
-def _report(material: Material, name: str, replay: Replay, track: Track, errors: FixErrors) -> dict[str, Any]:
+def _report(
+    material: Material, name: str, replay: Replay, track: Track, errors: FixErrors
+) -> dict[str, Any]:
     used = ~errors.is_dropped
     duration_s = material.arrivals[-1].arrival_s
     return {
@@ -191,18 +215,26 @@ def _report(material: Material, name: str, replay: Replay, track: Track, errors:
 
 def _main_imu(material: Material, settings: type[Settings]) -> str:
     """Return the inertial sensor that the estimator follows: its default if the log has it, else the log's first."""
-    frames = list(dict.fromkeys(a.observation.frame for a in material.arrivals if isinstance(a.observation, ImuSample)))
+    frames = list(
+        dict.fromkeys(
+            a.observation.frame for a in material.arrivals if isinstance(a.observation, ImuSample)
+        )
+    )
     if not frames:
         raise DataError(f"{material.log.path}: the inertial topic holds no message")
     default = settings.model_fields["imu"].default if "imu" in settings.model_fields else frames[0]
     return default if default in frames else frames[0]
 
 
-def _settings(model: type[Settings], material: Material, imu: str, pairs: Sequence[str]) -> dict[str, Any]:
+def _settings(
+    model: type[Settings], material: Material, imu: str, pairs: Sequence[str]
+) -> dict[str, Any]:
     known: dict[str, Any] = {"imu": imu, "datum": tuple(map(float, material.datum))}
     if not isinstance(material.rig, Machine):
         known |= _UNKNOWN_BODY
-    return _merged({key: value for key, value in known.items() if key in model.model_fields}, _nested(pairs))
+    return _merged(
+        {key: value for key, value in known.items() if key in model.model_fields}, _nested(pairs)
+    )
 
 
 def _made(plugin: type[Plugin], settings: Settings, rig: Rig) -> Any:
@@ -210,7 +242,9 @@ def _made(plugin: type[Plugin], settings: Settings, rig: Rig) -> Any:
     needed = registry.dependencies_of(plugin)
     missing = [name for name in needed if name not in services]
     if missing:
-        raise ConfigError(f"{plugin.__name__} needs {', '.join(missing)}, which a log does not give")
+        raise ConfigError(
+            f"{plugin.__name__} needs {', '.join(missing)}, which a log does not give"
+        )
     return plugin(settings, **{name: services[name] for name in needed})  # type: ignore[call-arg]
 
 
@@ -244,7 +278,9 @@ def _odometry(options: Options, rig: Rig) -> LidarOdometry | None:
     return odometry
 
 
-def _followed(odometry: LidarOdometry, observation: Observation | LidarIncrement) -> LidarIncrement | None:
+def _followed(
+    odometry: LidarOdometry, observation: Observation | LidarIncrement
+) -> LidarIncrement | None:
     match observation:
         case LidarScan():
             return odometry.add_scan(observation)
@@ -259,7 +295,9 @@ def _moved(arrival: Arrival, offsets: Sequence[Offset]) -> Arrival:
     observation = arrival.observation
     for offset in offsets:
         observation = offset.applied(observation)
-    return arrival if observation is arrival.observation else Arrival(arrival.arrival_s, observation)
+    return (
+        arrival if observation is arrival.observation else Arrival(arrival.arrival_s, observation)
+    )
 
 
 def _nested(pairs: Sequence[str]) -> dict[str, Any]:
@@ -283,7 +321,9 @@ def _merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
     both = dict(below)
     for key, value in above.items():
         old = both.get(key)
-        both[key] = _merged(old, value) if isinstance(old, dict) and isinstance(value, dict) else value
+        both[key] = (
+            _merged(old, value) if isinstance(old, dict) and isinstance(value, dict) else value
+        )
     return both
 
 

@@ -48,7 +48,9 @@ def _hull(vertices: Float) -> ConvexHull:
     try:
         return ConvexHull(vertices)
     except (QhullError, ValueError) as error:
-        raise DataError(f"{len(vertices)} points span no volume; a convex hull needs four that are not flat") from error
+        raise DataError(
+            f"{len(vertices)} points span no volume; a convex hull needs four that are not flat"
+        ) from error
 
 
 def _faces(hull: ConvexHull) -> Float:

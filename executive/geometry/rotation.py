@@ -17,7 +17,9 @@ def exp_so3(rotation_vector: Float) -> Float:
     K = skew(rotation_vector)
     if angle < 1e-8:  # second order of the series; the next term is below 1e-24
         return np.asarray(np.eye(3) + K + 0.5 * K @ K)
-    return np.asarray(np.eye(3) + np.sin(angle) / angle * K + (1 - np.cos(angle)) / angle**2 * K @ K)
+    return np.asarray(
+        np.eye(3) + np.sin(angle) / angle * K + (1 - np.cos(angle)) / angle**2 * K @ K
+    )
 
 
 def log_so3(R: Float) -> Float:

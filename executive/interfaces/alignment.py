@@ -12,5 +12,7 @@ class Aligner(Plugin, ABC):
     """Refine a transform locally (Mascaro 2020, Sec. 4.4 step 5 and Sec. 4.5)."""
 
     @abstractmethod
-    def align(self, target: Cloud, source: Cloud, T_target_source: Float, max_distance_m: float) -> Alignment:
+    def align(
+        self, target: Cloud, source: Cloud, T_target_source: Float, max_distance_m: float
+    ) -> Alignment:
         """Move the source onto the target, from a guess, with correspondences up to a distance [m]; deterministic."""

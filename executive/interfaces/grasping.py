@@ -15,7 +15,9 @@ class GraspPlanner(Plugin, ABC):
     """Find poses of the gripper that hold a stone and hit nothing (Mascaro 2020, Sec. 5)."""
 
     @abstractmethod
-    def plan(self, target: Stone, cloud: Cloud, T_map_base: Float, rng: np.random.Generator) -> GraspPlan:
+    def plan(
+        self, target: Stone, cloud: Cloud, T_map_base: Float, rng: np.random.Generator
+    ) -> GraspPlan:
         """Plan grasps, best first.
 
         Args:

@@ -28,7 +28,9 @@ class ObjectDatabase(Plugin, ABC):
         """
 
     @abstractmethod
-    def observe(self, segments: Sequence[Segment], stamp_s: float, seen_from_above: bool) -> tuple[Stone, ...]:
+    def observe(
+        self, segments: Sequence[Segment], stamp_s: float, seen_from_above: bool
+    ) -> tuple[Stone, ...]:
         """Match segments of the map with known stones that lie on the ground, update those, and add the rest.
 
         Returns:
@@ -60,7 +62,9 @@ class ObjectDatabase(Plugin, ABC):
         """Note that the gripper holds the stone, and its pose at that moment."""
 
     @abstractmethod
-    def release(self, stone_id: int, T_map_gripper: Float, stamp_s: float, state: StoneState) -> Stone:
+    def release(
+        self, stone_id: int, T_map_gripper: Float, stamp_s: float, state: StoneState
+    ) -> Stone:
         """Move the stone by what the gripper moved since the grasp (Eq. 3), and set its state."""
 
     @abstractmethod

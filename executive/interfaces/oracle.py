@@ -19,7 +19,9 @@ class Attempt:
     started_s: float
     ended_s: float
     outcome: str
-    grasp_centroid_map: tuple[float, float, float]  # where the mission believed the stone to be at the start
+    grasp_centroid_map: tuple[
+        float, float, float
+    ]  # where the mission believed the stone to be at the start
 
 
 @dataclass(frozen=True, slots=True, eq=False)

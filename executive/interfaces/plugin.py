@@ -10,7 +10,7 @@ class Plugin:
     """Base of all plugins.
 
     `__init__(self, settings, …)` stores its arguments only. The parameters after `settings` are filled in by name:
-    `machine` (robot_models.machine.Machine), `rng` (numpy.random.Generator), or the name of another capability, whose
+    `machine` (executive.machine.machine.Machine), `rng` (numpy.random.Generator), or the name of another capability, whose
     selected plugin is then given. `start` and `close` own resources.
     """
 

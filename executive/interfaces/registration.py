@@ -22,4 +22,6 @@ class Registrar(Plugin, ABC):
         Returns:
             T_target_model, accepted or refused with a reason. A method that needs several objects refuses.
         """
-        return Alignment(np.eye(4), False, "this method registers maps, not single objects", 0.0, 0.0)
+        return Alignment(
+            np.eye(4), False, "this method registers maps, not single objects", 0.0, 0.0
+        )

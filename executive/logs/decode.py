@@ -13,8 +13,20 @@ from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 
-_NO_FIX, _GROUND_AUGMENTED = -1, 2  # sensor_msgs/NavSatStatus; RTK receivers report a fixed solution as the latter
-_NUMPY = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}  # sensor_msgs/PointField
+_NO_FIX, _GROUND_AUGMENTED = (
+    -1,
+    2,
+)  # sensor_msgs/NavSatStatus; RTK receivers report a fixed solution as the latter
+_NUMPY = {
+    1: "i1",
+    2: "u1",
+    3: "i2",
+    4: "u2",
+    5: "i4",
+    6: "u4",
+    7: "f4",
+    8: "f8",
+}  # sensor_msgs/PointField
 _TIMES = {"time": 1.0, "t": 1e-9}  # names and units [s] of a point's time, as drivers write them
 
 
@@ -26,7 +38,9 @@ def stamp_ns(message: Any) -> int:
 def imu_sample(message: Any, stamp_s: float) -> ImuSample:
     """Return a sensor_msgs/Imu; its orientation is not used."""
     w, f = message.angular_velocity, message.linear_acceleration
-    return ImuSample(stamp_s, message.header.frame_id, np.array([w.x, w.y, w.z]), np.array([f.x, f.y, f.z]))
+    return ImuSample(
+        stamp_s, message.header.frame_id, np.array([w.x, w.y, w.z]), np.array([f.x, f.y, f.z])
+    )
 
 
 def gnss_fix(message: Any, stamp_s: float) -> GnssFix | None:
@@ -50,9 +64,13 @@ def joint_sample(message: Any, stamp_s: float) -> JointSample:
     """
     n = len(message.name)
     if len(message.velocity) != n:
-        raise DataError(f"{n} joints with {len(message.velocity)} velocities; record the velocities too")
+        raise DataError(
+            f"{n} joints with {len(message.velocity)} velocities; record the velocities too"
+        )
     effort = np.array(message.effort) if len(message.effort) else np.zeros(n)
-    return JointSample(stamp_s, tuple(message.name), np.array(message.position), np.array(message.velocity), effort)
+    return JointSample(
+        stamp_s, tuple(message.name), np.array(message.position), np.array(message.velocity), effort
+    )
 
 
 def lidar_scan(message: Any, stamp_s: float) -> LidarScan:
@@ -63,13 +81,22 @@ def lidar_scan(message: Any, stamp_s: float) -> LidarScan:
     Raises:
         DataError: If it has no x, y, z.
     """
-    layout = {f.name: (_NUMPY[f.datatype], f.offset) for f in message.fields if f.datatype in _NUMPY}
+    layout = {
+        f.name: (_NUMPY[f.datatype], f.offset) for f in message.fields if f.datatype in _NUMPY
+    }
     missing = [name for name in "xyz" if name not in layout]
     if missing:
-        raise DataError(f"a point cloud without {', '.join(missing)}; its fields are {', '.join(layout) or 'none'}")
+        raise DataError(
+            f"a point cloud without {', '.join(missing)}; its fields are {', '.join(layout) or 'none'}"
+        )
     formats, offsets = zip(*layout.values(), strict=True)
     kind = np.dtype(
-        {"names": list(layout), "formats": formats, "offsets": offsets, "itemsize": message.point_step}
+        {
+            "names": list(layout),
+            "formats": formats,
+            "offsets": offsets,
+            "itemsize": message.point_step,
+        }
     ).newbyteorder(">" if message.is_bigendian else "<")
     cloud = np.frombuffer(bytes(message.data), dtype=kind, count=message.width * message.height)
     points = np.column_stack([cloud[name].astype(float) for name in "xyz"])
@@ -97,5 +124,7 @@ def transform_of(message: Any) -> Float:
 def _rotation(q: Any) -> Float:
     q_wxyz = np.array([q.w, q.x, q.y, q.z])
     if not 0.9 < np.linalg.norm(q_wxyz) < 1.1:
-        raise ShapeError(f"a quaternion of length {np.linalg.norm(q_wxyz):.3g}; a rotation has length 1")
+        raise ShapeError(
+            f"a quaternion of length {np.linalg.norm(q_wxyz):.3g}; a rotation has length 1"
+        )
     return from_quaternion(q_wxyz)

@@ -8,7 +8,7 @@ import numpy as np
 from executive.arrays import Float
 from executive.errors import DataError, did_you_mean
 from executive.logs.decode import transform_of
-from robot_models.rig import Rig
+from executive.machine.rig import Rig
 
 # What a MEMS sensor does on a body that shakes: 5 to 50 times its data sheet's noise. Measured on a car: at rest the
 # engine alone gives a spread of 0.13 m/s² and 0.05 rad/s, the road gives more, and the accelerometer's bias was 0.14
@@ -60,7 +60,9 @@ def rig_from(transforms: Iterable[Any], frames: Mapping[str, str], log: str) -> 
     body = next(root for frame, (root, _) in poses.items() if frames[frame] == "imu")
     strangers = sorted(frame for frame, (root, _) in poses.items() if root != body)
     if strangers:
-        raise DataError(f"{log}: tf_static does not tie {', '.join(strangers)} to '{body}', which carries the IMU")
+        raise DataError(
+            f"{log}: tf_static does not tie {', '.join(strangers)} to '{body}', which carries the IMU"
+        )
     sensors = {frame: _sensor(frame, frames[frame], T) for frame, (_, T) in poses.items()}
     return Rig.model_validate({"name": body, "sensors": sensors})
 
@@ -79,7 +81,11 @@ def _to_root(frame: str, parents: Mapping[str, tuple[str, Float]], log: str) -> 
 def _sensor(name: str, kind: str, T_base_sensor: Float) -> dict[str, Any]:
     kind, figures = _KINDS[kind]
     R = T_base_sensor[:3, :3]
-    rpy = (np.arctan2(R[2, 1], R[2, 2]), -np.arcsin(np.clip(R[2, 0], -1, 1)), np.arctan2(R[1, 0], R[0, 0]))
+    rpy = (
+        np.arctan2(R[2, 1], R[2, 2]),
+        -np.arcsin(np.clip(R[2, 0], -1, 1)),
+        np.arctan2(R[1, 0], R[0, 0]),
+    )
     return {
         "kind": kind,
         "name": name,

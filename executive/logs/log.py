@@ -16,16 +16,18 @@ from executive.logs import decode
 from executive.logs.extrinsics import rig_from
 from executive.logs.source import Recorded, Source
 from executive.logs.topics import TYPES, Topics
+from executive.machine.machine import load_machine
+from executive.machine.rig import Rig
 from executive.messages.observation import Observation
 from executive.messages.odometry import LidarIncrement
-from robot_models.machine import load_machine
-from robot_models.rig import Rig
 
 _log = logging.getLogger(__name__)
 
 METADATA = "executive"  # the record by which a log names the machine that it was taken on
 _HEAD = 2000  # messages within which every sensor shows
-_INCREMENT_STD = np.repeat([0.003, 0.02], 3)  # of an increment whose recorder gave none: rotation [rad], position [m]
+_INCREMENT_STD = np.repeat(
+    [0.003, 0.02], 3
+)  # of an increment whose recorder gave none: rotation [rad], position [m]
 
 
 @dataclass(slots=True)
@@ -69,7 +71,9 @@ class Log:
         self.path = path
         self._source = Source(path)
         self._topics = {
-            name: kind for kind, name in topics.model_dump().items() if name in self._source.types or _is_needed(kind)
+            name: kind
+            for kind, name in topics.model_dump().items()
+            if name in self._source.types or _is_needed(kind)
         }
         for name, kind in self._topics.items():
             self._check(name, kind)
@@ -90,12 +94,20 @@ class Log:
             return load_machine(model)
         named = {kind: name for name, kind in self._topics.items()}
         if "tf_static" not in named:
-            raise DataError(f"{self.path}: no extrinsics: record tf_static, or name the machine with --machine")
+            raise DataError(
+                f"{self.path}: no extrinsics: record tf_static, or name the machine with --machine"
+            )
         transforms = [
-            t for recorded in self._source.messages([named["tf_static"]]) for t in recorded.message.transforms
+            t
+            for recorded in self._source.messages([named["tf_static"]])
+            for t in recorded.message.transforms
         ]
         frames: dict[str, str] = {}
-        carried = {name: kind for name, kind in self._topics.items() if kind in ("imu", "gnss", "points", "odometry")}
+        carried = {
+            name: kind
+            for name, kind in self._topics.items()
+            if kind in ("imu", "gnss", "points", "odometry")
+        }
         for recorded in islice(self._source.messages(list(carried)), _HEAD):
             kind = carried[recorded.topic]
             message = recorded.message
@@ -157,7 +169,9 @@ class Log:
                 f"{self.path}: no {topic} for {kind}; name another with --topic {kind}=…. It holds: {there}{near}"
             )
         if types[topic] != TYPES[kind]:
-            raise DataError(f"{self.path}: {topic} is {types[topic]}; for {kind}, {TYPES[kind]} is read")
+            raise DataError(
+                f"{self.path}: {topic} is {types[topic]}; for {kind}, {TYPES[kind]} is read"
+            )
 
 
 class _Increments:
@@ -176,7 +190,9 @@ class _Increments:
         if last is None or stamp_s <= last[0]:
             return None
         order = np.r_[3:6, 0:3]  # ROS puts the position first
-        covariance = np.array(message.pose.covariance, dtype=float).reshape(6, 6)[np.ix_(order, order)]
+        covariance = np.array(message.pose.covariance, dtype=float).reshape(6, 6)[
+            np.ix_(order, order)
+        ]
         if not (np.diag(covariance) > 0).all():
             covariance = np.diag(_INCREMENT_STD**2)
         return LidarIncrement(last[0], stamp_s, frame, inverse(last[1]) @ T, covariance)

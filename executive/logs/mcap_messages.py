@@ -11,7 +11,9 @@ from mcap.stream_reader import breakup_chunk
 _TO_CONTENT = 9  # bytes of a record's kind and length
 
 
-def in_order(file: IO[bytes], topics: Sequence[str]) -> Iterator[tuple[Schema | None, Channel, Message]]:
+def in_order(
+    file: IO[bytes], topics: Sequence[str]
+) -> Iterator[tuple[Schema | None, Channel, Message]]:
     """Yield schema, channel and message of some topics, checked by the chunks' sums.
 
     Chunks follow one another in time but for a few that overlap, so that it is enough to sort what overlaps. The
@@ -25,25 +27,36 @@ def in_order(file: IO[bytes], topics: Sequence[str]) -> Iterator[tuple[Schema | 
     if summary is None or not summary.chunk_indexes:
         yield from reader.iter_messages(topics=topics)
         return
-    channels = {channel.id: channel for channel in summary.channels.values() if channel.topic in topics}
+    channels = {
+        channel.id: channel for channel in summary.channels.values() if channel.topic in topics
+    }
     wanted = [
         chunk
         for chunk in summary.chunk_indexes
-        if not chunk.message_index_offsets or not channels.keys().isdisjoint(chunk.message_index_offsets)
+        if not chunk.message_index_offsets
+        or not channels.keys().isdisjoint(chunk.message_index_offsets)
     ]
     for chunks in _overlapping(wanted):
-        messages = [m for chunk in chunks for m in _messages(file, chunk) if m.channel_id in channels]
+        messages = [
+            m for chunk in chunks for m in _messages(file, chunk) if m.channel_id in channels
+        ]
         messages.sort(key=lambda message: message.log_time)
         for message in messages:
             channel = channels[message.channel_id]
-            yield summary.schemas[channel.schema_id] if channel.schema_id else None, channel, message
+            yield (
+                summary.schemas[channel.schema_id] if channel.schema_id else None,
+                channel,
+                message,
+            )
 
 
 def _overlapping(chunks: Sequence[ChunkIndex]) -> Iterator[list[ChunkIndex]]:
     """Yield runs of chunks that overlap in time, earliest first; those of a run in the order of the file."""
     run: list[ChunkIndex] = []
     end_ns = 0
-    for chunk in sorted(chunks, key=lambda chunk: (chunk.message_start_time, chunk.chunk_start_offset)):
+    for chunk in sorted(
+        chunks, key=lambda chunk: (chunk.message_start_time, chunk.chunk_start_offset)
+    ):
         if run and chunk.message_start_time > end_ns:
             yield sorted(run, key=lambda chunk: chunk.chunk_start_offset)
             run = []

@@ -13,14 +13,16 @@ from executive.errors import ConfigError
 from executive.geometry.rotation import quaternion_wxyz
 from executive.logs.log import METADATA
 from executive.logs.topics import TYPES, Topics
+from executive.machine.rig import Rig
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.observation import Observation
-from robot_models.rig import Rig
 
-_POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("time", "<f4")])  # time [s] after the header's stamp
+_POINT = np.dtype(
+    [("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("time", "<f4")]
+)  # time [s] after the header's stamp
 _FLOAT32 = 7  # sensor_msgs/PointField
 _RTK, _FLOAT, _GPS, _COVARIANCE_KNOWN = 2, 0, 1, 3  # sensor_msgs/NavSatStatus and NavSatFix
 
@@ -37,7 +39,9 @@ class Recorder:
         try:
             self._writer = Writer(str(path))
         except OSError as error:
-            raise ConfigError(f"--record-log: {path} cannot be written: {error.strerror}") from error
+            raise ConfigError(
+                f"--record-log: {path} cannot be written: {error.strerror}"
+            ) from error
         self._store = get_typestore(Stores.ROS2_HUMBLE)
         self._topics: Mapping[str, str] = Topics().model_dump()
         self._channels: dict[str, int] = {}
@@ -128,7 +132,9 @@ class Recorder:
             cloud[name] = scan.points_lidar[:, i]
         cloud["time"] = scan.point_stamps_s - first_s
         fields = [
-            self._make("sensor_msgs/msg/PointField", name=name, offset=4 * i, datatype=_FLOAT32, count=1)
+            self._make(
+                "sensor_msgs/msg/PointField", name=name, offset=4 * i, datatype=_FLOAT32, count=1
+            )
             for i, name in enumerate(_POINT.names or ())
         ]
         return self._make(

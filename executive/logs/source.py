@@ -71,18 +71,29 @@ class Source:
             DataError: If there is none, or it cannot be read; the message says why.
         """
         if not path.exists():
-            raise DataError(f"{path}: no such log; give an .mcap file, a .bag file, or a ROS 2 bag's folder")
+            raise DataError(
+                f"{path}: no such log; give an .mcap file, a .bag file, or a ROS 2 bag's folder"
+            )
         self.path = path
         self._is_mcap = path.suffix == ".mcap"
         with self._explained():
-            self.types: Mapping[str, str] = self._mcap_types() if self._is_mcap else self._bag_types()
+            self.types: Mapping[str, str] = (
+                self._mcap_types() if self._is_mcap else self._bag_types()
+            )
 
     def metadata(self, name: str) -> Mapping[str, str]:
         """Return a record of text pairs that an MCAP file carries; empty if it has none of that name."""
         if not self._is_mcap:
             return {}
         with self._explained(), self.path.open("rb") as file:
-            return next((record.metadata for record in make_reader(file).iter_metadata() if record.name == name), {})
+            return next(
+                (
+                    record.metadata
+                    for record in make_reader(file).iter_metadata()
+                    if record.name == name
+                ),
+                {},
+            )
 
     def messages(self, topics: Sequence[str]) -> Iterator[Recorded]:
         """Yield the messages of some topics in order of arrival.
@@ -99,15 +110,24 @@ class Source:
             yield
         except _DAMAGED as error:
             reason = str(error) or type(error).__name__
-            raise DataError(f"{self.path}: not a whole log: {reason}; record it again, or repair it") from error
+            raise DataError(
+                f"{self.path}: not a whole log: {reason}; record it again, or repair it"
+            ) from error
 
     def _mcap_types(self) -> dict[str, str]:
         with self.path.open("rb") as file:
             summary = make_reader(file).get_summary()
         if summary is None:
-            raise DataError(f"{self.path}: not a whole log: it ends without a summary; repair it with `mcap recover`")
-        names = {channel.topic: summary.schemas.get(channel.schema_id) for channel in summary.channels.values()}
-        return {topic: _full_name(schema.name if schema else "?") for topic, schema in names.items()}
+            raise DataError(
+                f"{self.path}: not a whole log: it ends without a summary; repair it with `mcap recover`"
+            )
+        names = {
+            channel.topic: summary.schemas.get(channel.schema_id)
+            for channel in summary.channels.values()
+        }
+        return {
+            topic: _full_name(schema.name if schema else "?") for topic, schema in names.items()
+        }
 
     def _bag_types(self) -> dict[str, str]:
         with self._bag() as reader:
@@ -118,14 +138,18 @@ class Source:
 
     def _mcap_messages(self, topics: Sequence[str]) -> Iterator[Recorded]:
         cdr, ros1 = get_typestore(Stores.ROS2_HUMBLE), get_typestore(Stores.ROS1_NOETIC)
-        ros1.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", TYPES["tf_static"]))
+        ros1.register(
+            get_types_from_msg("geometry_msgs/TransformStamped[] transforms", TYPES["tf_static"])
+        )
         decoders = {"cdr": cdr.deserialize_cdr, "ros1": ros1.deserialize_ros1}
         with self.path.open("rb") as file:
             for schema, channel, message in in_order(file, topics):
                 decode = decoders.get(channel.message_encoding)
                 if decode is None or schema is None:
                     encoding = channel.message_encoding
-                    raise DataError(f"{self.path}: {channel.topic} is encoded as '{encoding}'; cdr and ros1 are read")
+                    raise DataError(
+                        f"{self.path}: {channel.topic} is encoded as '{encoding}'; cdr and ros1 are read"
+                    )
                 try:
                     decoded = decode(message.data, _full_name(schema.name))
                 except _DAMAGED as error:
@@ -134,7 +158,9 @@ class Source:
 
     def _bag_messages(self, topics: Sequence[str]) -> Iterator[Recorded]:
         with self._bag() as reader:
-            connections = [connection for connection in reader.connections if connection.topic in topics]
+            connections = [
+                connection for connection in reader.connections if connection.topic in topics
+            ]
             for connection, stamp_ns, data in reader.messages(connections=connections):
                 try:
                     decoded = reader.deserialize(data, connection.msgtype)
@@ -143,7 +169,9 @@ class Source:
                 yield Recorded(connection.topic, stamp_ns, decoded)
 
     def _undecodable(self, topic: str, error: Exception) -> DataError:
-        return DataError(f"{self.path}: a message on {topic} is no {self.types[topic]}: {type(error).__name__} {error}")
+        return DataError(
+            f"{self.path}: a message on {topic} is no {self.types[topic]}: {type(error).__name__} {error}"
+        )
 
 
 def _full_name(name: str) -> str:

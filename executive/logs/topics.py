@@ -20,6 +20,8 @@ class Topics(Settings):
     imu: str = Field("/imu/data", description=TYPES["imu"])
     gnss: str = Field("/gnss/fix", description=TYPES["gnss"])
     joints: str = Field("/joint_states", description=TYPES["joints"])
-    odometry: str = Field("/odometry", description=TYPES["odometry"] + ", poses of a lidar in its odometry frame")
+    odometry: str = Field(
+        "/odometry", description=TYPES["odometry"] + ", poses of a lidar in its odometry frame"
+    )
     points: str = Field("/points", description=TYPES["points"])
     tf_static: str = Field("/tf_static", description=TYPES["tf_static"])

@@ -31,7 +31,9 @@ class Alignment:
     timings_ms: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "T_target_source", checked("T_target_source", self.T_target_source, 4, 4))
+        object.__setattr__(
+            self, "T_target_source", checked("T_target_source", self.T_target_source, 4, 4)
+        )
 
     def apply(self, points_source: Float) -> Float:
         """Express source points in the target's frame, shape (N, 3)."""

@@ -22,7 +22,9 @@ class Cloud:
     def __post_init__(self) -> None:
         object.__setattr__(self, "points", checked("points", self.points, None, 3))
         if self.normals is not None:
-            object.__setattr__(self, "normals", checked("normals", self.normals, len(self.points), 3))
+            object.__setattr__(
+                self, "normals", checked("normals", self.normals, len(self.points), 3)
+            )
 
     def __len__(self) -> int:
         return len(self.points)

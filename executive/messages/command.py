@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 from executive.messages.trajectory import JointTrajectory
 
-START_TOLERANCE = 0.05  # [rad] or [m]: how far from the arm a trajectory may begin; a robot refuses it beyond
+START_TOLERANCE = (
+    0.05  # [rad] or [m]: how far from the arm a trajectory may begin; a robot refuses it beyond
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -25,4 +25,6 @@ class GnssFix:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "geodetic", checked("geodetic", self.geodetic, 3))
-        object.__setattr__(self, "covariance_enu_m2", checked("covariance_enu_m2", self.covariance_enu_m2, 3, 3))
+        object.__setattr__(
+            self, "covariance_enu_m2", checked("covariance_enu_m2", self.covariance_enu_m2, 3, 3)
+        )

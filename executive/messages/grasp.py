@@ -26,7 +26,9 @@ class Grasp:
     costs: Mapping[str, float]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "T_map_gripper", checked("T_map_gripper", self.T_map_gripper, 4, 4))
+        object.__setattr__(
+            self, "T_map_gripper", checked("T_map_gripper", self.T_map_gripper, 4, 4)
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

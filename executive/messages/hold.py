@@ -20,4 +20,6 @@ class Hold:
     jaw_rad: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "T_map_gripper", checked("T_map_gripper", self.T_map_gripper, 4, 4))
+        object.__setattr__(
+            self, "T_map_gripper", checked("T_map_gripper", self.T_map_gripper, 4, 4)
+        )

@@ -33,5 +33,7 @@ class JointSample:
         try:
             i = self.names.index(joint)
         except ValueError:
-            raise ShapeError(f"no joint '{joint}' in the sample; it has {', '.join(self.names)}") from None
+            raise ShapeError(
+                f"no joint '{joint}' in the sample; it has {', '.join(self.names)}"
+            ) from None
         return float(self.position[i]), float(self.velocity[i]), float(self.effort[i])

@@ -22,6 +22,8 @@ class LidarScan:
     point_stamps_s: Float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "points_lidar", checked("points_lidar", self.points_lidar, None, 3))
+        object.__setattr__(
+            self, "points_lidar", checked("points_lidar", self.points_lidar, None, 3)
+        )
         stamps = checked("point_stamps_s", self.point_stamps_s, len(self.points_lidar))
         object.__setattr__(self, "point_stamps_s", stamps)

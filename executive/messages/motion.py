@@ -57,4 +57,6 @@ class Motion:
         i, fraction = self._bracket(stamp_s)
         if fraction == 0.0:
             return np.asarray(self.joint_position[i])
-        return np.asarray((1 - fraction) * self.joint_position[i] + fraction * self.joint_position[i + 1])
+        return np.asarray(
+            (1 - fraction) * self.joint_position[i] + fraction * self.joint_position[i + 1]
+        )

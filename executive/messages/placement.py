@@ -36,5 +36,7 @@ class Placement:
     T_map_object: Float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "T_map_gripper", checked("T_map_gripper", self.T_map_gripper, 4, 4))
+        object.__setattr__(
+            self, "T_map_gripper", checked("T_map_gripper", self.T_map_gripper, 4, 4)
+        )
         object.__setattr__(self, "T_map_object", checked("T_map_object", self.T_map_object, 4, 4))

@@ -33,10 +33,14 @@ class MoveRequest:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "start", checked("start", self.start, None))
-        object.__setattr__(self, "T_map_gripper", checked("T_map_gripper", self.T_map_gripper, 4, 4))
+        object.__setattr__(
+            self, "T_map_gripper", checked("T_map_gripper", self.T_map_gripper, 4, 4)
+        )
         object.__setattr__(self, "T_map_base", checked("T_map_base", self.T_map_base, 4, 4))
         if self.held_gripper is not None:
-            object.__setattr__(self, "held_gripper", checked("held_gripper", self.held_gripper, None, 3))
+            object.__setattr__(
+                self, "held_gripper", checked("held_gripper", self.held_gripper, None, 3)
+            )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

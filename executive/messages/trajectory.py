@@ -47,8 +47,15 @@ class JointTrajectory:
         i = int(np.searchsorted(times, time_s, side="right")) - 1
         h = float(times[i + 1] - times[i])
         u = (time_s - float(times[i])) / h
-        p0, p1, v0, v1 = self.position[i], self.position[i + 1], self.velocity[i], self.velocity[i + 1]
-        position = (1 + 2 * u) * (1 - u) ** 2 * p0 + u * (1 - u) ** 2 * h * v0 + u**2 * (3 - 2 * u) * p1
+        p0, p1, v0, v1 = (
+            self.position[i],
+            self.position[i + 1],
+            self.velocity[i],
+            self.velocity[i + 1],
+        )
+        position = (
+            (1 + 2 * u) * (1 - u) ** 2 * p0 + u * (1 - u) ** 2 * h * v0 + u**2 * (3 - 2 * u) * p1
+        )
         position = position + u**2 * (u - 1) * h * v1
         slope = 6 * u * (1 - u) * (p1 - p0) / h + (1 - u) * (1 - 3 * u) * v0 + u * (3 * u - 2) * v1
         return position, slope

@@ -9,8 +9,8 @@ import numpy as np
 from executive import registry
 from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
+from executive.machine.machine import Machine, load_machine
 from executive.tree.language import Selection
-from robot_models.machine import Machine, load_machine
 
 # What a mission has chosen, by capability; picklable, so that a worker can make its own copies.
 Selections = Mapping[str, tuple[Selection, ...]]
@@ -55,9 +55,13 @@ def assemble(selections: Selections, model: str, seed: int) -> Assembly:
         if capability in made:
             return made[capability]
         if capability in path:
-            raise ConfigError(f"plugins need each other in a circle: {' → '.join((*path, capability))}")
+            raise ConfigError(
+                f"plugins need each other in a circle: {' → '.join((*path, capability))}"
+            )
         if not selections.get(capability):
-            raise ConfigError(f"the {path[-1]} plugin needs a {capability} plugin, and the mission selects none")
+            raise ConfigError(
+                f"the {path[-1]} plugin needs a {capability} plugin, and the mission selects none"
+            )
         plugins = tuple(make_one(capability, chosen, path) for chosen in selections[capability])
         made[capability] = plugins if capability in registry.PLURAL else plugins[0]
         return made[capability]

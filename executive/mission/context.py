@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 
 from executive.arrays import Float
-from executive.behaviours.context import Context
-from executive.behaviours.job import Job
 from executive.clock import Clock
 from executive.errors import ConfigError, RobotError
 from executive.journal import Entry
+from executive.leaf.context import Context
+from executive.leaf.job import Job
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine
 from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Verdict
 from executive.mission.assembly import seeded
 from executive.mission.jobs import Jobs
 from executive.mission.streams import Streams
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine
 
 
 @dataclass(slots=True)
@@ -69,7 +69,9 @@ class NodeContext(Context):
         try:
             return self._services.plugins[capability]
         except KeyError:
-            raise ConfigError(f"{self._node} calls a {capability} plugin, and the mission selects none") from None
+            raise ConfigError(
+                f"{self._node} calls a {capability} plugin, and the mission selects none"
+            ) from None
 
     def job(self, capability: str, verb: str, *args: Any) -> Job:
         self.plugin(capability)

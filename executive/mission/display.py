@@ -25,5 +25,7 @@ class Display:
         try:
             self._viewer.show(self._clock.now_s(), entity, value)
         except Exception:  # whatever a viewer does, the machine is not stopped for it
-            logging.getLogger(__name__).exception("the viewer failed at '%s'; it is shown nothing more", entity)
+            logging.getLogger(__name__).exception(
+                "the viewer failed at '%s'; it is shown nothing more", entity
+            )
             self._viewer = None

@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
-from executive.behaviours.job import Job
 from executive.clock import Clock, wall_s
 from executive.interfaces.plugin import Plugin
+from executive.leaf.job import Job
 from executive.mission.assembly import Selections
 from executive.mission.worker import Worker
 
@@ -22,7 +22,9 @@ class Runner(ABC):
     """Decides where a verb is computed."""
 
     @abstractmethod
-    def submit(self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]) -> Future[Any]:
+    def submit(
+        self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]
+    ) -> Future[Any]:
         """Begin a computation."""
 
     def abandon(self, capability: str, future: Future[Any]) -> None:  # noqa: B027 - optional
@@ -35,7 +37,9 @@ class Runner(ABC):
 class InlineRunner(Runner):
     """Computes at once, in the tick."""
 
-    def submit(self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]) -> Future[Any]:
+    def submit(
+        self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]
+    ) -> Future[Any]:
         future: Future[Any] = Future()
         try:
             future.set_result(getattr(plugin, verb)(*args))
@@ -54,7 +58,9 @@ class ThreadRunner(InlineRunner):
     def __init__(self) -> None:
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="jobs")
 
-    def submit(self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]) -> Future[Any]:
+    def submit(
+        self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]
+    ) -> Future[Any]:
         if not plugin.is_stateless:
             return super().submit(capability, plugin, verb, args)
         return self._pool.submit(getattr(plugin, verb), *args)
@@ -68,9 +74,13 @@ class ProcessRunner(InlineRunner):
 
     def __init__(self, selections: Selections, model: str, seed: int) -> None:
         self._workers: dict[str, Worker] = {}
-        self._make: Callable[[str], Worker] = lambda capability: Worker(capability, selections, model, seed)
+        self._make: Callable[[str], Worker] = lambda capability: Worker(
+            capability, selections, model, seed
+        )
 
-    def submit(self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]) -> Future[Any]:
+    def submit(
+        self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]
+    ) -> Future[Any]:
         if not plugin.is_stateless:
             return super().submit(capability, plugin, verb, args)
         if capability not in self._workers:
@@ -90,7 +100,11 @@ class PluginJob(Job):
     """One verb under way."""
 
     def __init__(
-        self, future: Future[Any], clock: Clock, ready_s: float | None, abandon: Callable[[Future[Any]], None]
+        self,
+        future: Future[Any],
+        clock: Clock,
+        ready_s: float | None,
+        abandon: Callable[[Future[Any]], None],
     ) -> None:
         self._future = future
         self._abandon = abandon
@@ -113,7 +127,9 @@ class PluginJob(Job):
 class Jobs:
     """Starts jobs, charges their latency, and measures their wall time for the report."""
 
-    def __init__(self, plugins: Mapping[str, Any], runner: Runner, clock: Clock, *, is_lock_step: bool) -> None:
+    def __init__(
+        self, plugins: Mapping[str, Any], runner: Runner, clock: Clock, *, is_lock_step: bool
+    ) -> None:
         self._plugins = plugins
         self._runner = runner
         self._clock = clock
@@ -128,7 +144,12 @@ class Jobs:
         future.add_done_callback(lambda _: self._measure(f"{capability}.{verb}", started_s))
         latency_s = plugin.latency_s.get(verb, 0.0)
         ready_s = self._clock.now_s() + latency_s if self._is_lock_step else None
-        return PluginJob(future, self._clock, ready_s, lambda given_up: self._runner.abandon(capability, given_up))
+        return PluginJob(
+            future,
+            self._clock,
+            ready_s,
+            lambda given_up: self._runner.abandon(capability, given_up),
+        )
 
     def _measure(self, stage: str, started_s: float) -> None:
         self.durations_ms.setdefault(stage, []).append(1e3 * (wall_s() - started_s))

@@ -5,14 +5,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from executive.behaviours.rest import Rest
-from executive.behaviours.runtime import Question, Runtime
-from executive.behaviours.store import Store
 from executive.clock import Clock, wall_s
 from executive.errors import RobotError
 from executive.interfaces.robot import Robot
 from executive.journal import Journal
+from executive.leaf.rest import Rest
+from executive.leaf.runtime import Question, Runtime
+from executive.leaf.store import Store
 from executive.logs.recorder import Recorder
+from executive.machine.kinematics import Kinematics
 from executive.messages.base_state import BaseState
 from executive.messages.status_change import StatusChange
 from executive.messages.stone import Stone
@@ -26,7 +27,6 @@ from executive.mission.phase import Phase, checked_change
 from executive.mission.report import Ending
 from executive.mission.streams import Streams
 from executive.tree.build import node_states
-from robot_models.kinematics import Kinematics
 
 _STOP_LIMIT_S = 10.0  # a machine that has not come to rest by then is faulted
 _STATE_PERIOD_S = 1.0  # of the estimates kept for the report
@@ -51,12 +51,16 @@ class Setup:
 class Mission(Runtime):
     """The tick loop, as DESIGN tells it: read → streams → tree → commands → journal, viewer."""
 
-    def __init__(self, setup: Setup, build: Callable[[Runtime], Any], halt: Callable[[Any], None]) -> None:
+    def __init__(
+        self, setup: Setup, build: Callable[[Runtime], Any], halt: Callable[[Any], None]
+    ) -> None:
         self.clock = setup.clock
         self.store = Store()
         self.phase = Phase.IDLE
         self.states: list[BaseState] = []
-        self.first_stones: dict[int, Stone] = {}  # each as it was first shown, for the report's truth
+        self.first_stones: dict[
+            int, Stone
+        ] = {}  # each as it was first shown, for the report's truth
         self._setup = setup
         self.journal = setup.journal
         self._tick = 0
@@ -129,7 +133,9 @@ class Mission(Runtime):
         if self._ending.outcome != "fault":
             self._change(Phase.STOPPING, self._ending.reason)
             self._come_to_rest(after_tick)
-        self._change(Phase.FAULTED if self._ending.outcome == "fault" else Phase.DONE, self._ending.reason)
+        self._change(
+            Phase.FAULTED if self._ending.outcome == "fault" else Phase.DONE, self._ending.reason
+        )
         self.record("ended", "", {"outcome": self._ending.outcome, "reason": self._ending.reason})
         return self._ending
 
@@ -167,10 +173,13 @@ class Mission(Runtime):
         if self._ending is None and self.root.status.value in ("SUCCESS", "FAILURE"):
             succeeded = self.root.status.value == "SUCCESS"
             self._ending = Ending(
-                "success" if succeeded else "failure", "" if succeeded else self.root.feedback_message
+                "success" if succeeded else "failure",
+                "" if succeeded else self.root.feedback_message,
             )
         if self._ending is None and self.clock.now_s() >= self._setup.time_limit_s:
-            self._ending = Ending("failure", f"the time limit of {self._setup.time_limit_s:.0f} s has passed")
+            self._ending = Ending(
+                "failure", f"the time limit of {self._setup.time_limit_s:.0f} s has passed"
+            )
 
     def _follow_requests(self) -> None:
         if self._stop_requested:
@@ -188,7 +197,9 @@ class Mission(Runtime):
             limit_s, rest = self.clock.now_s() + _STOP_LIMIT_S, Rest()
             while not self._stands(rest):
                 if self.clock.now_s() >= limit_s:
-                    raise RobotError(f"the machine still moves {_STOP_LIMIT_S:.0f} s after the stop")
+                    raise RobotError(
+                        f"the machine still moves {_STOP_LIMIT_S:.0f} s after the stop"
+                    )
                 self._read()
                 self._end_tick()
                 after_tick(self)
@@ -224,10 +235,19 @@ class Mission(Runtime):
     def _take_verdict(self, verdict: Verdict) -> None:
         self.services.verdicts.append(verdict)
         self.show("verdict", verdict)
-        self.record("verdict", "", {"monitor": verdict.monitor, "trouble": verdict.trouble, "detail": verdict.detail})
+        self.record(
+            "verdict",
+            "",
+            {"monitor": verdict.monitor, "trouble": verdict.trouble, "detail": verdict.detail},
+        )
 
     def _take_status(self, change: StatusChange) -> None:
-        payload = {"from": change.before, "to": change.after, "stamp_s": change.stamp_s, "reason": change.reason}
+        payload = {
+            "from": change.before,
+            "to": change.after,
+            "stamp_s": change.stamp_s,
+            "reason": change.reason,
+        }
         self.show("estimator", change)
         self.record("estimator_status", "", payload)
 

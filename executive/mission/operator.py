@@ -4,8 +4,8 @@ import sys
 import threading
 from collections.abc import Callable
 
-from executive.behaviours.runtime import Question
 from executive.errors import ConfigError
+from executive.leaf.runtime import Question
 
 _WORDS = {"yes": True, "y": True, "no": False, "n": False}
 
@@ -58,7 +58,9 @@ class TerminalQuestion(Question):
 class Operator:
     """Puts questions: to the terminal if there is one and no answer was given beforehand."""
 
-    def __init__(self, preset: bool | None = None, read_line: Callable[[], str] | None = None) -> None:
+    def __init__(
+        self, preset: bool | None = None, read_line: Callable[[], str] | None = None
+    ) -> None:
         self._preset = preset
         has_terminal = sys.stdin is not None and sys.stdin.isatty()
         self._read_line = read_line or (sys.stdin.readline if has_terminal else None)
@@ -75,4 +77,6 @@ class Operator:
             return TerminalQuestion(question, default, self._read_line)
         if default is not None:
             return Answered(default, "default")
-        raise ConfigError(f"nobody can answer '{question}': there is no terminal; give --answer yes|no or a default")
+        raise ConfigError(
+            f"nobody can answer '{question}': there is no terminal; give --answer yes|no or a default"
+        )

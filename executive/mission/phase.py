@@ -19,9 +19,13 @@ class Phase(StrEnum):
 
 _NEXT: dict[Phase, frozenset[Phase]] = {
     Phase.IDLE: frozenset({Phase.RUNNING, Phase.FAULTED, Phase.STOPPING}),
-    Phase.RUNNING: frozenset({Phase.PAUSED, Phase.AWAITING_OPERATOR, Phase.STOPPING, Phase.DONE, Phase.FAULTED}),
+    Phase.RUNNING: frozenset(
+        {Phase.PAUSED, Phase.AWAITING_OPERATOR, Phase.STOPPING, Phase.DONE, Phase.FAULTED}
+    ),
     Phase.PAUSED: frozenset({Phase.RUNNING, Phase.STOPPING, Phase.FAULTED}),
-    Phase.AWAITING_OPERATOR: frozenset({Phase.RUNNING, Phase.PAUSED, Phase.STOPPING, Phase.DONE, Phase.FAULTED}),
+    Phase.AWAITING_OPERATOR: frozenset(
+        {Phase.RUNNING, Phase.PAUSED, Phase.STOPPING, Phase.DONE, Phase.FAULTED}
+    ),
     Phase.STOPPING: frozenset({Phase.DONE, Phase.FAULTED}),
     Phase.DONE: frozenset(),
     Phase.FAULTED: frozenset(),

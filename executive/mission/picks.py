@@ -81,7 +81,11 @@ def picks_from(entries: Iterable[Entry]) -> list[Pick]:
         if entry.kind == "attempt":
             _cut_off(current, entry.time_s)
             current = Try(
-                payload["stone"], entry.time_s, payload["grasp"], tuple(payload["centroid_map"]), entry.time_s
+                payload["stone"],
+                entry.time_s,
+                payload["grasp"],
+                tuple(payload["centroid_map"]),
+                entry.time_s,
             )
             pick_of(payload["stone"]).tries.append(current)
         elif entry.kind in ("verdict", *_ENDINGS) and current is not None:
@@ -118,7 +122,10 @@ def _cut_off(current: Try | None, now_s: float) -> None:
 
 def _end(current: Try, entry: Entry) -> None:
     current.ended_s = entry.time_s
-    if current.outcome in ("unfinished", "failed"):  # the first cause stands; what follows from it does not replace it
+    if current.outcome in (
+        "unfinished",
+        "failed",
+    ):  # the first cause stands; what follows from it does not replace it
         current.outcome = _ENDINGS.get(entry.kind) or entry.payload["trouble"]
         current.reason = entry.payload.get("reason") or entry.payload.get("detail") or ""
 

@@ -14,4 +14,6 @@ def write_ply(path: Path, cloud: Cloud) -> None:
         f"comment frame {cloud.frame}\nelement vertex {len(cloud)}\n"
         "property double x\nproperty double y\nproperty double z\nend_header\n"
     )
-    path.write_bytes(header.encode("ascii") + np.ascontiguousarray(cloud.points, dtype="<f8").tobytes())
+    path.write_bytes(
+        header.encode("ascii") + np.ascontiguousarray(cloud.points, dtype="<f8").tobytes()
+    )

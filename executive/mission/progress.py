@@ -13,13 +13,20 @@ from executive.mission.mission import Mission
 from executive.tree.build import node_states
 
 _REFRESH_S = 0.25  # on the wall
-_MARKS = {"SUCCESS": ("✓", "green"), "FAILURE": ("✗", "red"), "RUNNING": ("▶", "bold cyan"), "INVALID": ("·", "dim")}
+_MARKS = {
+    "SUCCESS": ("✓", "green"),
+    "FAILURE": ("✗", "red"),
+    "RUNNING": ("▶", "bold cyan"),
+    "INVALID": ("·", "dim"),
+}
 # Entries worth a line, and what the line says.
 _TOLD: dict[str, Callable[[Any], str]] = {
     "localised": lambda p: f"localised ({p['status']})",
     "surveyed": lambda p: f"drone map of {p['points']} points",
     "scanned": lambda p: f"map of {p['points']} points",
-    "registration": lambda p: f"drone map {'registered' if p['accepted'] else 'refused'}: {p['reason']}",
+    "registration": lambda p: (
+        f"drone map {'registered' if p['accepted'] else 'refused'}: {p['reason']}"
+    ),
     "segmented": lambda p: f"{len(p['stones'])} stones found",
     "slots": lambda p: f"{len(p['slots'])} free places",
     "attempt": lambda p: f"stone {p['stone']}: going for it",
@@ -28,7 +35,9 @@ _TOLD: dict[str, Callable[[Any], str]] = {
     "verdict": lambda p: f"{p['trouble']}: {p['detail']}",
     "released": lambda p: f"stone {p['stone']}: set down on slot {p['slot']}",
     "let_go": lambda p: f"stone {p['stone']}: let go",
-    "realigned": lambda p: f"stone {p['stone']}: {'realigned' if p['accepted'] else 'not realigned: ' + p['reason']}",
+    "realigned": lambda p: (
+        f"stone {p['stone']}: {'realigned' if p['accepted'] else 'not realigned: ' + p['reason']}"
+    ),
     "set_aside": lambda p: f"stone {p['stone']}: set aside, {p['reason']}",
     "phase": lambda p: f"{p['to']}" + (f": {p['reason']}" if p["reason"] else ""),
 }
@@ -44,7 +53,11 @@ class PlainProgress:
         entries = mission.journal.entries
         for entry in entries[self._told :]:
             if entry.kind in _TOLD:
-                print(f"{entry.time_s:8.2f} s  {_TOLD[entry.kind](entry.payload)}", file=sys.stderr, flush=True)
+                print(
+                    f"{entry.time_s:8.2f} s  {_TOLD[entry.kind](entry.payload)}",
+                    file=sys.stderr,
+                    flush=True,
+                )
         self._told = len(entries)
 
     def __enter__(self) -> "PlainProgress":
@@ -81,10 +94,17 @@ class LiveProgress:
         ratio = elapsed_s / max(now_s - self._started_s, 1e-3)
         placed = sum(entry.kind == "released" for entry in mission.journal.entries)
         stones: list[int] = next(
-            (e.payload["stones"] for e in reversed(mission.journal.entries) if e.kind == "segmented"), []
+            (
+                e.payload["stones"]
+                for e in reversed(mission.journal.entries)
+                if e.kind == "segmented"
+            ),
+            [],
         )
         head = f"{mission.phase}  {elapsed_s:7.1f} s  {ratio:.1f}× real time"
-        text = Text(head + (f"  stone {placed} of {len(stones)}" if stones else "") + "\n", style="bold")
+        text = Text(
+            head + (f"  stone {placed} of {len(stones)}" if stones else "") + "\n", style="bold"
+        )
         room = max(5, self._console.height - 3)
         rows = [row for row in node_states(mission.root) if row.is_worth_showing]
         for row in rows[:room]:

@@ -46,7 +46,9 @@ def counts_from(entries: Sequence[Entry], picks: Sequence[Pick]) -> dict[str, in
         "empty": kinds["closed_on_nothing"],
         "set_aside": sum(bool(pick.set_aside) for pick in picks),
         "registrations": kinds["registration"],
-        "registrations_accepted": sum(e.kind == "registration" and e.payload["accepted"] for e in entries),
+        "registrations_accepted": sum(
+            e.kind == "registration" and e.payload["accepted"] for e in entries
+        ),
         "scans": kinds["scanned"],
     }
 
@@ -67,7 +69,9 @@ def timings_from(durations_ms: Mapping[str, Sequence[float]]) -> dict[str, dict[
 def write_report(path: Path, report: Mapping[str, Any]) -> None:
     """Write the report as JSON, whole or not at all."""
     partial = path.with_suffix(".partial")
-    partial.write_text(json.dumps(plain(report), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    partial.write_text(
+        json.dumps(plain(report), indent=2, ensure_ascii=False) + "\n", encoding="utf-8"
+    )
     partial.replace(path)
 
 
@@ -107,7 +111,9 @@ def _truth_lines(truth: Mapping[str, Any] | None) -> list[str]:
         )
     if truth.get("estimate"):
         error = truth["estimate"]["error_m"]
-        lines.append(f"  estimate   {1e3 * error['mean']:.0f} mm off on average, {1e3 * error['max']:.0f} mm at worst")
+        lines.append(
+            f"  estimate   {1e3 * error['mean']:.0f} mm off on average, {1e3 * error['max']:.0f} mm at worst"
+        )
     return lines
 
 

@@ -115,7 +115,9 @@ class Run:
         if "viewing" in plugins:
             plugins["viewing"].open(str(self.folder.recording))
         try:
-            self._mission = Mission(self._setup, lambda runtime: build_tree(self._description, runtime), halt)
+            self._mission = Mission(
+                self._setup, lambda runtime: build_tree(self._description, runtime), halt
+            )
             with stop_on_interrupt(self._mission):
                 return self._mission.run(after_tick)
         except Aborted as error:
@@ -170,10 +172,16 @@ class Run:
 def _model(description: MissionFile) -> str:
     settings = description.plugins["robot"][0].settings
     if not isinstance(settings, RobotSettings):
-        raise ConfigError(f"the settings of robot plugin '{description.plugins['robot'][0].name}' name no model")
+        raise ConfigError(
+            f"the settings of robot plugin '{description.plugins['robot'][0].name}' name no model"
+        )
     return settings.model
 
 
 def _selections(description: MissionFile, options: Options) -> Selections:
     """Leave out the viewer unless there is to be a recording."""
-    return {name: chosen for name, chosen in description.plugins.items() if name != "viewing" or options.record}
+    return {
+        name: chosen
+        for name, chosen in description.plugins.items()
+        if name != "viewing" or options.record
+    }

@@ -24,7 +24,9 @@ class RunFolder:
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise ConfigError(f"the run folder {folder} cannot be made: {error.strerror}") from error
+            raise ConfigError(
+                f"the run folder {folder} cannot be made: {error.strerror}"
+            ) from error
         if (folder / "journal.jsonl").exists():
             raise ConfigError(f"{folder} holds a run already; give another --run-dir")
         return cls(folder)

@@ -105,7 +105,9 @@ class Streams:
         if self._mapper is not None and self._history and len(self._scans) == len(self._lidars):
             started_s = wall_s()
             self._mapper.add_scan_pair([self._scans[name] for name in self._lidars], self._motion())
-            self.durations_ms.setdefault("mapping.add_scan_pair", []).append(1e3 * (wall_s() - started_s))
+            self.durations_ms.setdefault("mapping.add_scan_pair", []).append(
+                1e3 * (wall_s() - started_s)
+            )
             self.scan_pairs += 1
             self._scans.clear()
 

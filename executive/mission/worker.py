@@ -28,7 +28,9 @@ class Worker:
         self._computing: Future[Any] | None = None
         self._process: Any = None
         self._connection: Connection | None = None
-        self._thread = threading.Thread(target=self._serve, name=f"{capability}-worker", daemon=True)
+        self._thread = threading.Thread(
+            target=self._serve, name=f"{capability}-worker", daemon=True
+        )
         self._thread.start()
 
     def submit(self, verb: str, args: Sequence[Any]) -> Future[Any]:
@@ -76,7 +78,9 @@ class Worker:
             self._connection = None
             code = self._process.exitcode if self._process else None
             future.set_exception(
-                WorkerDiedError(f"the {self._capability} worker died in '{verb}' (exit {code}): {error}")
+                WorkerDiedError(
+                    f"the {self._capability} worker died in '{verb}' (exit {code}): {error}"
+                )
             )
             return
         if is_error:
@@ -86,15 +90,21 @@ class Worker:
 
     def _connected(self) -> Connection:
         if self._connection is None:
-            context = mp.get_context("spawn")  # fork would copy threads and locks of numerical libraries
+            context = mp.get_context(
+                "spawn"
+            )  # fork would copy threads and locks of numerical libraries
             self._connection, theirs = context.Pipe()
-            self._process = context.Process(target=_work, args=(theirs, *self._arguments), daemon=True)
+            self._process = context.Process(
+                target=_work, args=(theirs, *self._arguments), daemon=True
+            )
             self._process.start()
             theirs.close()
         return self._connection
 
 
-def _work(connection: Connection, capability: str, selections: Selections, model: str, seed: int) -> None:
+def _work(
+    connection: Connection, capability: str, selections: Selections, model: str, seed: int
+) -> None:
     assembly = assemble(selections, model, seed)
     assembly.start()
     plugin = assembly.plugins[capability]

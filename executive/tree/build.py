@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from executive.behaviours.runtime import Runtime
-from executive.behaviours.store import Store
+from executive.leaf.runtime import Runtime
+from executive.leaf.store import Store
 from executive.tree.composites import FallbackNode, ParallelNode, ReactiveFallbackNode, SequenceNode
 from executive.tree.conditions import Answer, build_condition, condition_text
 from executive.tree.language import (
@@ -31,7 +31,14 @@ from executive.tree.language import (
     Wait,
 )
 from executive.tree.leaf_nodes import Asked, CheckNode, RunNode
-from executive.tree.modifiers import IfNode, OnFailureNode, OptionalNode, RetryNode, TimeoutNode, WhileNode
+from executive.tree.modifiers import (
+    IfNode,
+    OnFailureNode,
+    OptionalNode,
+    RetryNode,
+    TimeoutNode,
+    WhileNode,
+)
 from executive.tree.nodes import TreeNode
 from executive.tree.repeating import ForEachNode, LoopNode
 from executive.tree.small_nodes import AskNode, CallFrame, CallNode, GroupNode, SetNode, WaitNode
@@ -54,7 +61,9 @@ class _Builder:
         self._mission = mission
         self._runtime = runtime
 
-    def node(self, node: Node, path: str, scope: Scope, left_out: Status = Status.SUCCESS) -> Behaviour:
+    def node(
+        self, node: Node, path: str, scope: Scope, left_out: Status = Status.SUCCESS
+    ) -> Behaviour:
         """Build a node with its modifiers around it, the last of the list innermost."""
         built = self._kind(node.kind, node.label, path, scope)
         m, runtime = node.modifiers, self._runtime
@@ -66,16 +75,24 @@ class _Builder:
         if m.retry:
             built = RetryNode(f"retry {m.retry.count}", f"{path}@retry", runtime, built, m.retry)
         if m.timeout_s is not None:
-            built = TimeoutNode(f"timeout {m.timeout_s:g} s", f"{path}@timeout", runtime, built, m.timeout_s)
+            built = TimeoutNode(
+                f"timeout {m.timeout_s:g} s", f"{path}@timeout", runtime, built, m.timeout_s
+            )
         if m.while_:
             answer = build_condition(m.while_, f"{path}@while", runtime, scope)
-            built = WhileNode(f"while {condition_text(m.while_)}", f"{path}@while", runtime, built, answer)
+            built = WhileNode(
+                f"while {condition_text(m.while_)}", f"{path}@while", runtime, built, answer
+            )
         if m.if_:
             answer = build_condition(m.if_, f"{path}@if", runtime, scope)
-            built = IfNode(f"if {condition_text(m.if_)}", f"{path}@if", runtime, built, answer, left_out)
+            built = IfNode(
+                f"if {condition_text(m.if_)}", f"{path}@if", runtime, built, answer, left_out
+            )
         return built
 
-    def _child(self, node: Node, index: int, path: str, scope: Scope, left_out: Status = Status.SUCCESS) -> Behaviour:
+    def _child(
+        self, node: Node, index: int, path: str, scope: Scope, left_out: Status = Status.SUCCESS
+    ) -> Behaviour:
         return self.node(node, f"{path}/{index}:{node.label}", scope, left_out)
 
     def _kind(self, kind: Kind, name: str, path: str, scope: Scope) -> Behaviour:  # noqa: C901 - one line a kind
@@ -87,9 +104,13 @@ class _Builder:
                 return GroupNode(name, path, runtime, [self._child(child, 0, path, scope)])
             case Loop(until=until, max_rounds=rounds, body=body):
                 answer = self._until(until, path, scope)
-                return LoopNode(name, path, runtime, self._child(body, 0, path, scope), answer, rounds)
+                return LoopNode(
+                    name, path, runtime, self._child(body, 0, path, scope), answer, rounds
+                )
             case ForEach(body=body):
-                return ForEachNode(kind, name, path, runtime, self._child(body, 0, path, scope), scope)
+                return ForEachNode(
+                    kind, name, path, runtime, self._child(body, 0, path, scope), scope
+                )
             case Run(use=use):
                 return RunNode(use, name, path, runtime, scope)
             case Check(use=use):
@@ -109,7 +130,9 @@ class _Builder:
     def _composite(self, kind: Composite, name: str, path: str, scope: Scope) -> Behaviour:
         is_fallback = kind.kind.endswith("fallback")
         left_out = Status.FAILURE if is_fallback else Status.SUCCESS
-        children = [self._child(child, i, path, scope, left_out) for i, child in enumerate(kind.children)]
+        children = [
+            self._child(child, i, path, scope, left_out) for i, child in enumerate(kind.children)
+        ]
         if kind.kind == "parallel":
             return ParallelNode(name, path, self._runtime, children, kind.succeed)
         is_reactive = kind.kind.startswith("reactive")
@@ -117,7 +140,9 @@ class _Builder:
             _mark_repeated(child)
         if not is_fallback:
             return SequenceNode(name, path, self._runtime, children, memory=not is_reactive)
-        return (ReactiveFallbackNode if is_reactive else FallbackNode)(name, path, self._runtime, children)
+        return (ReactiveFallbackNode if is_reactive else FallbackNode)(
+            name, path, self._runtime, children
+        )
 
     def _call(self, kind: Call, name: str, path: str, scope: Scope) -> Behaviour:
         tree = self._mission.trees[kind.tree]
@@ -162,7 +187,11 @@ def _states(node: Behaviour, depth: int, said: str, is_shown: bool) -> Iterator[
     is_plain = not isinstance(node, TreeNode) or node.is_journalled
     feedback = node.feedback_message or (said if node.status is Status.RUNNING else "")
     if is_plain:
-        words = f"{said}: {feedback}" if said and said not in feedback and feedback not in said else feedback or said
+        words = (
+            f"{said}: {feedback}"
+            if said and said not in feedback and feedback not in said
+            else feedback or said
+        )
         yield NodeState(node.path, node.name, depth, node.status.name, words, is_shown)
         is_shown, depth, said = node.status is Status.RUNNING, depth + 1, ""
     elif isinstance(node, RetryNode):

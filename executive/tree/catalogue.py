@@ -6,9 +6,9 @@ from functools import cache
 from typing import Any
 
 from executive import registry
-from executive.behaviours.action import Leaf
 from executive.errors import ConfigError, UnknownPluginError, did_you_mean
 from executive.interfaces.plugin import Plugin
+from executive.leaf.action import Leaf
 
 REQUIRED = ("robot", "estimation")  # what the loop itself calls
 SERVICES = frozenset({"machine", "rng"})  # what a plugin's constructor is given without a selection
@@ -53,7 +53,9 @@ class Catalogue(ABC):
             raise ConfigError(f"no behaviour '{name}'{did_you_mean(name, self.behaviour_names())}")
         leaf: type[Leaf] = self._load(registry.BEHAVIOURS, name)
         if not issubclass(leaf, Leaf):
-            raise ConfigError(f"behaviour '{name}' ({leaf.__qualname__}) is neither an Action nor a Condition")
+            raise ConfigError(
+                f"behaviour '{name}' ({leaf.__qualname__}) is neither an Action nor a Condition"
+            )
         return leaf
 
 
@@ -80,9 +82,14 @@ class TableCatalogue(Catalogue):
     """A table of classes, for tests and for programs that bring their own."""
 
     def __init__(
-        self, behaviours: Mapping[str, type[Leaf]], plugins: Mapping[str, Mapping[str, type[Plugin]]] | None = None
+        self,
+        behaviours: Mapping[str, type[Leaf]],
+        plugins: Mapping[str, Mapping[str, type[Plugin]]] | None = None,
     ) -> None:
-        self._table: dict[str, Mapping[str, type]] = {**(plugins or {}), registry.BEHAVIOURS: behaviours}
+        self._table: dict[str, Mapping[str, type]] = {
+            **(plugins or {}),
+            registry.BEHAVIOURS: behaviours,
+        }
 
     def plugin_names(self, capability: str) -> tuple[str, ...]:
         return tuple(sorted(self._table.get(capability, {})))

@@ -6,7 +6,7 @@ from py_trees import composites
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from executive.behaviours.runtime import Runtime
+from executive.leaf.runtime import Runtime
 from executive.tree.modifiers import IfNode
 from executive.tree.nodes import Controller, Steps, TreeNode, Visits, stop_child
 
@@ -38,7 +38,9 @@ class _Journalled(TreeNode):
 class SequenceNode(_Journalled, composites.Sequence):  # type: ignore[misc]
     """Children in order until one fails; reactive, the earlier ones are asked again at each tick."""
 
-    def __init__(self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour], *, memory: bool) -> None:
+    def __init__(
+        self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour], *, memory: bool
+    ) -> None:
         TreeNode.__init__(self, name, path, runtime, children)
         self.memory = memory
 
@@ -52,7 +54,9 @@ class FallbackNode(_Journalled, composites.Selector):  # type: ignore[misc]
     memory = True
 
     def begin(self) -> None:
-        for child in self.children:  # py_trees' Sequence forgets how a former round ended, its Selector does not
+        for child in (
+            self.children
+        ):  # py_trees' Sequence forgets how a former round ended, its Selector does not
             stop_child(child, everything=True)
 
     def decisive(self, status: Status) -> Behaviour | None:
@@ -67,7 +71,9 @@ class ReactiveFallbackNode(Controller):
     behind an `if`, not before its condition has been false.
     """
 
-    def __init__(self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour]) -> None:
+    def __init__(
+        self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour]
+    ) -> None:
         super().__init__(name, path, runtime, children)
         self._spent: set[Behaviour] = set()
 
@@ -103,7 +109,9 @@ class ParallelNode(Controller):
     py_trees' Parallel knows "all" and "one", fails at the first failure, and ticks ended children anew.
     """
 
-    def __init__(self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour], succeed: int) -> None:
+    def __init__(
+        self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour], succeed: int
+    ) -> None:
         super().__init__(name, path, runtime, children)
         self._succeed = succeed
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
-from executive.behaviours.outcome import Outcome, failed, succeeded
-from executive.behaviours.runtime import Runtime
+from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.runtime import Runtime
 from executive.tree.language import Combined, Condition, Holds, LeafUse
 from executive.tree.leaf_nodes import Asked
 from executive.tree.wiring import Scope
@@ -17,7 +17,10 @@ def build_condition(condition: Condition, path: str, runtime: Runtime, scope: Sc
         return Asked(condition, f"{path}:{condition.name}", runtime, scope)
     if isinstance(condition, Holds):
         return lambda: _holds(condition, scope)
-    parts = [build_condition(part, f"{path}/{index}", runtime, scope) for index, part in enumerate(condition.parts)]
+    parts = [
+        build_condition(part, f"{path}/{index}", runtime, scope)
+        for index, part in enumerate(condition.parts)
+    ]
     combine = {"not": _not, "all": _all, "any": _any}[condition.how]
     return lambda: combine(parts)
 
@@ -40,7 +43,9 @@ def _combined_text(condition: Combined) -> str:
 
 def _holds(condition: Holds, scope: Scope) -> Outcome:
     is_true = scope.store.get(condition.key) is True
-    return succeeded(f"{condition.key} is true") if is_true else failed(f"{condition.key} is not true")
+    return (
+        succeeded(f"{condition.key} is true") if is_true else failed(f"{condition.key} is not true")
+    )
 
 
 def _not(parts: list[Answer]) -> Outcome:

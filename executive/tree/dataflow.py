@@ -9,8 +9,8 @@ that it is called with, so that ports need not be declared with types to be chec
 from collections.abc import Mapping
 from typing import Any
 
-from executive.behaviours.port import Port
 from executive.errors import did_you_mean
+from executive.leaf.port import Port
 from executive.tree.language import (
     UNREADABLE,
     Call,
@@ -48,12 +48,19 @@ class Dataflow:
         self._trees = trees
         self._problems = problems
         self._done: dict[tuple[str, frozenset[tuple[str, Types]]], Keys] = {}
-        self._writes: list[tuple[str, Types]] = []  # every write so far, to know what a failed node may have written
+        self._writes: list[
+            tuple[str, Types]
+        ] = []  # every write so far, to know what a failed node may have written
         self._later: frozenset[str] = frozenset()  # every key that the present tree writes anywhere
 
     def check(self) -> None:
         """Follow `main`, and then every tree that nothing calls."""
-        called = {n.kind.tree for t in self._trees.values() for n in t.root.walk() if isinstance(n.kind, Call)}
+        called = {
+            n.kind.tree
+            for t in self._trees.values()
+            for n in t.root.walk()
+            if isinstance(n.kind, Call)
+        }
         for name, tree in self._trees.items():
             if name == "main" or name not in called:
                 self._tree(tree, dict.fromkeys(tree.inputs, _UNKNOWN))
@@ -75,10 +82,13 @@ class Dataflow:
         for port, wanted in tree.outputs.items():
             if port not in after:
                 if not wanted.is_optional and _ANYTHING not in after:
-                    self._problems.error(wanted.mark, f"nothing in '{tree.name}' writes its output '{port}'")
+                    self._problems.error(
+                        wanted.mark, f"nothing in '{tree.name}' writes its output '{port}'"
+                    )
             elif not any(fits_name(one, wanted.name) for one in after[port]):
                 self._problems.error(
-                    wanted.mark, f"output '{port}' is {wanted.name}, and {names(after[port])} is written"
+                    wanted.mark,
+                    f"output '{port}' is {wanted.name}, and {names(after[port])} is written",
                 )
 
     # --- nodes
@@ -105,7 +115,9 @@ class Dataflow:
         if isinstance(kind, ForEach):
             return self._for_each(kind, keys, mark)
         if isinstance(kind, Set):
-            return self._written(keys, {key: self._types(one, keys, "'set'") for key, one in kind.values.items()})
+            return self._written(
+                keys, {key: self._types(one, keys, "'set'") for key, one in kind.values.items()}
+            )
         if isinstance(kind, Call):
             return self._call(kind, keys)
         use = getattr(kind, "use", None)
@@ -145,10 +157,13 @@ class Dataflow:
         if types and not items:
             place = kind.source.mark if isinstance(kind.source, Ref) else mark
             self._problems.error(
-                place, f"'for_each' goes through a list, and {_shown(kind.source)} holds {names(types)}"
+                place,
+                f"'for_each' goes through a list, and {_shown(kind.source)} holds {names(types)}",
             )
         if kind.item in keys:
-            self._problems.error(mark, f"item '{kind.item}' would overwrite the key of that name; take another name")
+            self._problems.error(
+                mark, f"item '{kind.item}' would overwrite the key of that name; take another name"
+            )
         start = len(self._writes)
         self._node(kind.body, {**keys, kind.item: items or _UNKNOWN})
         return self._spoiled(keys, start)
@@ -168,7 +183,11 @@ class Dataflow:
                 types = _UNKNOWN  # told once, not again inside
             inside.update({} if types is None else {port: types or _UNKNOWN})
         after = self._tree(tree, inside)
-        given = {port: after.get(port, _UNKNOWN) for port in tree.outputs if port in after or _ANYTHING in after}
+        given = {
+            port: after.get(port, _UNKNOWN)
+            for port in tree.outputs
+            if port in after or _ANYTHING in after
+        }
         return self._written(keys, {kind.outputs[port].key: types for port, types in given.items()})
 
     # --- leaves and conditions
@@ -204,7 +223,9 @@ class Dataflow:
             keys = _joined(keys, written) if wanted.optional else written
         return keys
 
-    def _input(self, port: str, source: Source, keys: Keys, is_optional: bool, owner: str) -> Types | None:
+    def _input(
+        self, port: str, source: Source, keys: Keys, is_optional: bool, owner: str
+    ) -> Types | None:
         is_absent = isinstance(source, Ref) and source.key not in keys
         if is_absent and is_optional and (not source.is_listed or source.key in self._later):  # type: ignore[union-attr]
             return None
@@ -235,7 +256,9 @@ class Dataflow:
 
 
 def _joined(one: Keys, other: Keys) -> Keys:
-    return {key: one.get(key, frozenset()) | other.get(key, frozenset()) for key in {**one, **other}}
+    return {
+        key: one.get(key, frozenset()) | other.get(key, frozenset()) for key in {**one, **other}
+    }
 
 
 def _shown(source: Source) -> str:

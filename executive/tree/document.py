@@ -27,9 +27,18 @@ _CURES = (
         "cannot start any token",
         "this character cannot stand here; indent with spaces, never tabs, and quote special text",
     ),
-    ("mapping values are not allowed", "a ':' is not allowed here; quote the text, or check the indentation"),
-    ("could not find expected ':'", "this line is neither 'key: value' nor a '- item'; check the indentation"),
-    ("did not find expected '-' indicator", "this does not line up with the list's other '- item' lines"),
+    (
+        "mapping values are not allowed",
+        "a ':' is not allowed here; quote the text, or check the indentation",
+    ),
+    (
+        "could not find expected ':'",
+        "this line is neither 'key: value' nor a '- item'; check the indentation",
+    ),
+    (
+        "did not find expected '-' indicator",
+        "this does not line up with the list's other '- item' lines",
+    ),
     ("did not find expected key", "this does not line up with the mapping's other keys"),
     ("did not find expected ',' or '}'", "a '{' is not closed, or a ',' is missing"),
     ("did not find expected ',' or ']'", "a '[' is not closed, or a ',' is missing"),
@@ -72,7 +81,10 @@ def read_bytes(data: bytes, name: str, problems: Problems) -> Value | None:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = data[: error.start].decode("utf-8", "replace")
-        problems.error(_mark_after(name, before), f"not UTF-8 text (byte 0x{data[error.start]:02x}); save it as UTF-8")
+        problems.error(
+            _mark_after(name, before),
+            f"not UTF-8 text (byte 0x{data[error.start]:02x}); save it as UTF-8",
+        )
         return None
     return read_text(text, name, problems)
 
@@ -82,7 +94,10 @@ def read_text(text: str, name: str, problems: Problems) -> Value | None:
     odd = _UNPRINTABLE.search(text)
     if odd:
         mark = _mark_after(name, text[: odd.start()])
-        problems.error(mark, f"a control character (U+{ord(odd.group()):04X}) does not belong into a mission file")
+        problems.error(
+            mark,
+            f"a control character (U+{ord(odd.group()):04X}) does not belong into a mission file",
+        )
         return None
     try:
         document = _Reader(name, problems).read(yaml.parse(text, Loader=yaml.CSafeLoader))
@@ -112,23 +127,34 @@ class _Reader:
             if isinstance(event, yaml.DocumentStartEvent):
                 self._documents += 1
                 if self._documents > 1:
-                    self._problems.error(self._mark(event), "a second document begins here; a file holds one")
+                    self._problems.error(
+                        self._mark(event), "a second document begins here; a file holds one"
+                    )
                     break
             elif isinstance(event, yaml.CollectionStartEvent):
                 if len(self._open) >= _MAX_DEPTH:
-                    self._problems.error(self._mark(event), f"nested more than {_MAX_DEPTH} levels deep")
+                    self._problems.error(
+                        self._mark(event), f"nested more than {_MAX_DEPTH} levels deep"
+                    )
                     return Broken(self._mark(event))
                 self._refuse_extras(event)
-                self._open.append(_Open(self._mark(event), isinstance(event, yaml.MappingStartEvent)))
+                self._open.append(
+                    _Open(self._mark(event), isinstance(event, yaml.MappingStartEvent))
+                )
             elif isinstance(event, yaml.CollectionEndEvent):
                 done = self._open.pop()
-                self._add(Table(done.entries, done.mark) if done.is_table else Listing(tuple(done.items), done.mark))
+                self._add(
+                    Table(done.entries, done.mark)
+                    if done.is_table
+                    else Listing(tuple(done.items), done.mark)
+                )
             elif isinstance(event, yaml.ScalarEvent):
                 self._scalar(event)
             elif isinstance(event, yaml.AliasEvent):
                 mark = self._mark(event)
                 self._problems.error(
-                    mark, f"aliases (*{event.anchor}) are refused; write the value out, or use a subtree"
+                    mark,
+                    f"aliases (*{event.anchor}) are refused; write the value out, or use a subtree",
                 )
                 self._add(Broken(mark))
         return self._document
@@ -140,7 +166,9 @@ class _Reader:
             return
         odd = _UNPRINTABLE.search(event.value)
         if odd:  # written as an escape such as "\0"
-            self._problems.error(mark, f"a control character (U+{ord(odd.group()):04X}) does not belong into a text")
+            self._problems.error(
+                mark, f"a control character (U+{ord(odd.group()):04X}) does not belong into a text"
+            )
             self._add(Broken(mark))
             return
         if self._expects_key():
@@ -176,10 +204,14 @@ class _Reader:
         if key.startswith("<unreadable "):
             return
         if key == "<<":
-            self._problems.error(mark, "merge keys (<<) are refused; use 'extends', or write the values out")
+            self._problems.error(
+                mark, "merge keys (<<) are refused; use 'extends', or write the values out"
+            )
         elif key in parent.entries:
             first = parent.entries[key].key_mark
-            self._problems.error(mark, f"key '{key}' is given twice; the first is at line {first.line}")
+            self._problems.error(
+                mark, f"key '{key}' is given twice; the first is at line {first.line}"
+            )
         else:
             parent.entries[key] = Entry(mark, value)
 
@@ -187,11 +219,13 @@ class _Reader:
         """Note an anchor or a tag; a tag leaves no value to go on with."""
         if event.anchor is not None:
             self._problems.error(
-                self._mark(event), f"anchors (&{event.anchor}) are refused; write the value out where it is used"
+                self._mark(event),
+                f"anchors (&{event.anchor}) are refused; write the value out where it is used",
             )
         if event.tag is not None:
             self._problems.error(
-                self._mark(event), f"tags ({event.tag}) are refused; the settings class decides the type"
+                self._mark(event),
+                f"tags ({event.tag}) are refused; the settings class decides the type",
             )
         return event.tag is not None
 

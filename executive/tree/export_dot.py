@@ -32,7 +32,11 @@ def to_dot(mission: MissionFile) -> str:
 def _node(node: Node, numbers: Iterator[int], parent: str, label: str) -> Iterator[str]:
     me = f"n{next(numbers)}"
     shape, colour = next(((s, c) for kind, s, c in _SHAPES if isinstance(node.kind, kind)), _OTHER)
-    text = "\\n".join(_escaped(part) for part in (headline(node), ", ".join(modifier_words(node.modifiers))) if part)
+    text = "\\n".join(
+        _escaped(part)
+        for part in (headline(node), ", ".join(modifier_words(node.modifiers)))
+        if part
+    )
     yield f'{me} [label="{text}", shape={shape}, fillcolor="{colour}"];'
     if parent:
         yield f"{parent} -> {me}" + (f" [label={_quoted(label)}, style=dashed];" if label else ";")

@@ -19,7 +19,11 @@ def to_text(mission: MissionFile) -> str:
 
 def _title(tree: Tree) -> str:
     sides = (("in", tree.inputs), ("out", tree.outputs))
-    told = [f"{side} {', '.join(f'{p}: {t.text}' for p, t in given.items())}" for side, given in sides if given]
+    told = [
+        f"{side} {', '.join(f'{p}: {t.text}' for p, t in given.items())}"
+        for side, given in sides
+        if given
+    ]
     return tree.name + (f" ({'; '.join(told)})" if told else "")
 
 

@@ -57,7 +57,9 @@ def to_xml(mission: MissionFile) -> str:
 
 def _node(node: Node, *, in_fallback: bool) -> Element:
     element = _kind(node.kind)
-    if node.modifiers.name or ("name" not in element.attrib and element.tag in ("Action", "Condition", "SubTree")):
+    if node.modifiers.name or (
+        "name" not in element.attrib and element.tag in ("Action", "Condition", "SubTree")
+    ):
         element.set("name", node.label)
     return _modified(element, node.modifiers, in_fallback)
 
@@ -98,13 +100,20 @@ def _kind(kind: Kind) -> Element:
         case Loop():
             return _loop(kind)
         case ForEach(item=item, source=source, body=body):
-            return _around("ForEach", _node(body, in_fallback=False), item=item, items=_text(source_value(source)))
+            return _around(
+                "ForEach",
+                _node(body, in_fallback=False),
+                item=item,
+                items=_text(source_value(source)),
+            )
         case Run(use=use):
             return _leaf("Action", use)
         case Check(use=use):
             return _leaf("Condition", use)
         case Call():
-            return Element("SubTree", {"ID": kind.tree, **_wires(kind.inputs), **_wires(kind.outputs)})
+            return Element(
+                "SubTree", {"ID": kind.tree, **_wires(kind.inputs), **_wires(kind.outputs)}
+            )
     return _small(kind)
 
 
@@ -125,7 +134,9 @@ def _small(kind: Wait | Set | Ask) -> Element:
 
 def _composite(kind: Composite) -> Element:
     is_fallback = kind.kind.endswith("fallback")
-    element = _around(_COMPOSITES[kind.kind], *(_node(child, in_fallback=is_fallback) for child in kind.children))
+    element = _around(
+        _COMPOSITES[kind.kind], *(_node(child, in_fallback=is_fallback) for child in kind.children)
+    )
     if kind.kind == "parallel":
         element.set("success_count", str(kind.succeed))
         element.set("failure_count", str(len(kind.children) - kind.succeed + 1))

@@ -6,8 +6,8 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from executive.behaviours.action import Leaf
 from executive.config import Seconds, Settings
+from executive.leaf.action import Leaf
 from executive.tree.problem import Mark, Problem
 
 
@@ -15,8 +15,12 @@ class LoopSettings(Settings):
     """Settings of the tick loop."""
 
     tick: Seconds = Field(0.05, ge=0.001, le=1.0, description="Period of the loop [s].")
-    time_limit: Seconds = Field(7200.0, gt=0, description="The mission fails when it has taken this long [s].")
-    runner: Literal["inline", "thread", "process"] = Field("inline", description="Where long verbs are computed.")
+    time_limit: Seconds = Field(
+        7200.0, gt=0, description="The mission fails when it has taken this long [s]."
+    )
+    runner: Literal["inline", "thread", "process"] = Field(
+        "inline", description="Where long verbs are computed."
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,7 +234,9 @@ class Node:
     @property
     def label(self) -> str:
         """Return the name that people and paths call it by."""
-        label = "retry" if isinstance(self.kind, Group) and self.modifiers.retry else self.kind.label
+        label = (
+            "retry" if isinstance(self.kind, Group) and self.modifiers.retry else self.kind.label
+        )
         return self.modifiers.name or label
 
     def children(self) -> tuple["Node", ...]:

@@ -2,13 +2,13 @@
 
 from py_trees.common import Status
 
-from executive.behaviours.action import Action
-from executive.behaviours.action import Condition as ConditionLeaf
-from executive.behaviours.action import Steps as LeafSteps
-from executive.behaviours.job import Job
-from executive.behaviours.outcome import Outcome
-from executive.behaviours.runtime import Runtime
 from executive.errors import ConfigError, ExecutiveError
+from executive.leaf.action import Action
+from executive.leaf.action import Condition as ConditionLeaf
+from executive.leaf.action import Steps as LeafSteps
+from executive.leaf.job import Job
+from executive.leaf.outcome import Outcome
+from executive.leaf.runtime import Runtime
 from executive.tree.language import LeafUse
 from executive.tree.nodes import TreeNode
 from executive.tree.wiring import Scope
@@ -36,7 +36,9 @@ class Asked:
                 raise ConfigError(f"{self._use.name} is no condition")
             outcome = self._leaf.check(**self._scope.inputs(self._use))
             return written(self._use, self._scope, outcome)
-        except Exception as error:  # a leaf's mistake is a failure with a reason; it never escapes into the loop
+        except (
+            Exception
+        ) as error:  # a leaf's mistake is a failure with a reason; it never escapes into the loop
             self._runtime.fail(error, self._path)
             return Outcome(False, reason_of(error))
 
@@ -44,7 +46,9 @@ class Asked:
 def written(use: LeafUse, scope: Scope, outcome: object) -> Outcome:
     """Return what a leaf answered, after its outputs were written."""
     if not isinstance(outcome, Outcome):
-        raise ConfigError(f"{use.name} ended with {type(outcome).__name__}, not with succeeded(…) or failed(…)")
+        raise ConfigError(
+            f"{use.name} ended with {type(outcome).__name__}, not with succeeded(…) or failed(…)"
+        )
     scope.write(use, outcome)
     return outcome
 
@@ -82,7 +86,9 @@ class RunNode(TreeNode):
         """Go on as far as possible."""
         try:
             outcome = self._advance()
-        except Exception as error:  # a leaf's mistake is a failure with a reason; it never escapes into the loop
+        except (
+            Exception
+        ) as error:  # a leaf's mistake is a failure with a reason; it never escapes into the loop
             self._close()
             self.runtime.fail(error, self.path)
             outcome = Outcome(False, reason_of(error))
@@ -96,7 +102,9 @@ class RunNode(TreeNode):
         """Give up the job, and let the generator clean up."""
         try:
             self._close()
-        except Exception as error:  # a `finally` block's mistake must not keep others from being cancelled
+        except (
+            Exception
+        ) as error:  # a `finally` block's mistake must not keep others from being cancelled
             self.feedback_message = reason_of(error)
             self.runtime.fail(error, self.path)
 
@@ -126,14 +134,18 @@ class RunNode(TreeNode):
 
     def _wait_for(self, yielded: object) -> None:
         if yielded is not None and not isinstance(yielded, Job):
-            raise ConfigError(f"{self._use.name} yielded {type(yielded).__name__}; an action yields a job or None")
+            raise ConfigError(
+                f"{self._use.name} yielded {type(yielded).__name__}; an action yields a job or None"
+            )
         self._job = yielded
 
     def _deliver(self, steps: LeafSteps, job: Job) -> object:
         self._job = None
         try:
             result = job.result()
-        except Exception as error:  # what the plugin raised is raised where the leaf waits, which may know a cure
+        except (
+            Exception
+        ) as error:  # what the plugin raised is raised where the leaf waits, which may know a cure
             return steps.throw(error)
         return steps.send(result)
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 
-from executive.behaviours.action import Action, Leaf
-from executive.behaviours.action import Condition as ConditionLeaf
-from executive.behaviours.port import Port
 from executive.errors import ConfigError, did_you_mean
+from executive.leaf.action import Action, Leaf
+from executive.leaf.action import Condition as ConditionLeaf
+from executive.leaf.port import Port
 from executive.tree.language import Combined, Condition, Holds, LeafUse, Ref
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading, is_text
@@ -32,11 +32,17 @@ class LeafReader:
         given = table.get("with") or Table({}, value.mark)
         settings_table = self._reading.table(given, f"'with' of {name}")
         settings = (
-            check_settings(leaf.Settings, settings_table, name, self._reading.problems) if settings_table else None
+            check_settings(leaf.Settings, settings_table, name, self._reading.problems)
+            if settings_table
+            else None
         )
         inputs = self._wiring("in", table.get("in"), leaf.inputs, name, value.mark)
         outputs = self._wiring("out", table.get("out"), leaf.outputs, name, value.mark)
-        return LeafUse(name, leaf, settings, inputs, outputs, value.mark) if settings is not None else None
+        return (
+            LeafUse(name, leaf, settings, inputs, outputs, value.mark)
+            if settings is not None
+            else None
+        )
 
     def condition(self, value: Value, what: str) -> Condition | None:
         """Read a condition: `"{key}"`, a check's name, or a mapping with check, not, all or any."""
@@ -45,7 +51,9 @@ class LeafReader:
             if "{" in text:  # type: ignore[operator]
                 ref = self._reading.reference(value, what)
                 return Holds(ref.key, ref.mark) if ref else None
-            return self.use("check", Table({"check": Entry(value.mark, value)}, value.mark), as_node=False)
+            return self.use(
+                "check", Table({"check": Entry(value.mark, value)}, value.mark), as_node=False
+            )
         if not isinstance(value, Table):
             self._reading.fail(value, f"{what} takes {_CONDITION_FORMS}; not {describe(value)}")
             return None
@@ -68,7 +76,11 @@ class LeafReader:
         listing = self._reading.listing(value, f"'{how}'")
         parts = [self.condition(item, f"'{how}'") for item in listing.items] if listing else []
         known = tuple(part for part in parts if part is not None)
-        return Combined("all" if how == "all" else "any", known) if known and len(known) == len(parts) else None
+        return (
+            Combined("all" if how == "all" else "any", known)
+            if known and len(known) == len(parts)
+            else None
+        )
 
     def _leaf(self, kind: str, name: str, mark: Mark, as_node: bool) -> type[Leaf] | None:
         try:
@@ -79,7 +91,9 @@ class LeafReader:
         wanted, other = (Action, "check") if kind == "run" else (ConditionLeaf, "run")
         if issubclass(leaf, wanted):
             return leaf
-        sort = "a condition, which answers at once" if kind == "run" else "an action, which takes time"
+        sort = (
+            "a condition, which answers at once" if kind == "run" else "an action, which takes time"
+        )
         cure = f": write '{other}: {name}'" if as_node else "; only a condition can be asked here"
         self._reading.problems.error(mark, f"{name} is {sort}{cure}")
         return None
@@ -92,7 +106,9 @@ class LeafReader:
         return {**defaults, **{port: wire for port, wire in wires.items() if isinstance(wire, Ref)}}
 
 
-def read_wires(reading: Reading, side: str, value: Value | None, ports: Sequence[str], owner: str) -> dict[str, Ref]:
+def read_wires(
+    reading: Reading, side: str, value: Value | None, ports: Sequence[str], owner: str
+) -> dict[str, Ref]:
     """Read `in:` or `out:`: references by port."""
     table = reading.table(value, f"'{side}' of {owner}") if value is not None else None
     wires: dict[str, Ref] = {}
@@ -103,7 +119,9 @@ def read_wires(reading: Reading, side: str, value: Value | None, ports: Sequence
     return wires
 
 
-def check_port(reading: Reading, side: str, port: str, mark: Mark, ports: Sequence[str], owner: str) -> bool:
+def check_port(
+    reading: Reading, side: str, port: str, mark: Mark, ports: Sequence[str], owner: str
+) -> bool:
     """Note a port that the owner does not have."""
     if port in ports:
         return True

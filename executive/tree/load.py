@@ -16,7 +16,9 @@ from executive.tree.tree_reader import read_trees
 from executive.tree.value import Entry, Table, merged
 
 
-def load_mission(path_or_name: str, overrides: Sequence[str] = (), catalogue: Catalogue | None = None) -> MissionFile:
+def load_mission(
+    path_or_name: str, overrides: Sequence[str] = (), catalogue: Catalogue | None = None
+) -> MissionFile:
     """Load a mission: a file, or the name of a shipped one, with settings laid over it.
 
     Args:
@@ -37,7 +39,9 @@ def load_mission(path_or_name: str, overrides: Sequence[str] = (), catalogue: Ca
     plugins = PluginReader(reading)
     selected = plugins.read(plugin_table)
     trees = read_trees(_trees(found, reading), libraries(mission.path, reading), reading)
-    if "plugins" not in mission.table.entries or plugin_table.entries:  # else there is no mapping, which is told
+    if (
+        "plugins" not in mission.table.entries or plugin_table.entries
+    ):  # else there is no mapping, which is told
         plugins.check_needs(selected, plugin_table, _uses(trees))
     if "main" in trees:
         Dataflow(trees, reading.problems).check()
@@ -57,7 +61,9 @@ def _mission(
     return MissionFile(name, description, loop, selected, trees, reading.problems.warnings())
 
 
-def _settings(found: Sequence[Layer], overrides: Sequence[str], reading: Reading) -> tuple[Table, Table]:
+def _settings(
+    found: Sequence[Layer], overrides: Sequence[str], reading: Reading
+) -> tuple[Table, Table]:
     mark = found[-1].table.mark
     loop, plugins = Table({}, mark), Table({}, mark)
     for layer in found:

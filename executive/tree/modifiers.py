@@ -3,7 +3,7 @@
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from executive.behaviours.runtime import Runtime
+from executive.leaf.runtime import Runtime
 from executive.tree.conditions import Answer
 from executive.tree.language import Attempts
 from executive.tree.nodes import Controller, Steps
@@ -29,7 +29,13 @@ class IfNode(Modifier):
     """
 
     def __init__(
-        self, name: str, path: str, runtime: Runtime, child: Behaviour, answer: Answer, left_out: Status
+        self,
+        name: str,
+        path: str,
+        runtime: Runtime,
+        child: Behaviour,
+        answer: Answer,
+        left_out: Status,
     ) -> None:
         super().__init__(name, path, runtime, child)
         self._answer = answer
@@ -43,7 +49,9 @@ class IfNode(Modifier):
         if self.child.status is not Status.RUNNING:
             answer = self._answer()
             if not answer.success:
-                self.feedback_message = f"left out: {answer.reason}" if answer.reason else "left out"
+                self.feedback_message = (
+                    f"left out: {answer.reason}" if answer.reason else "left out"
+                )
                 if not self.is_repeated:
                     self.record("node_left_out", reason=answer.reason)
                 return self._left_out
@@ -54,14 +62,18 @@ class IfNode(Modifier):
 class WhileNode(Modifier):
     """Asks a condition before every tick of its child; when it no longer holds, the child is cancelled: a failure."""
 
-    def __init__(self, name: str, path: str, runtime: Runtime, child: Behaviour, answer: Answer) -> None:
+    def __init__(
+        self, name: str, path: str, runtime: Runtime, child: Behaviour, answer: Answer
+    ) -> None:
         super().__init__(name, path, runtime, child)
         self._answer = answer
 
     def proceed(self) -> Steps:
         answer = self._answer()
         if not answer.success:
-            self.feedback_message = f"no longer allowed: {answer.reason}" if answer.reason else "no longer allowed"
+            self.feedback_message = (
+                f"no longer allowed: {answer.reason}" if answer.reason else "no longer allowed"
+            )
             if not self.is_repeated:
                 self.record("node_forbidden", reason=answer.reason)
             return Status.FAILURE
@@ -72,7 +84,9 @@ class WhileNode(Modifier):
 class TimeoutNode(Modifier):
     """Cancels its child when it has taken too long by the mission's clock: a failure."""
 
-    def __init__(self, name: str, path: str, runtime: Runtime, child: Behaviour, limit_s: float) -> None:
+    def __init__(
+        self, name: str, path: str, runtime: Runtime, child: Behaviour, limit_s: float
+    ) -> None:
         super().__init__(name, path, runtime, child)
         self._limit_s = limit_s
         self._started_s = 0.0
@@ -94,7 +108,9 @@ class TimeoutNode(Modifier):
 class RetryNode(Modifier):
     """Begins its child again when it fails, at the next tick or after a pause, up to so many attempts in all."""
 
-    def __init__(self, name: str, path: str, runtime: Runtime, child: Behaviour, attempts: Attempts) -> None:
+    def __init__(
+        self, name: str, path: str, runtime: Runtime, child: Behaviour, attempts: Attempts
+    ) -> None:
         super().__init__(name, path, runtime, child)
         self._attempts = attempts
         self._attempt = 1
@@ -111,7 +127,9 @@ class RetryNode(Modifier):
         reason = self.child.feedback_message
         if self.child.status is not Status.FAILURE:
             of = f"attempt {self._attempt} of {self._attempts.count}"
-            self.feedback_message = f"{of}{f': {reason}' if reason else ''}" if self._attempt > 1 else reason
+            self.feedback_message = (
+                f"{of}{f': {reason}' if reason else ''}" if self._attempt > 1 else reason
+            )
             return self._child_status()
         if self._attempt >= self._attempts.count:
             self.feedback_message = f"{reason or 'failed'} ({self._attempts.count} attempts)"
@@ -132,7 +150,9 @@ class OnFailureNode(Controller):
 
     is_journalled = False
 
-    def __init__(self, name: str, path: str, runtime: Runtime, child: Behaviour, recovery: Behaviour) -> None:
+    def __init__(
+        self, name: str, path: str, runtime: Runtime, child: Behaviour, recovery: Behaviour
+    ) -> None:
         super().__init__(name, path, runtime, [child, recovery])
         self._child = child
         self._recovery = recovery
@@ -154,7 +174,9 @@ class OnFailureNode(Controller):
             self.feedback_message = f"recovering from: {reason}"
             return Status.RUNNING
         failed = self._recovery.status is Status.FAILURE
-        self.feedback_message = f"{reason}; recovery failed: {self._recovery.feedback_message}" if failed else reason
+        self.feedback_message = (
+            f"{reason}; recovery failed: {self._recovery.feedback_message}" if failed else reason
+        )
         return Status.FAILURE
 
 

@@ -4,7 +4,7 @@ import inspect
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement
 
-from executive.behaviours.action import Action
+from executive.leaf.action import Action
 from executive.tree.language import Ask, Call, ForEach, LeafUse, Loop, MissionFile, Tree
 from executive.tree.port_types import type_name
 from executive.tree.traversal import uses_of
@@ -58,11 +58,19 @@ def _own_models(kinds: Iterable[type]) -> Iterable[Element]:
         yield model
     if Loop in kinds:
         model = Element("Control", ID="LoopUntil")
-        _port(model, "input_port", "max", "int", "Rounds at most; the first child says when it is enough.")
+        _port(
+            model,
+            "input_port",
+            "max",
+            "int",
+            "Rounds at most; the first child says when it is enough.",
+        )
         yield model
     if Ask in kinds:
         model = Element("Action", ID="Ask")
-        _port(model, "input_port", "question", "string", "What the operator is asked; yes is success.")
+        _port(
+            model, "input_port", "question", "string", "What the operator is asked; yes is success."
+        )
         _port(model, "input_port", "default", "bool", "The answer if there is nobody to ask.")
         yield model
 
@@ -72,7 +80,9 @@ def attribute(name: str) -> str:
     return f"{name}_" if name in RESERVED else name
 
 
-def _port(model: Element, side: str, name: str, kind: str, doc: str, default: object = None) -> None:
+def _port(
+    model: Element, side: str, name: str, kind: str, doc: str, default: object = None
+) -> None:
     port = SubElement(model, side, name=attribute(name))
     if kind:
         port.set("type", kind)

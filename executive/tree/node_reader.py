@@ -60,7 +60,11 @@ class NodeReader:
         self._headers = headers
         self._leaves = LeafReader(reading)
         self._kinds: Mapping[str, Callable[[Table], Kind | None]] = {
-            **{kind: self._composite(kind) for kind in KINDS if kind.endswith(("sequence", "fallback", "parallel"))},
+            **{
+                kind: self._composite(kind)
+                for kind in KINDS
+                if kind.endswith(("sequence", "fallback", "parallel"))
+            },
             "loop": self._loop,
             "for_each": self._for_each,
             "run": self._run,
@@ -83,7 +87,9 @@ class NodeReader:
             return None
         allowed = (kind, *KINDS[kind], *MODIFIERS)
         self._reading.known_keys(
-            table, allowed, f"a '{'retry' if kind == 'do' and 'retry' in table.entries else kind}' node"
+            table,
+            allowed,
+            f"a '{'retry' if kind == 'do' and 'retry' in table.entries else kind}' node",
         )
         what = self._kinds[kind](table)
         modifiers = self._modifiers(table)
@@ -93,8 +99,14 @@ class NodeReader:
         if isinstance(value, Table):
             return value
         name = describe(value).strip("'")
-        cure = f"; did you mean 'run: {name}'?" if name in self._reading.catalogue.behaviour_names() else ""
-        self._reading.fail(value, f"a node is a mapping such as 'run: Name', not {describe(value)}{cure}")
+        cure = (
+            f"; did you mean 'run: {name}'?"
+            if name in self._reading.catalogue.behaviour_names()
+            else ""
+        )
+        self._reading.fail(
+            value, f"a node is a mapping such as 'run: Name', not {describe(value)}{cure}"
+        )
         return None
 
     def _kind_of(self, table: Table) -> str | None:
@@ -105,7 +117,9 @@ class NodeReader:
             return found[0]
         if found:
             mark = table.entries[found[1]].key_mark
-            self._reading.problems.error(mark, f"a node has one kind, here are {' and '.join(found)}")
+            self._reading.problems.error(
+                mark, f"a node has one kind, here are {' and '.join(found)}"
+            )
         elif "retry" in table.entries:
             self._reading.fail(table, "'retry' needs 'do:' or another kind beside it")
         else:
@@ -134,10 +148,10 @@ class NodeReader:
     def _refuse_slow(self, earlier: Sequence[Node]) -> None:
         for node in earlier:
             if not is_instant(node):
-                told = (
-                    f"{node.label} takes time, and a reactive_sequence asks all but its last child anew at each tick; "
+                told = f"{node.label} takes time, and a reactive_sequence asks all but its last child anew at each tick; "
+                self._reading.problems.error(
+                    node.mark, told + "put what takes time into one sequence at its end"
                 )
-                self._reading.problems.error(node.mark, told + "put what takes time into one sequence at its end")
 
     def _succeed(self, table: Table, count: int) -> int:
         value = table.get("succeed")
@@ -156,7 +170,9 @@ class NodeReader:
         body = table.get("do")
         if body is None:
             mark = table.entries[kind].key_mark
-            self._reading.problems.error(mark, f"'{kind}' needs 'do:' with the node that it repeats")
+            self._reading.problems.error(
+                mark, f"'{kind}' needs 'do:' with the node that it repeats"
+            )
             return None
         return self.node(body)
 
@@ -185,11 +201,22 @@ class NodeReader:
         self._reading.known_keys(given, ("item", "in"), "'for_each'")
         item_value, in_value = given.get("item"), given.get("in")
         if item_value is None or in_value is None:
-            self._reading.fail(given, "'for_each' needs 'item', a name, and 'in', a list or \"{key}\"")
+            self._reading.fail(
+                given, "'for_each' needs 'item', a name, and 'in', a list or \"{key}\""
+            )
             return None
-        item, source = self._reading.name(item_value, "'item'"), self._reading.source(in_value, "'in'")
-        if source is not None and not isinstance(source, Ref) and not isinstance(source.value, list):
-            self._reading.fail(in_value, f"'in' takes a list or \"{{key}}\", not {describe(in_value)}")
+        item, source = (
+            self._reading.name(item_value, "'item'"),
+            self._reading.source(in_value, "'in'"),
+        )
+        if (
+            source is not None
+            and not isinstance(source, Ref)
+            and not isinstance(source.value, list)
+        ):
+            self._reading.fail(
+                in_value, f"'in' takes a list or \"{{key}}\", not {describe(in_value)}"
+            )
             return None
         return ForEach(item, source, body) if body and item and source else None
 
@@ -236,9 +263,13 @@ class NodeReader:
         ins, outs = self._headers[tree]
         given = read_wires(self._reading, "out", table.get("out"), tuple(outs), tree)
         outputs = {port: given.get(port, Ref(port, value.mark, is_listed=False)) for port in outs}
-        return Call(tree, self._call_inputs(table.get("in"), ins, tree, value.mark), outputs, value.mark)
+        return Call(
+            tree, self._call_inputs(table.get("in"), ins, tree, value.mark), outputs, value.mark
+        )
 
-    def _call_inputs(self, value: Value | None, ports: Ports, tree: str, mark: Mark) -> dict[str, Source]:
+    def _call_inputs(
+        self, value: Value | None, ports: Ports, tree: str, mark: Mark
+    ) -> dict[str, Source]:
         inputs: dict[str, Source] = {port: Ref(port, mark, is_listed=False) for port in ports}
         table = self._reading.table(value, f"'in' of {tree}") if value is not None else None
         for port, entry in table.entries.items() if table else ():
@@ -281,7 +312,9 @@ class NodeReader:
     def _name(self, value: Value) -> str:
         name = self._reading.text(value, "'name'")
         if name is not None and not _NAME.fullmatch(name):
-            self._reading.fail(value, "'name' is at most 60 characters on one line, without / and @")
+            self._reading.fail(
+                value, "'name' is at most 60 characters on one line, without / and @"
+            )
         return name or ""
 
     def _refuse_dead(self, table: Table, modifiers: Modifiers) -> None:

@@ -10,8 +10,8 @@ from collections.abc import Generator, Iterator, Sequence
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from executive.behaviours.runtime import Runtime
 from executive.errors import ConfigError
+from executive.leaf.runtime import Runtime
 
 Visits = Iterator[Behaviour]
 Steps = Generator[Behaviour, None, Status]
@@ -31,8 +31,12 @@ class TreeNode(Behaviour):  # type: ignore[misc]
     is_repeated = False
     is_journalled = True  # modifiers speak up only when they do something
 
-    def __init__(self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour] = ()) -> None:
-        Behaviour.__init__(self, name)  # not super(): a composite's own __init__ takes other arguments
+    def __init__(
+        self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour] = ()
+    ) -> None:
+        Behaviour.__init__(
+            self, name
+        )  # not super(): a composite's own __init__ takes other arguments
         self.path = path
         self.runtime = runtime
         self._is_active = False

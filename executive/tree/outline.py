@@ -4,7 +4,19 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from executive.tree.conditions import condition_text
-from executive.tree.language import Ask, Call, Composite, ForEach, Loop, Modifiers, Node, Run, Set, Source, Wait
+from executive.tree.language import (
+    Ask,
+    Call,
+    Composite,
+    ForEach,
+    Loop,
+    Modifiers,
+    Node,
+    Run,
+    Set,
+    Source,
+    Wait,
+)
 from executive.tree.resolved import source_value
 from executive.tree.traversal import uses_of
 
@@ -19,9 +31,16 @@ def headline(node: Node) -> str:
 def _kind_words(node: Node) -> str:
     match node.kind:
         case Composite(kind="parallel", children=children, succeed=succeed):
-            return "parallel" if succeed == len(children) else f"parallel, {succeed} of {len(children)}"
+            return (
+                "parallel"
+                if succeed == len(children)
+                else f"parallel, {succeed} of {len(children)}"
+            )
         case Loop(until=until, max_rounds=rounds):
-            parts = [f"until {condition_text(until)}" if until else "", f"at most {rounds} rounds" if rounds else ""]
+            parts = [
+                f"until {condition_text(until)}" if until else "",
+                f"at most {rounds} rounds" if rounds else "",
+            ]
             return f"loop {', '.join(part for part in parts if part)}"
         case ForEach(item=item, source=source):
             return f"for_each {item} in {source_value(source)}"
@@ -30,11 +49,15 @@ def _kind_words(node: Node) -> str:
         case Wait(duration_s=duration_s):
             return f"wait {duration_s:g} s"
         case Set(values=values):
-            return "set " + ", ".join(f"{key} = {source_value(source)}" for key, source in values.items())
+            return "set " + ", ".join(
+                f"{key} = {source_value(source)}" for key, source in values.items()
+            )
         case Ask(question=question):
             return f'ask "{question}"'
     uses = list(uses_of(node))
-    return f"check {node.kind.label}" if uses and node.kind.label == uses[-1].name else node.kind.label
+    return (
+        f"check {node.kind.label}" if uses and node.kind.label == uses[-1].name else node.kind.label
+    )
 
 
 def modifier_words(modifiers: Modifiers) -> list[str]:
@@ -44,7 +67,11 @@ def modifier_words(modifiers: Modifiers) -> list[str]:
         *([f"if {condition_text(modifiers.if_)}"] if modifiers.if_ else []),
         *([f"while {condition_text(modifiers.while_)}"] if modifiers.while_ else []),
         *([f"timeout {modifiers.timeout_s:g} s"] if modifiers.timeout_s is not None else []),
-        *([f"retry {retry.count}" + (f" every {retry.pause_s:g} s" if retry.pause_s else "")] if retry else []),
+        *(
+            [f"retry {retry.count}" + (f" every {retry.pause_s:g} s" if retry.pause_s else "")]
+            if retry
+            else []
+        ),
         *(["optional"] if modifiers.optional else []),
     ]
 

@@ -10,7 +10,9 @@ from executive.tree.value import Entry, Listing, Scalar, Table, Value, merged
 LOOP = "loop"
 
 
-def apply_override(option: str, loop: Table, plugins: Table, reading: Reading) -> tuple[Table, Table]:
+def apply_override(
+    option: str, loop: Table, plugins: Table, reading: Reading
+) -> tuple[Table, Table]:
     """Lay one option over the settings of the loop and of the plugins; a mistake names the option."""
     mark = Mark(one_line(f"--set {option}"))
     key, equals, text = option.partition("=")
@@ -41,13 +43,17 @@ def _value(text: str, mark: Mark, reading: Reading) -> Value | None:
 def _moved(value: Value, mark: Mark) -> Value:
     """Return the value with the option as the place of every part."""
     if isinstance(value, Table):
-        return Table({k: Entry(mark, _moved(e.value, mark)) for k, e in value.entries.items()}, mark)
+        return Table(
+            {k: Entry(mark, _moved(e.value, mark)) for k, e in value.entries.items()}, mark
+        )
     if isinstance(value, Listing):
         return Listing(tuple(_moved(item, mark) for item in value.items), mark)
     return Scalar(value.value, mark) if isinstance(value, Scalar) else value
 
 
-def _in_plugins(plugins: Table, path: list[str], value: Value, mark: Mark, reading: Reading) -> Table:
+def _in_plugins(
+    plugins: Table, path: list[str], value: Value, mark: Mark, reading: Reading
+) -> Table:
     capability, rest = path[0], path[1:]
     entry = plugins.entries.get(capability)
     known = normal(entry.value) if entry else None
@@ -62,7 +68,9 @@ def _in_plugins(plugins: Table, path: list[str], value: Value, mark: Mark, readi
     elif rest == ["plugin"]:
         new = Table({"plugin": Entry(mark, value)}, mark)
     else:
-        reading.problems.error(mark, f"the mission selects no {capability} plugin; set {capability}.plugin first")
+        reading.problems.error(
+            mark, f"the mission selects no {capability} plugin; set {capability}.plugin first"
+        )
         return plugins
     key_mark = entry.key_mark if entry else mark
     return Table({**plugins.entries, capability: Entry(key_mark, new)}, plugins.mark)
@@ -70,7 +78,9 @@ def _in_plugins(plugins: Table, path: list[str], value: Value, mark: Mark, readi
 
 def _differs(known: Table, value: Value) -> bool:
     chosen = known.get("plugin")
-    return not (isinstance(chosen, Scalar) and isinstance(value, Scalar) and chosen.value == value.value)
+    return not (
+        isinstance(chosen, Scalar) and isinstance(value, Scalar) and chosen.value == value.value
+    )
 
 
 def _in_list(known: Listing, path: list[str], value: Value, mark: Mark, reading: Reading) -> Value:
@@ -78,7 +88,9 @@ def _in_list(known: Listing, path: list[str], value: Value, mark: Mark, reading:
     items = {str(_plugin_of(item)): item for item in known.items}
     if path[0] not in items or len(path) < 2:
         near = did_you_mean(path[0], items)
-        reading.problems.error(mark, f"several plugins are selected: name one of them and a field{near}")
+        reading.problems.error(
+            mark, f"several plugins are selected: name one of them and a field{near}"
+        )
         return known
     items[path[0]] = _laid(items[path[0]], path[1:], value, mark, reading)
     return Listing(tuple(items.values()), known.mark)

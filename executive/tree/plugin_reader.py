@@ -74,7 +74,10 @@ class PluginReader:
             one = self._one(capability, value)
             return (one,) if one else ()
         if capability not in PLURAL:
-            self._reading.fail(value, f"{capability} takes one plugin, not a list; only monitoring may have several")
+            self._reading.fail(
+                value,
+                f"{capability} takes one plugin, not a list; only monitoring may have several",
+            )
             return ()
         chosen = [self._one(capability, item) for item in value.items]
         names = [one.name for one in chosen if one]
@@ -89,7 +92,9 @@ class PluginReader:
         chosen = table.get("plugin")
         known = ", ".join(self._reading.catalogue.plugin_names(capability))
         if chosen is None:
-            self._reading.fail(table, f"{capability} needs 'plugin: name'; there is: {known or 'none'}")
+            self._reading.fail(
+                table, f"{capability} needs 'plugin: name'; there is: {known or 'none'}"
+            )
             return None
         name = self._reading.text(chosen, "'plugin'")
         if name is None:
@@ -99,15 +104,21 @@ class PluginReader:
         except ConfigError as error:
             self._reading.fail(chosen, str(error))
             return None
-        settings = check_settings(plugin.Settings, without(table, ["plugin"]), name, self._reading.problems)
+        settings = check_settings(
+            plugin.Settings, without(table, ["plugin"]), name, self._reading.problems
+        )
         return Selection(name, settings) if settings is not None else None
 
     # --- what is needed
 
-    def check_needs(self, chosen: Mapping[str, tuple[Selection, ...]], table: Table, uses: Iterable[LeafUse]) -> None:
+    def check_needs(
+        self, chosen: Mapping[str, tuple[Selection, ...]], table: Table, uses: Iterable[LeafUse]
+    ) -> None:
         """Note what the loop, a leaf or a plugin needs and the mission does not select."""
         if not table.entries:
-            self._reading.problems.error(table.mark, "'plugins' is missing: a mission chooses at least a robot")
+            self._reading.problems.error(
+                table.mark, "'plugins' is missing: a mission chooses at least a robot"
+            )
             return
         for capability in REQUIRED:
             if capability not in self._marks:
@@ -133,6 +144,10 @@ class PluginReader:
 
     def _missing(self, mark: Mark, who: str, capability: str) -> None:
         names = self._reading.catalogue.plugin_names(capability)
-        cure = f"; add '{capability}: {names[0]}' to 'plugins'" if names else ", and none is installed"
+        cure = (
+            f"; add '{capability}: {names[0]}' to 'plugins'" if names else ", and none is installed"
+        )
         article = "an" if capability[0] in "aeiou" else "a"
-        self._reading.problems.error(mark, f"{who} needs {article} {capability} plugin, and none is selected{cure}")
+        self._reading.problems.error(
+            mark, f"{who} needs {article} {capability} plugin, and none is selected{cure}"
+        )

@@ -61,7 +61,9 @@ def fits_name(have: Any, name: str) -> bool:
     inner = _LIST_NAME.fullmatch(name)
     if inner:
         arguments = typing.get_args(have)
-        return (typing.get_origin(have) or have) is list and (not arguments or fits_name(arguments[0], inner.group(1)))
+        return (typing.get_origin(have) or have) is list and (
+            not arguments or fits_name(arguments[0], inner.group(1))
+        )
     have_class = typing.get_origin(have) or have
     if name == "float" and have_class is int:
         return True

@@ -99,7 +99,10 @@ class Reading:
         match = _REFERENCE.fullmatch(value.value) if is_text(value) else None  # type: ignore[union-attr, arg-type]
         if match:
             return Ref(match.group(1), value.mark)
-        self.fail(value, f'{what} takes a reference such as "{{key}}", not {describe(value)}{_hint(value)}')
+        self.fail(
+            value,
+            f'{what} takes a reference such as "{{key}}", not {describe(value)}{_hint(value)}',
+        )
         return None
 
     def source(self, value: Value, what: str) -> Source | None:
@@ -112,7 +115,9 @@ class Reading:
         """Note every key that is not allowed."""
         for key, entry in table.entries.items():
             if key not in allowed:
-                self.problems.error(entry.key_mark, f"{what} has no '{key}'{did_you_mean(key, allowed)}")
+                self.problems.error(
+                    entry.key_mark, f"{what} has no '{key}'{did_you_mean(key, allowed)}"
+                )
 
 
 def is_text(value: Value) -> bool:
@@ -126,4 +131,8 @@ def _hint(value: Value) -> str:
         return f'; write "{{{key}}}" in quotes, without them YAML reads a mapping'
     if is_text(value) and _KEY.fullmatch(value.value):  # type: ignore[union-attr, arg-type]
         return f'; did you mean "{{{value.value}}}"?'  # type: ignore[union-attr]
-    return "; a literal belongs under 'with:' or into a 'set:' before" if not isinstance(value, Table) else ""
+    return (
+        "; a literal belongs under 'with:' or into a 'set:' before"
+        if not isinstance(value, Table)
+        else ""
+    )

@@ -8,8 +8,8 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from executive.behaviours.runtime import Runtime
 from executive.errors import ConfigError
+from executive.leaf.runtime import Runtime
 from executive.tree.conditions import Answer
 from executive.tree.language import ForEach
 from executive.tree.nodes import Controller, Steps, stop_child
@@ -23,7 +23,13 @@ class LoopNode(Controller):
     """
 
     def __init__(
-        self, name: str, path: str, runtime: Runtime, body: Behaviour, until: Answer | None, max_rounds: int | None
+        self,
+        name: str,
+        path: str,
+        runtime: Runtime,
+        body: Behaviour,
+        until: Answer | None,
+        max_rounds: int | None,
     ) -> None:
         super().__init__(name, path, runtime, [body])
         self._body = body
@@ -68,7 +74,9 @@ class LoopNode(Controller):
 class ForEachNode(Controller):
     """Ticks its body once for each item of a list, which is read when the node begins; a failed body is a failure."""
 
-    def __init__(self, kind: ForEach, name: str, path: str, runtime: Runtime, body: Behaviour, scope: Scope) -> None:
+    def __init__(
+        self, kind: ForEach, name: str, path: str, runtime: Runtime, body: Behaviour, scope: Scope
+    ) -> None:
         super().__init__(name, path, runtime, [body])
         self._kind = kind
         self._body = body

@@ -119,13 +119,21 @@ def _kind(kind: Kind) -> dict[str, Any]:  # noqa: C901 - one case a kind
 
 
 def _use(use: LeafUse) -> dict[str, Any]:
-    parts = {"with": settings_dump(use.settings), "in": _wires(use.inputs), "out": _wires(use.outputs)}
+    parts = {
+        "with": settings_dump(use.settings),
+        "in": _wires(use.inputs),
+        "out": _wires(use.outputs),
+    }
     return {key: part for key, part in parts.items() if part}
 
 
 def _wires(wires: Mapping[str, Source]) -> dict[str, Any]:
     """Return the wires that the file lists; an optional port that is not listed may stay unconnected."""
-    return {port: source_value(one) for port, one in wires.items() if isinstance(one, Literally) or one.is_listed}
+    return {
+        port: source_value(one)
+        for port, one in wires.items()
+        if isinstance(one, Literally) or one.is_listed
+    }
 
 
 def source_value(source: Source) -> Any:
@@ -158,4 +166,8 @@ def _modifiers(modifiers: Modifiers) -> dict[str, Any]:
 
 
 def _attempts(attempts: Attempts) -> Any:
-    return {"attempts": attempts.count, "pause": attempts.pause_s} if attempts.pause_s else attempts.count
+    return (
+        {"attempts": attempts.count, "pause": attempts.pause_s}
+        if attempts.pause_s
+        else attempts.count
+    )

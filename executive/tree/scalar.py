@@ -7,13 +7,23 @@ from executive.tree.problem import shortened
 Plain = str | int | float | bool | None
 
 _NULL = frozenset({"", "~", "null", "Null", "NULL"})
-_BOOL = {word: value for value in (True, False) for word in (f"{value}".lower(), f"{value}", f"{value}".upper())}
+_BOOL = {
+    word: value
+    for value in (True, False)
+    for word in (f"{value}".lower(), f"{value}", f"{value}".upper())
+}
 _INT = re.compile(r"[-+]?\d+")
 _BASED = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
 _FLOAT = re.compile(r"[-+]?(?:\.\d+|\d+(?:\.\d*)?)(?:[eE][-+]?\d+)?")
-_SPECIAL = {f"{sign}.{word}": float(f"{sign}{word}") for sign in ("", "+", "-") for word in ("inf", "Inf", "INF")}
+_SPECIAL = {
+    f"{sign}.{word}": float(f"{sign}{word}")
+    for sign in ("", "+", "-")
+    for word in ("inf", "Inf", "INF")
+}
 _NAN = frozenset({".nan", ".NaN", ".NAN"})
-_LONGEST_INT = 300  # digits; Python refuses to convert more than a few thousand, and no quantity has so many
+_LONGEST_INT = (
+    300  # digits; Python refuses to convert more than a few thousand, and no quantity has so many
+)
 
 # What YAML 1.1 reads as something else than text or another number: (pattern, what to write instead).
 _SURPRISES = (

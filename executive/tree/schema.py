@@ -7,9 +7,9 @@ are read before they are written, what a leaf needs) is told by `executive check
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from executive.behaviours.action import Action, Leaf
 from executive.config import Settings
 from executive.errors import ConfigError
+from executive.leaf.action import Action, Leaf
 from executive.registry import PLURAL
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
 from executive.tree.language import LoopSettings
@@ -17,7 +17,10 @@ from executive.tree.sources import API
 
 Schema = dict[str, Any]
 _REFERENCE: Schema = {"type": "string", "pattern": r"^\{[A-Za-z_][A-Za-z0-9_]*\}$"}
-_DURATION: Schema = {"type": ["number", "string"], "description": "A duration: seconds, or with a unit: 30 s, 2 min."}
+_DURATION: Schema = {
+    "type": ["number", "string"],
+    "description": "A duration: seconds, or with a unit: 30 s, 2 min.",
+}
 _NODE: Schema = {"$ref": "#/$defs/node"}
 _CONDITION: Schema = {"$ref": "#/$defs/condition"}
 _NODES: Schema = {"type": "array", "items": _NODE, "minItems": 1}
@@ -45,13 +48,23 @@ class _Builder:
     def mission(self) -> Schema:
         """Return the whole schema."""
         kinds = [*_kinds(), *self._leaf_kinds()]
-        self._defs |= {"node": _any_of(kinds), "condition": self._condition(), "tree": _any_of(map(_as_tree, kinds))}
-        plugins = {capability: self._capability(capability) for capability in self._catalogue.capabilities()}
+        self._defs |= {
+            "node": _any_of(kinds),
+            "condition": self._condition(),
+            "tree": _any_of(map(_as_tree, kinds)),
+        }
+        plugins = {
+            capability: self._capability(capability)
+            for capability in self._catalogue.capabilities()
+        }
         properties: Schema = {
             "api": {"const": API, "description": "Version of the mission language."},
             "mission": _WORD,
             "description": {"type": "string"},
-            "extends": {"type": "string", "description": "A mission file whose settings and trees are the base."},
+            "extends": {
+                "type": "string",
+                "description": "A mission file whose settings and trees are the base.",
+            },
             "loop": self._settings("loop", LoopSettings),
             "plugins": {"type": "object", "properties": plugins, "additionalProperties": False},
             "trees": {"type": "object", "additionalProperties": {"$ref": "#/$defs/tree"}},
@@ -70,15 +83,26 @@ class _Builder:
 
     def _capability(self, capability: str) -> Schema:
         names = self._catalogue.plugin_names(capability)
-        partly = {"type": "object", "not": {"required": ["plugin"]}}  # settings laid over the plugin of the base
-        one: Schema = {"anyOf": [{"enum": list(names)}, *(self._plugin(capability, name) for name in names), partly]}
+        partly = {
+            "type": "object",
+            "not": {"required": ["plugin"]},
+        }  # settings laid over the plugin of the base
+        one: Schema = {
+            "anyOf": [
+                {"enum": list(names)},
+                *(self._plugin(capability, name) for name in names),
+                partly,
+            ]
+        }
         if capability not in PLURAL:
             return one
         return {"anyOf": [*one["anyOf"], {"type": "array", "items": one}]}
 
     def _plugin(self, capability: str, name: str) -> Schema:
         try:
-            settings = self._settings(f"{capability}.{name}", self._catalogue.plugin(capability, name).Settings)
+            settings = self._settings(
+                f"{capability}.{name}", self._catalogue.plugin(capability, name).Settings
+            )
         except ConfigError as error:
             settings = {"type": "object", "description": str(error), "properties": {}}
         # A layer above may bring what is required, so that no key is required of one file.
@@ -132,7 +156,10 @@ def _any_of(kinds: Iterable[Schema]) -> Schema:
 
 def _as_tree(kind: Schema) -> Schema:
     """Return a kind as the root of a tree, where `in` and `out` are the tree's ports."""
-    types = {"type": "object", "additionalProperties": {"type": "string", "description": "Stone, list[Stone], Stone?"}}
+    types = {
+        "type": "object",
+        "additionalProperties": {"type": "string", "description": "Stone, list[Stone], Stone?"},
+    }
     return {**kind, "properties": {**kind["properties"], "in": types, "out": types}}
 
 
@@ -143,15 +170,27 @@ def _kinds() -> Iterator[Schema]:
     succeed = {"anyOf": [{"enum": ["all", "one"]}, count]}
     yield {"properties": {"parallel": _NODES, "succeed": succeed}, "required": ["parallel"]}
     loop = {"until": _CONDITION, "max": count}
-    yield {"properties": {"loop": {**_closed(loop), "minProperties": 1}, "do": _NODE}, "required": ["loop", "do"]}
+    yield {
+        "properties": {"loop": {**_closed(loop), "minProperties": 1}, "do": _NODE},
+        "required": ["loop", "do"],
+    }
     each = {"item": _WORD, "in": {"anyOf": [_REFERENCE, {"type": "array"}]}}
-    yield {"properties": {"for_each": _closed(each, *each), "do": _NODE}, "required": ["for_each", "do"]}
+    yield {
+        "properties": {"for_each": _closed(each, *each), "do": _NODE},
+        "required": ["for_each", "do"],
+    }
     yield {"properties": {"do": _NODE}, "required": ["do"]}
     yield {"properties": {"wait": _DURATION}, "required": ["wait"]}
     yield {"properties": {"set": {"type": "object", "minProperties": 1}}, "required": ["set"]}
-    yield {"properties": {"ask": {"type": "string"}, "default": {"type": "boolean"}}, "required": ["ask"]}
+    yield {
+        "properties": {"ask": {"type": "string"}, "default": {"type": "boolean"}},
+        "required": ["ask"],
+    }
     out = {"type": "object", "additionalProperties": _REFERENCE}
-    yield {"properties": {"call": {"type": "string"}, "in": {"type": "object"}, "out": out}, "required": ["call"]}
+    yield {
+        "properties": {"call": {"type": "string"}, "in": {"type": "object"}, "out": out},
+        "required": ["call"],
+    }
 
 
 def _with_modifiers(kind: Schema) -> Schema:
@@ -160,7 +199,9 @@ def _with_modifiers(kind: Schema) -> Schema:
         "if": _CONDITION,
         "while": _CONDITION,
         "timeout": _DURATION,
-        "retry": {"anyOf": [attempts, _closed({"attempts": attempts, "pause": _DURATION}, "attempts")]},
+        "retry": {
+            "anyOf": [attempts, _closed({"attempts": attempts, "pause": _DURATION}, "attempts")]
+        },
         "on_failure": _NODE,
         "optional": {"type": "boolean"},
         "name": {"type": "string"},
@@ -169,7 +210,11 @@ def _with_modifiers(kind: Schema) -> Schema:
 
 
 def _closed(properties: Mapping[str, Any], *required: str) -> Schema:
-    schema: Schema = {"type": "object", "properties": dict(properties), "additionalProperties": False}
+    schema: Schema = {
+        "type": "object",
+        "properties": dict(properties),
+        "additionalProperties": False,
+    }
     return {**schema, "required": list(required)} if required else schema
 
 

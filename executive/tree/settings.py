@@ -29,7 +29,9 @@ def check_settings(settings: type[S], table: Table, owner: str, problems: Proble
         told: set[Mark] = set()
         for finding in error.errors(include_url=False):
             place = _placed(table, finding["loc"], finding["type"])
-            is_new = place.mark not in told or finding["type"] == "missing"  # a union tells each of its members
+            is_new = (
+                place.mark not in told or finding["type"] == "missing"
+            )  # a union tells each of its members
             if is_new and not isinstance(place.value, Broken):
                 told.add(place.mark)
                 problems.error(place.mark, _sentence(settings, owner, finding, place))
@@ -58,7 +60,9 @@ def _placed(table: Table, steps: Sequence[int | str], kind: str) -> _Place:
         value, path = place.value, (*place.path, str(step))
         if isinstance(value, Table) and step in value.entries:
             entry = value.entries[str(step)]
-            place = _Place(entry.key_mark if kind == "extra_forbidden" else entry.value.mark, entry.value, path)
+            place = _Place(
+                entry.key_mark if kind == "extra_forbidden" else entry.value.mark, entry.value, path
+            )
         elif isinstance(value, Listing) and isinstance(step, int) and step < len(value.items):
             place = _Place(value.items[step].mark, value.items[step], path)
     if kind == "missing":

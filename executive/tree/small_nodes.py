@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from executive.behaviours.runtime import Question, Runtime
-from executive.behaviours.store import Store
+from executive.leaf.runtime import Question, Runtime
+from executive.leaf.store import Store
 from executive.tree.language import Ask, Call, Ref, Source
 from executive.tree.modifiers import EPSILON_S
 from executive.tree.nodes import Controller, Steps
@@ -45,7 +45,9 @@ class WaitNode(Controller):
 class SetNode(Controller):
     """Writes literals, or copies of other keys, into the store."""
 
-    def __init__(self, name: str, path: str, runtime: Runtime, values: Mapping[str, Source], scope: Scope) -> None:
+    def __init__(
+        self, name: str, path: str, runtime: Runtime, values: Mapping[str, Source], scope: Scope
+    ) -> None:
         super().__init__(name, path, runtime)
         self._values = values
         self._scope = scope
@@ -98,7 +100,9 @@ class CallFrame:
     def enter(self) -> None:
         """Begin with an empty store and carry the inputs in."""
         sources = self.kind.inputs.items()
-        self.inner.store = Store({port: self.outer.value(s) for port, s in sources if not self._is_absent(port, s)})
+        self.inner.store = Store(
+            {port: self.outer.value(s) for port, s in sources if not self._is_absent(port, s)}
+        )
 
     def leave(self) -> None:
         """Carry the outputs out, as far as they were written."""
@@ -107,13 +111,17 @@ class CallFrame:
                 self.outer.store.set(ref.key, self.inner.store.get(port))
 
     def _is_absent(self, port: str, source: Source) -> bool:
-        return port in self.optional and isinstance(source, Ref) and source.key not in self.outer.store
+        return (
+            port in self.optional and isinstance(source, Ref) and source.key not in self.outer.store
+        )
 
 
 class CallNode(Controller):
     """A subtree with a store of its own: inputs are copied in when it begins, outputs out when it ends, either way."""
 
-    def __init__(self, call: CallFrame, name: str, path: str, runtime: Runtime, root: Behaviour) -> None:
+    def __init__(
+        self, call: CallFrame, name: str, path: str, runtime: Runtime, root: Behaviour
+    ) -> None:
         super().__init__(name, path, runtime, [root])
         self._call = call
         self._is_entered = False

@@ -27,12 +27,14 @@ class Layer:
 
 def shipped_folder() -> Path:
     """Return the folder of the missions that come with the package."""
-    return Path(str(files("trees")))
+    return Path(str(files("executive_trees")))
 
 
 def shipped_names() -> tuple[str, ...]:
     """List the missions that come with the package; files of subtrees are not among them."""
-    return tuple(sorted(path.stem for path in shipped_folder().glob("*.yaml") if path.stem != "base"))
+    return tuple(
+        sorted(path.stem for path in shipped_folder().glob("*.yaml") if path.stem != "base")
+    )
 
 
 def find(mission: str) -> Path | None:
@@ -46,7 +48,10 @@ def find(mission: str) -> Path | None:
 
 def _find_base(name: str, folder: Path) -> Path | None:
     """Return the path of a base: a file beside the one that extends it, else the shipped one of that name."""
-    near = [folder / name, *([folder / f"{name}.yaml", shipped_folder() / f"{name}.yaml"] if _is_word(name) else [])]
+    near = [
+        folder / name,
+        *([folder / f"{name}.yaml", shipped_folder() / f"{name}.yaml"] if _is_word(name) else []),
+    ]
     return next((path for path in near if _is_file(path)), None)
 
 
@@ -115,7 +120,11 @@ def libraries(mission: Path, reading: Reading) -> Iterator[Table]:
     """Read the trees of every file under `subtrees/`, one table a folder: the shipped one, that beside the mission."""
     folders = [shipped_folder() / "subtrees", mission.parent / "subtrees"]
     for folder in dict.fromkeys(folder.resolve() for folder in folders):
-        tables = [table for path in sorted(folder.glob("*.yaml")) if (table := _library(path, reading)) is not None]
+        tables = [
+            table
+            for path in sorted(folder.glob("*.yaml"))
+            if (table := _library(path, reading)) is not None
+        ]
         if tables:
             yield _joined(tables, reading)
 

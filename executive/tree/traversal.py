@@ -2,7 +2,18 @@
 
 from collections.abc import Iterator
 
-from executive.tree.language import Check, Combined, Composite, Condition, Group, LeafUse, Loop, Node, Run, Set
+from executive.tree.language import (
+    Check,
+    Combined,
+    Composite,
+    Condition,
+    Group,
+    LeafUse,
+    Loop,
+    Node,
+    Run,
+    Set,
+)
 
 
 def is_instant(node: Node) -> bool:

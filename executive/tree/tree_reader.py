@@ -34,7 +34,9 @@ def read_trees(own: Table | None, libraries: Iterable[Table], reading: Reading) 
         drafts.update(_drafts(table, reading))
     mine = _drafts(own, reading) if own else {}
     drafts.update(mine)
-    reader = NodeReader(reading, {name: (draft.inputs, draft.outputs) for name, draft in drafts.items()})
+    reader = NodeReader(
+        reading, {name: (draft.inputs, draft.outputs) for name, draft in drafts.items()}
+    )
     trees: dict[str, Tree] = {}
     waiting = list(mine)
     while waiting:
@@ -65,7 +67,11 @@ def _ports(value: Value | None, tree: str, reading: Reading) -> Ports:
     for port, entry in table.entries.items() if table else ():
         text = reading.text(entry.value, f"the type of port '{port}'")
         if text is not None and not is_type_name(text):
-            cure = "; here stand the tree's ports: put a node with wires into a sequence" if "{" in text else ""
+            cure = (
+                "; here stand the tree's ports: put a node with wires into a sequence"
+                if "{" in text
+                else ""
+            )
             told = f"port '{port}' takes a type such as Stone, list[Stone] or Stone?, not '{text}'{cure}"
             reading.fail(entry.value, told)
         elif text is not None and reading.checked_name(port, entry.key_mark, "a port's name"):
@@ -75,8 +81,12 @@ def _ports(value: Value | None, tree: str, reading: Reading) -> Ports:
 
 def _root(draft: Draft, reader: NodeReader) -> Node:
     body = draft.body
-    if isinstance(body, Table):  # `in` and `out` of a tree are its ports, never the wiring of its root
-        body = Table({key: entry for key, entry in body.entries.items() if key not in _HEADER}, body.mark)
+    if isinstance(
+        body, Table
+    ):  # `in` and `out` of a tree are its ports, never the wiring of its root
+        body = Table(
+            {key: entry for key, entry in body.entries.items() if key not in _HEADER}, body.mark
+        )
     return reader.node(body)
 
 
@@ -95,7 +105,10 @@ def _check_main(mine: Mapping[str, Draft], own: Table | None, reading: Reading) 
 
 
 def _refuse_circles(trees: Mapping[str, Tree], reading: Reading) -> None:
-    calls = {name: [n.kind for n in tree.root.walk() if isinstance(n.kind, Call)] for name, tree in trees.items()}
+    calls = {
+        name: [n.kind for n in tree.root.walk() if isinstance(n.kind, Call)]
+        for name, tree in trees.items()
+    }
     state: dict[str, str] = {}
 
     def visit(name: str, path: tuple[str, ...]) -> None:
@@ -103,7 +116,9 @@ def _refuse_circles(trees: Mapping[str, Tree], reading: Reading) -> None:
         for call in calls.get(name, ()):
             if state.get(call.tree) == "open":
                 circle = (*path[path.index(call.tree) :], call.tree)
-                reading.problems.error(call.mark, f"trees call each other in a circle: {' → '.join(circle)}")
+                reading.problems.error(
+                    call.mark, f"trees call each other in a circle: {' → '.join(circle)}"
+                )
             elif call.tree not in state:
                 visit(call.tree, (*path, call.tree))
         state[name] = "done"

@@ -98,4 +98,6 @@ def merged(base: Value, over: Value) -> Value:
 
 def without(table: Table, keys: Sequence[str]) -> Table:
     """Return the table without some keys."""
-    return Table({key: entry for key, entry in table.entries.items() if key not in keys}, table.mark)
+    return Table(
+        {key: entry for key, entry in table.entries.items() if key not in keys}, table.mark
+    )

@@ -3,9 +3,9 @@
 from copy import deepcopy
 from typing import Any
 
-from executive.behaviours.outcome import Outcome
-from executive.behaviours.store import Store
 from executive.errors import ConfigError, did_you_mean
+from executive.leaf.outcome import Outcome
+from executive.leaf.store import Store
 from executive.tree.language import LeafUse, Ref, Source
 from executive.tree.port_types import holds, type_name
 
@@ -45,11 +45,19 @@ class Scope:
         """
         for port, value in outcome.outputs.items():
             if port not in use.leaf.outputs:
-                raise ConfigError(f"{use.name} declares no output '{port}'{did_you_mean(port, use.leaf.outputs)}")
+                raise ConfigError(
+                    f"{use.name} declares no output '{port}'{did_you_mean(port, use.leaf.outputs)}"
+                )
             wanted = use.leaf.outputs[port].type
             if not holds(value, wanted):
-                raise ConfigError(f"output '{port}' of {use.name} is {type_name(wanted)}, got {type(value).__name__}")
-        missing = [p for p, spec in use.leaf.outputs.items() if not spec.optional and p not in outcome.outputs]
+                raise ConfigError(
+                    f"output '{port}' of {use.name} is {type_name(wanted)}, got {type(value).__name__}"
+                )
+        missing = [
+            p
+            for p, spec in use.leaf.outputs.items()
+            if not spec.optional and p not in outcome.outputs
+        ]
         if outcome.success and missing:
             raise ConfigError(f"{use.name} succeeded without its output '{missing[0]}'")
         for port, value in outcome.outputs.items():

@@ -1,10 +1,11 @@
 """Alignment of distributions: each point carries the shape of its surroundings (Segal 2009, generalised ICP)."""
 
+from executive_plugins.alignment.local_fit import AlignmentSettings, fit
+
 from executive.arrays import Float
 from executive.interfaces.alignment import Aligner
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
-from plugins.alignment.local_fit import AlignmentSettings, fit
 
 
 class GicpSettings(AlignmentSettings):
@@ -21,6 +22,8 @@ class Gicp(Aligner):
     def __init__(self, settings: GicpSettings) -> None:
         self._settings = settings
 
-    def align(self, target: Cloud, source: Cloud, T_target_source: Float, max_distance_m: float) -> Alignment:
+    def align(
+        self, target: Cloud, source: Cloud, T_target_source: Float, max_distance_m: float
+    ) -> Alignment:
         """Move the source onto the target from a guess; see `local_fit.fit`."""
         return fit("GICP", self._settings, target, source, T_target_source, max_distance_m)

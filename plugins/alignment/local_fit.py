@@ -19,17 +19,32 @@ _FARTHEST = 3  # reaches that a point may move: a smooth surface can slide on it
 class AlignmentSettings(Settings):
     """How finely to look, and what to believe."""
 
-    voxel_m: Meters = Field(0.05, gt=0, le=1, description="Grid to which both clouds are thinned [m].")
-    neighbours: int = Field(12, ge=5, le=50, description="Points that shape a surface's normal or covariance.")
+    voxel_m: Meters = Field(
+        0.05, gt=0, le=1, description="Grid to which both clouds are thinned [m]."
+    )
+    neighbours: int = Field(
+        12, ge=5, le=50, description="Points that shape a surface's normal or covariance."
+    )
     max_iterations: int = Field(40, ge=1, description="Most steps of the optimisation.")
     min_points: int = Field(20, ge=6, description="Fewer points of either cloud are refused.")
-    gate_distance_m: Meters = Field(0.10, gt=0, description="Distance up to which points count as overlapping [m].")
-    max_rmse_m: Meters = Field(0.04, gt=0, description="Largest accepted distance of overlapping points [m].")
-    min_overlap: float = Field(0.4, ge=0, le=1, description="Smallest accepted share of source points that overlap.")
+    gate_distance_m: Meters = Field(
+        0.10, gt=0, description="Distance up to which points count as overlapping [m]."
+    )
+    max_rmse_m: Meters = Field(
+        0.04, gt=0, description="Largest accepted distance of overlapping points [m]."
+    )
+    min_overlap: float = Field(
+        0.4, ge=0, le=1, description="Smallest accepted share of source points that overlap."
+    )
 
 
 def fit(
-    kind: str, settings: AlignmentSettings, target: Cloud, source: Cloud, T_guess: Float, max_distance_m: float
+    kind: str,
+    settings: AlignmentSettings,
+    target: Cloud,
+    source: Cloud,
+    T_guess: Float,
+    max_distance_m: float,
 ) -> Alignment:
     """Thin both clouds, optimise, measure on the source's points, pass the gate.
 
@@ -57,26 +72,45 @@ def fit(
     centre = target.points.mean(axis=0)
     T_centre = np.eye(4)
     T_centre[:3, 3] = -centre
-    near = target.points[_within_reach(target.points, transform(T_guess, source.points), max_distance_m)] - centre
+    near = (
+        target.points[
+            _within_reach(target.points, transform(T_guess, source.points), max_distance_m)
+        ]
+        - centre
+    )
     moved = transform(T_centre @ T_guess, source.points)
     if len(near) < settings.min_points:
-        return Alignment(T_guess, False, "no target within reach of the source at the guess", 0.0, 0.0)
+        return Alignment(
+            T_guess, False, "no target within reach of the source at the guess", 0.0, 0.0
+        )
     step = _optimise(kind, settings, near, moved, max_distance_m)
     T = inverse(T_centre) @ step @ T_centre @ T_guess
     fitted = transform(step, moved)
     rmse_m, overlap = measure(near, fitted, settings)
     accepted, reason = _judge(
-        settings, rmse_m, overlap, float(np.linalg.norm(fitted - moved, axis=1).max()), max_distance_m
+        settings,
+        rmse_m,
+        overlap,
+        float(np.linalg.norm(fitted - moved, axis=1).max()),
+        max_distance_m,
     )
-    return Alignment(T, accepted, reason, rmse_m, overlap, timings_ms={"total": (wall_s() - begun_s) * 1e3})
+    return Alignment(
+        T, accepted, reason, rmse_m, overlap, timings_ms={"total": (wall_s() - begun_s) * 1e3}
+    )
 
 
 def _check(T_guess: Float, max_distance_m: float) -> None:
     if not max_distance_m > 0:
         raise DataError(f"correspondences need a positive reach, got {max_distance_m} m")
     R = np.asarray(T_guess)[:3, :3]
-    if np.shape(T_guess) != (4, 4) or not np.allclose(R @ R.T, np.eye(3), atol=1e-4) or np.linalg.det(R) < 0:
-        raise DataError("the guess is no rigid pose: a 4×4 matrix with an orthonormal, right-handed rotation")
+    if (
+        np.shape(T_guess) != (4, 4)
+        or not np.allclose(R @ R.T, np.eye(3), atol=1e-4)
+        or np.linalg.det(R) < 0
+    ):
+        raise DataError(
+            "the guess is no rigid pose: a 4×4 matrix with an orthonormal, right-handed rotation"
+        )
 
 
 def _within_reach(points: Float, others: Float, distance_m: float) -> Float:
@@ -84,7 +118,9 @@ def _within_reach(points: Float, others: Float, distance_m: float) -> Float:
     return np.asarray(((points >= low) & (points <= high)).all(axis=1))
 
 
-def _optimise(kind: str, settings: AlignmentSettings, target: Float, source: Float, max_distance_m: float) -> Float:
+def _optimise(
+    kind: str, settings: AlignmentSettings, target: Float, source: Float, max_distance_m: float
+) -> Float:
     prepared, tree = small_gicp.preprocess_points(target, settings.voxel_m, settings.neighbours, 1)
     moving, _ = small_gicp.preprocess_points(source, settings.voxel_m, settings.neighbours, 1)
     result = small_gicp.align(
@@ -111,11 +147,17 @@ def measure(target: Float, source: Float, settings: AlignmentSettings) -> tuple[
 
 
 def _judge(
-    settings: AlignmentSettings, rmse_m: float, overlap: float, travel_m: float, max_distance_m: float
+    settings: AlignmentSettings,
+    rmse_m: float,
+    overlap: float,
+    travel_m: float,
+    max_distance_m: float,
 ) -> tuple[bool, str]:
     faults = []
     if travel_m > _FARTHEST * max_distance_m:
-        faults.append(f"a point moved by {travel_m:.2f} m, more than {_FARTHEST} times the reach: it slid away")
+        faults.append(
+            f"a point moved by {travel_m:.2f} m, more than {_FARTHEST} times the reach: it slid away"
+        )
     if overlap < settings.min_overlap:
         faults.append(f"overlap {overlap:.2f} below {settings.min_overlap}")
     if rmse_m > settings.max_rmse_m:

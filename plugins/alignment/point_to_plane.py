@@ -1,10 +1,11 @@
 """Alignment along the target's normals (Chen and Medioni 1992): cheap, and at its best on smooth surfaces."""
 
+from executive_plugins.alignment.local_fit import AlignmentSettings, fit
+
 from executive.arrays import Float
 from executive.interfaces.alignment import Aligner
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
-from plugins.alignment.local_fit import AlignmentSettings, fit
 
 
 class PointToPlaneSettings(AlignmentSettings):
@@ -21,6 +22,8 @@ class PointToPlane(Aligner):
     def __init__(self, settings: PointToPlaneSettings) -> None:
         self._settings = settings
 
-    def align(self, target: Cloud, source: Cloud, T_target_source: Float, max_distance_m: float) -> Alignment:
+    def align(
+        self, target: Cloud, source: Cloud, T_target_source: Float, max_distance_m: float
+    ) -> Alignment:
         """Move the source onto the target from a guess; see `local_fit.fit`."""
         return fit("PLANE_ICP", self._settings, target, source, T_target_source, max_distance_m)

@@ -4,8 +4,8 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.geometry.pose import transform
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine
 
 _GRAVITY = 9.81
 _STEP = 1e-4  # of each joint [rad] or [m], for the slope of the potential energy
@@ -31,7 +31,9 @@ class ArmLoad:
     def efforts(self, q: Float, mass_kg: float) -> Float:
         """Return the efforts [N·m] or [N] of the joints at rest, the base level, shape (n,)."""
         steps = _STEP * np.eye(len(q))
-        rise = [self._energy_j(q + step, mass_kg) - self._energy_j(q - step, mass_kg) for step in steps]
+        rise = [
+            self._energy_j(q + step, mass_kg) - self._energy_j(q - step, mass_kg) for step in steps
+        ]
         return np.array(rise) / (2 * _STEP)
 
     def _energy_j(self, q: Float, mass_kg: float) -> float:

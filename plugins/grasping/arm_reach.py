@@ -3,15 +3,17 @@
 from functools import cached_property
 
 import numpy as np
+from executive_plugins.grasping.arm_load import ArmLoad
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import about_axis
 from executive.interfaces.motion import MotionPlanner
-from plugins.grasping.arm_load import ArmLoad
-from robot_models.machine import Machine
+from executive.machine.machine import Machine
 
-_HALF_TURN = pose(about_axis(np.array([1.0, 0.0, 0.0]), np.pi))  # about the approach: the jaws change places
+_HALF_TURN = pose(
+    about_axis(np.array([1.0, 0.0, 0.0]), np.pi)
+)  # about the approach: the jaws change places
 
 
 class ArmReach:
@@ -34,8 +36,15 @@ class ArmReach:
         """Return the pose, or that after half a turn about the approach if the wrist turns less; None out of reach."""
         T_base_map = inverse(T_map_base)
         ways = {False: T_map_gripper, True: T_map_gripper @ _HALF_TURN}
-        found = {is_turned: self._motion.reach(T_base_map @ T, self._seed) for is_turned, T in ways.items()}
-        effort = {is_turned: abs(float(q[-1] - self._seed[-1])) for is_turned, q in found.items() if q is not None}
+        found = {
+            is_turned: self._motion.reach(T_base_map @ T, self._seed)
+            for is_turned, T in ways.items()
+        }
+        effort = {
+            is_turned: abs(float(q[-1] - self._seed[-1]))
+            for is_turned, q in found.items()
+            if q is not None
+        }
         if not effort:
             return None
         T = ways[min(effort, key=lambda is_turned: (effort[is_turned], is_turned))]

@@ -11,15 +11,21 @@ _Seed = Annotated[int, typer.Option(min=0, help="All chance follows from it.")]
 
 
 def grasp_data(
-    folder: Annotated[Path, typer.Argument(help="Folder of the labels; one that has some goes on.")],
-    stones: Annotated[int, typer.Option(min=1, help="Number of generated stones, those there included.")] = 600,
+    folder: Annotated[
+        Path, typer.Argument(help="Folder of the labels; one that has some goes on.")
+    ],
+    stones: Annotated[
+        int, typer.Option(min=1, help="Number of generated stones, those there included.")
+    ] = 600,
     grasps: Annotated[int, typer.Option(min=2, help="Grasps of each stone that are lifted.")] = 24,
     seed: _Seed = 1,
-    machine: Annotated[str, typer.Option(help="Whose gripper lifts: a shipped machine, or a folder.")] = "m545",
+    machine: Annotated[
+        str, typer.Option(help="Whose gripper lifts: a shipped machine, or a folder.")
+    ] = "m545",
     workers: Annotated[int, typer.Option(min=1, help="Processes at a time.")] = 1,
 ) -> None:
     """Make labels for grasp classifiers: simulated lifts of generated stones, under noise."""
-    from plugins.grasping.labels import LabelSettings, make_labels
+    from executive_plugins.grasping.labels import LabelSettings, make_labels
 
     settings = LabelSettings(machine=machine, seed=seed, grasps_per_stone=grasps)
     for done in make_labels(folder, stones, settings, workers):
@@ -30,24 +36,35 @@ def grasp_data(
 def grasp_train(
     folder: Annotated[Path, typer.Argument(help="Folder of labels, from grasp-data.")],
     out: Annotated[Path, typer.Argument(help="File of weights to write: .safetensors.")],
-    architecture: Annotated[str, typer.Option(help="two_stream, or four_layer, the paper's.")] = "two_stream",
+    architecture: Annotated[
+        str, typer.Option(help="two_stream, or four_layer, the paper's.")
+    ] = "two_stream",
     epochs: Annotated[int, typer.Option(min=1, help="Passes over the labels.")] = 12,
-    test: Annotated[Path | None, typer.Option(help="Labels of other stones, for the final figure.")] = None,
+    test: Annotated[
+        Path | None, typer.Option(help="Labels of other stones, for the final figure.")
+    ] = None,
     seed: _Seed = 1,
 ) -> None:
     """Train a grasp classifier; print its data card, which is also in the file."""
+    from executive_plugins.grasping.grasp_training import train_weights
+    from executive_plugins.grasping.training import Progress, TrainingSettings
     from pydantic import ValidationError
 
     from executive.errors import ConfigError
-    from plugins.grasping.grasp_training import train_weights
-    from plugins.grasping.training import Progress, TrainingSettings
 
     try:
-        settings = TrainingSettings.model_validate({"architecture": architecture, "epochs": epochs, "seed": seed})
+        settings = TrainingSettings.model_validate(
+            {"architecture": architecture, "epochs": epochs, "seed": seed}
+        )
     except ValidationError as error:
-        raise ConfigError(f"--architecture: '{architecture}' is not one of four_layer, two_stream") from error
+        raise ConfigError(
+            f"--architecture: '{architecture}' is not one of four_layer, two_stream"
+        ) from error
 
     def say(progress: Progress) -> None:
-        print(f"epoch {progress.epoch} of {epochs}: loss {progress.loss:.3f}, AUC {progress.auc:.3f}", file=sys.stderr)
+        print(
+            f"epoch {progress.epoch} of {epochs}: loss {progress.loss:.3f}, AUC {progress.auc:.3f}",
+            file=sys.stderr,
+        )
 
     print(json.dumps(train_weights(folder, out, settings, test, say), indent=2))

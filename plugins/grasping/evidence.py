@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.grasping.grasp_images import Images, draw_images, image_cube
+from executive_plugins.grasping.planning_cloud import PlanningCloud
+from executive_plugins.grasping.pool import Pool
 from numpy.typing import NDArray
 
-from plugins.grasping.grasp_images import Images, draw_images, image_cube
-from plugins.grasping.planning_cloud import PlanningCloud
-from plugins.grasping.pool import Pool
-from robot_models.gripper import Gripper
+from executive.machine.gripper import Gripper
 
 LENGTHS = ("enclose_m", "distance_m", "drag_m", "shallow_m", "twist_m", "lever_m")
 NUMBERS = ("align_rad", "jaw_rad", "size", *LENGTHS)
@@ -30,7 +30,9 @@ class Evidence:
 
 def evidence_of(scene: PlanningCloud, pool: Pool, gripper: Gripper) -> Evidence:
     """Draw and count what is known of each grasp of a pool."""
-    images = draw_images(scene.points, scene.is_target, scene.normals, pool.R, pool.position, image_cube(gripper))
+    images = draw_images(
+        scene.points, scene.is_target, scene.normals, pool.R, pool.position, image_cube(gripper)
+    )
     opening_m = gripper.max_opening_m
     size = np.full(len(pool), np.cbrt(scene.volume_m3) / opening_m)
     lengths = [pool.costs[name] / opening_m for name in LENGTHS]

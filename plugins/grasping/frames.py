@@ -55,7 +55,9 @@ def turned_frames(frames: Float, about_y_rad: Float, about_z_rad: Float) -> Floa
 
     The gripper's x is the approach, into the stone: the turned frame's −x; its y keeps, its z turns over.
     """
-    turns = np.array([about_axis(_Z, z) @ about_axis(_Y, y) for z in about_z_rad for y in about_y_rad])
+    turns = np.array(
+        [about_axis(_Z, z) @ about_axis(_Y, y) for z in about_z_rad for y in about_y_rad]
+    )
     return (frames[:, None] @ (turns * (-1.0, 1.0, -1.0))).reshape(-1, 3, 3)
 
 

@@ -18,7 +18,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from executive.arrays import Bool, Float
-from robot_models.gripper import Gripper
+from executive.machine.gripper import Gripper
 
 PIXELS = 32
 PER_VIEW = 5
@@ -38,7 +38,12 @@ def image_cube(gripper: Gripper) -> tuple[Float, float]:
 
 
 def draw_images(
-    points: Float, is_target: Bool, normals: Float, R: Float, position: Float, cube: tuple[Float, float]
+    points: Float,
+    is_target: Bool,
+    normals: Float,
+    R: Float,
+    position: Float,
+    cube: tuple[Float, float],
 ) -> Images:
     """Draw the images of M grasps, shape (M, 15, 32, 32).
 

@@ -5,11 +5,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-
-from plugins.grasping.labels import Labels, read_description, read_labels
-from plugins.grasping.lift_trials import LIFTED_M
-from plugins.grasping.outcome_net import FourLayer, TwoStream, save_net
-from plugins.grasping.training import (
+from executive_plugins.grasping.labels import Labels, read_description, read_labels
+from executive_plugins.grasping.lift_trials import LIFTED_M
+from executive_plugins.grasping.outcome_net import FourLayer, TwoStream, save_net
+from executive_plugins.grasping.training import (
     Progress,
     TrainingSettings,
     area_under_curve,
@@ -41,7 +40,9 @@ def train_weights(
     """
     labels = read_labels(folder)
     tested = read_labels(test_folder) if test_folder else None
-    learned, validation = split_by_stone(labels, settings.held_out, np.random.default_rng(settings.seed))
+    learned, validation = split_by_stone(
+        labels, settings.held_out, np.random.default_rng(settings.seed)
+    )
     net = untrained(settings)
     for progress in train(net, learned, validation, settings):
         after_epoch(progress)

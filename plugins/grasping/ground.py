@@ -35,7 +35,10 @@ class Ground:
         plane = (self.offset_m - xy @ self.normal[:2]) / self.normal[2]
         if not len(self.samples):
             return np.asarray(plane)
-        above = self.samples[:, 2] - (self.offset_m - self.samples[:, :2] @ self.normal[:2]) / self.normal[2]
+        above = (
+            self.samples[:, 2]
+            - (self.offset_m - self.samples[:, :2] @ self.normal[:2]) / self.normal[2]
+        )
         k = min(_NEIGHBOURS, len(self.samples))
         distance, index = cKDTree(self.samples[:, :2]).query(xy, k=list(range(1, k + 1)))
         weight = 1.0 / (distance**2 + (self.cell_m / 2) ** 2)
@@ -72,14 +75,17 @@ def fit_ground(around: Float, stone: Float, rng: np.random.Generator, scale: flo
     return Ground(normal, offset, low[np.abs(low @ normal - offset) < band_m], cell_m)
 
 
-def fill_ground(ground: Ground, stone: Float, low_xy: Float, high_xy: Float, spacing_m: float) -> Float:
+def fill_ground(
+    ground: Ground, stone: Float, low_xy: Float, high_xy: Float, spacing_m: float
+) -> Float:
     """Return ground points on a grid over a rectangle, without those above a part of the stone, shape (G, 3)."""
     x, y = (np.arange(low, high, spacing_m) for low, high in zip(low_xy, high_xy, strict=True))
     xy = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     filled = np.column_stack([xy, ground.height(xy)])
     beneath = cKDTree(stone[:, :2]).query_ball_point(xy, 1.5 * spacing_m)
     through = np.array(
-        [bool(i) and stone[i, 2].min() < z for i, z in zip(beneath, filled[:, 2], strict=True)], dtype=bool
+        [bool(i) and stone[i, 2].min() < z for i, z in zip(beneath, filled[:, 2], strict=True)],
+        dtype=bool,
     )
     return np.asarray(filled[~through])
 

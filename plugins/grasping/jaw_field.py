@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from executive.arrays import Float
 from executive.geometry.convex import half_spaces
-from robot_models.gripper import Gripper
+from executive.machine.gripper import Gripper
 
 NEVER = 255  # progress of a cell that a jaw does not sweep
 _FAR_M = 1e3
@@ -49,7 +49,9 @@ def build_jaw_field(gripper: Gripper, cell_m: float, skin_m: float, steps: int =
     """Tabulate a gripper at `steps` jaw angles from open to closed; the skin [m] grows only the front map."""
     jaw_rad = np.linspace(gripper.open_rad, 0.0, steps)
     shapes = [gripper.hulls(float(angle)) for angle in jaw_rad]
-    corners = np.concatenate([hull for parts in shapes for hulls in parts.values() for hull in hulls])
+    corners = np.concatenate(
+        [hull for parts in shapes for hulls in parts.values() for hull in hulls]
+    )
     low, high = corners.min(axis=0) - skin_m - cell_m, corners.max(axis=0) + skin_m + cell_m
     size = np.ceil((high - low) / cell_m).astype(int)
     grid = _Grid(low, size, cell_m)

@@ -14,6 +14,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from executive_plugins.grasping.evidence import evidence_of
+from executive_plugins.grasping.lift_trials import LIFTED_M, LiftTrials
+from executive_plugins.grasping.pool import Pool, Sampler, SamplingSettings
+from executive_plugins.grasping.ranking import ranked_rounds
+from executive_plugins.grasping.stone_views import at_rest, convex_solid, look_at, neighbour_place
+from executive_plugins.physics.quarried_block import block
+from executive_plugins.physics.rounded_stone import rounded_stone
 from numpy.typing import NDArray
 from pydantic import Field
 
@@ -21,15 +28,8 @@ from executive.arrays import Float, Int
 from executive.config import Settings
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import pose, transform
-from executive.geometry.quarried_block import block
-from executive.geometry.rounded_stone import rounded_stone
-from plugins.grasping.evidence import evidence_of
-from plugins.grasping.lift_trials import LIFTED_M, LiftTrials
-from plugins.grasping.pool import Pool, Sampler, SamplingSettings
-from plugins.grasping.ranking import ranked_rounds
-from plugins.grasping.stone_views import at_rest, convex_solid, look_at, neighbour_place
-from robot_models.gripper import Gripper
-from robot_models.machine import load_machine
+from executive.machine.gripper import Gripper
+from executive.machine.machine import load_machine
 
 _STAGES = (("align_rad", 40), ("enclose_m", 20))
 _DESCRIPTION = "labels.json"
@@ -41,9 +41,15 @@ class LabelSettings(Settings):
 
     machine: str = Field("m545", description="Machine whose gripper lifts: a name or a folder.")
     seed: int = Field(1, ge=0, description="All chance follows from it and the stone's number.")
-    grasps_per_stone: int = Field(24, ge=1, le=1000, description="Half of them the paper's first, half at random.")
-    volume_m3: tuple[float, float] = Field((0.1, 1.1), description="Least and largest volume of a stone [m³].")
-    rounded: float = Field(0.5, ge=0, le=1, description="Part of the stones that are rounded; the others are blocks.")
+    grasps_per_stone: int = Field(
+        24, ge=1, le=1000, description="Half of them the paper's first, half at random."
+    )
+    volume_m3: tuple[float, float] = Field(
+        (0.1, 1.1), description="Least and largest volume of a stone [m³]."
+    )
+    rounded: float = Field(
+        0.5, ge=0, le=1, description="Part of the stones that are rounded; the others are blocks."
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,10 +70,17 @@ class Labels:
 
     def of_stones(self, is_wanted: NDArray[np.bool_]) -> "Labels":
         """Return the labels with a mask over grasps, shape (M,)."""
-        return Labels(self.images[is_wanted], self.numbers[is_wanted], self.is_lifted[is_wanted], self.stone[is_wanted])
+        return Labels(
+            self.images[is_wanted],
+            self.numbers[is_wanted],
+            self.is_lifted[is_wanted],
+            self.stone[is_wanted],
+        )
 
 
-def make_labels(folder: Path, stones: int, settings: LabelSettings, workers: int = 1) -> Iterator[int]:
+def make_labels(
+    folder: Path, stones: int, settings: LabelSettings, workers: int = 1
+) -> Iterator[int]:
     """Make the files of stones 0 … that are not there yet; yield how many stones are done.
 
     Raises:
@@ -94,7 +107,9 @@ def read_labels(folder: Path) -> Labels:
     if not files:
         raise DataError(f"{folder}: no labels; make some with `executive grasp-data {folder}`")
     parts = [_read(path) for path in files]
-    images, numbers, slip_m = (np.concatenate([part[name] for part in parts]) for name in ("images", "numbers", "slip"))
+    images, numbers, slip_m = (
+        np.concatenate([part[name] for part in parts]) for name in ("images", "numbers", "slip")
+    )
     stone = np.repeat([int(path.stem[6:]) for path in files], [len(part["slip"]) for part in parts])
     return Labels(images, numbers, slip_m <= LIFTED_M, stone)
 
@@ -111,7 +126,9 @@ def _claim(folder: Path, settings: LabelSettings) -> None:
     if not path.exists():
         path.write_text(json.dumps(wanted, indent=2) + "\n")
     elif json.loads(path.read_text()) != wanted:
-        raise ConfigError(f"{path}: the folder holds labels of other settings than {wanted}; give another folder")
+        raise ConfigError(
+            f"{path}: the folder holds labels of other settings than {wanted}; give another folder"
+        )
 
 
 def _file(folder: Path, index: int) -> Path:
@@ -134,14 +151,18 @@ def _label_stone(folder: Path, settings: LabelSettings, index: int) -> None:
     gripper, sampler = _sampler(settings.machine)
     hull = resting_stone(settings, rng)
     neighbours = tuple(
-        convex_solid(resting_stone(settings, rng) + neighbour_place(rng)) for _ in range(rng.integers(3))
+        convex_solid(resting_stone(settings, rng) + neighbour_place(rng))
+        for _ in range(rng.integers(3))
     )
     view = look_at(convex_solid(hull), neighbours, rng)
     scene = sampler.scene(view.stone, view.cloud, rng)
     pool = sampler.pool(scene, rng)
     chosen = chosen_for_lifts(pool, settings.grasps_per_stone, rng)
     trials = LiftTrials(gripper, hull)
-    slip_m = [trials.lift(scene.T_map_plan @ pose(pool.R[i], pool.position[i]), pool.jaw_rad[i], rng) for i in chosen]
+    slip_m = [
+        trials.lift(scene.T_map_plan @ pose(pool.R[i], pool.position[i]), pool.jaw_rad[i], rng)
+        for i in chosen
+    ]
     shown = evidence_of(scene, pool.taken(chosen), gripper)
     images = np.round(shown.images * _GRAY).astype(np.uint8)
     unfinished = _file(folder, index).with_suffix(".unfinished")
@@ -158,7 +179,11 @@ def resting_stone(settings: LabelSettings, rng: np.random.Generator) -> Float:
     least, most = np.cbrt(settings.volume_m3)
     while True:
         volume_m3 = float(rng.uniform(least, most)) ** 3
-        hull = rounded_stone(volume_m3, rng) if rng.random() < settings.rounded else block(volume_m3, rng)
+        hull = (
+            rounded_stone(volume_m3, rng)
+            if rng.random() < settings.rounded
+            else block(volume_m3, rng)
+        )
         T = at_rest(hull, rng)
         if T is not None:
             corners = transform(T, hull)
@@ -168,6 +193,8 @@ def resting_stone(settings: LabelSettings, rng: np.random.Generator) -> Float:
 
 def chosen_for_lifts(pool: Pool, most: int, rng: np.random.Generator) -> Int:
     """Choose grasps of a pool: half the first of the paper's order, the rest at random."""
-    ordered = np.concatenate([*ranked_rounds(pool.costs, _STAGES, "distance_m"), np.empty(0, dtype=np.int64)])
+    ordered = np.concatenate(
+        [*ranked_rounds(pool.costs, _STAGES, "distance_m"), np.empty(0, dtype=np.int64)]
+    )
     first = ordered[: most // 2]
     return np.concatenate([first, rng.permutation(ordered[len(first) :])[: most - len(first)]])

@@ -1,13 +1,13 @@
 """What a grasp is labelled with: whether a lift of the true stone succeeds when nothing is quite as planned."""
 
 import numpy as np
+from executive_plugins.grasping.rehearsal import Rehearsal
 
 from executive.arrays import Float
 from executive.geometry.convex import volume_and_centroid
 from executive.geometry.pose import pose
 from executive.geometry.rotation import exp_so3
-from plugins.grasping.rehearsal import Rehearsal
-from robot_models.gripper import Gripper
+from executive.machine.gripper import Gripper
 
 _SHIFT_M, _TURN_RAD = 0.05, np.radians(5.0)  # of the arm: bounds along each axis of the gripper
 _FRICTION = (0.4, 0.8)
@@ -30,4 +30,6 @@ class LiftTrials:
         off = pose(exp_so3(turn), shift)
         mass_kg = self._volume_m3 * rng.uniform(*_DENSITY_KG_M3)
         rehearsal = Rehearsal(self._gripper, self._hull, np.array([0.0, 0.0, 1.0]), mass_kg)
-        return rehearsal.lift(T_plan_gripper @ off, jaw_rad + _OPENED_RAD, float(rng.uniform(*_FRICTION))).slip_m
+        return rehearsal.lift(
+            T_plan_gripper @ off, jaw_rad + _OPENED_RAD, float(rng.uniform(*_FRICTION))
+        ).slip_m

@@ -6,6 +6,8 @@ from typing import Literal
 
 import numpy as np
 import torch
+from executive_plugins.grasping.evidence import NUMBERS, Evidence
+from executive_plugins.grasping.grasp_images import CHANNELS, PIXELS, mirrored
 from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
@@ -13,8 +15,6 @@ from torch import Tensor, nn
 
 from executive.arrays import Float
 from executive.errors import DataError
-from plugins.grasping.evidence import NUMBERS, Evidence
-from plugins.grasping.grasp_images import CHANNELS, PIXELS, mirrored
 
 Architecture = Literal["four_layer", "two_stream"]
 _BATCH = 64  # more fall out of the cache
@@ -61,12 +61,21 @@ class TwoStream(nn.Module):  # type: ignore[misc]  # torch is untyped here
         stages = [
             layer
             for before, after in pairwise(widths)
-            for layer in (nn.Conv2d(before, after, 3, padding=1), nn.BatchNorm2d(after), nn.ReLU(), nn.MaxPool2d(2))
+            for layer in (
+                nn.Conv2d(before, after, 3, padding=1),
+                nn.BatchNorm2d(after),
+                nn.ReLU(),
+                nn.MaxPool2d(2),
+            )
         ]
         side = PIXELS // 2 ** (len(widths) - 1)
-        self.seen = nn.Sequential(*stages, nn.Flatten(), nn.Dropout(0.4), nn.Linear(widths[-1] * side * side, 64))
+        self.seen = nn.Sequential(
+            *stages, nn.Flatten(), nn.Dropout(0.4), nn.Linear(widths[-1] * side * side, 64)
+        )
         self.counted = nn.Sequential(nn.Linear(len(NUMBERS), 64), nn.ReLU(), nn.Linear(64, 64))
-        self.joined = nn.Sequential(nn.ReLU(), nn.Dropout(0.3), nn.Linear(128, 64), nn.ReLU(), nn.Linear(64, 1))
+        self.joined = nn.Sequential(
+            nn.ReLU(), nn.Dropout(0.3), nn.Linear(128, 64), nn.ReLU(), nn.Linear(64, 1)
+        )
 
     def forward(self, images: Tensor, numbers: Tensor) -> Tensor:
         """Return logits (M,) of images (M, 15, 32, 32) and numbers (M, 9)."""
@@ -74,7 +83,10 @@ class TwoStream(nn.Module):  # type: ignore[misc]  # torch is untyped here
         return self.joined(torch.cat([self.seen(images), counted], dim=1))[:, 0]
 
 
-_ARCHITECTURES: dict[str, type[FourLayer] | type[TwoStream]] = {"four_layer": FourLayer, "two_stream": TwoStream}
+_ARCHITECTURES: dict[str, type[FourLayer] | type[TwoStream]] = {
+    "four_layer": FourLayer,
+    "two_stream": TwoStream,
+}
 
 
 def new_net(architecture: Architecture) -> FourLayer | TwoStream:
@@ -100,7 +112,9 @@ def _logits(net: nn.Module, images: NDArray[np.float32], numbers: NDArray[np.flo
         for start in range(0, len(images), _BATCH):
             batch = slice(start, start + _BATCH)
             # Channels last: twice as fast on a CPU here.
-            shown = torch.from_numpy(images[batch].copy()).contiguous(memory_format=torch.channels_last)
+            shown = torch.from_numpy(images[batch].copy()).contiguous(
+                memory_format=torch.channels_last
+            )
             logits = net(shown, torch.from_numpy(numbers[batch].copy()))
             parts.append(logits.numpy().astype(float))
     return np.concatenate(parts)
@@ -110,7 +124,9 @@ def save_net(net: FourLayer | TwoStream, path: Path, card: str) -> None:
     """Write a network's weights with its architecture and a data card, JSON text of what it was trained on."""
     architecture = next(name for name, kind in _ARCHITECTURES.items() if isinstance(net, kind))
     weights = {name: values.contiguous() for name, values in net.state_dict().items()}
-    save_file(weights, path, metadata={"format": _FORMAT, "architecture": architecture, "card": card})
+    save_file(
+        weights, path, metadata={"format": _FORMAT, "architecture": architecture, "card": card}
+    )
 
 
 def load_net(path: Path) -> FourLayer | TwoStream:
@@ -124,9 +140,13 @@ def load_net(path: Path) -> FourLayer | TwoStream:
             metadata = file.metadata() or {}
             weights = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 - not a mapping
     except (SafetensorError, OSError) as error:
-        raise DataError(f"{path}: no readable weights ({error}); make some with `executive grasp-train`") from error
+        raise DataError(
+            f"{path}: no readable weights ({error}); make some with `executive grasp-train`"
+        ) from error
     if metadata.get("format") != _FORMAT or metadata.get("architecture") not in _ARCHITECTURES:
-        raise DataError(f"{path}: no weights of a grasp classifier; make some with `executive grasp-train`")
+        raise DataError(
+            f"{path}: no weights of a grasp classifier; make some with `executive grasp-train`"
+        )
     net = _ARCHITECTURES[metadata["architecture"]]()
     try:
         net.load_state_dict(weights)

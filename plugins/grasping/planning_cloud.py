@@ -7,14 +7,14 @@ scene turned or shifted in the map hence gives the same numbers, and the same gr
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.grasping.frames import outward_normals
+from executive_plugins.grasping.ground import Ground, fill_ground, fit_ground
 from scipy.spatial import cKDTree
 
 from executive.arrays import Bool, Float
 from executive.geometry.convex import convex_corners, volume_and_centroid
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis
-from plugins.grasping.frames import outward_normals
-from plugins.grasping.ground import Ground, fill_ground, fit_ground
 
 _FOOT_M = 0.15  # a stone's foot that segmentation left with the ground is at most this high …
 _REACH_M = 0.10  # … and this far from the stone's known points
@@ -99,11 +99,16 @@ def build_planning_cloud(
     is_foot = _is_foot(cloud, distance, ground, scale)
     stone = thinned(np.concatenate([stone, cloud[is_foot]]), spacing_m)
     around = cloud[(distance > 1.5 * spacing_m) & ~is_foot]
-    others = thinned(np.concatenate([around, fill_ground(ground, stone, low[:2], high[:2], spacing_m)]), spacing_m)
+    others = thinned(
+        np.concatenate([around, fill_ground(ground, stone, low[:2], high[:2], spacing_m)]),
+        spacing_m,
+    )
     return _planning_cloud(T_map_plan, stone, others, ground, scale)
 
 
-def _planning_cloud(T_map_plan: Float, stone: Float, others: Float, ground: Ground, scale: float) -> PlanningCloud:
+def _planning_cloud(
+    T_map_plan: Float, stone: Float, others: Float, ground: Ground, scale: float
+) -> PlanningCloud:
     """Put the parts together, with what follows from them."""
     volume_m3, centre = volume_and_centroid(stone)
     return PlanningCloud(

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
+from executive_plugins.grasping.jaw_field import NEVER, JawField
 from numba import njit
 from numpy.typing import NDArray
 
 from executive.arrays import Bool, Float
-from plugins.grasping.jaw_field import NEVER, JawField
 
 _ROUNDS = 6  # depth and closing depend on each other; they settle in two or three rounds
 _TOUCH = 1  # steps of progress past the first touch that still count as contact
@@ -25,7 +25,9 @@ class Outcome(IntEnum):
     NOTHING_TOUCHED = 1  # the open gripper passes the stone and the ground by
     NOTHING_BETWEEN_JAWS = 2
     ONE_JAW_ONLY = 3
-    JAWS_SWEEP_BLOCKED = 4  # a neighbour or the ground stands where the jaws close, at any depth tried
+    JAWS_SWEEP_BLOCKED = (
+        4  # a neighbour or the ground stands where the jaws close, at any depth tried
+    )
     TIPS_TOO_HIGH = 5  # the tips stay above the stone's centre and would slip off
 
 
@@ -73,7 +75,12 @@ class Holds:
 
 
 def push_and_close(
-    field: JawField, points: Float, is_target: Bool, centre: Float, tried: Hypotheses, clearance: Clearance
+    field: JawField,
+    points: Float,
+    is_target: Bool,
+    centre: Float,
+    tried: Hypotheses,
+    clearance: Clearance,
 ) -> Holds:
     """Push each hypothesis until the open gripper touches, then close on the stone, and withdraw where the sweep hits.
 
@@ -95,7 +102,9 @@ def push_and_close(
     )
     order = np.argsort(~is_target, kind="stable")  # the stone's points first: the loops split there
     tables = (field.front, field.sweep, field.tip_a, np.array(field.origin), field.cell_m)
-    room = np.array([clearance.stone_m, clearance.other_m, clearance.tips_below_centre_m], dtype=float)
+    room = np.array(
+        [clearance.stone_m, clearance.other_m, clearance.tips_below_centre_m], dtype=float
+    )
     _try_all(
         np.ascontiguousarray(points[order]),
         int(is_target.sum()),

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
+from executive_plugins.grasping.jaw_field import JawField
+from executive_plugins.grasping.push import Holds
 
 from executive.arrays import Float, Int
-from plugins.grasping.jaw_field import JawField
-from plugins.grasping.push import Holds
 
 Costs = Mapping[str, Float]
 
@@ -53,11 +53,16 @@ def best_first(costs: Costs, stages: Sequence[tuple[str, int]], final: str, left
 
 
 def _ordered(costs: Costs, names: Sequence[str], left: Int) -> Int:
-    keys = [left, *(np.round(costs[name][left], 9) for name in reversed(names))]  # lexsort: the last is the first key
+    keys = [
+        left,
+        *(np.round(costs[name][left], 9) for name in reversed(names)),
+    ]  # lexsort: the last is the first key
     return np.asarray(left[np.lexsort(keys)])
 
 
-def spread(order: Iterable[int], R: Float, position: Float, shift_m: float, turn_rad: float) -> Iterator[int]:
+def spread(
+    order: Iterable[int], R: Float, position: Float, shift_m: float, turn_rad: float
+) -> Iterator[int]:
     """Yield the same indices, those first that differ from all before them: a retry is then another attempt.
 
     Args:
@@ -71,7 +76,9 @@ def spread(order: Iterable[int], R: Float, position: Float, shift_m: float, turn
     again: list[int] = []
     for i in order:
         is_new = all(
-            float(np.linalg.norm(position[i] - position[j])) > shift_m or _turn(R[i], R[j]) > turn_rad for j in first
+            float(np.linalg.norm(position[i] - position[j])) > shift_m
+            or _turn(R[i], R[j]) > turn_rad
+            for j in first
         )
         (first if is_new else again).append(i)
         if is_new:
@@ -86,7 +93,9 @@ def _turn(R_a: Float, R_b: Float) -> float:
     return float(np.arccos(np.clip((max(np.trace(D), flipped) - 1) / 2, -1.0, 1.0)))
 
 
-def hold_costs(field: JawField, holds: Holds, held: Int, R: Float, centre: Float) -> dict[str, Float]:
+def hold_costs(
+    field: JawField, holds: Holds, held: Int, R: Float, centre: Float
+) -> dict[str, Float]:
     """Return costs of the contact between the jaws, an addition to the paper, each of shape (M,).
 
     Returns:
@@ -99,9 +108,13 @@ def hold_costs(field: JawField, holds: Holds, held: Int, R: Float, centre: Float
     drag = np.abs(field.tip_b[progress[:, 0]] - field.tip_b[progress[:, 1]]) / 2
     local = np.einsum("mji,mj->mi", R, centre - holds.position[held])
     tip = field.tip_a[progress.max(axis=1)]
-    world = np.einsum("mij,msj->msi", R, contact - local[:, None])[:, :, :2]  # contacts from the centre, horizontal
+    world = np.einsum("mij,msj->msi", R, contact - local[:, None])[
+        :, :, :2
+    ]  # contacts from the centre, horizontal
     axis = world[:, 1] - world[:, 0]
-    lever = np.abs(axis[:, 0] * world[:, 0, 1] - axis[:, 1] * world[:, 0, 0]) / np.linalg.norm(axis, axis=1)
+    lever = np.abs(axis[:, 0] * world[:, 0, 1] - axis[:, 1] * world[:, 0, 0]) / np.linalg.norm(
+        axis, axis=1
+    )
     return {
         "drag_m": drag,
         "shallow_m": local[:, 0] - tip,

@@ -7,7 +7,7 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 from executive.arrays import Float
 from executive.geometry.convex import half_spaces
 from executive.geometry.pose import inverse, transform
-from robot_models.gripper import Gripper
+from executive.machine.gripper import Gripper
 
 _POINT = 1e-3  # radius of the ball that stands for a point, over the depth that is allowed
 _REQUEST = fcl.CollisionRequest()
@@ -29,7 +29,10 @@ class Recheck:
         """
         hulls = [hull for parts in gripper.hulls(gripper.open_rad).values() for hull in parts]
         cores = [core for hull in hulls if (core := _shrunk(hull, allowed_m)) is not None]
-        self._bodies = [(core.min(axis=0), core.max(axis=0), fcl.CollisionObject(_convex(core))) for core in cores]
+        self._bodies = [
+            (core.min(axis=0), core.max(axis=0), fcl.CollisionObject(_convex(core)))
+            for core in cores
+        ]
         self._ball = fcl.Sphere(_POINT * allowed_m)
 
     def is_free(self, points: Float, T_points_gripper: Float) -> bool:
@@ -49,7 +52,9 @@ def _shrunk(hull: Float, by_m: float) -> Float | None:
     faces = half_spaces(hull)
     try:
         return np.asarray(
-            HalfspaceIntersection(np.column_stack([faces[:, :3], by_m - faces[:, 3]]), hull.mean(axis=0)).intersections
+            HalfspaceIntersection(
+                np.column_stack([faces[:, :3], by_m - faces[:, 3]]), hull.mean(axis=0)
+            ).intersections
         )
     except QhullError:
         return None

@@ -3,13 +3,13 @@
 from typing import ClassVar
 
 import numpy as np
+from executive_plugins.grasping.planning_cloud import PlanningCloud
+from executive_plugins.grasping.pool import Pool
+from executive_plugins.grasping.sampled_planner import Order, SampledPlanner, SampledPlannerSettings
 
 from executive.config import Settings
 from executive.interfaces.motion import MotionPlanner
-from plugins.grasping.planning_cloud import PlanningCloud
-from plugins.grasping.pool import Pool
-from plugins.grasping.sampled_planner import Order, SampledPlanner, SampledPlannerSettings
-from robot_models.machine import Machine
+from executive.machine.machine import Machine
 
 
 class SampledAntipodalSettings(SampledPlannerSettings):
@@ -21,7 +21,9 @@ class SampledAntipodal(SampledPlanner):
 
     Settings: ClassVar[type[Settings]] = SampledAntipodalSettings
 
-    def __init__(self, settings: SampledAntipodalSettings, machine: Machine, motion: MotionPlanner) -> None:
+    def __init__(
+        self, settings: SampledAntipodalSettings, machine: Machine, motion: MotionPlanner
+    ) -> None:
         super().__init__(settings, machine, motion)
 
     def ordered(self, scene: PlanningCloud, pool: Pool) -> Order:

@@ -7,6 +7,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from executive_plugins.grasping.arm_reach import ArmReach
+from executive_plugins.grasping.planning_cloud import PlanningCloud
+from executive_plugins.grasping.pool import Pool, Sampler, SamplingSettings
+from executive_plugins.grasping.ranking import Costs, ranked_rounds, spread
+from executive_plugins.grasping.recheck import Recheck
+from executive_plugins.grasping.rehearsal import FALLEN_M, Lifted, Rehearsal
+from executive_plugins.grasping.way_in import WayIn
 from pydantic import Field, model_validator
 
 from executive.arrays import Float, checked
@@ -15,17 +22,10 @@ from executive.errors import DataError
 from executive.geometry.pose import pose
 from executive.interfaces.grasping import GraspPlanner
 from executive.interfaces.motion import MotionPlanner
+from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp, GraspPlan
 from executive.messages.stone import Stone
-from plugins.grasping.arm_reach import ArmReach
-from plugins.grasping.planning_cloud import PlanningCloud
-from plugins.grasping.pool import Pool, Sampler, SamplingSettings
-from plugins.grasping.ranking import Costs, ranked_rounds, spread
-from plugins.grasping.recheck import Recheck
-from plugins.grasping.rehearsal import FALLEN_M, Lifted, Rehearsal
-from plugins.grasping.way_in import WayIn
-from robot_models.machine import Machine
 
 _ROOM_IN_CLOUD_M = 0.01  # a point deeper than this in the open gripper refuses a grasp
 _FEW_POINTS = 20  # fewer say nothing about a stone's shape
@@ -39,18 +39,32 @@ _SPREAD_M, _SPREAD_RAD = 0.10, np.radians(20.0)
 class SampledPlannerSettings(SamplingSettings):
     """Sampling, the paper's stages, reach and rehearsal."""
 
-    way_in_m: Meters = Field(0.8, ge=0, description="Straight way down to a grasp that must be free and in reach [m].")
-    overload: float = Field(1.15, ge=1, description="Estimated mass over payload that is refused; a hull is too large.")
-    keep_aligned: int = Field(40, ge=1, description="Grasps that pass the ranking by alignment (Sec. 5.4).")
-    keep_enclosing: int = Field(20, ge=1, description="Grasps that pass the ranking by enclosing (Sec. 5.4).")
-    rehearsed: int = Field(32, ge=0, le=500, description="Most lifts that are rehearsed; 0: the order stays.")
-    max_slip_m: Meters = Field(0.3, gt=0, description="A grasp whose stone moves more in rehearsals is refused [m].")
+    way_in_m: Meters = Field(
+        0.8, ge=0, description="Straight way down to a grasp that must be free and in reach [m]."
+    )
+    overload: float = Field(
+        1.15, ge=1, description="Estimated mass over payload that is refused; a hull is too large."
+    )
+    keep_aligned: int = Field(
+        40, ge=1, description="Grasps that pass the ranking by alignment (Sec. 5.4)."
+    )
+    keep_enclosing: int = Field(
+        20, ge=1, description="Grasps that pass the ranking by enclosing (Sec. 5.4)."
+    )
+    rehearsed: int = Field(
+        32, ge=0, le=500, description="Most lifts that are rehearsed; 0: the order stays."
+    )
+    max_slip_m: Meters = Field(
+        0.3, gt=0, description="A grasp whose stone moves more in rehearsals is refused [m]."
+    )
     max_grasps: int = Field(8, ge=1, description="Most grasps that are returned.")
 
     @model_validator(mode="after")
     def _check_scale(self) -> "SampledPlannerSettings":
         if self.scale != 1 and self.rehearsed:
-            raise ValueError("rehearsals know machines of full size only: with a scale, set rehearsed: 0")
+            raise ValueError(
+                "rehearsals know machines of full size only: with a scale, set rehearsed: 0"
+            )
         return self
 
 
@@ -80,7 +94,9 @@ class SampledPlanner(GraspPlanner):
     latency_s: ClassVar[dict[str, float]] = {"plan": 1.5}
     is_stateless: ClassVar[bool] = True
 
-    def __init__(self, settings: SampledPlannerSettings, machine: Machine, motion: MotionPlanner) -> None:
+    def __init__(
+        self, settings: SampledPlannerSettings, machine: Machine, motion: MotionPlanner
+    ) -> None:
         self._settings: SampledPlannerSettings = settings
         self._machine = machine
         self._arm = ArmReach(machine, motion)
@@ -94,14 +110,18 @@ class SampledPlanner(GraspPlanner):
     def ordered(self, scene: PlanningCloud, pool: Pool) -> Order:
         """Return in what order the grasps of a pool are tried."""
 
-    def plan(self, target: Stone, cloud: Cloud, T_map_base: Float, rng: np.random.Generator) -> GraspPlan:
+    def plan(
+        self, target: Stone, cloud: Cloud, T_map_base: Float, rng: np.random.Generator
+    ) -> GraspPlan:
         """Plan grasps, best first; empty with reasons if the stone cannot be held.
 
         Raises:
             DataError: If the cloud is not in the map.
         """
         if cloud.frame != "map":
-            raise DataError(f"the grasp planner needs a cloud in the frame 'map', got '{cloud.frame}'")
+            raise DataError(
+                f"the grasp planner needs a cloud in the frame 'map', got '{cloud.frame}'"
+            )
         if len(target.points_map) < _FEW_POINTS:
             return GraspPlan((), {"too_few_points": 1})
         s = self._settings
@@ -112,16 +132,24 @@ class SampledPlanner(GraspPlanner):
             return GraspPlan((), {"wider_than_opening": 1})
         pool = self._sampler.pool(scene, rng)
         refused = Counter(pool.refused)
-        grasps = self._chosen(scene, pool, checked("T_map_base", T_map_base, 4, 4), refused) if len(pool) else ()
+        grasps = (
+            self._chosen(scene, pool, checked("T_map_base", T_map_base, 4, 4), refused)
+            if len(pool)
+            else ()
+        )
         return GraspPlan(grasps, {reason: n for reason, n in sorted(refused.items()) if n})
 
     def paper_order(self, pool: Pool) -> Iterator[int]:
         """Yield the indices of a pool by the paper's stages (Sec. 5.4); those left over go through them again."""
         s = self._settings
         stages = [("align_rad", s.keep_aligned), ("enclose_m", s.keep_enclosing)]
-        return (int(i) for passed in ranked_rounds(pool.costs, stages, "distance_m") for i in passed)
+        return (
+            int(i) for passed in ranked_rounds(pool.costs, stages, "distance_m") for i in passed
+        )
 
-    def _chosen(self, scene: PlanningCloud, pool: Pool, T_map_base: Float, refused: Counter[str]) -> tuple[Grasp, ...]:
+    def _chosen(
+        self, scene: PlanningCloud, pool: Pool, T_map_base: Float, refused: Counter[str]
+    ) -> tuple[Grasp, ...]:
         """Rehearse the first that the arm comes to, and rank them by what they are worth less how far they slip.
 
         Those that are worth no more than what others have left after their rehearsal are spared theirs.
@@ -135,24 +163,40 @@ class SampledPlanner(GraspPlanner):
         for tried, (i, T_map_gripper) in enumerate(attainable, start=1):
             is_beaten = order.is_telling and best >= order.worth[i]
             T_plan_gripper = pose(pool.R[i], pool.position[i])
-            lifted = {} if is_beaten else self._rehearsed(rehearsal, T_plan_gripper, float(pool.jaw_rad[i]))
+            lifted = (
+                {}
+                if is_beaten
+                else self._rehearsed(rehearsal, T_plan_gripper, float(pool.jaw_rad[i]))
+            )
             cost = round(lifted.get("slip_m", 0.0) + _PUSH_WEIGHT * lifted.get("push_m", 0.0), 2)
             firm += bool(lifted) and cost <= _FIRM_M
             if cost > s.max_slip_m:
                 refused["slips"] += 1
             else:
-                named = {name: float(values[i]) for name, values in (*pool.costs.items(), *order.costs.items())}
-                score = float(order.worth[i]) - cost / FALLEN_M  # a stone that falls is worth nothing
+                named = {
+                    name: float(values[i])
+                    for name, values in (*pool.costs.items(), *order.costs.items())
+                }
+                score = (
+                    float(order.worth[i]) - cost / FALLEN_M
+                )  # a stone that falls is worth nothing
                 best = max(best, score)
                 grasps.append(Grasp(T_map_gripper, gripper.max_opening_m, score, named | lifted))
-            is_settled = is_beaten and len(grasps) >= s.max_grasps if order.is_telling else firm == _ENOUGH
+            is_settled = (
+                is_beaten and len(grasps) >= s.max_grasps if order.is_telling else firm == _ENOUGH
+            )
             if is_settled or tried == max(s.rehearsed, s.max_grasps):
                 break
         grasps.sort(key=lambda grasp: -grasp.score)  # stable: equals keep their order
         return tuple(grasps[: s.max_grasps])
 
     def _attainable(
-        self, scene: PlanningCloud, pool: Pool, order: Iterable[int], T_map_base: Float, refused: Counter[str]
+        self,
+        scene: PlanningCloud,
+        pool: Pool,
+        order: Iterable[int],
+        T_map_base: Float,
+        refused: Counter[str],
     ) -> Iterator[tuple[int, Float]]:
         """Yield index and T_map_gripper of grasps with a free way in that the arm comes to, in the order given."""
         gripper, scale, up = self._machine.gripper, self._settings.scale, scene.ground.normal
@@ -161,7 +205,9 @@ class SampledPlanner(GraspPlanner):
         way_in, recheck = WayIn(gripper, scale), Recheck(gripper, room_m)
         for i in spread(order, pool.R, pool.position, scale * _SPREAD_M, _SPREAD_RAD):
             T_plan_gripper = pose(pool.R[i], pool.position[i])
-            T_map_gripper = self._arm.reached(scene.T_map_plan @ T_plan_gripper, T_map_base, way_in_m)
+            T_map_gripper = self._arm.reached(
+                scene.T_map_plan @ T_plan_gripper, T_map_base, way_in_m
+            )
             if T_map_gripper is None:
                 refused["out_of_reach"] += 1
             elif not self._arm.holds(T_map_gripper, T_map_base, mass_kg):
@@ -173,7 +219,9 @@ class SampledPlanner(GraspPlanner):
             else:
                 yield i, T_map_gripper
 
-    def _rehearsed(self, rehearsal: Rehearsal, T_plan_gripper: Float, jaw_rad: float) -> dict[str, float]:
+    def _rehearsed(
+        self, rehearsal: Rehearsal, T_plan_gripper: Float, jaw_rad: float
+    ) -> dict[str, float]:
         """Return `slip_m`, how far the stone moves in the jaws, and `push_m`, how far they move it before.
 
         Both are means over rehearsals at and about the pose.
@@ -182,8 +230,13 @@ class SampledPlanner(GraspPlanner):
             return {}
         lifts: list[Lifted] = []
         for friction, offset in _VARIANTS:
-            lifts.append(rehearsal.lift(T_plan_gripper @ pose(t=np.array(offset)), jaw_rad, friction))
+            lifts.append(
+                rehearsal.lift(T_plan_gripper @ pose(t=np.array(offset)), jaw_rad, friction)
+            )
             if lifts[0].slip_m >= FALLEN_M:
                 break  # hopeless: spare the variants
-        slip_m, push_m = (float(np.mean(values)) for values in zip(*((x.slip_m, x.drag_m) for x in lifts), strict=True))
+        slip_m, push_m = (
+            float(np.mean(values))
+            for values in zip(*((x.slip_m, x.drag_m) for x in lifts), strict=True)
+        )
         return {"slip_m": slip_m, "push_m": push_m}

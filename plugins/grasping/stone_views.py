@@ -8,14 +8,16 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from executive_plugins.grasping.planning_cloud import thinned
 
 from executive.arrays import Bool, Float
 from executive.geometry.convex import convex_corners, half_spaces
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import about_axis, exp_so3, from_quaternion
-from plugins.grasping.planning_cloud import thinned
 
-Solid = Callable[[Float, Float], Float]  # origin (3,) and unit directions (K, 3) to ranges (K,), inf for a miss
+Solid = Callable[
+    [Float, Float], Float
+]  # origin (3,) and unit directions (K, 3) to ranges (K,), inf for a miss
 
 _TILT_RAD = 0.15  # spread of how far from flat a stone is dropped
 _SETTLING_S, _DAMPING_S, _TIMESTEP_S, _STILL = 6.0, 0.5, 0.004, 1e-3
@@ -102,7 +104,9 @@ def neighbour_place(rng: np.random.Generator) -> Float:
     return np.array([distance * np.cos(azimuth), distance * np.sin(azimuth), 0.0])
 
 
-def _sight(solids: tuple[Solid, ...], sensor: Float, noise_m: float, rng: np.random.Generator) -> tuple[Float, Bool]:
+def _sight(
+    solids: tuple[Solid, ...], sensor: Float, noise_m: float, rng: np.random.Generator
+) -> tuple[Float, Bool]:
     """Return the points that one sensor at a place sees, and which are the first solid's."""
     toward = (rng.random((_RAYS, 3)) - (0.5, 0.5, 0.0)) * 2 * _WINDOW_M * (1, 1, 0.5) - sensor
     directions = toward / np.linalg.norm(toward, axis=1, keepdims=True)
@@ -120,12 +124,17 @@ def _sight(solids: tuple[Solid, ...], sensor: Float, noise_m: float, rng: np.ran
 def _lidars(rng: np.random.Generator) -> list[Float]:
     radius, azimuth = rng.uniform(*_RADIUS_M), rng.uniform(0, 2 * np.pi)
     around = azimuth + rng.normal(0.0, _APART_RAD, _SIGHTS)
-    return [np.array([radius * np.cos(a), radius * np.sin(a), rng.uniform(*_HEIGHT_M)]) for a in around]
+    return [
+        np.array([radius * np.cos(a), radius * np.sin(a), rng.uniform(*_HEIGHT_M)]) for a in around
+    ]
 
 
 def _drone(rng: np.random.Generator) -> list[Float]:
     around = rng.uniform(0, 2 * np.pi) + np.arange(_SIGHTS) * 2 * np.pi / _SIGHTS
-    return [np.array([_DRONE_RADIUS_M * np.cos(a), _DRONE_RADIUS_M * np.sin(a), _DRONE_HEIGHT_M]) for a in around]
+    return [
+        np.array([_DRONE_RADIUS_M * np.cos(a), _DRONE_RADIUS_M * np.sin(a), _DRONE_HEIGHT_M])
+        for a in around
+    ]
 
 
 def _flat(hull: Float) -> Float:

@@ -5,6 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
+from executive_plugins.grasping.evidence import Evidence
+from executive_plugins.grasping.grasp_images import mirrored
+from executive_plugins.grasping.labels import Labels
+from executive_plugins.grasping.outcome_net import (
+    Architecture,
+    FourLayer,
+    TwoStream,
+    new_net,
+    success,
+)
 from numpy.typing import NDArray
 from pydantic import Field
 from scipy.stats import rankdata
@@ -12,10 +22,6 @@ from torch import Tensor
 
 from executive.arrays import Float
 from executive.config import Settings
-from plugins.grasping.evidence import Evidence
-from plugins.grasping.grasp_images import mirrored
-from plugins.grasping.labels import Labels
-from plugins.grasping.outcome_net import Architecture, FourLayer, TwoStream, new_net, success
 
 _GRAY = 255.0
 
@@ -23,13 +29,19 @@ _GRAY = 255.0
 class TrainingSettings(Settings):
     """How a network is trained."""
 
-    architecture: Architecture = Field("two_stream", description="four_layer, the paper's, or two_stream.")
+    architecture: Architecture = Field(
+        "two_stream", description="four_layer, the paper's, or two_stream."
+    )
     seed: int = Field(1, ge=0, description="All chance follows from it.")
     epochs: int = Field(12, ge=1, le=1000, description="Passes over the labels.")
     batch: int = Field(64, ge=2, le=4096, description="Labels a step.")
-    rate: float = Field(1e-3, gt=0, lt=1, description="Largest step of AdamW; it falls along half a cosine.")
+    rate: float = Field(
+        1e-3, gt=0, lt=1, description="Largest step of AdamW; it falls along half a cosine."
+    )
     decay: float = Field(1e-3, ge=0, lt=1, description="Weight decay.")
-    held_out: float = Field(0.15, gt=0, lt=1, description="Part of the stones that is kept for validation.")
+    held_out: float = Field(
+        0.15, gt=0, lt=1, description="Part of the stones that is kept for validation."
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +53,9 @@ class Progress:
     auc: float
 
 
-def split_by_stone(labels: Labels, held_out: float, rng: np.random.Generator) -> tuple[Labels, Labels]:
+def split_by_stone(
+    labels: Labels, held_out: float, rng: np.random.Generator
+) -> tuple[Labels, Labels]:
     """Return labels to train on and to validate with; no stone is in both."""
     stones = rng.permutation(np.unique(labels.stone))
     is_held_out = np.isin(labels.stone, stones[: int(np.ceil(held_out * len(stones)))])
@@ -75,12 +89,16 @@ def train(
             optimiser.step()
             schedule.step()
             losses.append(float(loss.detach()))
-        yield Progress(epoch + 1, float(np.mean(losses)), area_under_curve(*predictions(net, validation)))
+        yield Progress(
+            epoch + 1, float(np.mean(losses)), area_under_curve(*predictions(net, validation))
+        )
 
 
 def predictions(net: FourLayer | TwoStream, labels: Labels) -> tuple[Float, NDArray[np.bool_]]:
     """Return the predicted success of labelled grasps and what became of them, shape (M,) each."""
-    return success(net, Evidence(labels.images.astype(np.float32) / _GRAY, labels.numbers)), labels.is_lifted
+    return success(
+        net, Evidence(labels.images.astype(np.float32) / _GRAY, labels.numbers)
+    ), labels.is_lifted
 
 
 def area_under_curve(score: Float, is_positive: NDArray[np.bool_]) -> float:
@@ -98,7 +116,9 @@ def untrained(settings: TrainingSettings) -> FourLayer | TwoStream:
     return new_net(settings.architecture)
 
 
-def _tensors(labels: Labels, batch: NDArray[np.int64], rng: np.random.Generator) -> tuple[Tensor, Tensor, Tensor]:
+def _tensors(
+    labels: Labels, batch: NDArray[np.int64], rng: np.random.Generator
+) -> tuple[Tensor, Tensor, Tensor]:
     images = labels.images[batch].astype(np.float32) / _GRAY
     for axis in (1, 2):
         flipped = rng.random(len(batch)) < 0.5

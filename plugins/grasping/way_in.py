@@ -5,7 +5,7 @@ import numpy as np
 from executive.arrays import Float
 from executive.geometry.convex import depth_inside, half_spaces
 from executive.geometry.pose import inverse, transform
-from robot_models.gripper import Gripper
+from executive.machine.gripper import Gripper
 
 _STEP_M = 0.12  # along the way in
 _STRAIGHT_RAD = 0.05  # an approach this near to the way in has been pushed along it already
@@ -27,11 +27,15 @@ class WayIn:
         local = transform(inverse(T_points_gripper), near)
         deepest = -np.inf
         for low, high, faces in self._parts:
-            boxed = local[((local >= low) & (local <= high)).all(axis=1)]  # few: the faces are held against no others
+            boxed = local[
+                ((local >= low) & (local <= high)).all(axis=1)
+            ]  # few: the faces are held against no others
             deepest = max(deepest, float(depth_inside(faces, boxed).max(initial=-np.inf)))
         return deepest
 
-    def is_free(self, points: Float, T_points_gripper: Float, up: Float, length_m: float, depth_m: float) -> bool:
+    def is_free(
+        self, points: Float, T_points_gripper: Float, up: Float, length_m: float, depth_m: float
+    ) -> bool:
         """Return whether the open gripper, coming down a straight way against `up`, stays out of the points.
 
         Args:

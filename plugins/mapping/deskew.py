@@ -34,7 +34,9 @@ def time_slices(scan: LidarScan, slice_s: float) -> tuple[Float, Int, Float]:
     first_s, last_s = float(scan.point_stamps_s[0]), float(scan.point_stamps_s[-1])
     count = max(1, int(np.ceil((last_s - first_s) / slice_s)))
     ends_s = np.linspace(first_s, last_s, count + 1)
-    position = (scan.point_stamps_s - first_s) * (count / (last_s - first_s) if last_s > first_s else 0.0)
+    position = (scan.point_stamps_s - first_s) * (
+        count / (last_s - first_s) if last_s > first_s else 0.0
+    )
     slices = np.minimum(position.astype(np.int64), count - 1)
     return ends_s, slices, position - slices
 

@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from multiprocessing.connection import Connection
 
-from plugins.mapping.pair_graph import Node, PairGraph, Poses
+from executive_plugins.mapping.pair_graph import Node, PairGraph, Poses
 
 _log = logging.getLogger(__name__)
 _LEAVE_S = 1.0  # time that a child is given to end by itself
@@ -73,7 +73,9 @@ class ProcessGraph(GraphHost):
         self.child = context.Process(target=_serve, args=(theirs, self._window), daemon=True)
         self.child.start()
         theirs.close()
-        self._deadline_s: float | None = time.monotonic() + _SPAWN_S  # it answers once when it is ready
+        self._deadline_s: float | None = (
+            time.monotonic() + _SPAWN_S
+        )  # it answers once when it is ready
 
     def add(self, node: Node) -> None:
         self._waiting.append(node)
@@ -105,7 +107,9 @@ class ProcessGraph(GraphHost):
         self._deadline_s = time.monotonic() + self._answer_within_s
 
     def _replace(self, reason: str) -> None:
-        _log.warning("the map's graph: its process %s; a new one begins at the next scan pair", reason)
+        _log.warning(
+            "the map's graph: its process %s; a new one begins at the next scan pair", reason
+        )
         self.restarts += 1
         self._waiting.extendleft(reversed(self._sent))
         self._sent = []

@@ -1,10 +1,11 @@
 """From voxels to the cloud that is handed out."""
 
+from executive_plugins.mapping.cylinder import Cylinder
+from executive_plugins.mapping.map_settings import MapSettings
+from executive_plugins.mapping.voxel_grid import VoxelGrid
+
 from executive.geometry.voxels import voxel_means
 from executive.messages.cloud import Cloud
-from plugins.mapping.cylinder import Cylinder
-from plugins.mapping.map_settings import MapSettings
-from plugins.mapping.voxel_grid import VoxelGrid
 
 
 def cloud_of(grid: VoxelGrid, settings: MapSettings, cylinder: Cylinder) -> Cloud:

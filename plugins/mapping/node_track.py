@@ -3,9 +3,9 @@
 from collections import deque
 
 import numpy as np
+from executive_plugins.mapping.pair_graph import Poses
 
 from executive.arrays import Float
-from plugins.mapping.pair_graph import Poses
 
 
 class NodeTrack:

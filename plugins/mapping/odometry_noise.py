@@ -1,11 +1,11 @@
 """How surely the state estimate knows a pose, and a motion between two poses."""
 
 import numpy as np
+from executive_plugins.mapping.pose_constraint import PoseConstraint
 from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Meters, Radians, Seconds, Settings
-from plugins.mapping.pose_constraint import PoseConstraint
 
 
 class OdometryNoiseSettings(Settings):
@@ -14,12 +14,24 @@ class OdometryNoiseSettings(Settings):
     Defaults were measured on the shipped estimators, with satellites of 8 mm and of 40 mm: their poses wander alike.
     """
 
-    rotation_rad: Radians = Field(0.002, gt=0, description="Wander of the attitude in one second [rad].")
-    position_m: Meters = Field(0.0035, gt=0, description="Wander of the position in one second [m].")
-    correlation_s: Seconds = Field(2.0, gt=0, description="Time after which an error is a new one [s].")
-    anchor_period_s: Seconds = Field(1.0, gt=0, description="Time between ties to the estimate itself [s].")
-    unknown_rotation_rad: Radians = Field(0.003, gt=0, description="Error where the estimate tells none [rad].")
-    unknown_position_m: Meters = Field(0.01, gt=0, description="Error where the estimate tells none [m].")
+    rotation_rad: Radians = Field(
+        0.002, gt=0, description="Wander of the attitude in one second [rad]."
+    )
+    position_m: Meters = Field(
+        0.0035, gt=0, description="Wander of the position in one second [m]."
+    )
+    correlation_s: Seconds = Field(
+        2.0, gt=0, description="Time after which an error is a new one [s]."
+    )
+    anchor_period_s: Seconds = Field(
+        1.0, gt=0, description="Time between ties to the estimate itself [s]."
+    )
+    unknown_rotation_rad: Radians = Field(
+        0.003, gt=0, description="Error where the estimate tells none [rad]."
+    )
+    unknown_position_m: Meters = Field(
+        0.01, gt=0, description="Error where the estimate tells none [m]."
+    )
 
 
 class OdometryNoise:
@@ -28,10 +40,16 @@ class OdometryNoise:
     def __init__(self, settings: OdometryNoiseSettings) -> None:
         self._settings = settings
         self._wander = np.repeat([settings.rotation_rad**2, settings.position_m**2], 3)
-        self._unknown = np.diag(np.repeat([settings.unknown_rotation_rad**2, settings.unknown_position_m**2], 3))
+        self._unknown = np.diag(
+            np.repeat([settings.unknown_rotation_rad**2, settings.unknown_position_m**2], 3)
+        )
 
     def increment(
-        self, T_before_this: Float, duration_s: float, covariance: Float | None, before: Float | None
+        self,
+        T_before_this: Float,
+        duration_s: float,
+        covariance: Float | None,
+        before: Float | None,
     ) -> PoseConstraint:
         """Return a motion between two estimated poses with covariances of their own.
 
@@ -42,7 +60,9 @@ class OdometryNoise:
         wander = np.minimum(self._wander * max(duration_s, 1e-3), now + then)
         return PoseConstraint(T_before_this, np.diag(wander + np.abs(now - then)))
 
-    def anchor(self, T_map_cabin: Float, since_last_s: float, covariance: Float | None) -> PoseConstraint:
+    def anchor(
+        self, T_map_cabin: Float, since_last_s: float, covariance: Float | None
+    ) -> PoseConstraint:
         """Return a pose; errors that are still the same ones as at the last anchor count less."""
         repeated = max(1.0, 2.0 * self._settings.correlation_s / max(since_last_s, 1e-3))
         return PoseConstraint(T_map_cabin, repeated * self._of(covariance))

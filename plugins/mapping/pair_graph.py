@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import gtsam
 import numpy as np
+from executive_plugins.mapping.pose_constraint import PoseConstraint
 from gtsam.symbol_shorthand import X
 
 from executive.arrays import Float
-from plugins.mapping.pose_constraint import PoseConstraint
 
 _HUBER = 1.345  # 95 % efficient on Gaussian noise
 _RELINEARISE = 1e-3  # rad, m
@@ -134,7 +134,11 @@ class PairGraph:
 
     def _summary(self, kept: Node, old: list[gtsam.NonlinearFactor]) -> list[gtsam.NonlinearFactor]:
         """Eliminate all nodes before one, for the nodes are a chain: what is left is a factor on that one alone."""
-        values, graph, ordering = self._isam.calculateEstimate(), gtsam.NonlinearFactorGraph(), gtsam.Ordering()
+        values, graph, ordering = (
+            self._isam.calculateEstimate(),
+            gtsam.NonlinearFactorGraph(),
+            gtsam.Ordering(),
+        )
         for factor in old + _between(kept):
             graph.push_back(factor)
         for node in self._nodes:
@@ -143,11 +147,17 @@ class PairGraph:
         _, rest = graph.linearize(values).eliminatePartialSequential(ordering)
         there = gtsam.Values()
         there.insert(X(kept.number), values.atPose3(X(kept.number)))
-        return [gtsam.LinearContainerFactor(rest.at(i), there) for i in range(rest.size()) if rest.at(i) is not None]
+        return [
+            gtsam.LinearContainerFactor(rest.at(i), there)
+            for i in range(rest.size())
+            if rest.at(i) is not None
+        ]
 
 
 def _tie(node: Node) -> gtsam.NonlinearFactor:
-    return gtsam.PriorFactorPose3(X(node.number), gtsam.Pose3(node.estimate.T), _gaussian(node.estimate))
+    return gtsam.PriorFactorPose3(
+        X(node.number), gtsam.Pose3(node.estimate.T), _gaussian(node.estimate)
+    )
 
 
 def _anchors(node: Node) -> list[gtsam.NonlinearFactor]:
@@ -159,7 +169,9 @@ def _between(node: Node) -> list[gtsam.NonlinearFactor]:
     factors: list[gtsam.NonlinearFactor] = []
     if node.odometry is not None:
         odometry = node.odometry
-        factors.append(gtsam.BetweenFactorPose3(before, key, gtsam.Pose3(odometry.T), _gaussian(odometry)))
+        factors.append(
+            gtsam.BetweenFactorPose3(before, key, gtsam.Pose3(odometry.T), _gaussian(odometry))
+        )
     if node.match is not None:
         # Matches share their scans, and a stone that is moved pulls at several of them.
         kernel = gtsam.noiseModel.mEstimator.Huber.Create(_HUBER)

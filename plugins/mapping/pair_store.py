@@ -5,13 +5,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.mapping.pair_graph import Poses
+from executive_plugins.mapping.scan_pair import SinglePrecision
+from executive_plugins.mapping.voxel_grid import VoxelGrid
 
 from executive.arrays import Bool, Float
 from executive.geometry.pose import inverse, transform
 from executive.geometry.rotation import angle_between
-from plugins.mapping.pair_graph import Poses
-from plugins.mapping.scan_pair import SinglePrecision
-from plugins.mapping.voxel_grid import VoxelGrid
 
 
 @dataclass(slots=True)
@@ -57,7 +57,9 @@ class PairStore:
         """Whether a pose has moved since the grid was made."""
         return self._is_stale
 
-    def add(self, node: int, points_cabin: SinglePrecision, T_node_cabin: Float, T_map_node: Float) -> None:
+    def add(
+        self, node: int, points_cabin: SinglePrecision, T_node_cabin: Float, T_map_node: Float
+    ) -> None:
         """Put a pair into the map at a node's pose, seen from there at T_node_cabin."""
         T = T_map_node @ T_node_cabin
         if len(self._pairs) == self._most_pairs:
@@ -76,7 +78,9 @@ class PairStore:
 
     def _motion_m(self, pair: _Stored) -> float:
         shift_m = np.linalg.norm(pair.T_map_cabin[:3, 3] - pair.T_inserted[:3, 3])
-        return float(shift_m) + self._arm_m * angle_between(pair.T_inserted[:3, :3], pair.T_map_cabin[:3, :3])
+        return float(shift_m) + self._arm_m * angle_between(
+            pair.T_inserted[:3, :3], pair.T_map_cabin[:3, :3]
+        )
 
     def grid(self) -> VoxelGrid:
         """Return the map's voxels, made again from the pairs if one of them has moved: 100 ms for 300 pairs."""
@@ -94,7 +98,9 @@ class PairStore:
         self._settled.forget_sphere(centre_map, radius_m, least)
         for pair in self._pairs:
             centre_cabin = transform(inverse(pair.T_map_cabin), centre_map)
-            away = ((pair.points_cabin - centre_cabin.astype(np.float32)) ** 2).sum(axis=1) > radius_m**2
+            away = ((pair.points_cabin - centre_cabin.astype(np.float32)) ** 2).sum(
+                axis=1
+            ) > radius_m**2
             pair.points_cabin = pair.points_cabin[away]
         return removed
 

@@ -27,4 +27,6 @@ class PoseConstraint:
         P = checked("covariance", self.covariance, 6, 6)
         object.__setattr__(self, "covariance", P)
         if np.linalg.eigvalsh(0.5 * (P + P.T))[0] <= 0:
-            raise DataError("the covariance of a pose must be positive: a direction that is known perfectly has none")
+            raise DataError(
+                "the covariance of a pose must be positive: a direction that is known perfectly has none"
+            )

@@ -4,6 +4,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.mapping.cylinder import Cylinder
+from executive_plugins.mapping.graph_host import GraphHost, InlineGraph, ProcessGraph
+from executive_plugins.mapping.map_cloud import cloud_of
+from executive_plugins.mapping.map_settings import MapSettings
+from executive_plugins.mapping.node_track import NodeTrack
+from executive_plugins.mapping.odometry_noise import OdometryNoise, OdometryNoiseSettings
+from executive_plugins.mapping.pair_graph import Node
+from executive_plugins.mapping.pair_store import PairStore
+from executive_plugins.mapping.scan_front import ScanFront
+from executive_plugins.mapping.scan_matching import ScanMatcher, ScanMatchingSettings
+from executive_plugins.mapping.scan_pair import ScanPair, assemble
+from executive_plugins.mapping.voxel_grid import VoxelGrid
 from pydantic import Field
 
 from executive.arrays import Float, checked
@@ -11,34 +23,36 @@ from executive.config import Meters, Seconds
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import inverse
 from executive.interfaces.mapping import Mapper
+from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
-from plugins.mapping.cylinder import Cylinder
-from plugins.mapping.graph_host import GraphHost, InlineGraph, ProcessGraph
-from plugins.mapping.map_cloud import cloud_of
-from plugins.mapping.map_settings import MapSettings
-from plugins.mapping.node_track import NodeTrack
-from plugins.mapping.odometry_noise import OdometryNoise, OdometryNoiseSettings
-from plugins.mapping.pair_graph import Node
-from plugins.mapping.pair_store import PairStore
-from plugins.mapping.scan_front import ScanFront
-from plugins.mapping.scan_matching import ScanMatcher, ScanMatchingSettings
-from plugins.mapping.scan_pair import ScanPair, assemble
-from plugins.mapping.voxel_grid import VoxelGrid
-from robot_models.machine import Machine
 
 
 class PoseGraphSettings(MapSettings):
     """The graph, and the map that is made of it."""
 
-    process: bool = Field(False, description="Solve in a process of its own; false gives the same map on each run.")
-    answer_within_s: Seconds = Field(2.0, gt=0.05, le=60, description="A process silent for so long is replaced [s].")
-    travel_m: Meters = Field(0.01, gt=0, description="Way of a lidar until the next node, d_poses [m].")
-    pairs_at_rest: int = Field(20, ge=1, description="Most pairs that one node takes in while nothing moves.")
-    window: int = Field(300, ge=20, le=5000, description="Nodes in the graph, and pairs whose points are kept.")
-    matching: ScanMatchingSettings = Field(ScanMatchingSettings(), description="Pairs against the pairs before.")
-    odometry: OdometryNoiseSettings = Field(OdometryNoiseSettings(), description="What the state estimate is worth.")
+    process: bool = Field(
+        False, description="Solve in a process of its own; false gives the same map on each run."
+    )
+    answer_within_s: Seconds = Field(
+        2.0, gt=0.05, le=60, description="A process silent for so long is replaced [s]."
+    )
+    travel_m: Meters = Field(
+        0.01, gt=0, description="Way of a lidar until the next node, d_poses [m]."
+    )
+    pairs_at_rest: int = Field(
+        20, ge=1, description="Most pairs that one node takes in while nothing moves."
+    )
+    window: int = Field(
+        300, ge=20, le=5000, description="Nodes in the graph, and pairs whose points are kept."
+    )
+    matching: ScanMatchingSettings = Field(
+        ScanMatchingSettings(), description="Pairs against the pairs before."
+    )
+    odometry: OdometryNoiseSettings = Field(
+        OdometryNoiseSettings(), description="What the state estimate is worth."
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,9 +143,14 @@ class PoseGraph(Mapper):
     def _has_travelled(self, lidars_map: Float) -> bool:
         if self._last is None:
             return True
-        return bool(np.linalg.norm(lidars_map - self._last.lidars_map, axis=1).max() >= self._settings.travel_m)
+        return bool(
+            np.linalg.norm(lidars_map - self._last.lidars_map, axis=1).max()
+            >= self._settings.travel_m
+        )
 
-    def _add_node(self, pair: ScanPair, lidars_map: Float, covariance: Float | None, parts: _Parts) -> None:
+    def _add_node(
+        self, pair: ScanPair, lidars_map: Float, covariance: Float | None, parts: _Parts
+    ) -> None:
         number, last = parts.track.next_number, self._last
         since_anchor_s = pair.stamp_s - self._anchored_s
         is_anchor = last is None or self._noise.is_due(since_anchor_s)
@@ -144,7 +163,9 @@ class PoseGraph(Mapper):
         else:
             T_before_this = inverse(last.T_map_cabin) @ pair.T_map_cabin
             guess = parts.track.pose_of(last.number) @ T_before_this
-            odometry = self._noise.increment(T_before_this, pair.stamp_s - last.stamp_s, covariance, last.covariance)
+            odometry = self._noise.increment(
+                T_before_this, pair.stamp_s - last.stamp_s, covariance, last.covariance
+            )
             match = parts.matcher.match(pair.points_cabin, guess, parts.track.pose_of)
             node = Node(number, guess, estimate, is_anchor, odometry, match)
             parts.track.append(T_before_this, guess)
@@ -162,7 +183,9 @@ class PoseGraph(Mapper):
     def mask_held(self, radius_m: float) -> None:
         """Drop returns within this distance of the grasp centre, from now on."""
         if radius_m < 0:
-            raise DataError(f"the radius around a held stone is {radius_m} m; it must not be negative")
+            raise DataError(
+                f"the radius around a held stone is {radius_m} m; it must not be negative"
+            )
         self._held_radius_m = float(radius_m)
 
     def remove_sphere(self, centre_map: Float, radius_m: float) -> int:
@@ -170,14 +193,18 @@ class PoseGraph(Mapper):
         parts = self._running()
         self._take_poses(parts)
         self._cloud = None
-        return parts.store.forget_sphere(checked("centre_map", centre_map, 3), radius_m, self._settings.min_points)
+        return parts.store.forget_sphere(
+            checked("centre_map", centre_map, 3), radius_m, self._settings.min_points
+        )
 
     def add_surface(self, points_map: Float) -> None:
         """Put points into the map as often as makes their voxels occupied; new returns are averaged with them."""
         parts = self._running()
         points = checked("points_map", points_map, None, 3)
         self._cloud = None
-        parts.store.add_surface(np.repeat(points[self._cylinder.contains(points)], self._settings.min_points, axis=0))
+        parts.store.add_surface(
+            np.repeat(points[self._cylinder.contains(points)], self._settings.min_points, axis=0)
+        )
 
     def cloud(self) -> Cloud:
         """Return one point for each occupied voxel; 100 ms for 300,000 voxels, kept until the map changes."""

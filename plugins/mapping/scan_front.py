@@ -3,17 +3,17 @@
 from collections.abc import Mapping
 
 import numpy as np
+from executive_plugins.mapping.deskew import cabin_poses, place, time_slices
+from executive_plugins.mapping.map_settings import MapSettings
 
 from executive.arrays import Float
 from executive.errors import ConfigError, DataError, did_you_mean
 from executive.geometry.pose import inverse
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine
+from executive.machine.self_filter import SelfFilter
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
-from plugins.mapping.deskew import cabin_poses, place, time_slices
-from plugins.mapping.map_settings import MapSettings
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine
-from robot_models.self_filter import SelfFilter
 
 
 class ScanFront:
@@ -28,14 +28,18 @@ class ScanFront:
         self._machine = machine
         self._lidars = tuple(sensor.name for sensor in machine.sensors_of("lidar"))
         if not self._lidars:
-            raise ConfigError(f"machine {machine.name} has no lidar to map with: add one to its robot.yaml")
+            raise ConfigError(
+                f"machine {machine.name} has no lidar to map with: add one to its robot.yaml"
+            )
         self._kinematics = Kinematics(machine)
         self._filter = SelfFilter(machine, settings.padding_m, settings.shadow_m)
         self._nearest_m = settings.nearest_m
         self._slice_s = settings.slice_s
         names = machine.joint_names
         scan = LidarScan(0.0, self._lidars[0], np.full((1, 3), 3.0), np.zeros(1))
-        self.place(scan, Motion(np.zeros(1), np.eye(4)[None], names, np.zeros((1, len(names)))), 0.0)
+        self.place(
+            scan, Motion(np.zeros(1), np.eye(4)[None], names, np.zeros((1, len(names)))), 0.0
+        )
 
     def place(self, scan: LidarScan, motion: Motion, held_radius_m: float) -> Float:
         """Return the returns that are not the machine's, in the map [m], shape (K, 3).
@@ -62,7 +66,9 @@ class ScanFront:
         cabin = self._machine.cabin_link
         T_cabin_lidar = np.array([inverse(frame[cabin]) @ frame[scan.frame] for frame in frames])
         T_map_lidar = cabin_poses(motion, ends_s) @ T_cabin_lidar
-        return np.asarray(place(scan.points_lidar[kept], slices[kept], fractions[kept], T_map_lidar))
+        return np.asarray(
+            place(scan.points_lidar[kept], slices[kept], fractions[kept], T_map_lidar)
+        )
 
     def lidars_map(self, motion: Motion, stamp_s: float) -> Float:
         """Return where the lidars are at a time, in the map [m], shape (L, 3)."""
@@ -74,6 +80,8 @@ class ScanFront:
         q = dict(zip(motion.joint_names, motion.joints_at(stamp_s), strict=True))
         missing = [name for name in self._machine.joint_names if name not in q]
         if missing:
-            raise DataError(f"the motion lacks joint {', '.join(missing)}; it has {', '.join(motion.joint_names)}")
+            raise DataError(
+                f"the motion lacks joint {', '.join(missing)}; it has {', '.join(motion.joint_names)}"
+            )
         arm = np.array([q[name] for name in self._machine.arm_names])
         return self._kinematics.frames(arm, float(q[self._machine.jaw.name]))

@@ -5,14 +5,14 @@ from collections.abc import Callable
 
 import numpy as np
 import small_gicp
+from executive_plugins.mapping.pose_constraint import PoseConstraint
+from executive_plugins.mapping.scan_pair import SinglePrecision
 from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Meters, Radians, Settings
 from executive.geometry.pose import inverse, transform
 from executive.geometry.rotation import angle_between
-from plugins.mapping.pose_constraint import PoseConstraint
-from plugins.mapping.scan_pair import SinglePrecision
 
 
 class ScanMatchingSettings(Settings):
@@ -20,16 +20,31 @@ class ScanMatchingSettings(Settings):
 
     pairs: int = Field(10, ge=1, le=100, description="Scan pairs in the submap, m.")
     pair_voxel_m: Meters = Field(0.2, gt=0, le=2, description="Grid edge to thin a pair [m].")
-    submap_voxel_m: Meters = Field(0.15, gt=0, le=2, description="Grid edge to thin the submap [m].")
-    neighbours: int = Field(10, ge=5, le=100, description="Points for a point's covariance.")
-    max_distance_m: Meters = Field(0.2, gt=0, le=5, description="Largest distance of a correspondence [m].")
-    least_inliers: float = Field(0.6, gt=0, le=1, description="Share of a pair's points that must match.")
-    max_shift_m: Meters = Field(0.15, gt=0, description="A larger correction of the odometry is not believed [m].")
-    max_turn_rad: Radians = Field(0.03, gt=0, description="A larger turn of it is not believed [rad].")
-    covariance_factor: float = Field(
-        0.25, gt=0, le=100, description="True variance of a fit over its inverse Hessian, measured in the simulation."
+    submap_voxel_m: Meters = Field(
+        0.15, gt=0, le=2, description="Grid edge to thin the submap [m]."
     )
-    least_std_m: Meters = Field(5e-4, gt=0, description="No match is surer than this [m], and as much in rad / m.")
+    neighbours: int = Field(10, ge=5, le=100, description="Points for a point's covariance.")
+    max_distance_m: Meters = Field(
+        0.2, gt=0, le=5, description="Largest distance of a correspondence [m]."
+    )
+    least_inliers: float = Field(
+        0.6, gt=0, le=1, description="Share of a pair's points that must match."
+    )
+    max_shift_m: Meters = Field(
+        0.15, gt=0, description="A larger correction of the odometry is not believed [m]."
+    )
+    max_turn_rad: Radians = Field(
+        0.03, gt=0, description="A larger turn of it is not believed [rad]."
+    )
+    covariance_factor: float = Field(
+        0.25,
+        gt=0,
+        le=100,
+        description="True variance of a fit over its inverse Hessian, measured in the simulation.",
+    )
+    least_std_m: Meters = Field(
+        5e-4, gt=0, description="No match is surer than this [m], and as much in rad / m."
+    )
 
 
 class ScanMatcher:
@@ -56,28 +71,46 @@ class ScanMatcher:
         if not self._pairs or not len(points_cabin):
             return None
         T_before_map = inverse(pose_of(self._pairs[-1][0]))
-        around = np.vstack([transform(T_before_map @ pose_of(node), points) for node, points in self._pairs])
+        around = np.vstack(
+            [transform(T_before_map @ pose_of(node), points) for node, points in self._pairs]
+        )
         submap, tree = small_gicp.preprocess_points(around, s.submap_voxel_m, s.neighbours, 1)
-        pair, _ = small_gicp.preprocess_points(points_cabin.astype(np.float64), s.pair_voxel_m, s.neighbours, 1)
+        pair, _ = small_gicp.preprocess_points(
+            points_cabin.astype(np.float64), s.pair_voxel_m, s.neighbours, 1
+        )
         guess = T_before_map @ T_map_cabin
         result = small_gicp.align(
-            submap, pair, tree, guess, max_correspondence_distance=s.max_distance_m, num_threads=1, max_iterations=20
+            submap,
+            pair,
+            tree,
+            guess,
+            max_correspondence_distance=s.max_distance_m,
+            num_threads=1,
+            max_iterations=20,
         )
         return self._believed(result, pair.size(), guess)
 
     def add(self, node: int, points_cabin: SinglePrecision) -> None:
         """Let a node's pair join the submap, and the oldest leave it."""
         if len(points_cabin):
-            thinned = small_gicp.voxelgrid_sampling(points_cabin.astype(np.float64), self._settings.pair_voxel_m, 1)
+            thinned = small_gicp.voxelgrid_sampling(
+                points_cabin.astype(np.float64), self._settings.pair_voxel_m, 1
+            )
             self._pairs.append((node, thinned.points()[:, :3]))
 
     def forget(self) -> None:
         """Begin a new submap."""
         self._pairs.clear()
 
-    def _believed(self, result: small_gicp.RegistrationResult, size: int, guess: Float) -> PoseConstraint | None:
+    def _believed(
+        self, result: small_gicp.RegistrationResult, size: int, guess: Float
+    ) -> PoseConstraint | None:
         s, T = self._settings, np.array(result.T_target_source)
-        if not (result.converged and result.num_inliers >= s.least_inliers * size and np.isfinite(T).all()):
+        if not (
+            result.converged
+            and result.num_inliers >= s.least_inliers * size
+            and np.isfinite(T).all()
+        ):
             return None
         shift_m = np.linalg.norm(T[:3, 3] - guess[:3, 3])
         if shift_m > s.max_shift_m or angle_between(T[:3, :3], guess[:3, :3]) > s.max_turn_rad:
@@ -85,4 +118,6 @@ class ScanMatcher:
         H = np.array(result.H)
         if not np.isfinite(H).all() or np.linalg.eigvalsh(H)[0] <= 0:
             return None
-        return PoseConstraint(T, s.covariance_factor * np.linalg.inv(H) + s.least_std_m**2 * np.eye(6))
+        return PoseConstraint(
+            T, s.covariance_factor * np.linalg.inv(H) + s.least_std_m**2 * np.eye(6)
+        )

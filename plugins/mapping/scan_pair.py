@@ -4,14 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.mapping.cylinder import Cylinder
+from executive_plugins.mapping.scan_front import ScanFront
 from numpy.typing import NDArray
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse, transform
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
-from plugins.mapping.cylinder import Cylinder
-from plugins.mapping.scan_front import ScanFront
 
 SinglePrecision = NDArray[np.float32]  # 1 µm at 10 m, half the memory
 
@@ -37,7 +37,11 @@ class ScanPair:
 
 
 def assemble(
-    front: ScanFront, scans: Sequence[LidarScan], motion: Motion, held_radius_m: float, cylinder: Cylinder
+    front: ScanFront,
+    scans: Sequence[LidarScan],
+    motion: Motion,
+    held_radius_m: float,
+    cylinder: Cylinder,
 ) -> ScanPair | None:
     """Return the pair, or None where no return is left.
 

@@ -11,7 +11,9 @@ from numba import njit
 from executive.arrays import Float, Int
 
 BITS = 21  # a voxel's index along an axis; three of them fill 63 bits
-_COLUMNS = np.array([(i << (2 * BITS)) + (j << BITS) for i in (-1, 0, 1) for j in (-1, 0, 1)], dtype=np.int64)
+_COLUMNS = np.array(
+    [(i << (2 * BITS)) + (j << BITS) for i in (-1, 0, 1) for j in (-1, 0, 1)], dtype=np.int64
+)
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -29,7 +31,11 @@ def _smooth(keys: Int, means: Float, weights: Float, columns: Int, reach_m: floa
                 at += 1
             starts[c] = at
             while at < n and keys[at] <= lowest + 2:
-                dx, dy, dz = means[at, 0] - means[i, 0], means[at, 1] - means[i, 1], means[at, 2] - means[i, 2]
+                dx, dy, dz = (
+                    means[at, 0] - means[i, 0],
+                    means[at, 1] - means[i, 1],
+                    means[at, 2] - means[i, 2],
+                )
                 nearness = 1.0 - (dx * dx + dy * dy + dz * dz) / (reach_m * reach_m)
                 if nearness > 0.0:
                     weight = weights[at] * nearness

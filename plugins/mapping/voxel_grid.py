@@ -1,11 +1,11 @@
 """A sparse grid of voxels, each with the running mean of the points that fell into it."""
 
 import numpy as np
+from executive_plugins.mapping.smoothing import BITS, smoothed
 from numba import njit
 
 from executive.arrays import Bool, Float, Int
 from executive.errors import DataError
-from plugins.mapping.smoothing import BITS, smoothed
 
 _HALF = 1 << (BITS - 1)
 _FREE = -1
@@ -24,7 +24,9 @@ def _slot(keys: Int, key: np.int64) -> np.int64:  # pragma: no cover - compiled
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _insert(keys: Int, means: Float, counts: Int, points: Float, voxel_m: float, memory: int) -> int:
+def _insert(
+    keys: Int, means: Float, counts: Int, points: Float, voxel_m: float, memory: int
+) -> int:
     """Fold points into their voxels' means; return how many voxels are new."""  # pragma: no cover - compiled
     added = 0
     for p in points:
@@ -44,7 +46,9 @@ def _insert(keys: Int, means: Float, counts: Int, points: Float, voxel_m: float,
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _refill(keys: Int, means: Float, counts: Int, old_keys: Int, old_means: Float, old_counts: Int) -> None:
+def _refill(
+    keys: Int, means: Float, counts: Int, old_keys: Int, old_means: Float, old_counts: Int
+) -> None:
     """Put voxels into an empty table."""  # pragma: no cover - compiled
     for n in range(len(old_keys)):
         row = _slot(keys, old_keys[n])
@@ -91,7 +95,9 @@ class VoxelGrid:
             )
         if (self._size + len(points)) > _LOAD * len(self._keys):
             self._rebuild(np.flatnonzero(self._keys != _FREE), self._size + len(points))
-        self._size += _insert(self._keys, self._means, self._counts, points, self._voxel_m, self._memory)
+        self._size += _insert(
+            self._keys, self._means, self._counts, points, self._voxel_m, self._memory
+        )
 
     def points(self) -> tuple[Float, Int]:
         """Return the means [m] (N, 3) and the number of points behind each (N,), in order of the voxels."""
@@ -107,7 +113,11 @@ class VoxelGrid:
     def copy(self) -> "VoxelGrid":
         """Return an independent grid of the same content."""
         twin = VoxelGrid(self._voxel_m, self._memory)
-        twin._keys, twin._means, twin._counts = self._keys.copy(), self._means.copy(), self._counts.copy()
+        twin._keys, twin._means, twin._counts = (
+            self._keys.copy(),
+            self._means.copy(),
+            self._counts.copy(),
+        )
         twin._size = self._size
         return twin
 

@@ -7,19 +7,19 @@ estimate is good to a centimetre, so that the mean over many returns is sharper 
 from collections.abc import Sequence
 
 import numpy as np
+from executive_plugins.mapping.cylinder import Cylinder
+from executive_plugins.mapping.map_cloud import cloud_of
+from executive_plugins.mapping.map_settings import MapSettings
+from executive_plugins.mapping.scan_front import ScanFront
+from executive_plugins.mapping.voxel_grid import VoxelGrid
 
 from executive.arrays import Float, checked
 from executive.errors import ConfigError, DataError
 from executive.interfaces.mapping import Mapper
+from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
-from plugins.mapping.cylinder import Cylinder
-from plugins.mapping.map_cloud import cloud_of
-from plugins.mapping.map_settings import MapSettings
-from plugins.mapping.scan_front import ScanFront
-from plugins.mapping.voxel_grid import VoxelGrid
-from robot_models.machine import Machine
 
 
 class VoxelMapSettings(MapSettings):
@@ -68,21 +68,27 @@ class VoxelMap(Mapper):
     def mask_held(self, radius_m: float) -> None:
         """Drop returns within this distance of the grasp centre, from now on."""
         if radius_m < 0:
-            raise DataError(f"the radius around a held stone is {radius_m} m; it must not be negative")
+            raise DataError(
+                f"the radius around a held stone is {radius_m} m; it must not be negative"
+            )
         self._held_radius_m = float(radius_m)
 
     def remove_sphere(self, centre_map: Float, radius_m: float) -> int:
         """Forget all voxels in a sphere; they stay away until they are seen again."""
         _, grid = self._running()
         self._cloud = None
-        return grid.forget_sphere(checked("centre_map", centre_map, 3), radius_m, self._settings.min_points)
+        return grid.forget_sphere(
+            checked("centre_map", centre_map, 3), radius_m, self._settings.min_points
+        )
 
     def add_surface(self, points_map: Float) -> None:
         """Put points into the map as often as makes their voxels occupied; new returns are averaged with them."""
         _, grid = self._running()
         points = checked("points_map", points_map, None, 3)
         self._cloud = None
-        grid.insert(np.repeat(points[self._cylinder.contains(points)], self._settings.min_points, axis=0))
+        grid.insert(
+            np.repeat(points[self._cylinder.contains(points)], self._settings.min_points, axis=0)
+        )
 
     def cloud(self) -> Cloud:
         """Return one point for each occupied voxel; 100 ms for 300,000 voxels, kept until the map changes."""

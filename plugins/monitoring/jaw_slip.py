@@ -4,14 +4,14 @@ from collections import deque
 from dataclasses import dataclass, field
 
 import numpy as np
+from executive_plugins.monitoring.smoothing import RunningMedian
 from pydantic import Field
 
 from executive.config import Meters, Seconds, Settings
 from executive.interfaces.monitoring import Monitor
+from executive.machine.machine import Machine
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Trouble, Verdict
-from plugins.monitoring.smoothing import RunningMedian
-from robot_models.machine import Machine
 
 _SMOOTHING_S = 0.2
 _MOVING = 0.02  # [rad/s] or [m/s]: ten times the noise of a measured velocity
@@ -20,13 +20,25 @@ _MOVING = 0.02  # [rad/s] or [m/s]: ten times the noise of a measured velocity
 class JawSlipSettings(Settings):
     """How far jaws may close before a stone counts as slipping. All lengths are of the opening between the tips."""
 
-    slip: Meters = Field(0.015, gt=0, le=0.5, description="Closing within the window that is slip [m].")
-    window: Seconds = Field(5.0, gt=0, le=60, description="Window of the closing; slower creep is settling [s].")
-    creep: Meters = Field(0.06, gt=0, le=0.5, description="Closing since the stone settled that is slip anyway [m].")
-    lift_settle: Seconds = Field(3.0, ge=0, le=30, description="The stone settles for so long after the arm moves [s].")
-    lift_slip: Meters = Field(0.3, gt=0, le=1, description="Closing that is slip until the stone has settled [m].")
+    slip: Meters = Field(
+        0.015, gt=0, le=0.5, description="Closing within the window that is slip [m]."
+    )
+    window: Seconds = Field(
+        5.0, gt=0, le=60, description="Window of the closing; slower creep is settling [s]."
+    )
+    creep: Meters = Field(
+        0.06, gt=0, le=0.5, description="Closing since the stone settled that is slip anyway [m]."
+    )
+    lift_settle: Seconds = Field(
+        3.0, ge=0, le=30, description="The stone settles for so long after the arm moves [s]."
+    )
+    lift_slip: Meters = Field(
+        0.3, gt=0, le=1, description="Closing that is slip until the stone has settled [m]."
+    )
     empty: Meters = Field(0.1, ge=0, le=1, description="Jaws closer than this hold nothing [m].")
-    confirm: Seconds = Field(0.25, ge=0, le=5, description="How long trouble must last before it is told [s].")
+    confirm: Seconds = Field(
+        0.25, ge=0, le=5, description="How long trouble must last before it is told [s]."
+    )
 
 
 @dataclass(eq=False)
@@ -34,7 +46,9 @@ class _Hold:
     """What is remembered of one hold."""
 
     median: RunningMedian = field(default_factory=lambda: RunningMedian(_SMOOTHING_S))
-    openings: deque[tuple[float, float]] = field(default_factory=deque)  # (stamp, smoothed opening) over the window
+    openings: deque[tuple[float, float]] = field(
+        default_factory=deque
+    )  # (stamp, smoothed opening) over the window
     first_m: float | None = None  # opening at the start, and anew once the stone has settled
     settled_s: float = np.inf  # when the stone will have settled in the lift
     has_settled: bool = False

@@ -4,10 +4,10 @@ import numpy as np
 import pinocchio as pin
 
 from executive.arrays import Float
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine
+from executive.machine.urdf import urdf
 from executive.messages.joints import JointSample
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine
-from robot_models.urdf import urdf
 
 _GRAVITY_M_S2 = 9.81
 
@@ -21,7 +21,9 @@ class PayloadScale:
         self._model = pin.buildModelFromXML(urdf(machine))
         self._model.gravity.linear = np.array([0.0, 0.0, -_GRAVITY_M_S2])
         self._data = self._model.createData()
-        self._joints = [self._model.joints[self._model.getJointId(name)] for name in machine.joint_names]
+        self._joints = [
+            self._model.joints[self._model.getJointId(name)] for name in machine.joint_names
+        ]
         self._mirror = self._model.joints[self._model.getJointId(machine.jaw.mirror_name)]
 
     def weigh(self, sample: JointSample) -> float:

@@ -4,9 +4,9 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.geometry.rotation import skew
-from robot_models.gripper import SIDES
-from robot_models.joint import Joint
-from robot_models.machine import Machine
+from executive.machine.gripper import SIDES
+from executive.machine.joint import Joint
+from executive.machine.machine import Machine
 
 
 def link_frames(machine: Machine, q: Float, jaw_rad: float) -> dict[str, Float]:
@@ -36,5 +36,7 @@ def _motion(joint: Joint, value: Float) -> Float:
         T[:, :3, 3] = value[:, None] * np.array(joint.axis)
     else:
         K = skew(np.array(joint.axis))
-        T[:, :3, :3] += np.sin(value)[:, None, None] * K + (1 - np.cos(value))[:, None, None] * (K @ K)
+        T[:, :3, :3] += np.sin(value)[:, None, None] * K + (1 - np.cos(value))[:, None, None] * (
+            K @ K
+        )
     return T

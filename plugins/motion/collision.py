@@ -4,14 +4,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.motion.chain import link_frames
+from executive_plugins.motion.convex import Convex
+from executive_plugins.motion.obstacles import Obstacles
+from executive_plugins.motion.self_collision import SelfCollision
 from scipy.spatial import cKDTree
 
 from executive.arrays import Bool, Float, Int
 from executive.geometry.pose import inverse, transform
-from plugins.motion.chain import link_frames
-from plugins.motion.convex import Convex
-from plugins.motion.obstacles import Obstacles
-from plugins.motion.self_collision import SelfCollision
 
 _THIN = 0.5  # share of a body's half thickness that counts as deep: points never lie deeper in it
 _NOISE_M = 0.02
@@ -34,7 +34,12 @@ class CollisionCheck:
     """
 
     def __init__(
-        self, machine_check: SelfCollision, obstacles: Obstacles, start: Float, jaw_rad: float, tolerance_m: float
+        self,
+        machine_check: SelfCollision,
+        obstacles: Obstacles,
+        start: Float,
+        jaw_rad: float,
+        tolerance_m: float,
     ) -> None:
         self._machine = machine_check.machine
         self._machine_check = machine_check
@@ -78,12 +83,19 @@ class CollisionCheck:
         inside = [points[depths > 0] for _, _, points, depths in self._depths(frames, low)]
         return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *inside]))
 
-    def _depths(self, frames: dict[str, Float], low: Bool) -> Iterator[tuple[int, Convex, Int, Float]]:
+    def _depths(
+        self, frames: dict[str, Float], low: Bool
+    ) -> Iterator[tuple[int, Convex, Int, Float]]:
         """Yield posture, body, indices of points near it and their depths in it, where the height map is not clear."""
         close = np.argwhere(low)
         if not len(close):
             return
-        centres = np.array([transform(frames[self._bodies[b].link][k], self._bodies[b].sphere[0]) for k, b in close])
+        centres = np.array(
+            [
+                transform(frames[self._bodies[b].link][k], self._bodies[b].sphere[0])
+                for k, b in close
+            ]
+        )
         radii = np.array([[self._bodies[b].sphere[1]] for _, b in close])
         near = self._obstacles.in_box((centres - radii).min(axis=0), (centres + radii).max(axis=0))
         tree = cKDTree(self._obstacles.points[near])
@@ -91,7 +103,12 @@ class CollisionCheck:
             body = self._bodies[b]
             points = near[np.sort(tree.query_ball_point(centre, radius)).astype(np.int64)]
             T_link_base = inverse(frames[body.link][k])
-            yield k, body, points, body.depths(transform(T_link_base, self._obstacles.points[points]))
+            yield (
+                k,
+                body,
+                points,
+                body.depths(transform(T_link_base, self._obstacles.points[points])),
+            )
 
     def _survey(self, frames: dict[str, Float]) -> tuple[Bool, Float]:
         """Return which body is below the height map in which posture, and its depth in the ground, (K, bodies) each."""

@@ -32,7 +32,9 @@ class Convex:
         try:
             return ConvexHull(self.points)
         except (QhullError, ValueError) as error:
-            raise ShapeError(f"{self.name}: {len(self.points)} points that span no volume: {error}") from None
+            raise ShapeError(
+                f"{self.name}: {len(self.points)} points that span no volume: {error}"
+            ) from None
 
     @cached_property
     def faces(self) -> Int:
@@ -83,7 +85,9 @@ class Convex:
         triangles = self.points[self.faces]
         sides = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).max(axis=1)
         splits = np.ceil(sides / _SPACING_M).astype(np.int64)
-        samples = [np.einsum("wc,fcx->fwx", _weights(n), triangles[splits == n]) for n in np.unique(splits)]
+        samples = [
+            np.einsum("wc,fcx->fwx", _weights(n), triangles[splits == n]) for n in np.unique(splits)
+        ]
         points = np.vstack([part.reshape(-1, 3) for part in samples])
         _, first = np.unique(np.round(points / (_SPACING_M / 2)), axis=0, return_index=True)
         return np.asarray(points[np.sort(first)])

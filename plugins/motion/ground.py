@@ -25,7 +25,9 @@ def ground_normal(points: Float, place: Float) -> Float:
     for _ in range(3):
         if len(low) < _LEAST_CELLS:
             return _UP
-        plane = np.linalg.lstsq(np.c_[low[:, :2] - place[:2], np.ones(len(low))], low[:, 2], rcond=None)[0]
+        plane = np.linalg.lstsq(
+            np.c_[low[:, :2] - place[:2], np.ones(len(low))], low[:, 2], rcond=None
+        )[0]
         above = low[:, 2] - np.c_[low[:, :2] - place[:2], np.ones(len(low))] @ plane
         low = low[above <= max(0.08, float(np.median(np.abs(above))))]
     normal = np.array([-plane[0], -plane[1], 1.0])

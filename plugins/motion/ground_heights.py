@@ -8,7 +8,14 @@ from scipy.ndimage import gaussian_filter, map_coordinates
 from executive.arrays import Float
 
 _CELL_M = 0.3  # the lowest point of each cell may be ground
-_WIDTHS_M = (2.0, 2.0, 1.0, 1.0, 0.6, 0.6)  # of the neighbourhoods, pass by pass: wide ones see past a stone
+_WIDTHS_M = (
+    2.0,
+    2.0,
+    1.0,
+    1.0,
+    0.6,
+    0.6,
+)  # of the neighbourhoods, pass by pass: wide ones see past a stone
 _ABOVE_M = 0.08  # a cell so far above the surface counts a quarter in the next pass, higher ones hardly at all
 _LEAST_SUPPORT = 0.03  # share of a neighbourhood that must be seen, by weight
 _LEAST_SPREAD_M = 0.1  # of what a plane is fitted to: narrower, its slope is not to be believed
@@ -46,14 +53,18 @@ def ground_heights(points: Float, centres_m: Float) -> Float:
         above = np.maximum(low.z - surface, 0.0) / _ABOVE_M
         weight = np.where(low.is_seen > 0, 1.0 / (1.0 + np.nan_to_num(above) ** 2) ** 2, 0.0)
     at = (centres_m - low.centres_m[0]) / _CELL_M
-    return np.asarray(map_coordinates(surface, np.meshgrid(at, at, indexing="ij"), order=1, mode="nearest"))
+    return np.asarray(
+        map_coordinates(surface, np.meshgrid(at, at, indexing="ij"), order=1, mode="nearest")
+    )
 
 
 def _local_planes(low: _Lowest, weight: Float, width_cells: float) -> Float:
     """Return the height of a weighted plane about each cell, at its centre, (n, n); NaN with too little support."""
 
     def mean(values: Float) -> Float:
-        return np.asarray(gaussian_filter(weight * values, width_cells, mode="constant", truncate=3.0) / support)
+        return np.asarray(
+            gaussian_filter(weight * values, width_cells, mode="constant", truncate=3.0) / support
+        )
 
     support = np.asarray(gaussian_filter(weight, width_cells, mode="constant", truncate=3.0))
     is_known = support >= _LEAST_SUPPORT

@@ -4,6 +4,17 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
+from executive_plugins.motion.chain import link_frames
+from executive_plugins.motion.collision import CollisionCheck
+from executive_plugins.motion.convex import Convex
+from executive_plugins.motion.ground import ground_normal
+from executive_plugins.motion.inverse_kinematics import InverseKinematics, InverseKinematicsSettings
+from executive_plugins.motion.move import Move, NoWay
+from executive_plugins.motion.obstacles import Obstacles
+from executive_plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
+from executive_plugins.motion.sweep import sweep
+from executive_plugins.motion.timing import Limits, time_path
+from executive_plugins.motion.waypoints import Waypoints
 from pydantic import Field
 
 from executive.arrays import Float
@@ -11,22 +22,11 @@ from executive.config import Meters, Settings
 from executive.errors import ShapeError
 from executive.geometry.pose import inverse, transform
 from executive.interfaces.motion import MotionPlanner
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.trajectory import JointTrajectory
-from plugins.motion.chain import link_frames
-from plugins.motion.collision import CollisionCheck
-from plugins.motion.convex import Convex
-from plugins.motion.ground import ground_normal
-from plugins.motion.inverse_kinematics import InverseKinematics, InverseKinematicsSettings
-from plugins.motion.move import Move, NoWay
-from plugins.motion.obstacles import Obstacles
-from plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
-from plugins.motion.sweep import sweep
-from plugins.motion.timing import Limits, time_path
-from plugins.motion.waypoints import Waypoints
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine
 
 _BEYOND_REACH_M = 2.0  # obstacles farther out do not matter
 _PATH_POINTS = 100  # of the path that is shown
@@ -35,13 +35,24 @@ _PATH_POINTS = 100  # of the path that is shown
 class HermiteSettings(Settings):
     """How the arm moves."""
 
-    speed: float = Field(0.9, gt=0, le=1, description="Share of the joints' velocity and acceleration limits to use.")
-    clearance: Meters = Field(0.3, ge=0, le=3, description="Height kept above obstacles while travelling [m].")
-    contact_tolerance: Meters = Field(
-        0.05, ge=0, le=0.3, description="Depth of map points inside the arm or stone that is not yet a collision [m]."
+    speed: float = Field(
+        0.9, gt=0, le=1, description="Share of the joints' velocity and acceleration limits to use."
     )
-    machine_clearance: Meters = Field(0.05, ge=0, le=0.5, description="Distance kept between parts of the machine [m].")
-    least_arrival: float = Field(0.5, gt=0, le=1, description="Share of the straight arrival that must be in reach.")
+    clearance: Meters = Field(
+        0.3, ge=0, le=3, description="Height kept above obstacles while travelling [m]."
+    )
+    contact_tolerance: Meters = Field(
+        0.05,
+        ge=0,
+        le=0.3,
+        description="Depth of map points inside the arm or stone that is not yet a collision [m].",
+    )
+    machine_clearance: Meters = Field(
+        0.05, ge=0, le=0.5, description="Distance kept between parts of the machine [m]."
+    )
+    least_arrival: float = Field(
+        0.5, gt=0, le=1, description="Share of the straight arrival that must be in reach."
+    )
     inverse_kinematics: InverseKinematicsSettings = InverseKinematicsSettings()
 
 
@@ -74,7 +85,9 @@ class Hermite(MotionPlanner):
         move = self._move(request, obstacles)
         if (hit := move.check.machine_hit(start[None])) is not None:
             return _refused(f"start: collision of {hit.what}")
-        leave = move.leave(start, self._normal(obstacles, self._kinematics.gripper(start)), request.leave_m)
+        leave = move.leave(
+            start, self._normal(obstacles, self._kinematics.gripper(start)), request.leave_m
+        )
         if isinstance(leave, NoWay):
             return _refused(leave.reason)
         arrive = move.arrive(goal, leave.nodes[-1], self._normal(obstacles, goal), request.arrive_m)
@@ -83,31 +96,43 @@ class Hermite(MotionPlanner):
         path = move.travel(leave, arrive)
         if isinstance(path, NoWay):
             return _refused(path.reason)
-        return self._planned(time_path(self._machine.arm_names, path, move.limits), request.T_map_base)
+        return self._planned(
+            time_path(self._machine.arm_names, path, move.limits), request.T_map_base
+        )
 
     def swing(self, start: Float, angle_rad: float, duration_s: float) -> MotionPlan:
         start, turn = self._checked(start), self._machine.arm_names.index(self._machine.turn_joint)
         lower, upper = self._machine.lower[turn], self._machine.upper[turn]
         if not lower <= start[turn] - angle_rad / 2 <= start[turn] + angle_rad / 2 <= upper:
-            return _refused(f"sweeping: {self._machine.turn_joint} turns from {lower:.2f} to {upper:.2f} rad only")
-        trajectory = sweep(self._machine, self._limits(False), self._fold(start), angle_rad, duration_s)
+            return _refused(
+                f"sweeping: {self._machine.turn_joint} turns from {lower:.2f} to {upper:.2f} rad only"
+            )
+        trajectory = sweep(
+            self._machine, self._limits(False), self._fold(start), angle_rad, duration_s
+        )
         hit = self._machine_check.first_hit(
             link_frames(self._machine, trajectory.position, self._machine.gripper.open_rad)
         )
         if hit is not None:
             share = hit[0] / (len(trajectory.times_s) - 1)
-            return _refused(f"sweeping: collision of {hit[1]} with {hit[2]} at fraction {share:.2f}")
+            return _refused(
+                f"sweeping: collision of {hit[1]} with {hit[2]} at fraction {share:.2f}"
+            )
         return self._planned(trajectory, np.eye(4))
 
     def _move(self, request: MoveRequest, obstacles: Obstacles) -> Move:
         settings = self._settings
-        held = None if request.held_gripper is None else held_body(self._machine, request.held_gripper)
+        held = (
+            None if request.held_gripper is None else held_body(self._machine, request.held_gripper)
+        )
         machine_check = self._machine_check_for(request, held)
         return Move(
             machine=self._machine,
             waypoints=self._waypoints,
             inverse_kinematics=self._ik,
-            check=CollisionCheck(machine_check, obstacles, request.start, request.jaw_rad, settings.contact_tolerance),
+            check=CollisionCheck(
+                machine_check, obstacles, request.start, request.jaw_rad, settings.contact_tolerance
+            ),
             obstacles=obstacles,
             reaching_gripper=self._reaching(request.jaw_rad, held),
             limits=self._limits(held is not None),
@@ -118,12 +143,17 @@ class Hermite(MotionPlanner):
     def _machine_check_for(self, request: MoveRequest, held: Convex | None) -> SelfCollision:
         """Return a check that keeps the clearance; one that forbids contact only, where the start is closer already."""
         check = SelfCollision(self._machine, self._bodies, self._settings.machine_clearance, held)
-        if check.first_hit(link_frames(self._machine, request.start[None], request.jaw_rad)) is None:
+        if (
+            check.first_hit(link_frames(self._machine, request.start[None], request.jaw_rad))
+            is None
+        ):
             return check
         return SelfCollision(self._machine, self._bodies, 0.0, held)
 
     def _obstacles(self, cloud: Cloud, T_map_base: Float) -> Obstacles:
-        return Obstacles(transform(inverse(T_map_base), cloud.points), self._machine.reach_m + _BEYOND_REACH_M)
+        return Obstacles(
+            transform(inverse(T_map_base), cloud.points), self._machine.reach_m + _BEYOND_REACH_M
+        )
 
     def _normal(self, obstacles: Obstacles, T_base_gripper: Float) -> Float:
         return ground_normal(obstacles.points, T_base_gripper[:3, 3])
@@ -136,9 +166,13 @@ class Hermite(MotionPlanner):
         machine, share = self._machine, self._settings.speed
         if is_loaded:
             return Limits(
-                machine.loaded_max_velocity * share, machine.loaded_max_acceleration * share, machine.max_jerk
+                machine.loaded_max_velocity * share,
+                machine.loaded_max_acceleration * share,
+                machine.max_jerk,
             )
-        return Limits(machine.max_velocity * share, machine.max_acceleration * share, machine.max_jerk)
+        return Limits(
+            machine.max_velocity * share, machine.max_acceleration * share, machine.max_jerk
+        )
 
     def _fold(self, start: Float) -> list[Float]:
         """Return postures from the present one to `scan`, over `carry` where that is higher than the present one."""
@@ -147,23 +181,33 @@ class Hermite(MotionPlanner):
         for name in ("carry", "scan"):
             posture = self._ik.nearest_turn(self._machine.posture(name), start)
             posture[turn] = start[turn]
-            if name == "scan" or self._kinematics.gripper(posture)[2, 3] > self._kinematics.gripper(start)[2, 3]:
+            if (
+                name == "scan"
+                or self._kinematics.gripper(posture)[2, 3] > self._kinematics.gripper(start)[2, 3]
+            ):
                 postures.append(posture)
         return postures
 
     def _is_free(self, q: Float) -> bool:
         return (
-            self._machine_check.first_hit(link_frames(self._machine, q[None], self._machine.gripper.open_rad)) is None
+            self._machine_check.first_hit(
+                link_frames(self._machine, q[None], self._machine.gripper.open_rad)
+            )
+            is None
         )
 
     def _planned(self, trajectory: JointTrajectory, T_map_base: Float) -> MotionPlan:
         every = max(1, len(trajectory.times_s) // _PATH_POINTS)
         frames = link_frames(self._machine, trajectory.position[::every], 0.0)
-        return MotionPlan(trajectory, "", transform(T_map_base, frames[self._machine.gripper_link][:, :3, 3]))
+        return MotionPlan(
+            trajectory, "", transform(T_map_base, frames[self._machine.gripper_link][:, :3, 3])
+        )
 
     def _checked(self, q: Float) -> Float:
         if np.shape(q) != (len(self._machine.joints),):
-            raise ShapeError(f"arm positions have shape {np.shape(q)}, expected ({len(self._machine.joints)},)")
+            raise ShapeError(
+                f"arm positions have shape {np.shape(q)}, expected ({len(self._machine.joints)},)"
+            )
         return np.asarray(q, dtype=float)
 
 

@@ -9,8 +9,8 @@ from executive.arrays import Float
 from executive.config import Meters, Radians, Settings
 from executive.geometry.pose import inverse
 from executive.geometry.rotation import log_so3
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine
 
 # Rows of the residual are divided by these, so that a millimetre and 5 mrad weigh alike.
 _SCALE = np.array([1e-3] * 3 + [5e-3] * 3)
@@ -26,12 +26,19 @@ _MAX_STEP = 0.4  # [rad] or [m] an iteration: the linearisation holds about so f
 class InverseKinematicsSettings(Settings):
     """When a posture counts as reaching a pose."""
 
-    position_tolerance_m: Meters = Field(0.005, gt=0, le=0.1, description="Largest distance from the wanted place [m].")
+    position_tolerance_m: Meters = Field(
+        0.005, gt=0, le=0.1, description="Largest distance from the wanted place [m]."
+    )
     orientation_tolerance_rad: Radians = Field(
-        0.06, gt=0, le=0.5, description="Largest turn from the wanted orientation, for arms that lack a joint [rad]."
+        0.06,
+        gt=0,
+        le=0.5,
+        description="Largest turn from the wanted orientation, for arms that lack a joint [rad].",
     )
     iterations: int = Field(30, ge=5, le=500, description="Steps from each seed.")
-    margin: float = Field(0.005, ge=0, le=0.1, description="Distance kept from the joints' ends [rad] or [m].")
+    margin: float = Field(
+        0.005, ge=0, le=0.1, description="Distance kept from the joints' ends [rad] or [m]."
+    )
 
 
 class InverseKinematics:
@@ -42,19 +49,27 @@ class InverseKinematics:
     misses is within the tolerance.
     """
 
-    def __init__(self, settings: InverseKinematicsSettings, machine: Machine, kinematics: Kinematics) -> None:
+    def __init__(
+        self, settings: InverseKinematicsSettings, machine: Machine, kinematics: Kinematics
+    ) -> None:
         self._settings = settings
         self._machine = machine
         self._kinematics = kinematics
         self._lower = machine.lower + settings.margin
         self._upper = machine.upper - settings.margin
         self._is_bounded = np.isfinite(machine.lower)
-        lower, upper = (np.where(self._is_bounded, ends, 0.0) for ends in (machine.lower, machine.upper))
+        lower, upper = (
+            np.where(self._is_bounded, ends, 0.0) for ends in (machine.lower, machine.upper)
+        )
         self._comfort = (lower + upper) / 2
-        self._pull = np.where(self._is_bounded, _COMFORT / np.maximum(upper - lower, 1e-6), 0.0) ** 2
+        self._pull = (
+            np.where(self._is_bounded, _COMFORT / np.maximum(upper - lower, 1e-6), 0.0) ** 2
+        )
         self._turn = machine.arm_names.index(machine.turn_joint)
 
-    def solve(self, T_base_gripper: Float, seed: Float, accept: Callable[[Float], bool] | None = None) -> Float | None:
+    def solve(
+        self, T_base_gripper: Float, seed: Float, accept: Callable[[Float], bool] | None = None
+    ) -> Float | None:
         """Return positions (n,) that reach a pose, near a seed where possible, or None.
 
         Continuous joints are returned on the turn that is nearest to the seed's.
@@ -68,7 +83,9 @@ class InverseKinematics:
             return None  # hopeless by far: spare the iterations
         stuck: list[Float] = []
         for start in self._seeds(T_base_gripper, seed):
-            q, is_there = self._iterate(T_base_gripper, start, self._settings.iterations, pull=self._pull)
+            q, is_there = self._iterate(
+                T_base_gripper, start, self._settings.iterations, pull=self._pull
+            )
             q = self.nearest_turn(q, seed)
             if is_there and (accept is None or accept(q)):
                 return q
@@ -89,7 +106,11 @@ class InverseKinematics:
 
     def _seeds(self, T_base_gripper: Float, seed: Float) -> Iterator[Float]:
         """Yield the seed and the named postures, cabin turned to the place, the last joint to the orientation."""
-        for posture in (seed, *map(self._machine.posture, sorted(self._machine.postures)), self._comfort):
+        for posture in (
+            seed,
+            *map(self._machine.posture, sorted(self._machine.postures)),
+            self._comfort,
+        ):
             q = np.clip(posture, self._lower, self._upper)
             q[self._turn] += self._azimuth_error(T_base_gripper, q)
             q[-1] += self._last_joint_error(T_base_gripper, q)
@@ -115,7 +136,9 @@ class InverseKinematics:
         cosine = float(np.trace(M) - a @ M @ a)
         return float(np.arctan2(sine, cosine))
 
-    def _iterate(self, T_wanted: Float, q: Float, iterations: int, pull: Float) -> tuple[Float, bool]:
+    def _iterate(
+        self, T_wanted: Float, q: Float, iterations: int, pull: Float
+    ) -> tuple[Float, bool]:
         """Return where Levenberg's method ends, with the joints' ends as active set, and whether that is the pose.
 
         The pull fades with each step, so that it decides about spare freedom only.
@@ -132,7 +155,9 @@ class InverseKinematics:
             r = self._residual(T_wanted, q)
         missed = r * _SCALE
         is_near = np.linalg.norm(missed[:3]) <= self._settings.position_tolerance_m
-        return q, bool(is_near and np.linalg.norm(missed[3:]) <= self._settings.orientation_tolerance_rad)
+        return q, bool(
+            is_near and np.linalg.norm(missed[3:]) <= self._settings.orientation_tolerance_rad
+        )
 
     def _residual(self, T_wanted: Float, q: Float) -> Float:
         T = self._kinematics.gripper(q)

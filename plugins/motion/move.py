@@ -4,17 +4,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.motion.chain import link_frames
+from executive_plugins.motion.collision import CollisionCheck
+from executive_plugins.motion.inverse_kinematics import InverseKinematics
+from executive_plugins.motion.obstacles import Obstacles
+from executive_plugins.motion.path import HermitePath, path_through
+from executive_plugins.motion.timing import Limits
+from executive_plugins.motion.waypoints import Line, Waypoints, hang_m, join
 
 from executive.arrays import Float
 from executive.geometry.pose import pose
-from plugins.motion.chain import link_frames
-from plugins.motion.collision import CollisionCheck
-from plugins.motion.inverse_kinematics import InverseKinematics
-from plugins.motion.obstacles import Obstacles
-from plugins.motion.path import HermitePath, path_through
-from plugins.motion.timing import Limits
-from plugins.motion.waypoints import Line, Waypoints, hang_m, join
-from robot_models.machine import Machine
+from executive.machine.machine import Machine
 
 _FINE = 0.02  # of the path's parameter
 _CHECK_M = 0.12  # between checked postures: steps of the palm,
@@ -72,7 +72,9 @@ class Move:
             )
         return first or NoWay("leaving: no direction")
 
-    def arrive(self, T_base_goal: Float, seed: Float, normal: Float, length_m: float) -> Line | NoWay:
+    def arrive(
+        self, T_base_goal: Float, seed: Float, normal: Float, length_m: float
+    ) -> Line | NoWay:
         """Come straight down to the goal."""
         first: NoWay | None = None
         for direction in self._directions(T_base_goal, normal):
@@ -103,7 +105,9 @@ class Move:
             for shift_rad in self.waypoints.ways_round(a, b):
                 turned = Line(self.waypoints.shifted(arrive.nodes, shift_rad), arrive.length_m)
                 top_m = self._highest_between(a, turned.nodes[-1]) + self.clearance_m + higher_m
-                yield self._path(leave, [self._lift(q, top_m) for q in (a, turned.nodes[-1])], turned)
+                yield self._path(
+                    leave, [self._lift(q, top_m) for q in (a, turned.nodes[-1])], turned
+                )
 
     def _lift(self, q: Float, lowest_m: float) -> Float | None:
         return self.waypoints.lift(q, lowest_m + hang_m(self._frame(q), self.reaching_gripper))
@@ -131,7 +135,9 @@ class Move:
                 given.append(direction)
                 yield direction
 
-    def _arrivals(self, T_base_goal: Float, seed: Float, direction: Float, length_m: float) -> Iterator[Line]:
+    def _arrivals(
+        self, T_base_goal: Float, seed: Float, direction: Float, length_m: float
+    ) -> Iterator[Line]:
         """Yield lines from the goal upwards, then from the top downwards: the arm's spare freedom differs.
 
         Where the arm stands at the top or at the goal already, that comes first: it need not fold anew.
@@ -150,7 +156,9 @@ class Move:
 
     def _refusal(self, line: Line, length_m: float) -> NoWay | None:
         if line.length_m < self.least_arrival * length_m:
-            return NoWay(f"arriving: only {line.length_m:.2f} m of {length_m:.2f} m above the goal are in reach")
+            return NoWay(
+                f"arriving: only {line.length_m:.2f} m of {length_m:.2f} m above the goal are in reach"
+            )
         hit = self.check.first_hit(line.nodes)
         if hit is None:
             return None
@@ -163,7 +171,8 @@ class Move:
         q = path.position(u)
         palm = link_frames(self.machine, q, 0.0)[self.machine.gripper_link][:, :3, 3]
         steps = (
-            np.linalg.norm(np.diff(palm, axis=0), axis=1) / _CHECK_M + np.abs(np.diff(q, axis=0)).max(axis=1) / _CHECK
+            np.linalg.norm(np.diff(palm, axis=0), axis=1) / _CHECK_M
+            + np.abs(np.diff(q, axis=0)).max(axis=1) / _CHECK
         )
         passed = np.concatenate([[0.0], np.cumsum(steps)])
         wanted = np.linspace(0.0, passed[-1], max(2, int(np.ceil(passed[-1])) + 1))

@@ -3,10 +3,10 @@
 from functools import cached_property
 
 import numpy as np
+from executive_plugins.motion.ground_heights import ground_heights
 from scipy.ndimage import maximum_filter, minimum_filter
 
 from executive.arrays import Bool, Float, Int
-from plugins.motion.ground_heights import ground_heights
 
 _CELL_M = 0.1
 _GROUND_CELLS = 5  # window of the lowest point: half a metre
@@ -23,7 +23,9 @@ class Obstacles:
         self.points = points_base[is_near]
         self._radius_m = radius_m
         self._cells = int(np.ceil(2 * radius_m / _CELL_M))
-        self._centres = np.asarray((np.arange(self._cells) + 0.5) * _CELL_M - radius_m, dtype=np.float64)
+        self._centres = np.asarray(
+            (np.arange(self._cells) + 0.5) * _CELL_M - radius_m, dtype=np.float64
+        )
         self._heights = self._extremes(np.maximum, _FREE)
         self._floor = self._ground()
         # Samples of a body's surface are a cell and a half apart; the ground of a shadow is as solid as that beside it.

@@ -42,7 +42,9 @@ class HermitePath:
         return np.asarray(self._derivatives[1](u))
 
 
-def path_through(nodes: Float, is_dense: Bool, max_velocity: Float, max_acceleration: Float) -> HermitePath:
+def path_through(
+    nodes: Float, is_dense: Bool, max_velocity: Float, max_acceleration: Float
+) -> HermitePath:
     """Lay a path through nodes, each interval about as long as the slowest joint needs for it.
 
     Args:
@@ -54,6 +56,8 @@ def path_through(nodes: Float, is_dense: Bool, max_velocity: Float, max_accelera
     steps = np.abs(np.diff(nodes, axis=0))
     passing = _EASE * (steps / max_velocity).max(axis=1)
     # A cubic from rest to rest over h: peak velocity 1.5 Δ/h, peak acceleration 6 Δ/h².
-    resting = np.maximum(1.5 * steps / max_velocity, np.sqrt(6 * steps / max_acceleration)).max(axis=1)
+    resting = np.maximum(1.5 * steps / max_velocity, np.sqrt(6 * steps / max_acceleration)).max(
+        axis=1
+    )
     lengths = np.maximum(np.where(is_dense, passing, resting), _LEAST)
     return HermitePath(nodes, np.concatenate([[0.0], np.cumsum(lengths)]))

@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 
 import fcl
 import numpy as np
+from executive_plugins.motion.convex import Convex
 
 from executive.arrays import Float
-from plugins.motion.convex import Convex
-from robot_models.gripper import SIDES
-from robot_models.machine import Machine
+from executive.machine.gripper import SIDES
+from executive.machine.machine import Machine
 
 
 class SelfCollision:
@@ -20,7 +20,11 @@ class SelfCollision:
     """
 
     def __init__(
-        self, machine: Machine, bodies: Sequence[Convex], clearance_m: float, held: Convex | None = None
+        self,
+        machine: Machine,
+        bodies: Sequence[Convex],
+        clearance_m: float,
+        held: Convex | None = None,
     ) -> None:
         self.machine = machine
         self.bodies = tuple(bodies) if held is None else (*bodies, held)
@@ -30,7 +34,12 @@ class SelfCollision:
         if held is not None:
             holders = {machine.gripper_link, *SIDES}
             pairs |= {frozenset((link, held.name)) for link in machine.links if link not in holders}
-        indices = [(i, j) for i, a in enumerate(names) for j, b in enumerate(names[:i]) if frozenset((a, b)) in pairs]
+        indices = [
+            (i, j)
+            for i, a in enumerate(names)
+            for j, b in enumerate(names[:i])
+            if frozenset((a, b)) in pairs
+        ]
         self._pairs = np.array(indices, dtype=np.int64).reshape(-1, 2)
         self._objects = [fcl.CollisionObject(body.geometry) for body in self.bodies]
 
@@ -45,9 +54,9 @@ class SelfCollision:
             for index in (i, j):
                 T = frames[self.bodies[index].link][k]
                 self._objects[index].setTransform(fcl.Transform(T[:3, :3], T[:3, 3]))
-            if fcl.distance(self._objects[i], self._objects[j], fcl.DistanceRequest(), fcl.DistanceResult()) < (
-                self._clearance_m
-            ):
+            if fcl.distance(
+                self._objects[i], self._objects[j], fcl.DistanceRequest(), fcl.DistanceResult()
+            ) < (self._clearance_m):
                 return k, self.bodies[i].name, self.bodies[j].name
         return None
 
@@ -68,7 +77,11 @@ class SelfCollision:
 
 def machine_bodies(machine: Machine) -> list[Convex]:
     """Return the convex parts of all links, in the machine's order."""
-    return [Convex(name, shape.vertices, name) for name, link in machine.links.items() for shape in link.shapes]
+    return [
+        Convex(name, shape.vertices, name)
+        for name, link in machine.links.items()
+        for shape in link.shapes
+    ]
 
 
 def held_body(machine: Machine, held_gripper: Float) -> Convex:
@@ -87,7 +100,9 @@ def _spiral(count: int) -> Float:
     """Return directions that cover the sphere evenly, on a Fibonacci spiral, shape (count, 3)."""
     z = 1 - (2 * np.arange(count) + 1) / count
     angle = np.arange(count) * np.pi * (3 - np.sqrt(5))
-    return np.stack([np.sqrt(1 - z * z) * np.cos(angle), np.sqrt(1 - z * z) * np.sin(angle), z], axis=1)
+    return np.stack(
+        [np.sqrt(1 - z * z) * np.cos(angle), np.sqrt(1 - z * z) * np.sin(angle), z], axis=1
+    )
 
 
 _DIRECTIONS = _spiral(200)

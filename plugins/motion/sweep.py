@@ -1,17 +1,19 @@
 """Sweeps of the cabin for scanning: arm folded, to +angle/2, to −angle/2 and back."""
 
 import numpy as np
+from executive_plugins.motion.path import path_through
+from executive_plugins.motion.timing import Limits, time_path
 
 from executive.arrays import Float
+from executive.machine.machine import Machine
 from executive.messages.trajectory import JointTrajectory
-from plugins.motion.path import path_through
-from plugins.motion.timing import Limits, time_path
-from robot_models.machine import Machine
 
 _STILL = 1e-3  # [rad] or [m]: no need to move for less
 
 
-def sweep(machine: Machine, limits: Limits, fold: list[Float], angle_rad: float, duration_s: float) -> JointTrajectory:
+def sweep(
+    machine: Machine, limits: Limits, fold: list[Float], angle_rad: float, duration_s: float
+) -> JointTrajectory:
     """Fold the arm, then sweep the cabin about where it stands; the sweep alone lasts the duration, or longer.
 
     Args:
@@ -37,7 +39,12 @@ def chain(parts: list[JointTrajectory]) -> JointTrajectory:
     starts = np.cumsum([0.0, *(part.duration_s for part in parts)])
     return JointTrajectory(
         parts[0].names,
-        np.concatenate([p.times_s[i > 0 :] + start for i, (p, start) in enumerate(zip(parts, starts, strict=False))]),
+        np.concatenate(
+            [
+                p.times_s[i > 0 :] + start
+                for i, (p, start) in enumerate(zip(parts, starts, strict=False))
+            ]
+        ),
         np.concatenate([p.position[i > 0 :] for i, p in enumerate(parts)]),
         np.concatenate([p.velocity[i > 0 :] for i, p in enumerate(parts)]),
     )
@@ -50,5 +57,7 @@ def slowed(trajectory: JointTrajectory, factor: float) -> JointTrajectory:
 
 
 def _leg(machine: Machine, limits: Limits, nodes: list[Float]) -> JointTrajectory:
-    path = path_through(np.array(nodes), np.zeros(len(nodes) - 1, dtype=bool), limits.velocity, limits.acceleration)
+    path = path_through(
+        np.array(nodes), np.zeros(len(nodes) - 1, dtype=bool), limits.velocity, limits.acceleration
+    )
     return time_path(machine.arm_names, path, limits)

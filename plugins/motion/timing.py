@@ -5,14 +5,16 @@ from itertools import pairwise
 
 import numpy as np
 import ruckig
+from executive_plugins.motion.path import HermitePath
 
 from executive.arrays import Float
 from executive.errors import DataError
 from executive.messages.trajectory import JointTrajectory
-from plugins.motion.path import HermitePath
 
 _GRID = 0.02  # of the parameter, about 20 ms
-_CURVED = 0.5  # share of the acceleration that may go into curvature; the rest speeds up and slows down
+_CURVED = (
+    0.5  # share of the acceleration that may go into curvature; the rest speeds up and slows down
+)
 _ALIKE = 1.35  # neighbouring stretches whose speed limits differ by less are one
 _STRETCH = 0.4  # shortest stretch, in the parameter
 _STILL = 1e-3
@@ -67,7 +69,9 @@ def accelerations(times_s: Float, position: Float, velocity: Float) -> Float:
 def _excess(times_s: Float, position: Float, velocity: Float, limits: Limits) -> float:
     """Return the factor on time that brings the joint nearest to its limit exactly to it."""
     too_fast = float((np.abs(velocity) / limits.velocity).max())
-    too_hard = float((np.abs(accelerations(times_s, position, velocity)) / limits.acceleration).max())
+    too_hard = float(
+        (np.abs(accelerations(times_s, position, velocity)) / limits.acceleration).max()
+    )
     return float(max(too_fast, np.sqrt(too_hard), 1e-3)) * (1 + 1e-9)
 
 
@@ -76,13 +80,16 @@ def _stretches(path: HermitePath, limits: Limits) -> list[_Stretch]:
     # The smallest slope and bend caps the parameter's speed where hardly any joint moves.
     slope, bend = np.abs(path.tangent(u)) + _STILL, np.abs(path.curvature(u)) + _STILL
     speed = np.minimum(
-        (limits.velocity / slope).min(axis=1), np.sqrt((_CURVED * limits.acceleration / bend).min(axis=1))
+        (limits.velocity / slope).min(axis=1),
+        np.sqrt((_CURVED * limits.acceleration / bend).min(axis=1)),
     )
     gain = ((1 - _CURVED) * limits.acceleration / slope).min(axis=1)
     jerk = (limits.jerk / slope).min(axis=1)
     cuts = _cuts(speed, max(2, int(_STRETCH / _GRID)))
     return [
-        _Stretch(float(u[i]), float(u[j]), *(float(v[i : j + 1].min()) for v in (speed, gain, jerk)))
+        _Stretch(
+            float(u[i]), float(u[j]), *(float(v[i : j + 1].min()) for v in (speed, gain, jerk))
+        )
         for i, j in pairwise(cuts)
     ]
 
@@ -150,5 +157,7 @@ def _ruckig(stretch: _Stretch, begin_speed: float, end_speed: float) -> ruckig.T
     profile = ruckig.Trajectory(1)
     result = ruckig.Ruckig(1).calculate(wanted, profile)
     if result != ruckig.Result.Working:
-        raise DataError(f"no timing from {begin_speed:.3f} to {end_speed:.3f} over {stretch}: {result}")
+        raise DataError(
+            f"no timing from {begin_speed:.3f} to {end_speed:.3f} over {stretch}: {result}"
+        )
     return profile

@@ -3,15 +3,17 @@
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.motion.inverse_kinematics import InverseKinematics
 
 from executive.arrays import Bool, Float
 from executive.geometry.pose import pose, transform
-from plugins.motion.inverse_kinematics import InverseKinematics
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine
 
 _STEP_M = 0.05  # of a straight line's nodes
-_STRAIGHT = 0.75  # share of a line, from the low end, that has nodes; the rest bends into the travel
+_STRAIGHT = (
+    0.75  # share of a line, from the low end, that has nodes; the rest bends into the travel
+)
 _CLIMB_M = 0.2  # of a lift's steps
 _CLIMBED_M = 0.05  # less is no lift
 
@@ -27,7 +29,9 @@ class Line:
 class Waypoints:
     """Finds joint positions for the parts of a move."""
 
-    def __init__(self, machine: Machine, kinematics: Kinematics, inverse_kinematics: InverseKinematics) -> None:
+    def __init__(
+        self, machine: Machine, kinematics: Kinematics, inverse_kinematics: InverseKinematics
+    ) -> None:
         self._machine = machine
         self._kinematics = kinematics
         self._ik = inverse_kinematics
@@ -49,7 +53,10 @@ class Waypoints:
             nodes.append(q)
         reached_m = length_m * count / max(int(np.ceil(length_m / _STEP_M)), 1)
         straight = int(np.ceil(_STRAIGHT * count))
-        return Line(np.array([*nodes[: straight + 1], *nodes[count:]] if straight < count else nodes), reached_m)
+        return Line(
+            np.array([*nodes[: straight + 1], *nodes[count:]] if straight < count else nodes),
+            reached_m,
+        )
 
     def lift(self, q_top: Float, height_m: float) -> Float | None:
         """Return positions with the gripper at a height (of its origin, base frame), on the same azimuth.

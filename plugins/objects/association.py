@@ -13,7 +13,10 @@ _FORBIDDEN = 1e6
 
 
 def associate(
-    segments: Sequence[Segment], stones: Sequence[Stone], reaches_m: Sequence[float], max_ratio: float
+    segments: Sequence[Segment],
+    stones: Sequence[Stone],
+    reaches_m: Sequence[float],
+    max_ratio: float,
 ) -> list[int]:
     """Pair segments with stones, one to one, of least distance in sum.
 

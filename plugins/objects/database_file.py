@@ -5,8 +5,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from executive_plugins.objects.schema import check, create_or_check
+
 from executive.errors import ConfigError, DataError
-from plugins.objects.schema import check, create_or_check
 
 
 def open_file(path: str, read_only: bool) -> sqlite3.Connection:
@@ -22,7 +23,9 @@ def open_file(path: str, read_only: bool) -> sqlite3.Connection:
         if read_only:
             check(connection, path)
         else:
-            connection.execute("PRAGMA journal_mode = WAL")  # readers do not wait for the writer, nor it for them
+            connection.execute(
+                "PRAGMA journal_mode = WAL"
+            )  # readers do not wait for the writer, nor it for them
             connection.execute("PRAGMA synchronous = FULL")  # what returned is on the disk
             connection.execute("PRAGMA foreign_keys = ON")
             create_or_check(connection, path)
@@ -49,7 +52,9 @@ def transaction(connection: sqlite3.Connection) -> Iterator[sqlite3.Connection]:
 
 def _connect_to_write(path: str) -> sqlite3.Connection:
     if path != ":memory:" and not Path(path).absolute().parent.is_dir():
-        raise ConfigError(f"no folder for the object database {path}: create {Path(path).absolute().parent}")
+        raise ConfigError(
+            f"no folder for the object database {path}: create {Path(path).absolute().parent}"
+        )
     try:
         return sqlite3.connect(path, isolation_level=None, check_same_thread=False)
     except sqlite3.Error as error:
@@ -63,8 +68,12 @@ def _connect_to_read(path: str) -> sqlite3.Connection:
     # A reader of a log-ahead file writes beside it. Where it cannot (an archive), the file may be taken as it is,
     # unless a mission left changes in the log.
     beside = Path(f"{path}-wal")
-    for options in ("", "&immutable=1") if not beside.exists() or not beside.stat().st_size else ("",):
-        connection = sqlite3.connect(address + options, uri=True, isolation_level=None, check_same_thread=False)
+    for options in (
+        ("", "&immutable=1") if not beside.exists() or not beside.stat().st_size else ("",)
+    ):
+        connection = sqlite3.connect(
+            address + options, uri=True, isolation_level=None, check_same_thread=False
+        )
         try:
             connection.execute("SELECT count(*) FROM sqlite_master")
         except sqlite3.OperationalError as error:
@@ -74,4 +83,6 @@ def _connect_to_read(path: str) -> sqlite3.Connection:
             return connection  # another kind of file: the caller says so
         else:
             return connection
-    raise ConfigError(f"cannot read the object database {path}: {refusal}; copy its folder to where it can be written")
+    raise ConfigError(
+        f"cannot read the object database {path}: {refusal}; copy its folder to where it can be written"
+    )

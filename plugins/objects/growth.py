@@ -28,7 +28,9 @@ class Fit:
     growth: float
 
     def __str__(self) -> str:
-        return f"overlap {self.share:.2f}, rmse {100 * self.rmse_m:.1f} cm, growth {self.growth:.2f}"
+        return (
+            f"overlap {self.share:.2f}, rmse {100 * self.rmse_m:.1f} cm, growth {self.growth:.2f}"
+        )
 
 
 def fit_of(model: Float, view: Float, distance_m: float) -> Fit:
@@ -79,7 +81,11 @@ def merged(model: Float, view: Float, voxel_m: float, most: int) -> Float:
     New is what lies farther than a cell from the model. The rest is known: added, it would thicken the surface with
     each view, for noise reaches into the next cell.
     """
-    new = view[~np.isfinite(cKDTree(model).query(view, distance_upper_bound=voxel_m)[0])] if len(model) else view
+    new = (
+        view[~np.isfinite(cKDTree(model).query(view, distance_upper_bound=voxel_m)[0])]
+        if len(model)
+        else view
+    )
     points = np.vstack([model, voxel_means(new, voxel_m)])
     while len(points) > most:
         voxel_m *= _COARSER

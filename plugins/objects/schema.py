@@ -3,13 +3,13 @@
 import sqlite3
 
 import numpy as np
+from executive_plugins.objects.surface import unpack
 
 from executive.arrays import Float
 from executive.errors import DataError
 from executive.geometry.pose import transform
 from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
-from plugins.objects.surface import unpack
 
 VERSION = 2
 
@@ -55,7 +55,9 @@ def check(connection: sqlite3.Connection, path: str) -> None:
     """
     version = version_of(connection)
     if version != VERSION:
-        raise DataError(f"{path} is no object database of version {VERSION} (it says {version}): choose another file")
+        raise DataError(
+            f"{path} is no object database of version {VERSION} (it says {version}): choose another file"
+        )
 
 
 def version_of(connection: sqlite3.Connection) -> int:

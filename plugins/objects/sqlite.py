@@ -4,6 +4,11 @@ import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 
+from executive_plugins.objects.association import associate
+from executive_plugins.objects.database_file import open_file, transaction
+from executive_plugins.objects.growth import Fit, drawn_shift, fit_of, merged, shifts_of
+from executive_plugins.objects.schema import pack_pose, read_event, read_stone, unpack_pose
+from executive_plugins.objects.surface import pack
 from pydantic import Field
 
 from executive.arrays import Float, checked
@@ -14,25 +19,36 @@ from executive.interfaces.objects import ObjectDatabase
 from executive.messages.segment import Segment
 from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
-from plugins.objects.association import associate
-from plugins.objects.database_file import open_file, transaction
-from plugins.objects.growth import Fit, drawn_shift, fit_of, merged, shifts_of
-from plugins.objects.schema import pack_pose, read_event, read_stone, unpack_pose
-from plugins.objects.surface import pack
 
 
 class SqliteObjectsSettings(Settings):
     """When a segment is a known stone, when its surface grows, and how finely its surface is kept."""
 
-    max_distance_m: Meters = Field(0.6, gt=0, description="Largest distance of a segment from its stone [m].")
-    max_roll_m: Meters = Field(3.0, gt=0, description="The same for a stone that fell or was lost [m].")
-    max_growth: float = Field(1.6, gt=1, description="Largest ratio of a segment's diagonal to its stone's.")
-    max_growth_whole: float = Field(1.15, gt=1, description="The same for a stone that was seen from above.")
+    max_distance_m: Meters = Field(
+        0.6, gt=0, description="Largest distance of a segment from its stone [m]."
+    )
+    max_roll_m: Meters = Field(
+        3.0, gt=0, description="The same for a stone that fell or was lost [m]."
+    )
+    max_growth: float = Field(
+        1.6, gt=1, description="Largest ratio of a segment's diagonal to its stone's."
+    )
+    max_growth_whole: float = Field(
+        1.15, gt=1, description="The same for a stone that was seen from above."
+    )
     voxel_m: Meters = Field(0.03, gt=0, description="Grid to which surfaces are thinned [m].")
-    max_points: int = Field(20_000, ge=100, description="Most points of a surface; beyond, its grid is coarser.")
-    agreement_m: Meters = Field(0.10, gt=0, description="Distance up to which two surfaces agree [m].")
-    min_agreement: float = Field(0.6, ge=0, le=1, description="Share that must agree before a surface grows.")
-    max_rmse_m: Meters = Field(0.04, gt=0, description="Largest distance of surfaces that agree, RMS [m].")
+    max_points: int = Field(
+        20_000, ge=100, description="Most points of a surface; beyond, its grid is coarser."
+    )
+    agreement_m: Meters = Field(
+        0.10, gt=0, description="Distance up to which two surfaces agree [m]."
+    )
+    min_agreement: float = Field(
+        0.6, ge=0, le=1, description="Share that must agree before a surface grows."
+    )
+    max_rmse_m: Meters = Field(
+        0.04, gt=0, description="Largest distance of surfaces that agree, RMS [m]."
+    )
 
 
 class SqliteObjects(ObjectDatabase):
@@ -48,7 +64,9 @@ class SqliteObjects(ObjectDatabase):
     def open(self, path: str, read_only: bool = False) -> None:
         """Open or create the file; `:memory:` keeps nothing; see `database_file.open_file`."""
         if self._open is not None:
-            raise ConfigError(f"the object database is open already; close it before opening {path}")
+            raise ConfigError(
+                f"the object database is open already; close it before opening {path}"
+            )
         self._open = open_file(path, read_only)
         self._is_read_only = read_only
 
@@ -58,7 +76,9 @@ class SqliteObjects(ObjectDatabase):
             self._open.close()
             self._open = None
 
-    def observe(self, segments: Sequence[Segment], stamp_s: float, seen_from_above: bool) -> tuple[Stone, ...]:
+    def observe(
+        self, segments: Sequence[Segment], stamp_s: float, seen_from_above: bool
+    ) -> tuple[Stone, ...]:
         """Match segments with stones that are not held; see `association` for when they match.
 
         A stone's surface grows by a segment that passes the gate: overlap, RMSE and growth of its box. A segment that
@@ -91,7 +111,11 @@ class SqliteObjects(ObjectDatabase):
     def history(self, stone_id: int) -> tuple[StoneEvent, ...]:
         """Return what happened to a stone, oldest first."""
         self._row(stone_id)
-        rows = self._connection().execute("SELECT * FROM events WHERE stone_id = ? ORDER BY id", (stone_id,)).fetchall()
+        rows = (
+            self._connection()
+            .execute("SELECT * FROM events WHERE stone_id = ? ORDER BY id", (stone_id,))
+            .fetchall()
+        )
         return tuple(read_event(row) for row in rows)
 
     def grasp(self, stone_id: int, T_map_gripper: Float, stamp_s: float) -> Stone:
@@ -104,11 +128,15 @@ class SqliteObjects(ObjectDatabase):
         if self.stone(stone_id).state is StoneState.HELD:
             raise DataError(f"stone {stone_id} is held already; release it first")
         with self._transaction() as db:
-            db.execute("UPDATE stones SET T_map_gripper_grasp = ? WHERE id = ?", (pack_pose(T), stone_id))
+            db.execute(
+                "UPDATE stones SET T_map_gripper_grasp = ? WHERE id = ?", (pack_pose(T), stone_id)
+            )
             self._note(db, stone_id, stamp_s, "grasp", StoneState.HELD)
         return self.stone(stone_id)
 
-    def release(self, stone_id: int, T_map_gripper: Float, stamp_s: float, state: StoneState) -> Stone:
+    def release(
+        self, stone_id: int, T_map_gripper: Float, stamp_s: float, state: StoneState
+    ) -> Stone:
         """Move the stone by T = T_map_gripper(release) · T_map_gripper(grasp)⁻¹ (Eq. 3).
 
         Raises:
@@ -117,7 +145,9 @@ class SqliteObjects(ObjectDatabase):
         T_release = checked("T_map_gripper", T_map_gripper, 4, 4)
         row = self._row(stone_id)
         if row["state"] != StoneState.HELD or state is StoneState.HELD:
-            raise DataError(f"stone {stone_id} is {row['state']}: only a held stone is released, and not to be held")
+            raise DataError(
+                f"stone {stone_id} is {row['state']}: only a held stone is released, and not to be held"
+            )
         T_map_map = T_release @ inverse(unpack_pose(row["T_map_gripper_grasp"]))
         with self._transaction() as db:
             db.execute("UPDATE stones SET T_map_gripper_grasp = NULL WHERE id = ?", (stone_id,))
@@ -141,7 +171,9 @@ class SqliteObjects(ObjectDatabase):
         """
         self._row(stone_id)
         if state is StoneState.HELD:
-            raise DataError(f"stone {stone_id} is held only by `grasp`, which notes the gripper's pose")
+            raise DataError(
+                f"stone {stone_id} is held only by `grasp`, which notes the gripper's pose"
+            )
         with self._transaction() as db:
             db.execute("UPDATE stones SET T_map_gripper_grasp = NULL WHERE id = ?", (stone_id,))
             self._note(db, stone_id, stamp_s, "state", state)
@@ -149,31 +181,49 @@ class SqliteObjects(ObjectDatabase):
 
     def _connection(self) -> sqlite3.Connection:
         if self._open is None:
-            raise ConfigError("the object database is not open: call `open` with the path of its file")
+            raise ConfigError(
+                "the object database is not open: call `open` with the path of its file"
+            )
         return self._open
 
     @contextmanager
     def _transaction(self) -> Iterator[sqlite3.Connection]:
         db = self._connection()
         if self._is_read_only:
-            raise ConfigError("the object database was opened to be read: a mission alone changes it")
+            raise ConfigError(
+                "the object database was opened to be read: a mission alone changes it"
+            )
         with transaction(db):
             yield db
 
     def _row(self, stone_id: int) -> sqlite3.Row:
-        row = self._connection().execute("SELECT * FROM stones WHERE id = ?", (stone_id,)).fetchone()
+        row = (
+            self._connection().execute("SELECT * FROM stones WHERE id = ?", (stone_id,)).fetchone()
+        )
         if row is None:
-            known = [str(r["id"]) for r in self._connection().execute("SELECT id FROM stones ORDER BY id")]
-            raise DataError(f"no stone {stone_id} in the object database; there is {', '.join(known) or 'none'}")
+            known = [
+                str(r["id"])
+                for r in self._connection().execute("SELECT id FROM stones ORDER BY id")
+            ]
+            raise DataError(
+                f"no stone {stone_id} in the object database; there is {', '.join(known) or 'none'}"
+            )
         return row  # type: ignore[no-any-return]
 
-    def _add(self, db: sqlite3.Connection, segment: Segment, stamp_s: float, seen_from_above: bool) -> int:
+    def _add(
+        self, db: sqlite3.Connection, segment: Segment, stamp_s: float, seen_from_above: bool
+    ) -> int:
         settings = self._settings
         points = segment.points - segment.centroid
         surface = pack(merged(points[:0], points, settings.voxel_m, settings.max_points))
         cursor = db.execute(
             "INSERT INTO stones (state, seen_from_above, points_object, T_map_object) VALUES (?, ?, ?, ?)",
-            (StoneState.ON_GROUND, seen_from_above, surface, pack_pose(pose(None, segment.centroid))),
+            (
+                StoneState.ON_GROUND,
+                seen_from_above,
+                surface,
+                pack_pose(pose(None, segment.centroid)),
+            ),
         )
         stone_id = int(cursor.lastrowid or 0)
         self._note(db, stone_id, stamp_s, "found", StoneState.ON_GROUND, _eyes(seen_from_above))
@@ -188,7 +238,12 @@ class SqliteObjects(ObjectDatabase):
         return self._settings.max_roll_m if is_uncertain else self._settings.max_distance_m
 
     def _update(
-        self, db: sqlite3.Connection, stone: Stone, segment: Segment, stamp_s: float, seen_from_above: bool
+        self,
+        db: sqlite3.Connection,
+        stone: Stone,
+        segment: Segment,
+        stamp_s: float,
+        seen_from_above: bool,
     ) -> int:
         known, seen, T = stone.points_map, segment.points, stone.T_map_object
         kind, fit, state = "seen", self._fit(known, seen), _found(stone.state)
@@ -197,7 +252,9 @@ class SqliteObjects(ObjectDatabase):
             is_whole = self._agrees(there)
             kind, fit = ("moved", there) if is_whole else ("replaced", fit)
             known, T = (known + shift if is_whole else known[:0]), pose(T[:3, :3], T[:3, 3] + shift)
-        limit = self._settings.max_growth_whole if stone.seen_from_above else self._settings.max_growth
+        limit = (
+            self._settings.max_growth_whole if stone.seen_from_above else self._settings.max_growth
+        )
         note = f"{_eyes(seen_from_above)}, {fit}"
         if kind != "replaced" and fit.growth > limit:
             self._note(db, stone.id, stamp_s, "seen", state, f"{note}: too much, nothing added")
@@ -225,7 +282,13 @@ class SqliteObjects(ObjectDatabase):
         return fit.share >= self._settings.min_agreement and fit.rmse_m <= self._settings.max_rmse_m
 
     def _resurface(
-        self, db: sqlite3.Connection, stone_id: int, known: Float, seen: Float, T: Float, from_above: bool
+        self,
+        db: sqlite3.Connection,
+        stone_id: int,
+        known: Float,
+        seen: Float,
+        T: Float,
+        from_above: bool,
     ) -> None:
         """Merge both surfaces, given in the map, in the object's frame."""
         T_object_map = inverse(T)
@@ -245,7 +308,13 @@ class SqliteObjects(ObjectDatabase):
         db.execute("UPDATE stones SET T_map_object = ? WHERE id = ?", (pack_pose(T), row["id"]))
 
     def _note(
-        self, db: sqlite3.Connection, stone_id: int, stamp_s: float, kind: str, state: StoneState, note: str = ""
+        self,
+        db: sqlite3.Connection,
+        stone_id: int,
+        stamp_s: float,
+        kind: str,
+        state: StoneState,
+        note: str = "",
     ) -> None:
         db.execute("UPDATE stones SET state = ? WHERE id = ?", (state, stone_id))
         db.execute(

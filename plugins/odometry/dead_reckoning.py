@@ -5,15 +5,15 @@ from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
+from executive_plugins.odometry.sensor_path import SensorPath
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import about_axis, exp_so3, log_so3, skew
+from executive.machine.rig import Rig
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.odometry import LidarIncrement
-from plugins.odometry.sensor_path import SensorPath
-from robot_models.rig import Rig
 
 S = TypeVar("S")
 
@@ -39,7 +39,9 @@ class DeadReckoning:
         self._turn_joint = machine.turn_joint
         self._axis = np.array([0.0, 0.0, 1.0])
         if machine.turn_joint is not None:
-            self._axis = np.asarray(machine.joints[machine.arm_names.index(machine.turn_joint)].axis, dtype=float)
+            self._axis = np.asarray(
+                machine.joints[machine.arm_names.index(machine.turn_joint)].axis, dtype=float
+            )
         self._rates: deque[tuple[float, Float]] = deque()
         self._turns: deque[tuple[float, float]] = deque()
         self._v_chassis = np.zeros(3)  # of the axis' point, chassis axes [m/s]
@@ -58,7 +60,9 @@ class DeadReckoning:
 
     def path(self, from_s: float, to_s: float) -> SensorPath:
         """Return the way of the lidar between two times."""
-        rates = [(stamp_s, rate) for stamp_s, rate in self._rates if from_s < stamp_s <= to_s + _FRESH_S]
+        rates = [
+            (stamp_s, rate) for stamp_s, rate in self._rates if from_s < stamp_s <= to_s + _FRESH_S
+        ]
         if not rates or to_s - rates[-1][0] > _FRESH_S:
             rates = [(to_s, self._w_cabin)]
         stamps = [from_s, *(stamp_s for stamp_s, _ in rates if stamp_s < to_s), to_s]
@@ -69,7 +73,9 @@ class DeadReckoning:
             T = T @ self._step(rate, 0.5 * (begin_s + end_s), end_s - begin_s)
             poses.append(T)
         T_lidar_cabin = inverse(self._T_cabin_lidar)
-        return SensorPath.of(np.array(stamps), np.array([T_lidar_cabin @ T @ self._T_cabin_lidar for T in poses]))
+        return SensorPath.of(
+            np.array(stamps), np.array([T_lidar_cabin @ T @ self._T_cabin_lidar for T in poses])
+        )
 
     def _step(self, w_cabin: Float, middle_s: float, dt_s: float) -> Float:
         """Return the cabin's motion over a short time, in its frame at the beginning, shape (4, 4)."""

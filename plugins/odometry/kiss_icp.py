@@ -1,6 +1,8 @@
 """Lidar odometry by the KISS-ICP package: points to points, on one thread, guided by gyroscope and joints."""
 
 import numpy as np
+from executive_plugins.odometry.dead_reckoning import DeadReckoning
+from executive_plugins.odometry.own_returns import OwnReturns
 from kiss_icp.config import KISSConfig
 from kiss_icp.kiss_icp import KissICP
 from pydantic import Field
@@ -10,13 +12,11 @@ from executive.config import Meters, MetersPerSecond, Radians, RadiansPerSecond,
 from executive.geometry.pose import inverse
 from executive.geometry.rotation import angle_between
 from executive.interfaces.odometry import LidarOdometry
+from executive.machine.rig import Rig
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.odometry import LidarIncrement
-from plugins.odometry.dead_reckoning import DeadReckoning
-from plugins.odometry.own_returns import OwnReturns
-from robot_models.rig import Rig
 
 _REVOLUTION_S = 0.1  # what the first scan is undistorted over
 _FEWEST = 100  # points that a scan is matched by
@@ -25,21 +25,35 @@ _FEWEST = 100  # points that a scan is matched by
 class KissIcpSettings(Settings):
     """Settings of the odometry."""
 
-    frame: str = Field("lidar_horizontal", description="The lidar to follow; scans of others are left alone.")
-    near_m: Meters = Field(2.5, ge=0, description="Returns nearer than this are the machine's own [m].")
+    frame: str = Field(
+        "lidar_horizontal", description="The lidar to follow; scans of others are left alone."
+    )
+    near_m: Meters = Field(
+        2.5, ge=0, description="Returns nearer than this are the machine's own [m]."
+    )
     far_m: Meters = Field(60.0, gt=0, description="Returns farther than this are left out [m].")
     voxel_m: Meters = Field(0.5, gt=0, le=5, description="Grid edge of the local map [m].")
     points_per_voxel: int = Field(20, ge=1, le=200, description="Most points in a cell of the map.")
-    first_threshold_m: Meters = Field(1.0, gt=0, le=10, description="First distance of correspondences [m].")
+    first_threshold_m: Meters = Field(
+        1.0, gt=0, le=10, description="First distance of correspondences [m]."
+    )
     longest_gap_s: Seconds = Field(
         2.0, gt=0, le=2.5, description="Time without a scan, after which the map is begun anew [s]."
     )
-    max_speed_m_s: MetersPerSecond = Field(15.0, gt=0, description="Fastest sensor motion that is believed [m/s].")
-    max_rate_rad_s: RadiansPerSecond = Field(1.5, gt=0, description="Fastest turn that is believed [rad/s].")
-    rotation_std_rad: Radians = Field(
-        0.02, gt=0, description="Error of an increment's rotation [rad]; measured on level ground, swinging."
+    max_speed_m_s: MetersPerSecond = Field(
+        15.0, gt=0, description="Fastest sensor motion that is believed [m/s]."
     )
-    translation_std_m: Meters = Field(0.05, gt=0, description="Error of its translation [m]; measured likewise.")
+    max_rate_rad_s: RadiansPerSecond = Field(
+        1.5, gt=0, description="Fastest turn that is believed [rad/s]."
+    )
+    rotation_std_rad: Radians = Field(
+        0.02,
+        gt=0,
+        description="Error of an increment's rotation [rad]; measured on level ground, swinging.",
+    )
+    translation_std_m: Meters = Field(
+        0.05, gt=0, description="Error of its translation [m]; measured likewise."
+    )
 
 
 class KissIcp(LidarOdometry):
@@ -69,8 +83,15 @@ class KissIcp(LidarOdometry):
         self._kiss = KissICP(
             KISSConfig.model_validate(
                 {
-                    "data": {"min_range": settings.near_m, "max_range": settings.far_m, "deskew": False},
-                    "mapping": {"voxel_size": settings.voxel_m, "max_points_per_voxel": settings.points_per_voxel},
+                    "data": {
+                        "min_range": settings.near_m,
+                        "max_range": settings.far_m,
+                        "deskew": False,
+                    },
+                    "mapping": {
+                        "voxel_size": settings.voxel_m,
+                        "max_points_per_voxel": settings.points_per_voxel,
+                    },
                     "registration": {"max_num_threads": 1},
                     "adaptive_threshold": {"initial_threshold": settings.first_threshold_m},
                 }
@@ -105,20 +126,26 @@ class KissIcp(LidarOdometry):
         self._last = (scan.stamp_s, np.array(self._kiss.last_pose))
         return None if last is None else self._increment(last, self._last)
 
-    def _increment(self, last: tuple[float, Float], now: tuple[float, Float]) -> LidarIncrement | None:
+    def _increment(
+        self, last: tuple[float, Float], now: tuple[float, Float]
+    ) -> LidarIncrement | None:
         """Return the motion between two scans; a leap is none, and what led to it is forgotten."""
         T_from_to = inverse(last[1]) @ now[1]
         if self._reckoning is None or not self._is_plausible(T_from_to, now[0] - last[0]):
             self._begin()
             return None
-        increment = LidarIncrement(last[0], now[0], self._settings.frame, T_from_to, self._covariance())
+        increment = LidarIncrement(
+            last[0], now[0], self._settings.frame, T_from_to, self._covariance()
+        )
         self._reckoning.correct(increment)
         return increment
 
     def _is_plausible(self, T_from_to: Float, duration_s: float) -> bool:
         speed_m_s = float(np.linalg.norm(T_from_to[:3, 3])) / duration_s
         rate_rad_s = angle_between(np.eye(3), T_from_to[:3, :3]) / duration_s
-        return speed_m_s < self._settings.max_speed_m_s and rate_rad_s < self._settings.max_rate_rad_s
+        return (
+            speed_m_s < self._settings.max_speed_m_s and rate_rad_s < self._settings.max_rate_rad_s
+        )
 
     def _covariance(self) -> Float:
         std = np.repeat([self._settings.rotation_std_rad, self._settings.translation_std_m], 3)

@@ -3,12 +3,12 @@
 import numpy as np
 
 from executive.arrays import Bool
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine
+from executive.machine.rig import Rig
+from executive.machine.self_filter import SelfFilter
 from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine
-from robot_models.rig import Rig
-from robot_models.self_filter import SelfFilter
 
 _PADDING_M = 0.2  # the arm moves by a third of this during a revolution
 _HELD_M = 1.2  # around the space between the jaws: a stone that they may hold

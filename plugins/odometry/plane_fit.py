@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.odometry.plane_map import PlaneMap
 
 from executive.arrays import Float
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import exp_so3
-from plugins.odometry.plane_map import PlaneMap
 
 _MOST_STEPS = 20
 _SMALL_STEP = 2e-4  # [rad] and [m]: a twentieth of the noise; finer, correspondences flicker
@@ -49,7 +49,9 @@ class PlaneFit:
     has_converged: bool
 
 
-def fit(points_lidar: Float, planes: PlaneMap, guess: Guess, first_m: float, last_m: float) -> PlaneFit:
+def fit(
+    points_lidar: Float, planes: PlaneMap, guess: Guess, first_m: float, last_m: float
+) -> PlaneFit:
     """Search for planes within a reach that is halved at each step, from the first to the last [m].
 
     The covariance is that of the least squares, with the distances' own spread and the guess as a prior: a direction
@@ -62,12 +64,17 @@ def fit(points_lidar: Float, planes: PlaneMap, guess: Guess, first_m: float, las
     share, has_converged = 0.0, False
     for _ in range(_MOST_STEPS):
         J, distances_m = _distances(points_lidar, planes, T, reach_m)
-        std_m = max(1.4826 * float(np.median(np.abs(distances_m))) if len(distances_m) else reach_m, _LEAST_STD_M)
+        std_m = max(
+            1.4826 * float(np.median(np.abs(distances_m))) if len(distances_m) else reach_m,
+            _LEAST_STD_M,
+        )
         weights = 1 / np.maximum(np.abs(distances_m) / (1.5 * std_m), 1)  # Huber
         weighted = J * weights[:, None] / std_m**2
         held = _held(weighted.T @ J, points_lidar, float((weights / std_m**2).sum()))
         information = np.asarray(held @ weighted.T @ J @ held.T + prior, dtype=np.float64)
-        step = np.asarray(np.linalg.solve(information, -held @ weighted.T @ distances_m), dtype=np.float64)
+        step = np.asarray(
+            np.linalg.solve(information, -held @ weighted.T @ distances_m), dtype=np.float64
+        )
         T = T @ pose(exp_so3(step[:3]), step[3:])
         share = len(distances_m) / len(points_lidar)
         if reach_m <= last_m and np.abs(step).max() < _SMALL_STEP:
@@ -78,7 +85,9 @@ def fit(points_lidar: Float, planes: PlaneMap, guess: Guess, first_m: float, las
     return PlaneFit(T, covariance, share, has_converged)
 
 
-def _distances(points_lidar: Float, planes: PlaneMap, T: Float, reach_m: float) -> tuple[Float, Float]:
+def _distances(
+    points_lidar: Float, planes: PlaneMap, T: Float, reach_m: float
+) -> tuple[Float, Float]:
     """Return the distances to the nearest planes and their derivative by a motion of the lidar, (n, 6) and (n,)."""
     points_map = transform(T, points_lidar)
     found, index = planes.nearest(points_map, reach_m)
@@ -98,7 +107,9 @@ def _held(information: Float, points_lidar: Float, weight: float) -> Float:
     estimation problems"; the threshold is on the mean squared cosine, which does not grow with the number of points).
     """
     length_m = float(np.linalg.norm(points_lidar, axis=1).mean())
-    scale = np.diag([1 / length_m] * 3 + [1.0] * 3)  # rotations count by what they move at a mean distance
+    scale = np.diag(
+        [1 / length_m] * 3 + [1.0] * 3
+    )  # rotations count by what they move at a mean distance
     values, vectors = np.linalg.eigh(scale @ information @ scale / max(weight, 1e-9))
     kept = vectors[:, values > _LEAST_SQUARED_COSINE]
     return np.asarray(np.linalg.inv(scale) @ kept @ kept.T @ scale)

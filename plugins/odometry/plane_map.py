@@ -46,10 +46,14 @@ class PlaneMap:
         """Add a scan; where there are too many, the one farthest from it goes."""
         self._scans.append(_KeyScan(T_map_lidar, transform(T_map_lidar, points_lidar)))
         if len(self._scans) > self._most_scans:
-            distances = [np.linalg.norm(scan.T_map_lidar[:3, 3] - T_map_lidar[:3, 3]) for scan in self._scans]
+            distances = [
+                np.linalg.norm(scan.T_map_lidar[:3, 3] - T_map_lidar[:3, 3]) for scan in self._scans
+            ]
             farthest = int(np.argmax(distances))
             del self._scans[farthest if distances[farthest] > 0 else 0]
-        cloud = small_gicp.voxelgrid_sampling(np.vstack([scan.points_map for scan in self._scans]), self._voxel_m, 1)
+        cloud = small_gicp.voxelgrid_sampling(
+            np.vstack([scan.points_map for scan in self._scans]), self._voxel_m, 1
+        )
         self.planes = _planes(cloud.points()[:, :3], self._radius_m, self._neighbours)
         self._tree = cKDTree(self.planes.points) if len(self.planes.points) else None
 

@@ -4,6 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import small_gicp
+from executive_plugins.odometry.dead_reckoning import DeadReckoning
+from executive_plugins.odometry.own_returns import OwnReturns
+from executive_plugins.odometry.plane_fit import Guess, PlaneFit, fit
+from executive_plugins.odometry.plane_map import PlaneMap
+from executive_plugins.odometry.sensor_path import SensorPath
 from pydantic import Field
 
 from executive.arrays import Float
@@ -11,16 +16,11 @@ from executive.config import Meters, Radians, Seconds, Settings
 from executive.geometry.pose import inverse
 from executive.geometry.rotation import skew
 from executive.interfaces.odometry import LidarOdometry
+from executive.machine.rig import Rig
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.odometry import LidarIncrement
-from plugins.odometry.dead_reckoning import DeadReckoning
-from plugins.odometry.own_returns import OwnReturns
-from plugins.odometry.plane_fit import Guess, PlaneFit, fit
-from plugins.odometry.plane_map import PlaneMap
-from plugins.odometry.sensor_path import SensorPath
-from robot_models.rig import Rig
 
 _REVOLUTION_S = 0.1  # what the first scan is undistorted over
 
@@ -28,31 +28,60 @@ _REVOLUTION_S = 0.1  # what the first scan is undistorted over
 class ScanToSubmapSettings(Settings):
     """Settings of the odometry."""
 
-    frame: str = Field("lidar_horizontal", description="The lidar to follow; scans of others are left alone.")
-    near_m: Meters = Field(2.5, ge=0, description="Returns nearer than this are the machine's own [m].")
+    frame: str = Field(
+        "lidar_horizontal", description="The lidar to follow; scans of others are left alone."
+    )
+    near_m: Meters = Field(
+        2.5, ge=0, description="Returns nearer than this are the machine's own [m]."
+    )
     far_m: Meters = Field(60.0, gt=0, description="Returns farther than this are left out [m].")
     scan_voxel_m: Meters = Field(0.15, gt=0, le=2, description="Grid edge to thin a scan [m].")
     map_voxel_m: Meters = Field(0.15, gt=0, le=2, description="Grid edge to thin the submap [m].")
-    plane_radius_m: Meters = Field(0.45, gt=0, le=5, description="Reach of a point's neighbours in its plane [m].")
-    neighbours: int = Field(16, ge=6, le=100, description="Most neighbours in a plane.")
-    first_distance_m: Meters = Field(1.0, gt=0, description="Largest distance of a correspondence, at first [m].")
-    last_distance_m: Meters = Field(0.3, gt=0, description="Largest distance of a correspondence, at last [m].")
-    least_share: float = Field(
-        0.1, gt=0, le=1, description="Share of a scan's points that must lie on planes; one scan alone holds few."
+    plane_radius_m: Meters = Field(
+        0.45, gt=0, le=5, description="Reach of a point's neighbours in its plane [m]."
     )
-    key_distance_m: Meters = Field(0.5, gt=0, description="Distance from the submap's scans that admits another [m].")
-    key_angle_rad: Radians = Field(0.12, gt=0, description="Turn against them that admits another [rad].")
+    neighbours: int = Field(16, ge=6, le=100, description="Most neighbours in a plane.")
+    first_distance_m: Meters = Field(
+        1.0, gt=0, description="Largest distance of a correspondence, at first [m]."
+    )
+    last_distance_m: Meters = Field(
+        0.3, gt=0, description="Largest distance of a correspondence, at last [m]."
+    )
+    least_share: float = Field(
+        0.1,
+        gt=0,
+        le=1,
+        description="Share of a scan's points that must lie on planes; one scan alone holds few.",
+    )
+    key_distance_m: Meters = Field(
+        0.5, gt=0, description="Distance from the submap's scans that admits another [m]."
+    )
+    key_angle_rad: Radians = Field(
+        0.12, gt=0, description="Turn against them that admits another [rad]."
+    )
     key_scans: int = Field(40, ge=1, le=500, description="Most scans in the submap.")
     longest_gap_s: Seconds = Field(
-        2.0, gt=0, le=2.5, description="Time without a scan that was matched, after which the submap is begun anew [s]."
+        2.0,
+        gt=0,
+        le=2.5,
+        description="Time without a scan that was matched, after which the submap is begun anew [s].",
     )
-    restart_after: int = Field(10, gt=0, description="Scans refused in a row until the submap is begun anew.")
+    restart_after: int = Field(
+        10, gt=0, description="Scans refused in a row until the submap is begun anew."
+    )
     guess_rotation_std_rad: Radians = Field(
-        0.005, gt=0, description="Error of a scan's dead reckoning [rad]; large, so that inertia is not told twice."
+        0.005,
+        gt=0,
+        description="Error of a scan's dead reckoning [rad]; large, so that inertia is not told twice.",
     )
-    guess_translation_std_m: Meters = Field(0.02, gt=0, description="Error of a scan's dead reckoning [m].")
+    guess_translation_std_m: Meters = Field(
+        0.02, gt=0, description="Error of a scan's dead reckoning [m]."
+    )
     doubt: float = Field(
-        2.0, ge=1, le=10, description="Factor on the fit's standard deviation: returns on one plane share its error."
+        2.0,
+        ge=1,
+        le=10,
+        description="Factor on the fit's standard deviation: returns on one plane share its error.",
     )
 
 
@@ -108,7 +137,9 @@ class ScanToSubmap(LidarOdometry):
         if track is not None and scan.stamp_s - track.stamp_s > self._settings.longest_gap_s:
             track = None  # lidars were off, and nothing here knows what happened since
         from_s = scan.stamp_s - _REVOLUTION_S
-        path = self._reckoning.path(from_s if track is None else min(from_s, track.stamp_s), scan.stamp_s)
+        path = self._reckoning.path(
+            from_s if track is None else min(from_s, track.stamp_s), scan.stamp_s
+        )
         points = self._points(scan, path)
         if track is None:
             self._begin(scan.stamp_s, points)
@@ -122,18 +153,26 @@ class ScanToSubmap(LidarOdometry):
     def _points(self, scan: LidarScan, path: SensorPath) -> Float:
         """Return the surroundings' returns, undistorted and thinned, shape (N, 3)."""
         distance = np.linalg.norm(scan.points_lidar, axis=1)
-        kept = (distance > self._settings.near_m) & (distance < self._settings.far_m) & ~self._own.among(scan)
+        kept = (
+            (distance > self._settings.near_m)
+            & (distance < self._settings.far_m)
+            & ~self._own.among(scan)
+        )
         points = path.undistort(scan.points_lidar[kept], scan.point_stamps_s[kept])
         if not len(points):
             return points
-        return np.array(small_gicp.voxelgrid_sampling(points, self._settings.scan_voxel_m, 1).points()[:, :3])
+        return np.array(
+            small_gicp.voxelgrid_sampling(points, self._settings.scan_voxel_m, 1).points()[:, :3]
+        )
 
     def _begin(self, stamp_s: float, points: Float) -> None:
         """Found a new submap on one scan."""
         settings = self._settings
         if len(points) < settings.neighbours:
             return
-        self._map = PlaneMap(settings.map_voxel_m, settings.plane_radius_m, settings.neighbours, settings.key_scans)
+        self._map = PlaneMap(
+            settings.map_voxel_m, settings.plane_radius_m, settings.neighbours, settings.key_scans
+        )
         self._map.add(np.eye(4), points)
         self._refusals = 0
         self._track = _Track(stamp_s, np.eye(4), np.zeros((6, 6)))
@@ -148,7 +187,9 @@ class ScanToSubmap(LidarOdometry):
         fitted = fit(points, self._map, guess, settings.first_distance_m, settings.last_distance_m)
         return fitted if fitted.has_converged and fitted.share >= settings.least_share else None
 
-    def _accept(self, track: _Track, stamp_s: float, fitted: PlaneFit, points: Float) -> LidarIncrement:
+    def _accept(
+        self, track: _Track, stamp_s: float, fitted: PlaneFit, points: Float
+    ) -> LidarIncrement:
         settings, T = self._settings, fitted.T_map_lidar
         T_from_to = inverse(track.T_map_lidar) @ T
         covariance = settings.doubt**2 * fitted.covariance

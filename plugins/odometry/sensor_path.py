@@ -28,7 +28,11 @@ class SensorPath:
         """Take poses (k, 4, 4) of the sensor in any one frame."""
         T_end = inverse(poses[-1])
         relative = [T_end @ T for T in poses]
-        return cls(stamps_s, np.array([log_so3(T[:3, :3]) for T in relative]), np.array([T[:3, 3] for T in relative]))
+        return cls(
+            stamps_s,
+            np.array([log_so3(T[:3, :3]) for T in relative]),
+            np.array([T[:3, 3] for T in relative]),
+        )
 
     def T_end_then(self, stamp_s: float) -> Float:
         """Return the sensor's pose at a time in its frame at the end, shape (4, 4); the ends hold beyond the path."""

@@ -37,7 +37,9 @@ class FreeGround:
         """Return the ground's height at a place (2,) [m], or None if it is taken, unknown, steep or rough."""
         if self._taken_tree is not None and self._taken_tree.query(xy)[0] < self._needs.clearance_m:
             return None
-        points = self._ground[np.sort(np.array(self._ground_tree.query_ball_point(xy, _RADIUS_M), dtype=np.int64))]
+        points = self._ground[
+            np.sort(np.array(self._ground_tree.query_ball_point(xy, _RADIUS_M), dtype=np.int64))
+        ]
         if not _covers(points[:, :2] - xy):
             return None
         A = np.column_stack([points[:, :2] - xy, np.ones(len(points))])
@@ -49,7 +51,9 @@ class FreeGround:
 
 def _thinned(points: Float) -> Float:
     """Return the first point of each cell: a dense map says no more about a slot than a thin one."""
-    _, first = np.unique(np.floor(points[:, :2] / _THIN_M).astype(np.int64), axis=0, return_index=True)
+    _, first = np.unique(
+        np.floor(points[:, :2] / _THIN_M).astype(np.int64), axis=0, return_index=True
+    )
     return points[np.sort(first)]
 
 

@@ -42,7 +42,9 @@ class HeldStone:
         radius_m = float(np.linalg.norm(points[:, :2] - centre[:2], axis=1).max())
         lowest = float(points[:, 2].min())
         distance = np.linalg.norm(around[:, :2] - centre[:2], axis=1)
-        ring = around[(distance < radius_m + _RING_M) & (np.abs(around[:, 2] - lowest) < _SUNK_M), 2]
+        ring = around[
+            (distance < radius_m + _RING_M) & (np.abs(around[:, 2] - lowest) < _SUNK_M), 2
+        ]
         bottom = min(lowest, float(np.median(ring))) if len(ring) else lowest
         return cls(points, centre, bottom, radius_m)
 
@@ -60,5 +62,7 @@ def release_poses(
     wrist = (steps + np.pi) % (2 * np.pi) - np.pi
     for turn in wrist[np.lexsort((wrist, np.abs(wrist).round(9)))]:
         R = about_axis(_UP, azimuth[1] - azimuth[0] + float(turn))
-        target = np.array([position_map[0], position_map[1], bottom_m + held.centre[2] - held.bottom_m])
+        target = np.array(
+            [position_map[0], position_map[1], bottom_m + held.centre[2] - held.bottom_m]
+        )
         yield pose(R, target - R @ held.centre)

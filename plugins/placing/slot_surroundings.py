@@ -6,12 +6,14 @@ from scipy.spatial import cKDTree
 from executive.arrays import Float
 from executive.geometry.convex import depth_inside, half_spaces
 from executive.geometry.pose import inverse, transform
-from robot_models.gripper import Gripper
+from executive.machine.gripper import Gripper
 
 _OPENINGS = (1.0, 0.75, 0.5)  # of the widest: the jaws pass all of them
 _IN_GROUND_M = 0.02  # a point of the ground deeper than this in the gripper is a collision
 _LEVEL_M = 0.15  # what is higher than this above the ground is a neighbour
-_APART_M = 0.10  # between a neighbour and the stone or the jaws: its far side may not have been seen
+_APART_M = (
+    0.10  # between a neighbour and the stone or the jaws: its far side may not have been seen
+)
 _GROUND_BAND_M = 0.35  # ground under the stone is within this of the slot's height
 _HIGHEST = 0.95  # quantile of the heights under the stone that carry it
 _SPACING_M = 0.05  # density that suffices
@@ -20,15 +22,21 @@ _SPACING_M = 0.05  # density that suffices
 class SlotSurroundings:
     """The cloud near a slot."""
 
-    def __init__(self, gripper: Gripper, cloud: Float, position_map: Float, radius_m: float) -> None:
+    def __init__(
+        self, gripper: Gripper, cloud: Float, position_map: Float, radius_m: float
+    ) -> None:
         angles = [fraction * gripper.open_rad for fraction in _OPENINGS]
-        hulls = [hull for angle in angles for parts in gripper.hulls(angle).values() for hull in parts]
+        hulls = [
+            hull for angle in angles for parts in gripper.hulls(angle).values() for hull in parts
+        ]
         self._faces = [half_spaces(hull) for hull in hulls]
         self._reach_m = max(float(np.linalg.norm(hull, axis=1).max()) for hull in hulls) + _APART_M
         distance = np.linalg.norm(cloud[:, :2] - position_map[:2], axis=1)
         near = one_a_cell(cloud[distance < radius_m + self._reach_m], _SPACING_M)
         level = float(position_map[2])
-        under = cloud[(distance < 0.8 * radius_m) & (np.abs(cloud[:, 2] - level) < _GROUND_BAND_M), 2]
+        under = cloud[
+            (distance < 0.8 * radius_m) & (np.abs(cloud[:, 2] - level) < _GROUND_BAND_M), 2
+        ]
         self.ground_m = float(np.quantile(under, _HIGHEST)) if len(under) else level
         is_high = near[:, 2] > self.ground_m + _LEVEL_M
         self._ground, self._neighbours = near[~is_high], near[is_high]

@@ -3,6 +3,10 @@
 from typing import ClassVar
 
 import numpy as np
+from executive_plugins.placing.free_ground import FreeGround, GroundNeeds
+from executive_plugins.placing.release import HeldStone, release_poses
+from executive_plugins.placing.slot_surroundings import SlotSurroundings
+from executive_plugins.placing.spaced_row import spaced_row
 from pydantic import Field
 
 from executive.arrays import Float, checked
@@ -11,15 +15,11 @@ from executive.errors import DataError
 from executive.geometry.pose import inverse, pose, transform
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.placing import PlacementPlanner
+from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
 from executive.messages.placement import Placement, Slot
 from executive.messages.segment import Segmentation
 from executive.messages.stone import Stone
-from plugins.placing.free_ground import FreeGround, GroundNeeds
-from plugins.placing.release import HeldStone, release_poses
-from plugins.placing.slot_surroundings import SlotSurroundings
-from plugins.placing.spaced_row import spaced_row
-from robot_models.machine import Machine
 
 
 class SlotsSettings(Settings):
@@ -30,16 +30,28 @@ class SlotsSettings(Settings):
         min_length=1,
         description="Distances of rows of slots from the machine, in order of choice [m].",
     )
-    spacing_m: Meters = Field(1.9, gt=0, description="Distance between slots of a row; open jaws fit between [m].")
+    spacing_m: Meters = Field(
+        1.9, gt=0, description="Distance between slots of a row; open jaws fit between [m]."
+    )
     sector_rad: Radians = Field(
         6.28, gt=0, le=6.2832, description="Sector about the machine's front that is used [rad]."
     )
-    clearance_m: Meters = Field(1.2, gt=0, description="Distance of a slot's centre from any segment [m].")
+    clearance_m: Meters = Field(
+        1.2, gt=0, description="Distance of a slot's centre from any segment [m]."
+    )
     max_slope_rad: Radians = Field(0.2, gt=0, lt=1.5, description="Slope of a slot's ground [rad].")
-    max_roughness_m: Meters = Field(0.08, gt=0, description="Standard deviation of its heights about their plane [m].")
-    drop_m: Meters = Field(0.05, ge=0, description="Height of the stone's bottom above the ground at the release [m].")
-    way_in_m: Meters = Field(0.8, ge=0, description="Straight way down to a slot that must be in reach [m].")
-    turns: int = Field(24, ge=1, le=360, description="Yaws of a stone over its slot that are tried.")
+    max_roughness_m: Meters = Field(
+        0.08, gt=0, description="Standard deviation of its heights about their plane [m]."
+    )
+    drop_m: Meters = Field(
+        0.05, ge=0, description="Height of the stone's bottom above the ground at the release [m]."
+    )
+    way_in_m: Meters = Field(
+        0.8, ge=0, description="Straight way down to a slot that must be in reach [m]."
+    )
+    turns: int = Field(
+        24, ge=1, le=360, description="Yaws of a stone over its slot that are tried."
+    )
     max_ways: int = Field(4, ge=1, description="Most ways to set a stone down that are returned.")
 
 
@@ -62,7 +74,9 @@ class Slots(PlacementPlanner):
         """
         T_map_base = checked("T_map_base", T_map_base, 4, 4)
         s = self._settings
-        ground = FreeGround(segmentation, GroundNeeds(s.clearance_m, s.max_slope_rad, s.max_roughness_m))
+        ground = FreeGround(
+            segmentation, GroundNeeds(s.clearance_m, s.max_slope_rad, s.max_roughness_m)
+        )
         places = np.empty((0, 3))
         for radius_m in s.radii_m:
             row = self._row(radius_m, ground, places, T_map_base)
@@ -84,15 +98,23 @@ class Slots(PlacementPlanner):
             DataError: If the cloud is not in the map, or the stone's points span no volume.
         """
         if cloud.frame != "map":
-            raise DataError(f"the placement planner needs a cloud in the frame 'map', got '{cloud.frame}'")
+            raise DataError(
+                f"the placement planner needs a cloud in the frame 'map', got '{cloud.frame}'"
+            )
         s = self._settings
         T_map_gripper = checked("T_map_gripper", T_map_gripper, 4, 4)
         held = HeldStone.of(stone.points_map, cloud.points)
-        around = SlotSurroundings(self._machine.gripper, cloud.points, slot.position_map, held.radius_m)
+        around = SlotSurroundings(
+            self._machine.gripper, cloud.points, slot.position_map, held.radius_m
+        )
         ways: list[Placement] = []
-        for T_map_map in release_poses(held, slot.position_map, around.ground_m + s.drop_m, T_map_base, s.turns):
+        for T_map_map in release_poses(
+            held, slot.position_map, around.ground_m + s.drop_m, T_map_base, s.turns
+        ):
             T = T_map_map @ T_map_gripper
-            if around.is_free(T, transform(T_map_map, held.points)) and self._reaches(T, T_map_base):
+            if around.is_free(T, transform(T_map_map, held.points)) and self._reaches(
+                T, T_map_base
+            ):
                 ways.append(Placement(slot, T, T_map_map @ stone.T_map_object))
             if len(ways) == s.max_ways:
                 break
@@ -106,7 +128,11 @@ class Slots(PlacementPlanner):
             return ground.height_m(xy) if is_apart else None
 
         row = spaced_row(radius_m, s.spacing_m, s.sector_rad, T_map_base, height_m)
-        return row[[self._reaches(self._over(place), T_map_base) for place in row]] if len(row) else row
+        return (
+            row[[self._reaches(self._over(place), T_map_base) for place in row]]
+            if len(row)
+            else row
+        )
 
     def _over(self, place: Float) -> Float:
         """Return the pose of a gripper that hangs over a place, its closed tips at the ground, jaws along x."""
@@ -116,6 +142,10 @@ class Slots(PlacementPlanner):
     def _reaches(self, T_map_gripper: Float, T_map_base: Float) -> bool:
         """Return whether the arm comes to the pose, and to the one from which it goes straight down."""
         T_base_gripper = inverse(T_map_base) @ T_map_gripper
-        above = inverse(T_map_base) @ pose(t=np.array([0.0, 0.0, self._settings.way_in_m])) @ T_map_gripper
+        above = (
+            inverse(T_map_base)
+            @ pose(t=np.array([0.0, 0.0, self._settings.way_in_m]))
+            @ T_map_gripper
+        )
         seed = self._machine.posture("carry")
         return all(self._motion.reach(T, seed) is not None for T in (T_base_gripper, above))

@@ -1,17 +1,19 @@
 """Groups of matches that agree on one rigid motion: two true matches keep their distance (Sec. 4.4 step 4)."""
 
 import numpy as np
+from executive_plugins.registration.rigid import rigid_between
 from scipy.spatial.distance import cdist
 
 from executive.arrays import Bool, Float
-from plugins.registration.rigid import rigid_between
 
 _SEEDS = 60  # matches that a group grows from, those with most agreement first
 _LEAST_GROUP = 4
 _LEAST_LEVER_M = 0.25  # closer keypoints say nothing about rotation
 
 
-def consistent_transforms(target: Float, source: Float, tolerance_m: float, scale_error: float, count: int) -> Float:
+def consistent_transforms(
+    target: Float, source: Float, tolerance_m: float, scale_error: float, count: int
+) -> Float:
     """Return the rigid motions that most matches vote for, most votes first.
 
     Args:

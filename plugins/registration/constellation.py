@@ -8,17 +8,21 @@ other, give a motion each; they go through the same vote and the same gate as th
 from itertools import combinations
 
 import numpy as np
+from executive_plugins.registration.rigid import rigid_between
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose
-from plugins.registration.rigid import rigid_between
 
 _LEAST_PAIR_M = 0.8  # closer centroids say too little about the heading
 _DUPLICATE_M = 0.3  # motions that move the centroids alike are one
 
 
 def constellation_transforms(
-    target: tuple[Float, Float], source: tuple[Float, Float], tolerance_m: float, vote_m: float, count: int
+    target: tuple[Float, Float],
+    source: tuple[Float, Float],
+    tolerance_m: float,
+    vote_m: float,
+    count: int,
 ) -> Float:
     """Return motions that lay pairs of source centroids over pairs of target centroids, best voted first.
 
@@ -33,7 +37,10 @@ def constellation_transforms(
         T_target_source, shape (at most count, 4, 4).
     """
     T_level_t, T_level_s = _level(target[1]), _level(source[1])
-    t, s = (centroids @ T[:3, :3].T + T[:3, 3] for (centroids, _), T in ((target, T_level_t), (source, T_level_s)))
+    t, s = (
+        centroids @ T[:3, :3].T + T[:3, 3]
+        for (centroids, _), T in ((target, T_level_t), (source, T_level_s))
+    )
     headings = _hypotheses(t[:, :2], s[:, :2], tolerance_m)
     if not len(headings):
         return np.empty((0, 4, 4))
@@ -46,7 +53,9 @@ def constellation_transforms(
             chosen.append(int(h))
         if len(chosen) == count:
             break
-    return np.array([inverse(T_level_t) @ _planar(headings[h], t, s, vote_m) @ T_level_s for h in chosen])
+    return np.array(
+        [inverse(T_level_t) @ _planar(headings[h], t, s, vote_m) @ T_level_s for h in chosen]
+    )
 
 
 def _level(plane: Float) -> Float:

@@ -25,15 +25,21 @@ class Features:
 def _oriented(points: Float, voxel_m: float, normal_radius_m: float) -> o3d.geometry.PointCloud:
     """Thin one segment and give it normals away from its centroid: the same side in both maps, without gravity."""
     # open3d refuses read-only arrays, hence the copy
-    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(np.array(points))).voxel_down_sample(voxel_m)
-    cloud.estimate_normals(o3d.geometry.KDTreeSearchParamHybrid(normal_radius_m, _NORMAL_NEIGHBOURS))
+    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(np.array(points))).voxel_down_sample(
+        voxel_m
+    )
+    cloud.estimate_normals(
+        o3d.geometry.KDTreeSearchParamHybrid(normal_radius_m, _NORMAL_NEIGHBOURS)
+    )
     thinned, normals = np.asarray(cloud.points), np.array(cloud.normals)
     normals[np.einsum("ij,ij->i", thinned - thinned.mean(axis=0), normals) < 0] *= -1
     cloud.normals = o3d.utility.Vector3dVector(normals)
     return cloud
 
 
-def describe(segments: Sequence[Segment], voxel_m: float, iss_radius_m: float, fpfh_radius_m: float) -> Features:
+def describe(
+    segments: Sequence[Segment], voxel_m: float, iss_radius_m: float, fpfh_radius_m: float
+) -> Features:
     """Find ISS keypoints on segments and describe each by its FPFH (Mascaro 2020, Sec. 4.4 step 2).
 
     The paper prefers SHOT; FPFH is what open3d brings, and the constellation of segments makes up for it.

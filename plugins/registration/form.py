@@ -5,10 +5,10 @@ another one densely seen. Heights above the surface do not, and their means over
 """
 
 import numpy as np
+from executive_plugins.registration.similarity import Surface
 from scipy.spatial import cKDTree
 
 from executive.arrays import Float
-from plugins.registration.similarity import Surface
 
 _PATCH_M = 0.10  # radius: some twenty points at 3 cm
 

@@ -27,7 +27,9 @@ class Nearness:
     squares_m2: float
 
     def __add__(self, other: "Nearness") -> "Nearness":
-        return Nearness(self.points + other.points, self.near + other.near, self.squares_m2 + other.squares_m2)
+        return Nearness(
+            self.points + other.points, self.near + other.near, self.squares_m2 + other.squares_m2
+        )
 
     @property
     def share(self) -> float:

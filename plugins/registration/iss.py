@@ -1,13 +1,15 @@
 """Intrinsic shape signatures (Zhong 2009): points whose surroundings stand out in all three directions."""
 
 import numpy as np
+from executive_plugins.registration.eigen import sorted_eigenvectors
 from numba import njit
 
 from executive.arrays import Float, Int
-from plugins.registration.eigen import sorted_eigenvectors
 
 _LEAST_NEIGHBOURS = 6  # fewer shape no normal and no keypoint
-_LARGEST_RATIO = 0.975  # of consecutive eigenvalues: above, the axes are not told apart (Zhong's γ21 and γ32)
+_LARGEST_RATIO = (
+    0.975  # of consecutive eigenvalues: above, the axes are not told apart (Zhong's γ21 and γ32)
+)
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -47,7 +49,9 @@ def surface_shapes(points: Float, starts: Int, rows: Int) -> tuple[Float, Float]
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _moments(points: Float, starts: Int, rows: Int, i: int, sums: tuple[Float, Float, Float]) -> float:
+def _moments(
+    points: Float, starts: Int, rows: Int, i: int, sums: tuple[Float, Float, Float]
+) -> float:
     """Sum up weighted and plain second moments and first moments about point i; return the sum of weights."""
     scatter, covariance, mean = sums
     scatter[:], covariance[:], mean[:] = 0.0, 0.0, 0.0

@@ -4,6 +4,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from executive_plugins.registration.one_core import one_core
+from executive_plugins.registration.segment_registrar import SegmentRegistrar
+from executive_plugins.registration.segment_settings import SegmentSettings
+from executive_plugins.registration.stopwatch import Stopwatch
+from executive_plugins.registration.strategy import Strategy
 from pydantic import Field
 
 from executive.arrays import Float
@@ -13,17 +18,14 @@ from executive.geometry.pose import pose
 from executive.interfaces.alignment import Aligner
 from executive.interfaces.segmentation import Segmenter
 from executive.messages.segment import Segmentation
-from plugins.registration.one_core import one_core
-from plugins.registration.segment_registrar import SegmentRegistrar
-from plugins.registration.segment_settings import SegmentSettings
-from plugins.registration.stopwatch import Stopwatch
-from plugins.registration.strategy import Strategy
 
 
 class KissMatcherSettings(SegmentSettings):
     """Resolution of the features, and the gate."""
 
-    feature_voxel_m: Meters = Field(0.10, gt=0, description="Grid to which the matcher thins segments [m].")
+    feature_voxel_m: Meters = Field(
+        0.10, gt=0, description="Grid to which the matcher thins segments [m]."
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,14 +40,22 @@ class FasterPfh(Strategy):
         On one core, for its threads sum in the order in which they come; two are no faster on clouds of this size.
         """
         matcher = _package().KISSMatcher(self.feature_voxel_m)
-        here, there = (np.vstack([one.points for one in x.segments]).astype(np.float32) for x in (source, target))
+        here, there = (
+            np.vstack([one.points for one in x.segments]).astype(np.float32)
+            for x in (source, target)
+        )
         with one_core(), watch.stage("matching"):
             matched = matcher.match(list(here), list(there))
         with one_core(), watch.stage("verification"):
             solution = matcher.prune_and_solve(*matched)
         if not solution.valid:
             return []
-        return [pose(_orthonormal(np.asarray(solution.rotation)), np.asarray(solution.translation).ravel())]
+        return [
+            pose(
+                _orthonormal(np.asarray(solution.rotation)),
+                np.asarray(solution.translation).ravel(),
+            )
+        ]
 
 
 def _orthonormal(R: Float) -> Float:
@@ -59,7 +69,9 @@ def _package() -> Any:
         with one_core():  # its pools of threads are made as it is loaded
             import kiss_matcher
     except ImportError as error:
-        raise ConfigError("registration 'kiss_matcher' needs its package: pip install 'executive[kiss]'") from error
+        raise ConfigError(
+            "registration 'kiss_matcher' needs its package: pip install 'executive[kiss]'"
+        ) from error
     return kiss_matcher
 
 
@@ -68,7 +80,9 @@ class KissMatcher(SegmentRegistrar):
 
     Settings = KissMatcherSettings
 
-    def __init__(self, settings: KissMatcherSettings, segmentation: Segmenter, alignment: Aligner) -> None:
+    def __init__(
+        self, settings: KissMatcherSettings, segmentation: Segmenter, alignment: Aligner
+    ) -> None:
         super().__init__(settings, segmentation, alignment)
         self._strategy = FasterPfh(settings.feature_voxel_m)
 

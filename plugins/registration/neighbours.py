@@ -27,13 +27,22 @@ def neighbours_within(points: Float, queries: Float, radius_m: float) -> tuple[I
     found = 0
     for i in range(len(queries)):
         x, y, z = queries[i]
-        cx, cy, cz = int((x - low[0]) / radius_m), int((y - low[1]) / radius_m), int((z - low[2]) / radius_m)
+        cx, cy, cz = (
+            int((x - low[0]) / radius_m),
+            int((y - low[1]) / radius_m),
+            int((z - low[2]) / radius_m),
+        )
         for ix in range(max(cx - 1, 0), min(cx + 2, spans[0])):
             for iy in range(max(cy - 1, 0), min(cy + 2, spans[1])):
                 column = (ix * spans[1] + iy) * spans[2]
-                first, last = firsts[column + max(cz - 1, 0)], firsts[column + min(cz + 2, spans[2])]
+                first, last = (
+                    firsts[column + max(cz - 1, 0)],
+                    firsts[column + min(cz + 2, spans[2])],
+                )
                 if found + last - first > len(rows):
-                    rows = np.concatenate((rows, np.empty(len(rows) + last - first, dtype=np.int64)))
+                    rows = np.concatenate(
+                        (rows, np.empty(len(rows) + last - first, dtype=np.int64))
+                    )
                 for k in range(first, last):
                     j = order[k]
                     dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z

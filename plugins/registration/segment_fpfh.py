@@ -2,6 +2,13 @@
 
 from dataclasses import dataclass
 
+from executive_plugins.registration.consistency import consistent_transforms
+from executive_plugins.registration.constellation import constellation_transforms
+from executive_plugins.registration.features import describe, match
+from executive_plugins.registration.segment_registrar import SegmentRegistrar, centroids
+from executive_plugins.registration.segment_settings import SegmentSettings
+from executive_plugins.registration.stopwatch import Stopwatch
+from executive_plugins.registration.strategy import Strategy
 from pydantic import Field
 
 from executive.arrays import Float
@@ -9,22 +16,19 @@ from executive.config import Meters
 from executive.interfaces.alignment import Aligner
 from executive.interfaces.segmentation import Segmenter
 from executive.messages.segment import Segmentation
-from plugins.registration.consistency import consistent_transforms
-from plugins.registration.constellation import constellation_transforms
-from plugins.registration.features import describe, match
-from plugins.registration.segment_registrar import SegmentRegistrar, centroids
-from plugins.registration.segment_settings import SegmentSettings
-from plugins.registration.stopwatch import Stopwatch
-from plugins.registration.strategy import Strategy
 
 
 class SegmentFpfhSettings(SegmentSettings):
     """Radii of the features, sizes of the search, and the gate."""
 
-    feature_voxel_m: Meters = Field(0.06, gt=0, description="Grid of the points that shape features [m].")
+    feature_voxel_m: Meters = Field(
+        0.06, gt=0, description="Grid of the points that shape features [m]."
+    )
     iss_radius_m: Meters = Field(0.15, gt=0, description="Salient radius of keypoints, R_iss [m].")
     fpfh_radius_m: Meters = Field(0.50, gt=0, description="Radius of descriptors [m].")
-    nearest: int = Field(2, ge=1, le=10, description="Target keypoints that each source keypoint is matched with.")
+    nearest: int = Field(
+        2, ge=1, le=10, description="Target keypoints that each source keypoint is matched with."
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,14 +42,19 @@ class FpfhAndConstellation(Strategy):
         s = self.settings
         with watch.stage("description"):
             there, here = (
-                describe(x.segments, s.feature_voxel_m, s.iss_radius_m, s.fpfh_radius_m) for x in (target, source)
+                describe(x.segments, s.feature_voxel_m, s.iss_radius_m, s.fpfh_radius_m)
+                for x in (target, source)
             )
         with watch.stage("matching"):
             matched = match(there, here, s.nearest)
         with watch.stage("verification"):
-            described = consistent_transforms(*matched, s.consistency_m, s.max_scale_error, s.candidates)
+            described = consistent_transforms(
+                *matched, s.consistency_m, s.max_scale_error, s.candidates
+            )
             stars = [(centroids(x.segments), x.ground_plane) for x in (target, source)]
-            placed = constellation_transforms(stars[0], stars[1], s.pair_tolerance_m, s.max_match_m, s.candidates)
+            placed = constellation_transforms(
+                stars[0], stars[1], s.pair_tolerance_m, s.max_match_m, s.candidates
+            )
         return [*described, *placed]
 
 
@@ -54,7 +63,9 @@ class SegmentFpfh(SegmentRegistrar):
 
     Settings = SegmentFpfhSettings
 
-    def __init__(self, settings: SegmentFpfhSettings, segmentation: Segmenter, alignment: Aligner) -> None:
+    def __init__(
+        self, settings: SegmentFpfhSettings, segmentation: Segmenter, alignment: Aligner
+    ) -> None:
         super().__init__(settings, segmentation, alignment)
         self._strategy = FpfhAndConstellation(settings)
 

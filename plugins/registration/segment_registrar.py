@@ -6,6 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import small_gicp
+from executive_plugins.registration.gate import NOTHING, Agreement, measure
+from executive_plugins.registration.segment_settings import SegmentSettings
+from executive_plugins.registration.similarity import Similarity, Surface, refine
+from executive_plugins.registration.single_object import ObjectFinder
+from executive_plugins.registration.stopwatch import Stopwatch
+from executive_plugins.registration.strategy import Strategy
+from executive_plugins.registration.vote import matched_centroids
 
 from executive.arrays import Float
 from executive.errors import DataError
@@ -16,13 +23,6 @@ from executive.interfaces.segmentation import Segmenter
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment, Segmentation
-from plugins.registration.gate import NOTHING, Agreement, measure
-from plugins.registration.segment_settings import SegmentSettings
-from plugins.registration.similarity import Similarity, Surface, refine
-from plugins.registration.single_object import ObjectFinder
-from plugins.registration.stopwatch import Stopwatch
-from plugins.registration.strategy import Strategy
-from plugins.registration.vote import matched_centroids
 
 # A misfit below this share of the truncation needs no rival. In 20 scenes 95 right candidates had 0.7 to 1.1, 234 wrong
 # ones 1.5 and more; a wrong one below is left to the gate.
@@ -36,7 +36,9 @@ class SegmentRegistrar(Registrar):
     is_stateless = True
     latency_s = {"register": 1.0, "find": 1.0}
 
-    def __init__(self, settings: SegmentSettings, segmentation: Segmenter, alignment: Aligner) -> None:
+    def __init__(
+        self, settings: SegmentSettings, segmentation: Segmenter, alignment: Aligner
+    ) -> None:
         self._settings = settings
         self._segmentation = segmentation
         self._alignment = alignment
@@ -69,7 +71,9 @@ class SegmentRegistrar(Registrar):
 
     def find(self, target: Cloud, model: Cloud) -> Alignment:
         """Find one object however it lies; see `single_object`."""
-        return ObjectFinder(self._settings, self._segmentation, self._strategies()).find(target, model)
+        return ObjectFinder(self._settings, self._segmentation, self._strategies()).find(
+            target, model
+        )
 
     def _lay_over(self, target: Segmentation, source: Segmentation, watch: Stopwatch) -> Alignment:
         settings = self._settings
@@ -88,7 +92,12 @@ class SegmentRegistrar(Registrar):
         return refusals[0]
 
     def _attempt(
-        self, target: Segmentation, source: Segmentation, stones: Surface, strategy: Strategy, watch: Stopwatch
+        self,
+        target: Segmentation,
+        source: Segmentation,
+        stones: Surface,
+        strategy: Strategy,
+        watch: Stopwatch,
     ) -> Alignment:
         candidates = strategy.propose(target, source, watch)
         with watch.stage("verification"):
@@ -106,7 +115,11 @@ class SegmentRegistrar(Registrar):
         return Cloud(source.frame, _thin(source.points - middle, self._settings.voxel_m))
 
     def _choose(
-        self, target: Segmentation, source: Segmentation, stones: Surface, candidates: Sequence[Float]
+        self,
+        target: Segmentation,
+        source: Segmentation,
+        stones: Surface,
+        candidates: Sequence[Float],
     ) -> Similarity | None:
         """Refine candidates a little on the segments, and take the one whose surfaces lie best on each other.
 
@@ -128,11 +141,15 @@ class SegmentRegistrar(Registrar):
                 best, best_misfit = fitted, misfit
         return best
 
-    def _matched(self, target: Segmentation, source: Segmentation, motion: Similarity) -> tuple[tuple[int, int], ...]:
+    def _matched(
+        self, target: Segmentation, source: Segmentation, motion: Similarity
+    ) -> tuple[tuple[int, int], ...]:
         moved = motion.apply(centroids(source.segments))
         return matched_centroids(centroids(target.segments), moved, self._settings.max_match_m)
 
-    def _refine(self, target: Segmentation, source: Segmentation, stones: Surface, coarse: Similarity) -> Similarity:
+    def _refine(
+        self, target: Segmentation, source: Segmentation, stones: Surface, coarse: Similarity
+    ) -> Similarity:
         """Align the segments (step 5), then the whole clouds with their scale.
 
         The ground is thinned more than the stones: it levels the motion, and is smooth.
@@ -144,8 +161,13 @@ class SegmentRegistrar(Registrar):
         start = Similarity(aligned.T_target_source, 1.0) if aligned.accepted else coarse
         surface = stones.joined(Surface.thinned(target.ground.points, s.ground_voxel_m))
         points = np.vstack([moving, _thin(source.ground.points, s.ground_voxel_m)])
-        wide, narrow = (tuple(s.truncation_m * factor for factor in steps) for steps in ((3, 3, 2, 2), (1.5, 1, 1)))
-        near = refine(surface, points[::2], start, wide, s.max_scale_error)  # half the points find the basin as well
+        wide, narrow = (
+            tuple(s.truncation_m * factor for factor in steps)
+            for steps in ((3, 3, 2, 2), (1.5, 1, 1))
+        )
+        near = refine(
+            surface, points[::2], start, wide, s.max_scale_error
+        )  # half the points find the basin as well
         return refine(surface, points, near, narrow, s.max_scale_error)
 
     def _judge(self, target: Segmentation, source: Segmentation, fine: Similarity) -> Alignment:
@@ -153,7 +175,12 @@ class SegmentRegistrar(Registrar):
         s = self._settings
         pairs = self._matched(target, source, fine)
         agreements = {
-            (i, j): measure(target.segments[j].points, fine.apply(source.segments[i].points), s.truncation_m, s.voxel_m)
+            (i, j): measure(
+                target.segments[j].points,
+                fine.apply(source.segments[i].points),
+                s.truncation_m,
+                s.voxel_m,
+            )
             for i, j in pairs
         }
         agreeing = tuple(pair for pair, a in agreements.items() if a.better.share >= s.min_overlap)

@@ -5,6 +5,17 @@ from enum import StrEnum
 from typing import Any
 
 import numpy as np
+from executive_plugins.registration.consistency import consistent_transforms
+from executive_plugins.registration.segment_fpfh import FpfhAndConstellation, SegmentFpfhSettings
+from executive_plugins.registration.segment_registrar import SegmentRegistrar
+from executive_plugins.registration.segment_settings import SegmentSettings
+from executive_plugins.registration.shot_features import (
+    describe_keypoints,
+    find_keypoints,
+    match_descriptors,
+)
+from executive_plugins.registration.stopwatch import Stopwatch
+from executive_plugins.registration.strategy import Strategy
 from pydantic import Field, model_validator
 
 from executive.arrays import Float
@@ -12,13 +23,6 @@ from executive.config import Meters
 from executive.interfaces.alignment import Aligner
 from executive.interfaces.segmentation import Segmenter
 from executive.messages.segment import Segment, Segmentation
-from plugins.registration.consistency import consistent_transforms
-from plugins.registration.segment_fpfh import FpfhAndConstellation, SegmentFpfhSettings
-from plugins.registration.segment_registrar import SegmentRegistrar
-from plugins.registration.segment_settings import SegmentSettings
-from plugins.registration.shot_features import describe_keypoints, find_keypoints, match_descriptors
-from plugins.registration.stopwatch import Stopwatch
-from plugins.registration.strategy import Strategy
 
 
 class Preset(StrEnum):
@@ -30,21 +34,43 @@ class Preset(StrEnum):
 
 # The paper's Table 3 gives R_iss and R_shot; its points are those of the map.
 _RADII = {
-    Preset.SURE: {"feature_voxel_m": 0.05, "iss_radius_m": 0.12, "keypoint_gap_m": 0.08, "shot_radius_m": 0.40},
-    Preset.PAPER: {"feature_voxel_m": 0.03, "iss_radius_m": 0.06, "keypoint_gap_m": 0.04, "shot_radius_m": 0.10},
+    Preset.SURE: {
+        "feature_voxel_m": 0.05,
+        "iss_radius_m": 0.12,
+        "keypoint_gap_m": 0.08,
+        "shot_radius_m": 0.40,
+    },
+    Preset.PAPER: {
+        "feature_voxel_m": 0.03,
+        "iss_radius_m": 0.06,
+        "keypoint_gap_m": 0.04,
+        "shot_radius_m": 0.10,
+    },
 }
 
 
 class SegmentShotSettings(SegmentSettings):
     """Radii of the features, sizes of the search, and the gate."""
 
-    preset: Preset = Field(Preset.SURE, description="Radii unless given one by one: sure, or the paper's.")
-    feature_voxel_m: Meters = Field(0.05, gt=0, description="Grid of the points that shape features [m].")
-    iss_radius_m: Meters = Field(0.12, gt=0, description="Salient radius of keypoints and normals, R_iss [m].")
-    keypoint_gap_m: Meters = Field(0.08, gt=0, description="A keypoint stands out among points this near [m].")
+    preset: Preset = Field(
+        Preset.SURE, description="Radii unless given one by one: sure, or the paper's."
+    )
+    feature_voxel_m: Meters = Field(
+        0.05, gt=0, description="Grid of the points that shape features [m]."
+    )
+    iss_radius_m: Meters = Field(
+        0.12, gt=0, description="Salient radius of keypoints and normals, R_iss [m]."
+    )
+    keypoint_gap_m: Meters = Field(
+        0.08, gt=0, description="A keypoint stands out among points this near [m]."
+    )
     shot_radius_m: Meters = Field(0.40, gt=0, description="Radius of descriptors, R_shot [m].")
-    max_matches: int = Field(600, ge=10, le=5000, description="Most matches that are looked at, the most alike.")
-    falls_back: bool = Field(True, description="Whether FPFH and constellations are tried when SHOT is refused.")
+    max_matches: int = Field(
+        600, ge=10, le=5000, description="Most matches that are looked at, the most alike."
+    )
+    falls_back: bool = Field(
+        True, description="Whether FPFH and constellations are tried when SHOT is refused."
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -66,15 +92,23 @@ class Shot(Strategy):
         s = self.settings
         with watch.stage("keypoints"):
             there, here = (
-                [find_keypoints(one, s.feature_voxel_m, s.iss_radius_m, s.keypoint_gap_m) for one in x.segments]
+                [
+                    find_keypoints(one, s.feature_voxel_m, s.iss_radius_m, s.keypoint_gap_m)
+                    for one in x.segments
+                ]
                 for x in (target, source)
             )
         with watch.stage("description"):
-            features = describe_keypoints(there, s.shot_radius_m), describe_keypoints(here, s.shot_radius_m)
+            features = (
+                describe_keypoints(there, s.shot_radius_m),
+                describe_keypoints(here, s.shot_radius_m),
+            )
         with watch.stage("matching"):
             matched = match_descriptors(*features, s.max_matches)
         with watch.stage("verification"):
-            return [*consistent_transforms(*matched, s.consistency_m, s.max_scale_error, s.candidates)]
+            return [
+                *consistent_transforms(*matched, s.consistency_m, s.max_scale_error, s.candidates)
+            ]
 
 
 class SegmentShot(SegmentRegistrar):
@@ -82,10 +116,14 @@ class SegmentShot(SegmentRegistrar):
 
     Settings = SegmentShotSettings
 
-    def __init__(self, settings: SegmentShotSettings, segmentation: Segmenter, alignment: Aligner) -> None:
+    def __init__(
+        self, settings: SegmentShotSettings, segmentation: Segmenter, alignment: Aligner
+    ) -> None:
         super().__init__(settings, segmentation, alignment)
         shared = settings.model_dump(include=set(SegmentSettings.model_fields))
-        others = (FpfhAndConstellation(SegmentFpfhSettings(**shared)),) if settings.falls_back else ()
+        others = (
+            (FpfhAndConstellation(SegmentFpfhSettings(**shared)),) if settings.falls_back else ()
+        )
         self._tried: tuple[Strategy, ...] = (Shot(settings), *others)
 
     def start(self) -> None:

@@ -1,10 +1,10 @@
 """Unique signatures of histograms (Tombari et al. 2010): what a surface looks like from its own frame of reference."""
 
 import numpy as np
+from executive_plugins.registration.eigen import sorted_eigenvectors
 from numba import njit
 
 from executive.arrays import Float, Int
-from plugins.registration.eigen import sorted_eigenvectors
 
 _AZIMUTHS, _ELEVATIONS, _SHELLS, _COSINES = 8, 2, 2, 11
 SHOT_LENGTH = _AZIMUTHS * _ELEVATIONS * _SHELLS * _COSINES  # 352
@@ -40,7 +40,11 @@ def shot_descriptors(
         frame = reference_frame(points, near, origin, normals[keypoints[k]], radius_m)
         frames[k] = frame
         for j in near:
-            dx, dy, dz = points[j, 0] - origin[0], points[j, 1] - origin[1], points[j, 2] - origin[2]
+            dx, dy, dz = (
+                points[j, 0] - origin[0],
+                points[j, 1] - origin[1],
+                points[j, 2] - origin[2],
+            )
             distance = np.sqrt(dx * dx + dy * dy + dz * dz)
             nx, ny, nz = normals[j]
             if distance > 1e-9 * radius_m and (nx != 0 or ny != 0 or nz != 0):
@@ -56,7 +60,9 @@ def shot_descriptors(
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def reference_frame(points: Float, near: Int, origin: Float, outward: Float, radius_m: float) -> Float:
+def reference_frame(
+    points: Float, near: Int, origin: Float, outward: Float, radius_m: float
+) -> Float:
     """Return a repeatable frame at a keypoint, rows x, y and z, from points weighted by their nearness (Eq. 1)."""
     scatter = np.zeros((3, 3))
     for j in near:
@@ -74,7 +80,9 @@ def reference_frame(points: Float, near: Int, origin: Float, outward: Float, rad
     ahead = 0
     for j in near:
         along = (
-            (points[j, 0] - origin[0]) * x[0] + (points[j, 1] - origin[1]) * x[1] + (points[j, 2] - origin[2]) * x[2]
+            (points[j, 0] - origin[0]) * x[0]
+            + (points[j, 1] - origin[1]) * x[1]
+            + (points[j, 2] - origin[2]) * x[2]
         )
         ahead += 1 if along >= 0 else -1
     x = x if ahead >= 0 else -x
@@ -83,11 +91,15 @@ def reference_frame(points: Float, near: Int, origin: Float, outward: Float, rad
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _vote(histogram: Float, direction: tuple[float, float, float], share: float, cosine: float) -> None:
+def _vote(
+    histogram: Float, direction: tuple[float, float, float], share: float, cosine: float
+) -> None:
     """Spread one neighbour over the two nearest bins of each of the four coordinates."""
     azimuth = (np.arctan2(direction[1], direction[0]) / (2 * np.pi) + 0.5) * _AZIMUTHS - 0.5
     height = min(max(direction[2], -1.0), 1.0)
-    elevation = min(max((np.arcsin(height) / np.pi + 0.5) * _ELEVATIONS - 0.5, 0.0), _ELEVATIONS - 1.0)
+    elevation = min(
+        max((np.arcsin(height) / np.pi + 0.5) * _ELEVATIONS - 0.5, 0.0), _ELEVATIONS - 1.0
+    )
     shell = min(max(share * _SHELLS - 0.5, 0.0), _SHELLS - 1.0)
     tilt = min(max((cosine + 1) / 2 * _COSINES - 0.5, 0.0), _COSINES - 1.0)
     a, e, s, c = int(np.floor(azimuth)), int(elevation), int(shell), int(tilt)

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import small_gicp
+from executive_plugins.registration.features import Features
+from executive_plugins.registration.iss import salient_points, surface_shapes
+from executive_plugins.registration.neighbours import neighbours_within
+from executive_plugins.registration.shot import SHOT_LENGTH, shot_descriptors
 
 from executive.arrays import Float, Int
 from executive.messages.segment import Segment
-from plugins.registration.features import Features
-from plugins.registration.iss import salient_points, surface_shapes
-from plugins.registration.neighbours import neighbours_within
-from plugins.registration.shot import SHOT_LENGTH, shot_descriptors
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,7 +24,9 @@ class Keypoints:
     rows: Int
 
 
-def find_keypoints(segment: Segment, voxel_m: float, iss_radius_m: float, gap_m: float) -> Keypoints:
+def find_keypoints(
+    segment: Segment, voxel_m: float, iss_radius_m: float, gap_m: float
+) -> Keypoints:
     """Thin a segment and find its ISS keypoints (Mascaro 2020, Sec. 4.4 step 2).
 
     Args:
@@ -33,7 +35,9 @@ def find_keypoints(segment: Segment, voxel_m: float, iss_radius_m: float, gap_m:
         iss_radius_m: Salient radius R_iss, and that of normals [m].
         gap_m: A keypoint is the most salient point within this distance [m].
     """
-    points = np.array(small_gicp.voxelgrid_sampling(segment.points - segment.centroid, voxel_m, 1).points()[:, :3])
+    points = np.array(
+        small_gicp.voxelgrid_sampling(segment.points - segment.centroid, voxel_m, 1).points()[:, :3]
+    )
     normals, saliencies = surface_shapes(points, *neighbours_within(points, points, iss_radius_m))
     rows = salient_points(saliencies, *neighbours_within(points, points, gap_m))
     return Keypoints(segment.centroid, points, normals, rows)

@@ -33,7 +33,9 @@ class Surface:
 
     def __init__(self, points: Float, normals: Float) -> None:
         self.points, self.normals = points, normals
-        self._tree = cKDTree(points, balanced_tree=False, compact_nodes=False)  # built in half the time
+        self._tree = cKDTree(
+            points, balanced_tree=False, compact_nodes=False
+        )  # built in half the time
 
     @classmethod
     def thinned(cls, points: Float, voxel_m: float) -> "Surface":
@@ -43,7 +45,9 @@ class Surface:
 
     def joined(self, other: "Surface") -> "Surface":
         """Return both as one surface."""
-        return Surface(np.vstack([self.points, other.points]), np.vstack([self.normals, other.normals]))
+        return Surface(
+            np.vstack([self.points, other.points]), np.vstack([self.normals, other.normals])
+        )
 
     def nearest(self, points: Float, max_distance_m: float) -> tuple[Float, Float]:
         """Return distances [m] (inf beyond the reach) and row numbers of the nearest surface points."""
@@ -52,7 +56,11 @@ class Surface:
 
 
 def refine(
-    surface: Surface, source: Float, start: Similarity, reaches_m: tuple[float, ...], max_scale_error: float
+    surface: Surface,
+    source: Float,
+    start: Similarity,
+    reaches_m: tuple[float, ...],
+    max_scale_error: float,
 ) -> Similarity:
     """Refine a similarity by Gauss-Newton on point-to-plane distances, with a shrinking reach.
 
@@ -70,13 +78,17 @@ def refine(
         paired = np.isfinite(distances)
         if paired.sum() < 20:  # seven unknowns need a few points on several faces
             return now
-        now = _step(now, moved[paired], surface.points[rows[paired]], surface.normals[rows[paired]], reach_m)
+        now = _step(
+            now, moved[paired], surface.points[rows[paired]], surface.normals[rows[paired]], reach_m
+        )
         bounded = float(np.clip(now.scale, 1 - max_scale_error, 1 + max_scale_error))
         now = now if bounded == now.scale else _rescaled(now, bounded, moved[paired].mean(axis=0))
     return now
 
 
-def _step(now: Similarity, moved: Float, partners: Float, normals: Float, reach_m: float) -> Similarity:
+def _step(
+    now: Similarity, moved: Float, partners: Float, normals: Float, reach_m: float
+) -> Similarity:
     centre = moved.mean(axis=0)
     arms = moved - centre
     residuals = np.einsum("ij,ij->i", moved - partners, normals)
@@ -86,7 +98,9 @@ def _step(now: Similarity, moved: Float, partners: Float, normals: Float, reach_
     rotation, shift, growth = np.split(-np.linalg.solve(H, J.T @ (weights * residuals)), [3, 6])
     turn, factor = exp_so3(rotation), float(np.exp(growth[0]))
     R, t = now.T_target_source[:3, :3], now.T_target_source[:3, 3]
-    return Similarity(pose(turn @ R, factor * turn @ (t - centre) + centre + shift), now.scale * factor)
+    return Similarity(
+        pose(turn @ R, factor * turn @ (t - centre) + centre + shift), now.scale * factor
+    )
 
 
 def _rescaled(now: Similarity, scale: float, centre: Float) -> Similarity:

@@ -2,9 +2,10 @@
 
 from abc import ABC, abstractmethod
 
+from executive_plugins.registration.stopwatch import Stopwatch
+
 from executive.arrays import Float
 from executive.messages.segment import Segmentation
-from plugins.registration.stopwatch import Stopwatch
 
 
 class Strategy(ABC):

@@ -7,7 +7,9 @@ from scipy.spatial.distance import cdist
 from executive.arrays import Float
 
 
-def matched_centroids(target: Float, moved: Float, max_distance_m: float) -> tuple[tuple[int, int], ...]:
+def matched_centroids(
+    target: Float, moved: Float, max_distance_m: float
+) -> tuple[tuple[int, int], ...]:
     """Pair each moved source centroid with at most one target centroid, nearest in sum.
 
     Deviation from the paper's nearest neighbour: one to one, so that two stones do not vote for the same partner.
@@ -25,4 +27,8 @@ def matched_centroids(target: Float, moved: Float, max_distance_m: float) -> tup
     distances = cdist(moved, target)
     costs = np.minimum(distances, max_distance_m)
     rows, columns = linear_sum_assignment(costs)
-    return tuple((int(i), int(j)) for i, j in zip(rows, columns, strict=True) if distances[i, j] < max_distance_m)
+    return tuple(
+        (int(i), int(j))
+        for i, j in zip(rows, columns, strict=True)
+        if distances[i, j] < max_distance_m
+    )

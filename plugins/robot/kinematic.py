@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from executive_plugins.robot.mujoco.follower import Follower
 from pydantic import Field
 
 from executive.arrays import Float
@@ -12,14 +13,13 @@ from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.pose import pose
 from executive.geometry.rotation import log_so3
 from executive.interfaces.robot import Robot, RobotSettings
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine
 from executive.messages.command import Command, Follow, MoveJaws
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.observation import Observation
-from plugins.robot.mujoco.follower import Follower
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine
 
 _STEP_S = 0.01  # 100 Hz: the rate of the IMUs and the encoders
 _GNSS_EVERY = 5  # steps: 20 Hz
@@ -29,10 +29,15 @@ _GRAVITY_M_S2 = 9.81
 class KinematicSettings(RobotSettings):
     """Settings of the machine without a world."""
 
-    jaws_stop_at: Radians = Field(0.4, ge=0, le=2, description="Angle at which closing jaws meet a stone [rad].")
-    fails_at_s: float | None = Field(None, ge=0, description="Mission time at which the machine stops answering [s].")
+    jaws_stop_at: Radians = Field(
+        0.4, ge=0, le=2, description="Angle at which closing jaws meet a stone [rad]."
+    )
+    fails_at_s: float | None = Field(
+        None, ge=0, description="Mission time at which the machine stops answering [s]."
+    )
     datum: tuple[float, float, float] = Field(
-        (47.4084, 8.5106, 440.0), description="Latitude [deg], longitude [deg], altitude [m] of the map's origin."
+        (47.4084, 8.5106, 440.0),
+        description="Latitude [deg], longitude [deg], altitude [m] of the map's origin.",
     )
 
 
@@ -52,7 +57,9 @@ class KinematicRobot(Robot):
         self._steps = 0
         self._T_map_base = pose(t=np.array([0.0, 0.0, machine.stance.base_height_m]))
         self._sensors = {n: s for n, s in machine.sensors.items() if s.kind in ("imu", "gnss")}
-        self._poses = [self._sensor_poses()] * 3  # of the last three steps: second differences give accelerations
+        self._poses = [
+            self._sensor_poses()
+        ] * 3  # of the last three steps: second differences give accelerations
 
     def read(self, until_s: float) -> Sequence[Observation]:
         fails_at_s = self._settings.fails_at_s
@@ -68,7 +75,11 @@ class KinematicRobot(Robot):
             self._follower.follow(command.trajectory, self._q)
         elif isinstance(command, MoveJaws):
             closing = command.position_rad < self._jaw
-            self._jaw_goal = max(command.position_rad, self._settings.jaws_stop_at) if closing else command.position_rad
+            self._jaw_goal = (
+                max(command.position_rad, self._settings.jaws_stop_at)
+                if closing
+                else command.position_rad
+            )
 
     def stop(self) -> None:
         self._follower.stop()
@@ -91,10 +102,18 @@ class KinematicRobot(Robot):
             np.append(self._dq, jaw_step / _STEP_S),
             np.zeros(len(self._q) + 1),
         )
-        imus = [self._imu(stamp_s, name) for name, sensor in self._sensors.items() if sensor.kind == "imu"]
+        imus = [
+            self._imu(stamp_s, name)
+            for name, sensor in self._sensors.items()
+            if sensor.kind == "imu"
+        ]
         fixes: list[Observation] = []
         if self._steps % _GNSS_EVERY == 0:
-            fixes = [self._fix(stamp_s, name) for name, sensor in self._sensors.items() if sensor.kind == "gnss"]
+            fixes = [
+                self._fix(stamp_s, name)
+                for name, sensor in self._sensors.items()
+                if sensor.kind == "gnss"
+            ]
         return [*imus, *fixes, joints]
 
     def _sensor_poses(self) -> dict[str, Float]:

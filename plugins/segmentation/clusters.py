@@ -10,7 +10,11 @@ from executive.arrays import Float, Int
 
 _BITS = 21  # a voxel's index along an axis; three of them fill 63 bits
 _OFFSETS = np.array(  # each pair of neighbours once: 13 of 26
-    [(x << (2 * _BITS)) + (y << _BITS) + z for x, y, z in product((-1, 0, 1), repeat=3) if (x, y, z) > (0, 0, 0)]
+    [
+        (x << (2 * _BITS)) + (y << _BITS) + z
+        for x, y, z in product((-1, 0, 1), repeat=3)
+        if (x, y, z) > (0, 0, 0)
+    ]
 )
 _MIX = 0x9E3779B97F4A7C1  # an odd constant that spreads neighbouring keys over the table
 

@@ -1,6 +1,17 @@
 """Segmentation by geometry: take the ground away, and what still hangs together is an object."""
 
 import numpy as np
+from executive_plugins.segmentation.clusters import connected_clusters
+from executive_plugins.segmentation.ground_plane import fit_ground_plane
+from executive_plugins.segmentation.parting import Parting
+from executive_plugins.segmentation.shape import (
+    counts_near,
+    moments,
+    planes_through,
+    principal_extents,
+    spans,
+)
+from executive_plugins.segmentation.terrain import fit_terrain
 from pydantic import Field
 
 from executive.arrays import Float
@@ -9,11 +20,6 @@ from executive.errors import DataError
 from executive.interfaces.segmentation import Segmenter
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment, Segmentation
-from plugins.segmentation.clusters import connected_clusters
-from plugins.segmentation.ground_plane import fit_ground_plane
-from plugins.segmentation.parting import Parting
-from plugins.segmentation.shape import counts_near, moments, planes_through, principal_extents, spans
-from plugins.segmentation.terrain import fit_terrain
 
 _GROUND_SAMPLE = 20_000  # points that shape the ground: 50 in a square metre over ±10 m
 _WIDEST_HEAP_M = 20.0  # what is wider is no heap of stones
@@ -22,22 +28,50 @@ _WIDEST_HEAP_M = 20.0  # what is wider is no heap of stones
 class GroundAndClustersSettings(Settings):
     """How the ground ends and an object begins."""
 
-    plane_margin_m: Meters = Field(0.10, gt=0, le=1, description="Height up to which points are ground, d_plane [m].")
-    max_tilt_rad: Radians = Field(np.pi / 6, gt=0, lt=np.pi / 2, description="Ground's largest angle to level [rad].")
-    node_m: Meters = Field(1.0, ge=0.2, le=10, description="Distance of the terrain grid's nodes [m].")
-    relief_m: Meters = Field(0.30, gt=0, le=2, description="Largest distance of ground from its mean plane [m].")
-    stiffness: float = Field(0.2, gt=0, description="Bending of the terrain grid against a cell full of points.")
-    voxel_m: Meters = Field(0.07, gt=0, le=1, description="Grid edge of the clustering: smaller gaps join [m].")
-    fine_voxel_m: Meters = Field(0.04, gt=0, le=1, description="Grid edge on which neighbours are parted [m].")
+    plane_margin_m: Meters = Field(
+        0.10, gt=0, le=1, description="Height up to which points are ground, d_plane [m]."
+    )
+    max_tilt_rad: Radians = Field(
+        np.pi / 6, gt=0, lt=np.pi / 2, description="Ground's largest angle to level [rad]."
+    )
+    node_m: Meters = Field(
+        1.0, ge=0.2, le=10, description="Distance of the terrain grid's nodes [m]."
+    )
+    relief_m: Meters = Field(
+        0.30, gt=0, le=2, description="Largest distance of ground from its mean plane [m]."
+    )
+    stiffness: float = Field(
+        0.2, gt=0, description="Bending of the terrain grid against a cell full of points."
+    )
+    voxel_m: Meters = Field(
+        0.07, gt=0, le=1, description="Grid edge of the clustering: smaller gaps join [m]."
+    )
+    fine_voxel_m: Meters = Field(
+        0.04, gt=0, le=1, description="Grid edge on which neighbours are parted [m]."
+    )
     cell_m: Meters = Field(0.05, gt=0, le=1, description="Grid edge of the view from above [m].")
-    valley_depth: float = Field(0.3, gt=0, le=1, description="Drop from a stone's top to the next, as a share.")
-    core_share: float = Field(0.85, gt=0, le=1, description="Share of a heap in its stones for parting it.")
+    valley_depth: float = Field(
+        0.3, gt=0, le=1, description="Drop from a stone's top to the next, as a share."
+    )
+    core_share: float = Field(
+        0.85, gt=0, le=1, description="Share of a heap in its stones for parting it."
+    )
     min_points: int = Field(60, ge=10, description="Fewer points are no object.")
-    min_extent_m: Meters = Field(0.25, gt=0, description="An object's longest side is at least this [m].")
-    max_extent_m: Meters = Field(3.0, gt=0, description="An object's longest side is at most this [m].")
-    min_height_m: Meters = Field(0.16, gt=0, description="An object rises at least this far above the ground [m].")
-    flat_margin_m: Meters = Field(0.03, gt=0, description="Distance from a plane that still is the plane [m].")
-    flat_share: float = Field(0.85, gt=0, le=1, description="Share of points on one plane above which it is no object.")
+    min_extent_m: Meters = Field(
+        0.25, gt=0, description="An object's longest side is at least this [m]."
+    )
+    max_extent_m: Meters = Field(
+        3.0, gt=0, description="An object's longest side is at most this [m]."
+    )
+    min_height_m: Meters = Field(
+        0.16, gt=0, description="An object rises at least this far above the ground [m]."
+    )
+    flat_margin_m: Meters = Field(
+        0.03, gt=0, description="Distance from a plane that still is the plane [m]."
+    )
+    flat_share: float = Field(
+        0.85, gt=0, le=1, description="Share of points on one plane above which it is no object."
+    )
     seed: int = Field(0, ge=0, description="Seed of the random samples.")
 
 
@@ -74,7 +108,9 @@ class GroundAndClusters(Segmenter):
         """
         settings, rng = self._settings, np.random.default_rng(self._settings.seed)
         if len(cloud) < settings.min_points:
-            raise DataError(f"a cloud of {len(cloud)} points has no ground to find; at least {settings.min_points}")
+            raise DataError(
+                f"a cloud of {len(cloud)} points has no ground to find; at least {settings.min_points}"
+            )
         sample = cloud.points[rng.integers(len(cloud), size=min(len(cloud), _GROUND_SAMPLE))]
         centre = sample.mean(axis=0)  # far from the origin, as in UTM, products would lose digits
         sample = sample - centre
@@ -93,18 +129,27 @@ class GroundAndClusters(Segmenter):
             ground_plane=np.array([*plane[:3], plane[3] + plane[:3] @ centre]),
         )
 
-    def _objects(self, points: Float, heights: Float, places: Float, rng: np.random.Generator) -> list[Float]:
+    def _objects(
+        self, points: Float, heights: Float, places: Float, rng: np.random.Generator
+    ) -> list[Float]:
         """Return the point sets that pass size and planarity checks, most points first."""
-        labels = connected_clusters(points, np.zeros(len(points), dtype=np.int64), self._settings.voxel_m)
+        labels = connected_clusters(
+            points, np.zeros(len(points), dtype=np.int64), self._settings.voxel_m
+        )
         order = np.argsort(labels, kind="stable")
         counts = np.bincount(labels)
         kept = []
         for members in np.split(order, np.cumsum(counts)[:-1]):
-            if len(members) < self._settings.min_points or spans(points[members]).max() > _WIDEST_HEAP_M:
+            if (
+                len(members) < self._settings.min_points
+                or spans(points[members]).max() > _WIDEST_HEAP_M
+            ):
                 continue
             for rows in self._parting.stones(points[members], places[members], heights[members]):
                 part = members[rows]
-                if heights[part].max() >= self._settings.min_height_m and self._is_object(points[part], rng):
+                if heights[part].max() >= self._settings.min_height_m and self._is_object(
+                    points[part], rng
+                ):
                     kept.append(points[part])
         return sorted(kept, key=len, reverse=True)
 
@@ -115,9 +160,9 @@ class GroundAndClusters(Segmenter):
             return False
         sample = part[rng.integers(len(part), size=min(len(part), 500))]
         planes = planes_through(sample, rng.integers(len(sample), size=(3, 100)))
-        return len(planes) > 0 and int(counts_near(sample, planes, settings.flat_margin_m).max()) < (
-            settings.flat_share * len(sample)
-        )
+        return len(planes) > 0 and int(
+            counts_near(sample, planes, settings.flat_margin_m).max()
+        ) < (settings.flat_share * len(sample))
 
 
 def _segment(number: int, points: Float) -> Segment:

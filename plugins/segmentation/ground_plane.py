@@ -1,10 +1,10 @@
 """The plane that carries most of a cloud: random sample consensus, then refits (Mascaro 2020, Sec. 4.3)."""
 
 import numpy as np
+from executive_plugins.segmentation.shape import counts_near, moments, planes_through
 
 from executive.arrays import Bool, Float
 from executive.errors import DataError
-from plugins.segmentation.shape import counts_near, moments, planes_through
 
 _SUBSAMPLE = 2000  # points that vote: 0.2 % resolution of the inlier share
 _HYPOTHESES = 160  # with half of the points on the ground, all miss it once in 10⁹ clouds
@@ -24,7 +24,9 @@ def plane_heights(points: Float, plane: Float) -> Float:
     return np.asarray(points @ plane[:3] - plane[3])
 
 
-def fit_ground_plane(points: Float, margin_m: float, max_tilt_rad: float, rng: np.random.Generator) -> Float:
+def fit_ground_plane(
+    points: Float, margin_m: float, max_tilt_rad: float, rng: np.random.Generator
+) -> Float:
     """Find the ground's mean plane.
 
     Args:
@@ -39,7 +41,9 @@ def fit_ground_plane(points: Float, margin_m: float, max_tilt_rad: float, rng: n
     Raises:
         DataError: If no plane within the tilt is carried by the points.
     """
-    sample = points[rng.permutation(len(points))[:_SUBSAMPLE]] if len(points) > _SUBSAMPLE else points
+    sample = (
+        points[rng.permutation(len(points))[:_SUBSAMPLE]] if len(points) > _SUBSAMPLE else points
+    )
     planes = planes_through(sample, rng.integers(len(sample), size=(3, _HYPOTHESES)))
     planes = planes[planes[:, 2] >= np.cos(max_tilt_rad)]
     if not len(planes):

@@ -8,12 +8,12 @@ comes apart is believed if each part is a stone by itself and together they are 
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.segmentation.clusters import connected_clusters
+from executive_plugins.segmentation.shape import spans
+from executive_plugins.segmentation.watershed import basins
 from scipy.spatial import cKDTree
 
 from executive.arrays import Bool, Float, Int
-from plugins.segmentation.clusters import connected_clusters
-from plugins.segmentation.shape import spans
-from plugins.segmentation.watershed import basins
 
 _DENSE = 1.5  # voxels to the fourth neighbour; parts of one stone had 1.6 to 2.4, whole neighbours 0.8 to 1.5
 
@@ -58,7 +58,11 @@ class Parting:
 
     def _believed(self, labels: Int, points: Float, heights: Float) -> list[Int]:
         counts = np.bincount(labels)
-        cores = [c for c in np.flatnonzero(counts >= self.least_points) if self._is_stone(labels == c, points, heights)]
+        cores = [
+            c
+            for c in np.flatnonzero(counts >= self.least_points)
+            if self._is_stone(labels == c, points, heights)
+        ]
         if len(cores) >= 2:
             cores = [c for c in cores if self._is_dense(points[labels == c])]
         if len(cores) < 2 or counts[cores].sum() < self.least_share * len(points):
@@ -73,7 +77,9 @@ class Parting:
 
     def _is_stone(self, rows: Bool, points: Float, heights: Float) -> bool:
         part = points[rows]
-        return bool(heights[rows].max() >= self.least_height_m and spans(part).max() >= self.least_extent_m)
+        return bool(
+            heights[rows].max() >= self.least_height_m and spans(part).max() >= self.least_extent_m
+        )
 
     def _is_dense(self, part: Float) -> bool:
         """Tell whether a gap is more than thin sampling: most points have four others within 1.5 voxels."""

@@ -33,7 +33,9 @@ def spans(points: Float, axes: Float = _AXES) -> Float:
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for i in range(len(points)):
         for a in range(3):
-            along = points[i, 0] * axes[0, a] + points[i, 1] * axes[1, a] + points[i, 2] * axes[2, a]
+            along = (
+                points[i, 0] * axes[0, a] + points[i, 1] * axes[1, a] + points[i, 2] * axes[2, a]
+            )
             low[a], high[a] = min(low[a], along), max(high[a], along)
     extents: Float = high - low
     return extents

@@ -8,13 +8,13 @@ grid that follows the ground over metres but is too stiff to climb onto a stone.
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.segmentation.ground_plane import plane_heights
 from numba import njit
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from executive.arrays import Float, Int
 from executive.errors import DataError
-from plugins.segmentation.ground_plane import plane_heights
 
 _MAX_NODES = 40_000  # 200 m × 200 m at nodes of 1 m; more is a wrong unit, not a site
 _FULL_COUNT = 30.0  # points in a cell for its full weight
@@ -48,7 +48,9 @@ class Terrain:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _heights(points: Float, centre: Float, frame: tuple[Float, float, Float], node_m: float, grid: Float) -> Float:
+def _heights(
+    points: Float, centre: Float, frame: tuple[Float, float, Float], node_m: float, grid: Float
+) -> Float:
     """Take each point's distance from the plane, and the bilinear height of the grid from that."""
     R, offset_m, origin = frame
     nx, ny = grid.shape
@@ -80,7 +82,11 @@ def _bending(nx: int, ny: int) -> tuple[Int, Int, Float]:
     """
     strides, lengths = (ny, 1), (nx, ny)
     size = nx * ny + 9 * (max(nx - 2, 0) * ny + nx * max(ny - 2, 0))
-    rows, columns, values = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64), np.empty(size)
+    rows, columns, values = (
+        np.empty(size, dtype=np.int64),
+        np.empty(size, dtype=np.int64),
+        np.empty(size),
+    )
     for n in range(nx * ny):
         rows[n], columns[n], values[n] = n, n, 0.0
     count = nx * ny
@@ -119,7 +125,9 @@ def _node_means(
     return counts, sums / np.maximum(counts, 1)
 
 
-def fit_terrain(points: Float, plane: Float, node_m: float, relief_m: float, stiffness: float) -> Terrain:
+def fit_terrain(
+    points: Float, plane: Float, node_m: float, relief_m: float, stiffness: float
+) -> Terrain:
     """Lay a stiff grid onto the ground, leaving out step by step what rises from it.
 
     Args:
@@ -138,7 +146,9 @@ def fit_terrain(points: Float, plane: Float, node_m: float, relief_m: float, sti
     shape = tuple(int(n) for n in np.maximum(np.ceil(np.ptp(uv, axis=0) / node_m), 1) + 1)
     if shape[0] * shape[1] > _MAX_NODES:
         spans = " × ".join(f"{span:.0f}" for span in np.ptp(uv, axis=0))
-        raise DataError(f"the cloud spans {spans} m, more than a site; crop it, or check that its unit is the metre")
+        raise DataError(
+            f"the cloud spans {spans} m, more than a site; crop it, or check that its unit is the metre"
+        )
     nodes = np.rint((uv - origin) / node_m).astype(np.int64) @ np.array([shape[1], 1])
     size = shape[0] * shape[1]
     system, diagonal = _stiff(shape, stiffness)
@@ -150,5 +160,7 @@ def fit_terrain(points: Float, plane: Float, node_m: float, relief_m: float, sti
         counts, means = _node_means(terrain.heights_above(points), heights, nodes, limits, size)
         weights = np.minimum(counts / _FULL_COUNT, 1.0)
         system.data[diagonal] = free + weights
-        terrain = Terrain(plane, R, origin, node_m, splu(system).solve(weights * means).reshape(shape))
+        terrain = Terrain(
+            plane, R, origin, node_m, splu(system).solve(weights * means).reshape(shape)
+        )
     return terrain

@@ -7,7 +7,9 @@ from executive.arrays import Float, Int
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def basins(places: Float, heights: Float, cell_m: float, least_drop: float, least_cells: int) -> Int:
+def basins(
+    places: Float, heights: Float, cell_m: float, least_drop: float, least_cells: int
+) -> Int:
     """Part points by the watershed of their upper surface.
 
     Cells of a grid are flooded from the top. Where two summits meet at a pass, they stay two if the pass lies deep
@@ -37,7 +39,9 @@ def basins(places: Float, heights: Float, cell_m: float, least_drop: float, leas
                 summit_of[cell] = theirs
             mine = _root(parents, summit_of[cell])
             low, high = (mine, theirs) if tops[mine] < tops[theirs] else (theirs, mine)
-            if low != high and (tops[low] - tops[cell] < least_drop * tops[low] or areas[low] < least_cells):
+            if low != high and (
+                tops[low] - tops[cell] < least_drop * tops[low] or areas[low] < least_cells
+            ):
                 parents[low] = high
                 areas[high] += areas[low]
         if summit_of[cell] < 0:
@@ -58,7 +62,11 @@ def _upper_surface(places: Float, heights: Float, cell_m: float) -> tuple[Int, i
     width = int((places[:, 1].max() - low_y) / cell_m) + 3
     cells, tops = np.empty(len(places), dtype=np.int64), np.zeros(rows * width)
     for i in range(len(places)):
-        cell = (int((places[i, 0] - low_x) / cell_m) + 1) * width + int((places[i, 1] - low_y) / cell_m) + 1
+        cell = (
+            (int((places[i, 0] - low_x) / cell_m) + 1) * width
+            + int((places[i, 1] - low_y) / cell_m)
+            + 1
+        )
         cells[i] = cell
         tops[cell] = max(tops[cell], heights[i])
     return cells, width, tops

@@ -37,7 +37,9 @@ class CameraAlignment:
         return np.asarray(self.scale * points_model @ self.R.T + self.t)
 
 
-def align_cameras(centres_model: Float, positions_m: Float, rng: np.random.Generator) -> CameraAlignment:
+def align_cameras(
+    centres_model: Float, positions_m: Float, rng: np.random.Generator
+) -> CameraAlignment:
     """Find the similarity from cameras to rough positions (Mascaro 2020, Sec. 4.1), some of which may be far off.
 
     The least median of squares over random triples tells which positions agree (Rousseeuw 1984: no threshold, up to
@@ -57,17 +59,29 @@ def align_cameras(centres_model: Float, positions_m: Float, rng: np.random.Gener
     best = np.full(count, np.inf)
     for _ in range(_TRIALS):
         triple = rng.choice(count, 3, replace=False)
-        squares = _squares(umeyama(centres_model[triple], positions_m[triple]), centres_model, positions_m)
+        squares = _squares(
+            umeyama(centres_model[triple], positions_m[triple]), centres_model, positions_m
+        )
         if np.median(squares) < np.median(best):
             best = squares
-    deviation_m = 1.4826 * (1 + 5 / max(count - 3, 1)) * np.sqrt(np.median(best))  # of a normal distribution
-    is_used = best <= (_SIGMAS * deviation_m) ** 2 + 1e-18 if np.isfinite(best).all() else np.ones(count, bool)
+    deviation_m = (
+        1.4826 * (1 + 5 / max(count - 3, 1)) * np.sqrt(np.median(best))
+    )  # of a normal distribution
+    is_used = (
+        best <= (_SIGMAS * deviation_m) ** 2 + 1e-18
+        if np.isfinite(best).all()
+        else np.ones(count, bool)
+    )
     motion = umeyama(centres_model[is_used], positions_m[is_used])
     used = int(is_used.sum())
     squares = _squares(motion, centres_model, positions_m)[is_used]
     per_axis_m = np.sqrt(squares.sum() / max(3 * used - 7, 1))  # seven numbers were fitted
-    spread_m = motion[0] * np.linalg.norm(centres_model[is_used] - centres_model[is_used].mean(axis=0))
-    return CameraAlignment(*motion, is_used, float(np.sqrt(squares.mean())), float(per_axis_m / spread_m))
+    spread_m = motion[0] * np.linalg.norm(
+        centres_model[is_used] - centres_model[is_used].mean(axis=0)
+    )
+    return CameraAlignment(
+        *motion, is_used, float(np.sqrt(squares.mean())), float(per_axis_m / spread_m)
+    )
 
 
 def umeyama(source: Float, target: Float) -> tuple[float, Float, Float]:
@@ -87,7 +101,9 @@ def _squares(motion: tuple[float, Float, Float], source: Float, target: Float) -
 
 def _check_spread(centres: Float) -> None:
     if len(centres) < 4:
-        raise DataError(f"{len(centres)} pictures with a place: at least 4 give a scale; fly more pictures")
+        raise DataError(
+            f"{len(centres)} pictures with a place: at least 4 give a scale; fly more pictures"
+        )
     spreads = np.linalg.svd(centres - centres.mean(axis=0), compute_uv=False)
     if spreads[1] < _LEAST_WIDTH * spreads[0]:
         raise DataError(

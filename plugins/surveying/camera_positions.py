@@ -14,7 +14,15 @@ from executive.geometry.geodesy import enu_from_geodetic
 
 TABLE = "positions.csv"
 _LOCAL, _GEODETIC = ("x", "y", "z"), ("lat", "lon", "alt")
-_GPS, _LATITUDE_REF, _LATITUDE, _LONGITUDE_REF, _LONGITUDE, _BELOW_SEA, _ALTITUDE = 0x8825, 1, 2, 3, 4, 5, 6
+_GPS, _LATITUDE_REF, _LATITUDE, _LONGITUDE_REF, _LONGITUDE, _BELOW_SEA, _ALTITUDE = (
+    0x8825,
+    1,
+    2,
+    3,
+    4,
+    5,
+    6,
+)
 
 
 def positions_of(pictures: Sequence[Path], table: Path | None) -> Float:
@@ -49,7 +57,9 @@ def _from_table(table: Path) -> Mapping[str, Float]:
         raise DataError(f"{table}: cannot be read as a table: {error}") from error
     header = tuple(cell.lower() for cell in rows[0]) if rows else ()
     if header not in (("name", *_LOCAL), ("name", *_GEODETIC)):
-        raise DataError(f"{table}:1: the first line is {','.join(header)!r}; wanted is name,x,y,z or name,lat,lon,alt")
+        raise DataError(
+            f"{table}:1: the first line is {','.join(header)!r}; wanted is name,x,y,z or name,lat,lon,alt"
+        )
     values = {row[0]: _numbers(table, i, row) for i, row in enumerate(rows[1:], 2)}
     if header[1:] == _GEODETIC:
         return _enu(values, str(table))
@@ -95,6 +105,8 @@ def _degrees(parts: Any) -> float:
 def _enu(geodetic: Mapping[str, Float], where: str) -> Mapping[str, Float]:
     for name, (latitude, longitude, _) in geodetic.items():
         if not (-90 <= latitude <= 90 and -180 <= longitude <= 180):
-            raise DataError(f"{where}: {name}: {latitude:g}, {longitude:g} is no latitude and longitude in degrees")
+            raise DataError(
+                f"{where}: {name}: {latitude:g}, {longitude:g} is no latitude and longitude in degrees"
+            )
     datum = next(iter(geodetic.values()), np.zeros(3))
     return {name: enu_from_geodetic(position, datum) for name, position in geodetic.items()}

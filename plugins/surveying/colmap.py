@@ -4,14 +4,14 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
+from executive_plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
+from executive_plugins.surveying.photograph_folder import Photographs, read_photographs
+from executive_plugins.surveying.structure_from_motion import load_pycolmap
 from pydantic import Field
 
 from executive.config import Settings
 from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
-from plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
-from plugins.surveying.photograph_folder import Photographs, read_photographs
-from plugins.surveying.structure_from_motion import load_pycolmap
 
 FEWEST_PICTURES = 6
 
@@ -19,9 +19,12 @@ FEWEST_PICTURES = 6
 class ColmapSettings(PhotogrammetrySettings):
     """Which photographs, and how they are made into a cloud."""
 
-    photographs: Path = Field(description="Folder of JPEG or PNG files from one camera, which overlap.")
+    photographs: Path = Field(
+        description="Folder of JPEG or PNG files from one camera, which overlap."
+    )
     positions: Path | None = Field(
-        None, description="CSV: name,x,y,z or name,lat,lon,alt; else positions.csv among them, else their GPS tags."
+        None,
+        description="CSV: name,x,y,z or name,lat,lon,alt; else positions.csv among them, else their GPS tags.",
     )
 
 
@@ -29,7 +32,9 @@ class Colmap(Survey):
     """Makes a folder of pictures into a cloud that is metric and upright as far as the rough positions say."""
 
     Settings: ClassVar[type[Settings]] = ColmapSettings
-    latency_s: ClassVar[dict[str, float]] = {"survey": 1.0}  # made before the machine drives in: it is handed over
+    latency_s: ClassVar[dict[str, float]] = {
+        "survey": 1.0
+    }  # made before the machine drives in: it is handed over
     is_stateless: ClassVar[bool] = True
 
     def __init__(self, settings: ColmapSettings) -> None:
@@ -54,4 +59,6 @@ class Colmap(Survey):
         return reconstruct(self._photographs(), self._settings, rng).cloud
 
     def _photographs(self) -> Photographs:
-        return read_photographs(self._settings.photographs, self._settings.positions, FEWEST_PICTURES)
+        return read_photographs(
+            self._settings.photographs, self._settings.positions, FEWEST_PICTURES
+        )

@@ -10,28 +10,36 @@ import typer
 from executive.errors import ConfigError
 
 if TYPE_CHECKING:
-    from plugins.surveying.photogrammetry import Photogrammetry
+    from executive_plugins.surveying.photogrammetry import Photogrammetry
 
 
 def survey(
     photographs: Annotated[Path, typer.Argument(help="Folder of a drone's pictures, JPEG or PNG.")],
     out: Annotated[Path, typer.Option(help="PLY file for the cloud, in metres, z up.")],
-    positions: Annotated[Path | None, typer.Option(help="CSV: name,x,y,z or name,lat,lon,alt.")] = None,
-    view_angle: Annotated[float | None, typer.Option(help="Opening angle across a picture's width [deg].")] = None,
+    positions: Annotated[
+        Path | None, typer.Option(help="CSV: name,x,y,z or name,lat,lon,alt.")
+    ] = None,
+    view_angle: Annotated[
+        float | None, typer.Option(help="Opening angle across a picture's width [deg].")
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="All chance follows from it.")] = 1,
-    as_json: Annotated[bool, typer.Option("--json", help="Answer on standard output, for machines.")] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Answer on standard output, for machines.")
+    ] = False,
 ) -> None:
     """Make a drone's photographs into a cloud, on the processor; a minute or two for forty pictures."""
     import numpy as np
+    from executive_plugins.surveying.colmap import FEWEST_PICTURES
+    from executive_plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
+    from executive_plugins.surveying.photograph_folder import read_photographs
+    from executive_plugins.surveying.structure_from_motion import MotionSettings
 
     from executive.clouds.coloured_ply import write_parts
-    from plugins.surveying.colmap import FEWEST_PICTURES
-    from plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
-    from plugins.surveying.photograph_folder import read_photographs
-    from plugins.surveying.structure_from_motion import MotionSettings
 
     _refuse(out, view_angle)
-    motion = MotionSettings(view_angle_rad=None if view_angle is None else float(np.radians(view_angle)))
+    motion = MotionSettings(
+        view_angle_rad=None if view_angle is None else float(np.radians(view_angle))
+    )
     found = reconstruct(
         read_photographs(photographs, positions, FEWEST_PICTURES),
         PhotogrammetrySettings(motion=motion),

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from executive_plugins.surveying.plane_sweep import Grey, View, sweep
+from executive_plugins.surveying.structure_from_motion import PosedPicture
 from numba import njit
 from PIL import Image
 from pydantic import Field
@@ -13,8 +15,6 @@ from scipy.ndimage import map_coordinates
 from executive.arrays import Bool, Float
 from executive.config import Meters, Radians, Settings
 from executive.errors import DataError
-from plugins.surveying.plane_sweep import Grey, View, sweep
-from plugins.surveying.structure_from_motion import PosedPicture
 
 _PLANES_MOST = 250
 _STEP_PIXELS = 1.25  # between planes: half a pixel between views 25° apart
@@ -24,15 +24,27 @@ _CHANCE = 3  # so many of the highest and of the lowest sparse points may be wro
 class DepthSettings(Settings):
     """How finely and how strictly depth is measured."""
 
-    pixel_m: Meters = Field(0.022, gt=0.001, le=1, description="A pixel of the depth maps on the ground [m].")
-    window_px: int = Field(5, ge=3, le=21, description="Side of the window that is compared [px]; odd.")
+    pixel_m: Meters = Field(
+        0.022, gt=0.001, le=1, description="A pixel of the depth maps on the ground [m]."
+    )
+    window_px: int = Field(
+        5, ge=3, le=21, description="Side of the window that is compared [px]; odd."
+    )
     compared: int = Field(4, ge=1, le=20, description="Neighbours that a picture is compared with.")
-    angle_rad: Radians = Field(0.3, gt=0.02, le=1, description="Best angle between two views of a point [rad].")
+    angle_rad: Radians = Field(
+        0.3, gt=0.02, le=1, description="Best angle between two views of a point [rad]."
+    )
     least_score: float = Field(0.6, ge=0, lt=1, description="Lowest correlation that is believed.")
-    confirmed_by: int = Field(2, ge=1, le=20, description="Other depth maps that must show the same point.")
+    confirmed_by: int = Field(
+        2, ge=1, le=20, description="Other depth maps that must show the same point."
+    )
     tolerance: float = Field(0.004, gt=0, le=0.1, description="Within this share of the distance.")
-    below_m: Meters = Field(0.2, ge=0, le=20, description="Swept below the lowest sparse points [m].")
-    above_m: Meters = Field(0.5, ge=0, le=20, description="Swept above the highest sparse points [m].")
+    below_m: Meters = Field(
+        0.2, ge=0, le=20, description="Swept below the lowest sparse points [m]."
+    )
+    above_m: Meters = Field(
+        0.5, ge=0, le=20, description="Swept above the highest sparse points [m]."
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +69,9 @@ def find_ground(points: Float, centres: Float, settings: DepthSettings) -> Groun
         DataError: If there are hardly any points.
     """
     if len(points) < 50:
-        raise DataError(f"only {len(points)} points were found in several pictures; the ground is too bare to be seen")
+        raise DataError(
+            f"only {len(points)} points were found in several pictures; the ground is too bare to be seen"
+        )
     normal, offset = np.zeros(3), 0.0
     kept = points
     for _ in range(10):
@@ -71,11 +85,17 @@ def find_ground(points: Float, centres: Float, settings: DepthSettings) -> Groun
     # Stones have few of the points, less than one in a hundred: what is highest counts, but for the very highest.
     heights = np.sort(points @ normal)
     low, high = heights[_CHANCE] - settings.below_m, heights[-1 - _CHANCE] + settings.above_m
-    planes = int(np.clip(np.ceil((high - low) / (_STEP_PIXELS * settings.pixel_m)) + 1, 8, _PLANES_MOST))
-    return Ground(normal, np.linspace(low, high, planes), float(np.median(centres @ normal)) - offset)
+    planes = int(
+        np.clip(np.ceil((high - low) / (_STEP_PIXELS * settings.pixel_m)) + 1, 8, _PLANES_MOST)
+    )
+    return Ground(
+        normal, np.linspace(low, high, planes), float(np.median(centres @ normal)) - offset
+    )
 
 
-def make_view(picture: PosedPicture, folder: Path, T_optical_survey: Float, focal_px: float) -> View:
+def make_view(
+    picture: PosedPicture, folder: Path, T_optical_survey: Float, focal_px: float
+) -> View:
     """Read a picture in grey, without distortion, thinned to a focal length [px].
 
     Raises:
@@ -91,7 +111,9 @@ def make_view(picture: PosedPicture, folder: Path, T_optical_survey: Float, foca
     rays = np.stack([u, v, np.ones_like(u)], axis=-1).reshape(-1, 3) @ np.linalg.inv(K).T
     # COLMAP counts pixels from the corner of the first, we from its middle.
     x, y = (camera.img_from_cam(rays) * [width / camera.width, height / camera.height] - 0.5).T
-    straight = map_coordinates(grey, np.stack([y, x]), order=1, mode="nearest").reshape(height, width)
+    straight = map_coordinates(grey, np.stack([y, x]), order=1, mode="nearest").reshape(
+        height, width
+    )
     return View(straight.astype(np.float32), K, T_optical_survey)
 
 
@@ -102,11 +124,15 @@ def _grey(path: Path, size_px: tuple[int, int], wanted_px: tuple[int, int]) -> G
                 raise DataError(f"{path}: is turned by its tags; save it upright, without the tag")
             small = image.convert("L").resize(wanted_px, Image.Resampling.BOX)
     except OSError as error:
-        raise DataError(f"{path}: cannot be read whole ({error}); copy it again, or take it out") from error
+        raise DataError(
+            f"{path}: cannot be read whole ({error}); copy it again, or take it out"
+        ) from error
     return np.asarray(small, dtype=np.float32)
 
 
-def neighbours_of(pictures: Sequence[PosedPicture], points: Float, angle_rad: float, count: int) -> list[list[int]]:
+def neighbours_of(
+    pictures: Sequence[PosedPicture], points: Float, angle_rad: float, count: int
+) -> list[list[int]]:
     """Return for each picture those that see most of the same points from an angle that is good for depth.
 
     A shared point counts by how near its angle is to the best one, as a bell whose width is half of it: nearer views
@@ -135,7 +161,9 @@ def _unit(vectors: Float) -> Float:
     return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
 
 
-def measure_depth(views: Sequence[View], neighbours: list[list[int]], ground: Ground, s: DepthSettings) -> list[Float]:
+def measure_depth(
+    views: Sequence[View], neighbours: list[list[int]], ground: Ground, s: DepthSettings
+) -> list[Float]:
     """Return one depth map a view [m], NaN where it is not to be believed."""
     maps = []
     for view, others in zip(views, neighbours, strict=True):
@@ -148,7 +176,9 @@ def measure_depth(views: Sequence[View], neighbours: list[list[int]], ground: Gr
     return maps
 
 
-def confirmed(view: View, depth: Float, others: Sequence[tuple[View, Float]], settings: DepthSettings) -> Bool:
+def confirmed(
+    view: View, depth: Float, others: Sequence[tuple[View, Float]], settings: DepthSettings
+) -> Bool:
     """Say for each pixel whether enough other depth maps show the same point, shape (h, w)."""
     points = view.centre + view.rays() * depth[..., None]
     votes = np.zeros(depth.shape, dtype=np.int64)

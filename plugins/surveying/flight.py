@@ -13,10 +13,18 @@ class FlightSettings(Settings):
     """About twenty pictures from above and around: slanted ones from an outer ring, steep ones from an inner one."""
 
     cameras: int = Field(20, ge=3, le=200, description="Number of pictures.")
-    centre_m: tuple[float, float] = Field((3.7, 0.0), description="Middle of the surveyed ground in the map [m].")
-    size_m: tuple[float, float] = Field((8.4, 15.8), description="Sides of the surveyed ground along x and y [m].")
-    height_m: Meters = Field(8.0, gt=1, le=100, description="Height of the pictures above the map's origin [m].")
-    view_angle_rad: Radians = Field(1.2, gt=0.2, lt=2.5, description="Opening angle of the camera [rad].")
+    centre_m: tuple[float, float] = Field(
+        (3.7, 0.0), description="Middle of the surveyed ground in the map [m]."
+    )
+    size_m: tuple[float, float] = Field(
+        (8.4, 15.8), description="Sides of the surveyed ground along x and y [m]."
+    )
+    height_m: Meters = Field(
+        8.0, gt=1, le=100, description="Height of the pictures above the map's origin [m]."
+    )
+    view_angle_rad: Radians = Field(
+        1.2, gt=0.2, lt=2.5, description="Opening angle of the camera [rad]."
+    )
     rays: int = Field(110, ge=10, le=1000, description="Rays along each side of a picture.")
 
 
@@ -31,16 +39,25 @@ class Picture:
 def take_pictures(settings: FlightSettings, rng: np.random.Generator) -> list[Picture]:
     """Fly both rings, with a pilot's unsteadiness; three pictures in four are slanted."""
     slanted = settings.cameras - settings.cameras // 4
-    return [*_ring(settings, slanted, 0.65, 0.35, rng), *_ring(settings, settings.cameras // 4, 0.3, 0.3, rng)]
+    return [
+        *_ring(settings, slanted, 0.65, 0.35, rng),
+        *_ring(settings, settings.cameras // 4, 0.3, 0.3, rng),
+    ]
 
 
-def _ring(settings: FlightSettings, count: int, radius: float, aim: float, rng: np.random.Generator) -> list[Picture]:
+def _ring(
+    settings: FlightSettings, count: int, radius: float, aim: float, rng: np.random.Generator
+) -> list[Picture]:
     """Fly an ellipse; radius and aim are where cameras are and where they look, as a share of the ground's sides."""
     pictures = []
     for angle in 2 * np.pi * (np.arange(count) + rng.uniform(-0.3, 0.3, count)) / max(count, 1):
-        outwards = np.array([np.cos(angle) * settings.size_m[0], np.sin(angle) * settings.size_m[1], 0.0])
+        outwards = np.array(
+            [np.cos(angle) * settings.size_m[0], np.sin(angle) * settings.size_m[1], 0.0]
+        )
         centre = np.array([*settings.centre_m, 0.0])
-        position = centre + radius * outwards + [0.0, 0.0, settings.height_m * rng.uniform(0.9, 1.1)]
+        position = (
+            centre + radius * outwards + [0.0, 0.0, settings.height_m * rng.uniform(0.9, 1.1)]
+        )
         pictures.append(Picture(position, _rays(centre + aim * outwards - position, settings, rng)))
     return pictures
 
@@ -49,10 +66,14 @@ def _rays(forward: Float, settings: FlightSettings, rng: np.random.Generator) ->
     """Return the rays of a square picture around a viewing direction, jittered within their pixels, shape (N, 3)."""
     forward = forward / np.linalg.norm(forward)
     right = np.cross(forward, [0.0, 0.0, 1.0])
-    right = right / np.linalg.norm(right) if np.linalg.norm(right) > 1e-6 else np.array([1.0, 0.0, 0.0])
+    right = (
+        right / np.linalg.norm(right) if np.linalg.norm(right) > 1e-6 else np.array([1.0, 0.0, 0.0])
+    )
     down = np.cross(forward, right)
     n = settings.rays
-    pixels = (np.stack(np.meshgrid(np.arange(n), np.arange(n)), axis=-1) + rng.random((n, n, 2))) / n - 0.5
+    pixels = (
+        np.stack(np.meshgrid(np.arange(n), np.arange(n)), axis=-1) + rng.random((n, n, 2))
+    ) / n - 0.5
     across = 2 * np.tan(settings.view_angle_rad / 2) * pixels.reshape(-1, 2)
     rays = forward + across[:, :1] * right + across[:, 1:] * down
     return np.asarray(rays / np.linalg.norm(rays, axis=1, keepdims=True))

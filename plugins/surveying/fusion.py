@@ -14,7 +14,9 @@ _NEIGHBOURS = 16  # of a point, for its normal
 def below_flight(points: Float, centres: Float, margin_m: float) -> Bool:
     """Say which points (N, 3) lie below the outline of the cameras (C, 3), grown by a margin [m]."""
     hull = ConvexHull(centres[:, :2])
-    return np.asarray((points[:, :2] @ hull.equations[:, :2].T + hull.equations[:, 2] <= margin_m).all(axis=1))
+    return np.asarray(
+        (points[:, :2] @ hull.equations[:, :2].T + hull.equations[:, 2] <= margin_m).all(axis=1)
+    )
 
 
 def fuse(parts: Iterable[tuple[Float, Float]], voxel_m: float, fewest: int) -> tuple[Float, Float]:
@@ -33,7 +35,9 @@ def fuse(parts: Iterable[tuple[Float, Float]], voxel_m: float, fewest: int) -> t
         towards = (centre - seen) / np.linalg.norm(centre - seen, axis=1, keepdims=True)
         # One part after the other is added to the cells: all points at once would take a gigabyte.
         keys = np.concatenate([keys, _keys(seen, voxel_m)])
-        keys, sums = _added(keys, np.concatenate([sums, np.column_stack([seen, towards, np.ones(len(seen))])]))
+        keys, sums = _added(
+            keys, np.concatenate([sums, np.column_stack([seen, towards, np.ones(len(seen))])])
+        )
     merged = sums[sums[:, 6] >= fewest]
     merged = merged[:, :6] / merged[:, 6:]
     return merged[:, :3], _normals(merged[:, :3], merged[:, 3:])
@@ -48,7 +52,9 @@ def _keys(points: Float, voxel_m: float) -> Int:
 def _added(keys: Int, rows: Float) -> tuple[Int, Float]:
     """Return each key once, rising, and the sum of its rows."""
     unique, place = np.unique(keys, return_inverse=True)
-    return unique, np.stack([np.bincount(place, weights=column, minlength=len(unique)) for column in rows.T], axis=1)
+    return unique, np.stack(
+        [np.bincount(place, weights=column, minlength=len(unique)) for column in rows.T], axis=1
+    )
 
 
 def _normals(points: Float, towards: Float) -> Float:

@@ -3,15 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from pydantic import Field
-
-from executive.arrays import Float
-from executive.config import Meters, Settings
-from executive.errors import DataError
-from executive.geometry.pose import pose
-from executive.messages.cloud import Cloud
-from plugins.surveying.camera_alignment import CameraAlignment, align_cameras
-from plugins.surveying.depth_maps import (
+from executive_plugins.surveying.camera_alignment import CameraAlignment, align_cameras
+from executive_plugins.surveying.depth_maps import (
     DepthSettings,
     confirmed,
     find_ground,
@@ -19,10 +12,22 @@ from plugins.surveying.depth_maps import (
     measure_depth,
     neighbours_of,
 )
-from plugins.surveying.fusion import below_flight, fuse
-from plugins.surveying.photograph_folder import Photographs
-from plugins.surveying.plane_sweep import View
-from plugins.surveying.structure_from_motion import Model, MotionSettings, PosedPicture, find_motion
+from executive_plugins.surveying.fusion import below_flight, fuse
+from executive_plugins.surveying.photograph_folder import Photographs
+from executive_plugins.surveying.plane_sweep import View
+from executive_plugins.surveying.structure_from_motion import (
+    Model,
+    MotionSettings,
+    PosedPicture,
+    find_motion,
+)
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.config import Meters, Settings
+from executive.errors import DataError
+from executive.geometry.pose import pose
+from executive.messages.cloud import Cloud
 
 FRAME = "survey"
 
@@ -32,10 +37,18 @@ class PhotogrammetrySettings(Settings):
 
     motion: MotionSettings = Field(MotionSettings(), description="Where pictures were taken.")
     depth: DepthSettings = Field(DepthSettings(), description="What they show.")
-    voxel_m: Meters = Field(0.04, gt=0.005, le=0.5, description="Grid on which points are merged [m].")
-    fewest: int = Field(2, ge=1, le=100, description="Fewest points of a cell: lone ones are chance.")
-    margin_m: Meters = Field(0.0, ge=-50, le=50, description="Ground kept beyond the outline of the cameras [m].")
-    max_scale_error: float = Field(0.05, gt=0, le=0.5, description="Largest standard deviation of the scale, a share.")
+    voxel_m: Meters = Field(
+        0.04, gt=0.005, le=0.5, description="Grid on which points are merged [m]."
+    )
+    fewest: int = Field(
+        2, ge=1, le=100, description="Fewest points of a cell: lone ones are chance."
+    )
+    margin_m: Meters = Field(
+        0.0, ge=-50, le=50, description="Ground kept beyond the outline of the cameras [m]."
+    )
+    max_scale_error: float = Field(
+        0.05, gt=0, le=0.5, description="Largest standard deviation of the scale, a share."
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +70,9 @@ class Photogrammetry:
     names: tuple[str, ...]
 
 
-def reconstruct(photographs: Photographs, s: PhotogrammetrySettings, rng: np.random.Generator) -> Photogrammetry:
+def reconstruct(
+    photographs: Photographs, s: PhotogrammetrySettings, rng: np.random.Generator
+) -> Photogrammetry:
     """Find the cameras, their scale, the depth of each picture, and one cloud (Mascaro 2020, Sec. 4.1).
 
     Deviation from the paper, which has COLMAP's dense step: that needs a graphics card. Ours sweeps planes along the
@@ -78,7 +93,9 @@ def reconstruct(photographs: Photographs, s: PhotogrammetrySettings, rng: np.ran
     parts = (_believed(i, views, depths, neighbours, cameras, s) for i in range(len(views)))
     points, normals = fuse(parts, s.voxel_m, s.fewest)
     if not len(points):
-        raise DataError(f"{photographs.folder}: no point is confirmed by {s.depth.confirmed_by} pictures; overlap more")
+        raise DataError(
+            f"{photographs.folder}: no point is confirmed by {s.depth.confirmed_by} pictures; overlap more"
+        )
     names = tuple(picture.name for picture in model.pictures)
     return Photogrammetry(Cloud(FRAME, points, normals), len(index), alignment, cameras, names)
 
@@ -118,7 +135,9 @@ def _believed(
     return points[below_flight(points, cameras, s.margin_m)], view.centre
 
 
-def _check_scale(photographs: Photographs, alignment: CameraAlignment, s: PhotogrammetrySettings) -> None:
+def _check_scale(
+    photographs: Photographs, alignment: CameraAlignment, s: PhotogrammetrySettings
+) -> None:
     if not alignment.scale > 0 or alignment.scale_error > s.max_scale_error:
         raise DataError(
             f"{photographs.folder}: the positions are {alignment.residual_m:.2f} m off, so that the scale is known to "

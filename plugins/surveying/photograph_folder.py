@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from executive_plugins.surveying.camera_positions import TABLE, positions_of
 from PIL import Image, UnidentifiedImageError
 
 from executive.arrays import Float, checked
 from executive.errors import DataError
-from plugins.surveying.camera_positions import TABLE, positions_of
 
 _SUFFIXES = (".jpg", ".jpeg", ".png")
 
@@ -29,7 +29,9 @@ class Photographs:
     size_px: tuple[int, int]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "positions_m", checked("positions_m", self.positions_m, len(self.names), 3))
+        object.__setattr__(
+            self, "positions_m", checked("positions_m", self.positions_m, len(self.names), 3)
+        )
 
 
 def read_photographs(folder: Path, positions: Path | None, fewest: int) -> Photographs:
@@ -53,7 +55,9 @@ def read_photographs(folder: Path, positions: Path | None, fewest: int) -> Photo
         )
     table = positions or (folder / TABLE if (folder / TABLE).is_file() else None)
     size_px = _size_px(pictures)
-    return Photographs(folder, tuple(path.name for path in pictures), positions_of(pictures, table), size_px)
+    return Photographs(
+        folder, tuple(path.name for path in pictures), positions_of(pictures, table), size_px
+    )
 
 
 def _size_px(pictures: list[Path]) -> tuple[int, int]:
@@ -63,8 +67,12 @@ def _size_px(pictures: list[Path]) -> tuple[int, int]:
             with Image.open(path) as picture:
                 sizes.setdefault(picture.size, path.name)
         except (OSError, UnidentifiedImageError) as error:
-            raise DataError(f"{path}: no readable picture ({error}); copy it again, or take it out") from error
+            raise DataError(
+                f"{path}: no readable picture ({error}); copy it again, or take it out"
+            ) from error
     if len(sizes) > 1:
         found = ", ".join(f"{name} {width}×{height}" for (width, height), name in sizes.items())
-        raise DataError(f"{pictures[0].parent}: pictures of several sizes ({found}); keep those of one camera")
+        raise DataError(
+            f"{pictures[0].parent}: pictures of several sizes ({found}); keep those of one camera"
+        )
     return next(iter(sizes))

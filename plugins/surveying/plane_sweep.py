@@ -60,7 +60,9 @@ def sweep(
     Returns:
         Depth, NaN where there is none, and the score −1 … 1.
     """
-    H = np.array([[_homography(view, other, normal, offset) for other in neighbours] for offset in offsets_m])
+    H = np.array(
+        [[_homography(view, other, normal, offset) for other in neighbours] for offset in offsets_m]
+    )
     greys = np.stack([other.grey for other in neighbours])
     index, score = _sweep(view.grey, greys, H.astype(np.float32), window_px // 2)
     offset = offsets_m[0] + index * (offsets_m[1] - offsets_m[0])
@@ -74,7 +76,9 @@ def _homography(view: View, other: View, normal: Float, offset_m: float) -> Floa
     T = other.T_optical_world @ np.linalg.inv(view.T_optical_world)
     n = view.T_optical_world[:3, :3] @ normal
     distance = offset_m - normal @ view.centre  # in the camera: n·X = distance
-    return np.asarray(other.K @ (T[:3, :3] + np.outer(T[:3, 3], n) / distance) @ np.linalg.inv(view.K))
+    return np.asarray(
+        other.K @ (T[:3, :3] + np.outer(T[:3, 3], n) / distance) @ np.linalg.inv(view.K)
+    )
 
 
 @njit(cache=True)
@@ -155,7 +159,9 @@ def _correlation(grey, mean, deviation, drawn, is_seen, half):  # type: ignore[n
     height, width = grey.shape
     size = 2 * half + 1
     score = np.full(grey.shape, np.float32(-1))
-    sums = np.zeros((3, width))  # down each column of the window: of the drawn, of its square, of the product
+    sums = np.zeros(
+        (3, width)
+    )  # down each column of the window: of the drawn, of its square, of the product
     for v in range(height):
         for u in range(width):
             d, g = drawn[v, u], grey[v, u]
@@ -186,7 +192,12 @@ def _score_row(v, half, sums, mean, deviation, is_seen, score):  # type: ignore[
         i = u - half
         if i < half or deviation[v, i] <= _LEAST_DEVIATION:
             continue
-        if not (is_seen[low, i - half] and is_seen[low, u] and is_seen[high, i - half] and is_seen[high, u]):
+        if not (
+            is_seen[low, i - half]
+            and is_seen[low, u]
+            and is_seen[high, i - half]
+            and is_seen[high, u]
+        ):
             continue
         variance = b / area - (a / area) ** 2
         if variance > _LEAST_DEVIATION**2:

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
+from executive_plugins.surveying.reconstruction import merge
 from pydantic import Field
 
 from executive.clouds.reader import read_points
@@ -12,7 +13,6 @@ from executive.config import Meters, Settings
 from executive.errors import DataError
 from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
-from plugins.surveying.reconstruction import merge
 
 FRAME = "survey"
 
@@ -21,9 +21,13 @@ class PointCloudFileSettings(Settings):
     """Which file, and what to expect of it."""
 
     path: Path = Field(description="PLY, PCD, LAS, LAZ or XYZ file; coordinates in metres.")
-    voxel_m: Meters = Field(0.03, gt=0.005, le=0.5, description="Grid on which points are merged [m].")
+    voxel_m: Meters = Field(
+        0.03, gt=0.005, le=0.5, description="Grid on which points are merged [m]."
+    )
     min_points: int = Field(100, ge=1, description="Fewer points are no survey.")
-    max_extent_m: Meters = Field(500.0, gt=1, description="A larger cloud is no site, or not in metres [m].")
+    max_extent_m: Meters = Field(
+        500.0, gt=1, description="A larger cloud is no site, or not in metres [m]."
+    )
 
 
 class PointCloudFile(Survey):

@@ -13,14 +13,30 @@ _WAVES = 3  # of the warp, for each axis
 class ReconstructionSettings(Settings):
     """How far a reconstruction is off."""
 
-    depth_noise_m: Meters = Field(0.012, ge=0, le=0.2, description="Standard deviation along the ray [m].")
-    point_noise_m: Meters = Field(0.004, ge=0, le=0.2, description="Standard deviation in all directions [m].")
-    warp_m: Meters = Field(0.02, ge=0, le=0.5, description="Largest smooth displacement along each axis [m].")
-    warp_wavelength_m: Meters = Field(10.0, ge=2, le=1000, description="Shortest wavelength of the warp [m].")
-    scale_error: float = Field(0.01, ge=0, lt=0.2, description="Largest error of the scale, as a share.")
-    tilt_rad: Radians = Field(0.07, ge=0, le=1.5, description="Largest tilt of the survey's frame [rad].")
-    offset_m: Meters = Field(20.0, ge=0, le=1000, description="Largest offset of the frame along each axis [m].")
-    voxel_m: Meters = Field(0.03, gt=0.005, le=0.5, description="Grid on which points are merged [m].")
+    depth_noise_m: Meters = Field(
+        0.012, ge=0, le=0.2, description="Standard deviation along the ray [m]."
+    )
+    point_noise_m: Meters = Field(
+        0.004, ge=0, le=0.2, description="Standard deviation in all directions [m]."
+    )
+    warp_m: Meters = Field(
+        0.02, ge=0, le=0.5, description="Largest smooth displacement along each axis [m]."
+    )
+    warp_wavelength_m: Meters = Field(
+        10.0, ge=2, le=1000, description="Shortest wavelength of the warp [m]."
+    )
+    scale_error: float = Field(
+        0.01, ge=0, lt=0.2, description="Largest error of the scale, as a share."
+    )
+    tilt_rad: Radians = Field(
+        0.07, ge=0, le=1.5, description="Largest tilt of the survey's frame [rad]."
+    )
+    offset_m: Meters = Field(
+        20.0, ge=0, le=1000, description="Largest offset of the frame along each axis [m]."
+    )
+    voxel_m: Meters = Field(
+        0.03, gt=0.005, le=0.5, description="Grid on which points are merged [m]."
+    )
 
 
 def warp(points: Float, settings: ReconstructionSettings, rng: np.random.Generator) -> Float:
@@ -29,8 +45,17 @@ def warp(points: Float, settings: ReconstructionSettings, rng: np.random.Generat
     for axis in range(3):
         for _ in range(_WAVES):
             direction = rng.normal(size=3)
-            wave = 2 * np.pi * direction / np.linalg.norm(direction) / settings.warp_wavelength_m * rng.uniform(0.4, 1)
-            bent[:, axis] += settings.warp_m / _WAVES * np.sin(points @ wave + rng.uniform(0, 2 * np.pi))
+            wave = (
+                2
+                * np.pi
+                * direction
+                / np.linalg.norm(direction)
+                / settings.warp_wavelength_m
+                * rng.uniform(0.4, 1)
+            )
+            bent[:, axis] += (
+                settings.warp_m / _WAVES * np.sin(points @ wave + rng.uniform(0, 2 * np.pi))
+            )
     return bent
 
 

@@ -3,6 +3,13 @@
 from typing import ClassVar
 
 import numpy as np
+from executive_plugins.surveying.flight import FlightSettings, take_pictures
+from executive_plugins.surveying.reconstruction import (
+    ReconstructionSettings,
+    merge,
+    own_frame,
+    warp,
+)
 from pydantic import Field
 
 from executive.arrays import Float
@@ -11,8 +18,6 @@ from executive.errors import ConfigError, DataError
 from executive.interfaces.robot import Robot, Scene
 from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
-from plugins.surveying.flight import FlightSettings, take_pictures
-from plugins.surveying.reconstruction import ReconstructionSettings, merge, own_frame, warp
 
 FRAME = "survey"
 
@@ -21,7 +26,9 @@ class SimulatedDroneSettings(Settings):
     """The flight, and what becomes of its pictures."""
 
     flight: FlightSettings = Field(FlightSettings(), description="Where pictures are taken.")
-    reconstruction: ReconstructionSettings = Field(ReconstructionSettings(), description="How far it is off.")
+    reconstruction: ReconstructionSettings = Field(
+        ReconstructionSettings(), description="How far it is off."
+    )
 
 
 class SimulatedDrone(Survey):
@@ -62,19 +69,27 @@ class SimulatedDrone(Survey):
         """
         seen = self._seen(rng)
         if not len(seen):
-            raise DataError("the drone saw no ground: set surveying.flight.centre_m and size_m to a place on the site")
+            raise DataError(
+                "the drone saw no ground: set surveying.flight.centre_m and size_m to a place on the site"
+            )
         settings = self._settings.reconstruction
         seen = seen + rng.normal(0.0, settings.point_noise_m, seen.shape)
-        return Cloud(FRAME, own_frame(merge(warp(seen, settings, rng), settings.voxel_m), settings, rng))
+        return Cloud(
+            FRAME, own_frame(merge(warp(seen, settings, rng), settings.voxel_m), settings, rng)
+        )
 
     def _seen(self, rng: np.random.Generator) -> Float:
         """Return what the pictures show of the surveyed ground, with errors of depth, in the map, shape (N, 3)."""
         flight = self._settings.flight
         parts = []
         for picture in take_pictures(flight, rng):
-            ranges = self._scene().cast_rays(np.broadcast_to(picture.position, picture.rays.shape), picture.rays)
+            ranges = self._scene().cast_rays(
+                np.broadcast_to(picture.position, picture.rays.shape), picture.rays
+            )
             hit = np.isfinite(ranges)
-            noisy = ranges[hit] + rng.normal(0.0, self._settings.reconstruction.depth_noise_m, int(hit.sum()))
+            noisy = ranges[hit] + rng.normal(
+                0.0, self._settings.reconstruction.depth_noise_m, int(hit.sum())
+            )
             points = picture.position + noisy[:, None] * picture.rays[hit]
             offset = np.abs(points[:, :2] - flight.centre_m)
             parts.append(points[(offset <= np.array(flight.size_m) / 2).all(axis=1)])

@@ -7,6 +7,12 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
+from executive_plugins.surveying.camera_positions import TABLE
+from executive_plugins.surveying.colmap import FEWEST_PICTURES
+from executive_plugins.surveying.grid_flight import GridFlightSettings, fly, recorded
+from executive_plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
+from executive_plugins.surveying.photograph_folder import read_photographs
+from executive_plugins.surveying.structure_from_motion import load_pycolmap
 from PIL import Image
 from pydantic import Field
 
@@ -16,12 +22,6 @@ from executive.errors import ConfigError
 from executive.interfaces.robot import Photographer, Robot
 from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
-from plugins.surveying.camera_positions import TABLE
-from plugins.surveying.colmap import FEWEST_PICTURES
-from plugins.surveying.grid_flight import GridFlightSettings, fly, recorded
-from plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
-from plugins.surveying.photograph_folder import read_photographs
-from plugins.surveying.structure_from_motion import load_pycolmap
 
 _QUALITY = 92  # of a JPEG: what cameras write
 _CAMERA_TAGS, _FOCAL_LENGTH_35MM = 0x8769, 0xA405
@@ -30,8 +30,12 @@ _CAMERA_TAGS, _FOCAL_LENGTH_35MM = 0x8769, 0xA405
 class SimulatedPhotographsSettings(PhotogrammetrySettings):
     """The flight, and how its pictures are made into a cloud."""
 
-    flight: GridFlightSettings = Field(GridFlightSettings(), description="Where pictures are taken.")
-    folder: Path | None = Field(None, description="Folder that keeps the pictures, for `colmap`; else none is kept.")
+    flight: GridFlightSettings = Field(
+        GridFlightSettings(), description="Where pictures are taken."
+    )
+    folder: Path | None = Field(
+        None, description="Folder that keeps the pictures, for `colmap`; else none is kept."
+    )
 
 
 class SimulatedPhotographs(Survey):
@@ -96,7 +100,8 @@ def take_photographs(
     for name, picture in zip(names, pictures, strict=True):
         Image.fromarray(picture).save(folder / name, quality=_QUALITY, exif=tags)
     lines = [
-        f"{name},{x:.3f},{y:.3f},{z:.3f}" for name, (x, y, z) in zip(names, recorded(poses, flight, rng), strict=True)
+        f"{name},{x:.3f},{y:.3f},{z:.3f}"
+        for name, (x, y, z) in zip(names, recorded(poses, flight, rng), strict=True)
     ]
     (folder / TABLE).write_text("\n".join(["name,x,y,z", *lines, ""]), encoding="utf-8")
     return poses
@@ -110,6 +115,8 @@ def _folder(kept: Path | None) -> Iterator[Path]:
             yield Path(folder)
         return
     if kept.exists() and (not kept.is_dir() or any(kept.iterdir())):
-        raise ConfigError(f"surveying.folder: {kept} is there already and not empty; name a new folder")
+        raise ConfigError(
+            f"surveying.folder: {kept} is there already and not empty; name a new folder"
+        )
     kept.mkdir(parents=True, exist_ok=True)
     yield kept

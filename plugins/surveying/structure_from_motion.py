@@ -6,24 +6,33 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from executive_plugins.surveying.photograph_folder import Photographs
 from pydantic import Field
 
 from executive.arrays import Float, Int
 from executive.config import Radians, Settings
 from executive.errors import ConfigError, DataError
-from plugins.surveying.photograph_folder import Photographs
 
 
 class MotionSettings(Settings):
     """Features, matches, and how many pictures must find their place."""
 
     view_angle_rad: Radians | None = Field(
-        None, gt=0.1, lt=2.8, description="Opening angle across the picture's width [rad]; from its tags, or guessed."
+        None,
+        gt=0.1,
+        lt=2.8,
+        description="Opening angle across the picture's width [rad]; from its tags, or guessed.",
     )
-    feature_px: int = Field(1000, ge=200, le=8000, description="Pictures are thinned to this side for features [px].")
+    feature_px: int = Field(
+        1000, ge=200, le=8000, description="Pictures are thinned to this side for features [px]."
+    )
     features: int = Field(2000, ge=200, le=20000, description="Most features of a picture.")
-    neighbours: int = Field(8, ge=3, le=200, description="Each picture is matched with so many nearest ones.")
-    least_registered: float = Field(0.7, gt=0, le=1, description="Share of the pictures that must find their place.")
+    neighbours: int = Field(
+        8, ge=3, le=200, description="Each picture is matched with so many nearest ones."
+    )
+    least_registered: float = Field(
+        0.7, gt=0, le=1, description="Share of the pictures that must find their place."
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,7 +99,9 @@ def find_motion(photographs: Photographs, settings: MotionSettings, seed: int) -
         links = _link(photographs, work / "pictures")
         _extract(colmap, photographs, links, settings, work)
         _match(colmap, photographs, links, settings, seed, work)
-        models = colmap.incremental_mapping(work / "features.db", work / "pictures", work, _mapping(colmap, seed))
+        models = colmap.incremental_mapping(
+            work / "features.db", work / "pictures", work, _mapping(colmap, seed)
+        )
     largest = max(models.values(), key=lambda model: model.num_reg_images(), default=None)
     placed = _placed(largest) if largest else {}
     names = dict(zip(links, photographs.names, strict=True))
@@ -107,7 +118,9 @@ def _link(photographs: Photographs, folder: Path) -> list[str]:
     return links
 
 
-def _extract(colmap: Any, photographs: Photographs, links: list[str], settings: MotionSettings, work: Path) -> None:
+def _extract(
+    colmap: Any, photographs: Photographs, links: list[str], settings: MotionSettings, work: Path
+) -> None:
     options = colmap.FeatureExtractionOptions()
     options.num_threads, options.use_gpu, options.max_image_size = 1, False, settings.feature_px
     options.sift.max_num_features = settings.features
@@ -116,20 +129,33 @@ def _extract(colmap: Any, photographs: Photographs, links: list[str], settings: 
     if settings.view_angle_rad is not None:
         width, height = photographs.size_px
         focal = width / 2 / np.tan(settings.view_angle_rad / 2)
-        reader.camera_params = f"{focal},{width / 2},{height / 2},0"  # f, cx, cy, k: a start for the adjustment
+        reader.camera_params = (
+            f"{focal},{width / 2},{height / 2},0"  # f, cx, cy, k: a start for the adjustment
+        )
     single, cpu = colmap.CameraMode.SINGLE, colmap.Device.cpu
-    colmap.extract_features(work / "features.db", work / "pictures", links, single, reader, options, cpu)
+    colmap.extract_features(
+        work / "features.db", work / "pictures", links, single, reader, options, cpu
+    )
 
 
 def _match(
-    colmap: Any, photographs: Photographs, links: list[str], settings: MotionSettings, seed: int, work: Path
+    colmap: Any,
+    photographs: Photographs,
+    links: list[str],
+    settings: MotionSettings,
+    seed: int,
+    work: Path,
 ) -> None:
     """Match each picture with those that were taken nearest: of 36, all pairs would be three times as many."""
     positions = photographs.positions_m
     distances = np.linalg.norm(positions[:, None] - positions, axis=2)
     nearest = np.argsort(distances, axis=1, kind="stable")[:, 1 : settings.neighbours + 1]
-    pairs = sorted({(min(i, int(j)), max(i, int(j))) for i in range(len(links)) for j in nearest[i]})
-    (work / "pairs.txt").write_text("\n".join(f"{links[i]} {links[j]}" for i, j in pairs), encoding="ascii")
+    pairs = sorted(
+        {(min(i, int(j)), max(i, int(j))) for i in range(len(links)) for j in nearest[i]}
+    )
+    (work / "pairs.txt").write_text(
+        "\n".join(f"{links[i]} {links[j]}" for i, j in pairs), encoding="ascii"
+    )
     options, pairing = colmap.FeatureMatchingOptions(), colmap.ImportedPairingOptions()
     options.num_threads, options.use_gpu = 1, False
     pairing.match_list_path = work / "pairs.txt"

@@ -13,7 +13,10 @@ def layout() -> rrb.Blueprint:
         background=[24, 26, 30],
         line_grid=False,
         eye_controls=rrb.EyeControls3D(
-            kind=rrb.Eye3DKind.Orbital, position=(-6.0, -9.0, 8.0), look_target=(2.5, 0.0, 0.5), eye_up=(0, 0, 1)
+            kind=rrb.Eye3DKind.Orbital,
+            position=(-6.0, -9.0, 8.0),
+            look_target=(2.5, 0.0, 0.5),
+            eye_up=(0, 0, 1),
         ),
     )
     beside = rrb.Vertical(

@@ -2,14 +2,14 @@
 
 import numpy as np
 import rerun as rr
+from executive_plugins.viewing.palette import MACHINE
+from executive_plugins.viewing.solids import mesh
 
 from executive.geometry.pose import inverse
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine
 from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
-from plugins.viewing.palette import MACHINE
-from plugins.viewing.solids import mesh
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine
 
 _ROOT = "world/machine"
 
@@ -46,9 +46,14 @@ class MachineDrawing:
             T_map_base = self._state.T_map_base
         for name in self._machine.links:
             T = T_map_base @ frames[name]
-            self._recording.log(f"{_ROOT}/{name}", rr.Transform3D(translation=T[:3, 3], mat3x3=T[:3, :3]))
+            self._recording.log(
+                f"{_ROOT}/{name}", rr.Transform3D(translation=T[:3, 3], mat3x3=T[:3, :3])
+            )
 
     def _plot(self, sample: JointSample, jaw_rad: float) -> None:
         self._recording.log(f"plots/jaw/{self._machine.jaw.name}", rr.Scalars(jaw_rad))
         for joint in self._machine.joints:
-            self._recording.log(f"plots/effort/{joint.name}", rr.Scalars(sample.of(joint.name)[2] / joint.max_effort))
+            self._recording.log(
+                f"plots/effort/{joint.name}",
+                rr.Scalars(sample.of(joint.name)[2] / joint.max_effort),
+            )

@@ -5,7 +5,20 @@ from functools import singledispatch
 
 import numpy as np
 import rerun as rr
+from executive_plugins.viewing.palette import (
+    DRONE,
+    ESTIMATES,
+    GRASP,
+    GROUND,
+    PATH,
+    SLOT,
+    STATES,
+    of_heights,
+    of_number,
+)
+from executive_plugins.viewing.solids import mesh
 
+from executive.machine.gripper import Gripper
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
@@ -15,9 +28,6 @@ from executive.messages.segment import Segmentation
 from executive.messages.status_change import StatusChange
 from executive.messages.stone import Stone, StoneState
 from executive.messages.verdict import Verdict
-from plugins.viewing.palette import DRONE, ESTIMATES, GRASP, GROUND, PATH, SLOT, STATES, of_heights, of_number
-from plugins.viewing.solids import mesh
-from robot_models.gripper import Gripper
 
 # What is to be logged: an entity path, as text or in parts, and its components.
 Drawing = Iterator[tuple[str | list[object], rr.AsComponents]]
@@ -47,7 +57,10 @@ def _segmentation(value: Segmentation, entity: str, gripper: Gripper, max_points
     yield f"{root}/{entity}", rr.Clear(recursive=True)
     for segment in value.segments:
         colour = of_number(segment.id)
-        yield f"{root}/{entity}/{segment.id}", rr.Points3D(segment.points, colors=colour, radii=2 * _POINT_M)
+        yield (
+            f"{root}/{entity}/{segment.id}",
+            rr.Points3D(segment.points, colors=colour, radii=2 * _POINT_M),
+        )
     ground = value.ground.points[:: 1 + len(value.ground) // max_points]
     yield f"{root}/{entity}/ground", rr.Points3D(ground, colors=GROUND, radii=_POINT_M / 2)
 
@@ -61,7 +74,10 @@ def _stone(value: Stone, entity: str, gripper: Gripper, max_points: int) -> Draw
     points = value.points_map[:: 1 + len(value.points_map) // max_points]
     yield f"world/{entity}", rr.Points3D(points, colors=colour, radii=2 * _POINT_M)
     label = f"{value.id} {value.state.replace('_', ' ')}"
-    yield f"world/{entity}/name", rr.Points3D([value.centroid_map], colors=colour, radii=0.05, labels=[label])
+    yield (
+        f"world/{entity}/name",
+        rr.Points3D([value.centroid_map], colors=colour, radii=0.05, labels=[label]),
+    )
     yield f"log/{entity}", rr.TextLog(f"stone {label}", color=colour)
 
 
@@ -91,7 +107,10 @@ def _plan(value: MotionPlan, entity: str, gripper: Gripper, max_points: int) -> 
 @draw.register
 def _slot(value: Slot, entity: str, gripper: Gripper, max_points: int) -> Drawing:
     label = f"slot {value.id}"
-    yield f"world/{entity}", rr.Points3D([value.position_map], colors=SLOT, radii=0.12, labels=[label])
+    yield (
+        f"world/{entity}",
+        rr.Points3D([value.position_map], colors=SLOT, radii=0.12, labels=[label]),
+    )
 
 
 @draw.register
@@ -103,30 +122,46 @@ def _alignment(value: Alignment, entity: str, gripper: Gripper, max_points: int)
 
 @draw.register
 def _verdict(value: Verdict, entity: str, gripper: Gripper, max_points: int) -> Drawing:
-    yield f"log/{entity}", rr.TextLog(f"{value.monitor}: {value.trouble}: {value.detail}", level="ERROR")
+    yield (
+        f"log/{entity}",
+        rr.TextLog(f"{value.monitor}: {value.trouble}: {value.detail}", level="ERROR"),
+    )
 
 
 @draw.register
 def _status_change(value: StatusChange, entity: str, gripper: Gripper, max_points: int) -> Drawing:
     """Draw how the estimator stands as a lane beside the tree's, and each change with its reason in the log."""
-    yield f"states/{entity}", rr.StateConfiguration(values=list(ESTIMATES), colors=list(ESTIMATES.values()))
+    yield (
+        f"states/{entity}",
+        rr.StateConfiguration(values=list(ESTIMATES), colors=list(ESTIMATES.values())),
+    )
     yield f"states/{entity}", rr.StateChange(state=value.after)
-    text = f"{entity}: {value.before} → {value.after}" + (f": {value.reason}" if value.reason else "")
+    text = f"{entity}: {value.before} → {value.after}" + (
+        f": {value.reason}" if value.reason else ""
+    )
     yield f"log/{entity}", rr.TextLog(text, level="INFO" if value.after == "GLOBAL" else "WARN")
 
 
 def draw_tree(states: Mapping[str, object], changed: Mapping[str, object]) -> Drawing:
     """Draw the tree as a document, what runs on a lane of its own, and each changed node on its lane."""
-    lines = [f"{'  ' * path.count('/')}{path.rsplit('/', 1)[-1]}: {status}" for path, status in states.items()]
+    lines = [
+        f"{'  ' * path.count('/')}{path.rsplit('/', 1)[-1]}: {status}"
+        for path, status in states.items()
+    ]
     yield "tree", rr.TextDocument("\n".join(lines))
     yield "states/leaf", rr.StateChange(state=_running_leaves(states))
     for path, status in changed.items():
-        lane: list[object] = ["states", *path.split("/")]  # as a list: a path's parts may hold any character
+        lane: list[object] = [
+            "states",
+            *path.split("/"),
+        ]  # as a list: a path's parts may hold any character
         yield lane, rr.StateConfiguration(values=list(STATES), colors=list(STATES.values()))
         yield lane, rr.StateChange(state=str(status))
 
 
 def _running_leaves(states: Mapping[str, object]) -> str:
     running = [path for path, status in states.items() if str(status) == "RUNNING"]
-    leaves = [path for path in running if not any(other.startswith(f"{path}/") for other in running)]
+    leaves = [
+        path for path in running if not any(other.startswith(f"{path}/") for other in running)
+    ]
     return ", ".join(path.rsplit("/", 1)[-1].split(":")[-1] for path in leaves) or "none"

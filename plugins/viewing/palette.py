@@ -11,7 +11,12 @@ MACHINE = (235, 180, 40)
 GRASP = (60, 200, 90)
 PATH = (230, 60, 150)
 SLOT = (90, 90, 230)
-STATES = {"RUNNING": (240, 180, 40), "SUCCESS": (70, 180, 90), "FAILURE": (220, 70, 60), "INVALID": (110, 110, 110)}
+STATES = {
+    "RUNNING": (240, 180, 40),
+    "SUCCESS": (70, 180, 90),
+    "FAILURE": (220, 70, 60),
+    "INVALID": (110, 110, 110),
+}
 ESTIMATES = {  # how an estimator stands
     "INITIALISING": (110, 110, 110),
     "GLOBAL": (70, 180, 90),

@@ -3,23 +3,27 @@
 from collections.abc import Mapping
 
 import rerun as rr
+from executive_plugins.viewing.layout import TIMELINE, layout
+from executive_plugins.viewing.machine_drawing import MachineDrawing
+from executive_plugins.viewing.message_drawing import draw, draw_tree
 from pydantic import Field
 
 from executive.config import Seconds, Settings
 from executive.interfaces.viewing import Viewer
+from executive.machine.machine import Machine
 from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
-from plugins.viewing.layout import TIMELINE, layout
-from plugins.viewing.machine_drawing import MachineDrawing
-from plugins.viewing.message_drawing import draw, draw_tree
-from robot_models.machine import Machine
 
 
 class RerunSettings(Settings):
     """Settings of the recording."""
 
-    machine_period_s: Seconds = Field(0.1, gt=0, le=10, description="Time between two drawings of the machine [s].")
-    max_points: int = Field(120_000, ge=1000, description="Largest number of points drawn of one cloud.")
+    machine_period_s: Seconds = Field(
+        0.1, gt=0, le=10, description="Time between two drawings of the machine [s]."
+    )
+    max_points: int = Field(
+        120_000, ge=1000, description="Largest number of points drawn of one cloud."
+    )
 
 
 class RerunViewer(Viewer):
@@ -63,7 +67,9 @@ class RerunViewer(Viewer):
         elif isinstance(value, Mapping):
             self._show_tree(value)
         else:
-            for path, components in draw(value, entity, self._machine.gripper, self._settings.max_points):
+            for path, components in draw(
+                value, entity, self._machine.gripper, self._settings.max_points
+            ):
                 self._recording.log(path, components)
 
     def _show_joints(self, stamp_s: float, sample: JointSample) -> None:
@@ -72,7 +78,9 @@ class RerunViewer(Viewer):
             self._drawing.draw(sample)
 
     def _show_tree(self, states: Mapping[str, object]) -> None:
-        changed = {path: status for path, status in states.items() if self._states.get(path) != status}
+        changed = {
+            path: status for path, status in states.items() if self._states.get(path) != status
+        }
         if changed and self._recording is not None:
             self._states.update(changed)
             for path, components in draw_tree(states, changed):

@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from executive.behaviours.context import Context
-from executive.behaviours.job import Job
+from executive.leaf.context import Context
+from executive.leaf.job import Job
+from executive.machine.machine import load_machine
 from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
-from robot_models.machine import load_machine
 
 TICK_S = 0.05
 
@@ -41,7 +41,9 @@ class FakeContext(Context):
         self.holds = []
         self.troubles = []
         self._machine = load_machine("m545")
-        self.positions = lambda time_s: [self._machine.postures["scan"][n] for n in self._machine.arm_names]
+        self.positions = lambda time_s: [
+            self._machine.postures["scan"][n] for n in self._machine.arm_names
+        ]
         self.velocities = lambda time_s: np.zeros(len(self._machine.arm_names))
         self.jaw = lambda time_s: 0.9
 
@@ -64,7 +66,9 @@ class FakeContext(Context):
     def joints(self):
         position = np.array([*self.positions(self.time_s), self.jaw(self.time_s)])
         velocity = np.array([*self.velocities(self.time_s), 0.0])
-        return JointSample(self.time_s, self._machine.joint_names, position, velocity, np.zeros(len(position)))
+        return JointSample(
+            self.time_s, self._machine.joint_names, position, velocity, np.zeros(len(position))
+        )
 
     def arm(self):
         return np.array(self.positions(self.time_s))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from executive.behaviours.surroundings import gap_below
+from executive.leaf.surroundings import gap_below
 
 STONE = np.random.default_rng(0).uniform(-0.4, 0.4, (200, 3)) + [5.0, 0.0, 1.2]
 LOWEST_M = STONE[:, 2].min()
@@ -18,7 +18,9 @@ def test_is_measured_to_the_highest_point_under_the_stone():
     boulder = np.array([[5.1, 0.1, 0.62]])
     assert gap_below(STONE, np.vstack([ground(), boulder])) == pytest.approx(LOWEST_M - 0.62)
     beside = np.array([[5.9, 0.0, 0.7]])
-    assert gap_below(STONE, np.vstack([ground(), beside])) == pytest.approx(LOWEST_M - 0.54, abs=0.01)
+    assert gap_below(STONE, np.vstack([ground(), beside])) == pytest.approx(
+        LOWEST_M - 0.54, abs=0.01
+    )
 
 
 def test_over_ground_that_the_map_has_forgotten_what_lies_around_it_stands_for_it():

@@ -28,4 +28,8 @@ def test_judges_by_the_grippers_distance(fakes, x, z, has_arrived):
 def test_a_stone_that_fell_has_not_arrived(fakes):
     context = fakes.Context(monitoring=())
     context.troubles = [Verdict(1.0, "payload_drop", Trouble.DROP, "")]
-    assert not HasArrived(HasArrivedSettings(), context).check(placement=placement_at(5.0, 2.0)).success
+    assert (
+        not HasArrived(HasArrivedSettings(), context)
+        .check(placement=placement_at(5.0, 2.0))
+        .success
+    )

@@ -50,7 +50,9 @@ class Mapper:
 def turn_by(context, angle, duration=2.0):
     start = context.arm()
     position = np.stack([start, start + [angle, *[0] * (len(start) - 1)]])
-    return JointTrajectory(context.machine().arm_names, np.array([0.0, duration]), position, np.zeros_like(position))
+    return JointTrajectory(
+        context.machine().arm_names, np.array([0.0, duration]), position, np.zeros_like(position)
+    )
 
 
 def moving(context, trajectory, reaches=1.0):
@@ -126,11 +128,16 @@ def test_a_scan_that_is_given_up_leaves_the_lidars_off(fakes):
     steps.send(None)
     steps.send(context.plugins["motion"].swing(None, 1.0, 20.0))
     steps.close()
-    assert [c.on for c in context.plugins["robot"].commands if isinstance(c, SwitchLidars)] == [True, False]
+    assert [c.on for c in context.plugins["robot"].commands if isinstance(c, SwitchLidars)] == [
+        True,
+        False,
+    ]
 
 
 def test_no_swing_is_a_failure_with_its_reason(fakes):
-    context = fakes.Context(robot=Robot(), mapping=Mapper(), motion=Planner(reason="boom beyond its range"))
+    context = fakes.Context(
+        robot=Robot(), mapping=Mapper(), motion=Planner(reason="boom beyond its range")
+    )
     outcome = fakes.finish(ScanSwing(ScanSwingSettings(), context))
     assert (outcome.success, outcome.reason) == (False, "no swing: boom beyond its range")
     assert context.plugins["robot"].commands == []
@@ -164,7 +171,9 @@ class Objects:
         return self._stone
 
 
-STONE = Stone(3, StoneState.HELD, np.array([[5.0, 0, 0], [5.0, 0, 1]]), np.array([5, 0, 0.5]), np.eye(4), True)
+STONE = Stone(
+    3, StoneState.HELD, np.array([[5.0, 0, 0], [5.0, 0, 1]]), np.array([5, 0, 0.5]), np.eye(4), True
+)
 
 
 def test_closing_on_a_stone_tells_database_map_and_monitors(fakes):
@@ -182,9 +191,16 @@ def test_closing_on_a_stone_tells_database_map_and_monitors(fakes):
 
 def test_the_map_forgets_the_whole_of_a_long_stone(fakes):
     long_stone = Stone(
-        3, StoneState.HELD, np.array([[5.0, 0, -1.3], [5.0, 0, 1.3]]), np.array([5, 0, 0]), np.eye(4), True
+        3,
+        StoneState.HELD,
+        np.array([[5.0, 0, -1.3], [5.0, 0, 1.3]]),
+        np.array([5, 0, 0]),
+        np.eye(4),
+        True,
     )
-    context = fakes.Context(robot=Robot(), objects=Objects(long_stone), mapping=Mapper(), monitoring=())
+    context = fakes.Context(
+        robot=Robot(), objects=Objects(long_stone), mapping=Mapper(), monitoring=()
+    )
     context.jaw = lambda t: max(0.9 - 0.4 * t, 0.35)
     fakes.finish(CloseGripper(CloseGripperSettings(), context), stone=3)
     assert context.plugins["mapping"].removed == [((5, 0, 0), pytest.approx(1.4))]
@@ -196,7 +212,9 @@ def test_what_the_map_forgets_of_other_stones_is_put_back(fakes):
 
     beside = other(4, StoneState.PLACED, [5.9, 0, 0.5], [6.1, 0, 0.5])  # 0.9 and 1.1 m away
     lost = other(5, StoneState.LOST, [5.0, 0.5, 0.5])
-    context = fakes.Context(robot=Robot(), objects=Objects(STONE, [beside, lost]), mapping=Mapper(), monitoring=())
+    context = fakes.Context(
+        robot=Robot(), objects=Objects(STONE, [beside, lost]), mapping=Mapper(), monitoring=()
+    )
     context.jaw = lambda t: max(0.9 - 0.4 * t, 0.35)
     fakes.finish(CloseGripper(CloseGripperSettings(), context), stone=3)
     (added,) = context.plugins["mapping"].added

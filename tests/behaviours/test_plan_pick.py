@@ -20,7 +20,9 @@ class Objects:
         self.T_map_object = pose(t=np.array([5.0, 0.0, 0.4]))
 
     def stone(self, stone_id):
-        return Stone(stone_id, StoneState.ON_GROUND, POINTS, POINTS.mean(axis=0), self.T_map_object, True)
+        return Stone(
+            stone_id, StoneState.ON_GROUND, POINTS, POINTS.mean(axis=0), self.T_map_object, True
+        )
 
     def stones(self):
         return (self.stone(1),)
@@ -41,7 +43,9 @@ class Planner:
             return MotionPlan(None, f"blocked at {x}", np.zeros((0, 3)))
         start = np.stack([request.start, request.start])
         names = tuple(f"j{i}" for i in range(len(request.start)))
-        return MotionPlan(JointTrajectory(names, np.array([0.0, 1.0]), start, 0 * start), "", np.zeros((0, 3)))
+        return MotionPlan(
+            JointTrajectory(names, np.array([0.0, 1.0]), start, 0 * start), "", np.zeros((0, 3))
+        )
 
 
 def grasp(x, yaw=0.0, T_map_map=None):
@@ -92,9 +96,15 @@ def test_the_second_attempt_is_unlike_the_first(leaf, fakes):
 def test_likeness_is_judged_on_the_stone_wherever_it_lies_now(leaf, fakes):
     fakes.finish(leaf, stone=1, grasps=[grasp(5.0), grasp(5.3)])
     moved = pose(from_rpy(0, 0, 0.7), np.array([0.0, 1.0, 0.0]))
-    leaf.context.plugins["objects"].T_map_object = moved @ leaf.context.plugins["objects"].T_map_object
-    again = fakes.finish(leaf, stone=1, grasps=[grasp(5.0, T_map_map=moved), grasp(5.3, T_map_map=moved)])
-    np.testing.assert_allclose(again.outputs["grasp"].T_map_gripper, grasp(5.3, T_map_map=moved).T_map_gripper)
+    leaf.context.plugins["objects"].T_map_object = (
+        moved @ leaf.context.plugins["objects"].T_map_object
+    )
+    again = fakes.finish(
+        leaf, stone=1, grasps=[grasp(5.0, T_map_map=moved), grasp(5.3, T_map_map=moved)]
+    )
+    np.testing.assert_allclose(
+        again.outputs["grasp"].T_map_gripper, grasp(5.3, T_map_map=moved).T_map_gripper
+    )
 
 
 def test_another_stone_is_a_new_story(leaf, fakes):

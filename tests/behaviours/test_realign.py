@@ -5,8 +5,8 @@ import pytest
 
 from executive.behaviours.find_again import FindAgain, FindAgainSettings
 from executive.behaviours.relocate_and_realign import RelocateAndRealign, RelocateAndRealignSettings
-from executive.behaviours.unexplained import unexplained
 from executive.geometry.pose import pose
+from executive.leaf.unexplained import unexplained
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment, Segmentation
@@ -18,7 +18,9 @@ T_NEAR, T_FAR = pose(None, np.array([0.1, 0, 0])), pose(None, np.array([1.0, 0.5
 
 def stone(number, centre, state=StoneState.PLACED):
     points = RNG.uniform(-0.4, 0.4, (500, 3)) + centre
-    return Stone(number, state, points, points.mean(axis=0), pose(None, np.array(centre, dtype=float)), True)
+    return Stone(
+        number, state, points, points.mean(axis=0), pose(None, np.array(centre, dtype=float)), True
+    )
 
 
 def answer(T, accepted, reason="as told"):
@@ -71,7 +73,9 @@ class Method:
 
     def segment(self, cloud):
         part = Segment(0, cloud.points, cloud.points.mean(axis=0), np.ones(3))
-        return Segmentation("map", (part,), Cloud("map", np.empty((0, 3))), np.array([0, 0, 1.0, 0]))
+        return Segmentation(
+            "map", (part,), Cloud("map", np.empty((0, 3))), np.array([0, 0, 1.0, 0])
+        )
 
 
 def context_of(fakes, aligned, found, *others):
@@ -87,7 +91,9 @@ def test_what_the_aligner_accepts_is_done_and_nobody_else_asked(fakes):
     context = context_of(fakes, answer(T_NEAR, True), answer(T_FAR, True))
     outcome = fakes.finish(RelocateAndRealign(RelocateAndRealignSettings(), context), stone=1)
     assert outcome.success
-    assert [(number, note) for number, _, note in context.plugins["objects"].moves] == [(1, "alignment, as told")]
+    assert [(number, note) for number, _, note in context.plugins["objects"].moves] == [
+        (1, "alignment, as told")
+    ]
     assert context.plugins["registration"].asked == []
 
 
@@ -103,7 +109,9 @@ def test_a_stone_beyond_the_basin_is_looked_for_anew(fakes, aligned):
 
 
 def test_what_both_refuse_changes_nothing_and_says_why(fakes):
-    context = context_of(fakes, answer(T_NEAR, False, "no overlap"), answer(T_FAR, False, "too small"))
+    context = context_of(
+        fakes, answer(T_NEAR, False, "no overlap"), answer(T_FAR, False, "too small")
+    )
     outcome = fakes.finish(RelocateAndRealign(RelocateAndRealignSettings(), context), stone=1)
     assert outcome.success
     assert context.plugins["objects"].moves == []
@@ -127,7 +135,11 @@ def test_a_dropped_stone_that_is_not_found_is_left_to_the_segmentation(fakes):
 
 
 def test_neighbours_are_taken_out_of_the_map_but_not_the_ground_nor_what_is_held(fakes):
-    own, neighbour, held = stone(1, (5, 0, 0.4)), stone(2, (6, 0, 0.4)), stone(3, (5, 1, 0.4), StoneState.HELD)
+    own, neighbour, held = (
+        stone(1, (5, 0, 0.4)),
+        stone(2, (6, 0, 0.4)),
+        stone(3, (5, 1, 0.4), StoneState.HELD),
+    )
     ground = np.column_stack([RNG.uniform(4, 7, (500, 2)) * [1, 0] + [0, 0], np.zeros(500)])
     points = np.vstack([own.points_map, neighbour.points_map, held.points_map, ground])
     context = fakes.Context(mapping=Mapper(points), objects=Objects(own, neighbour, held))

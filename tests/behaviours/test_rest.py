@@ -27,7 +27,14 @@ class Objects:
         self.released = []
 
     def stone(self, stone_id):
-        return Stone(stone_id, StoneState.HELD, POINTS, POINTS.mean(axis=0), pose(t=POINTS.mean(axis=0)), True)
+        return Stone(
+            stone_id,
+            StoneState.HELD,
+            POINTS,
+            POINTS.mean(axis=0),
+            pose(t=POINTS.mean(axis=0)),
+            True,
+        )
 
     def stones(self):
         return (self.stone(1),)
@@ -73,7 +80,9 @@ def stopping(fakes):
             T[2, 3] -= self.positions(self.time_s)[1] - self.positions(0.0)[1]
             return T
 
-    context = Stopping(objects=Objects(), mapping=Mapper(), motion=Planner(), robot=Robot(), monitoring=())
+    context = Stopping(
+        objects=Objects(), mapping=Mapper(), motion=Planner(), robot=Robot(), monitoring=()
+    )
     first = np.array(context.positions(0.0))
     boom = np.eye(len(first))[1]
     context.positions = lambda t: first + boom * SPEED * min(t, STOPS_AFTER_S)
@@ -117,15 +126,21 @@ def shaking(context, amplitude):
     """Let boom and dipper swing to and fro for good, the one fastest where the other turns."""
     first, (_, boom, dipper) = np.array(context.positions(0.0)), np.eye(len(context.arm()))[:3]
     turn = 2 * np.pi * 3.3
-    context.positions = lambda t: first + amplitude * (boom * np.sin(turn * t) + dipper * np.cos(turn * t))
-    context.velocities = lambda t: amplitude * turn * (boom * np.cos(turn * t) - dipper * np.sin(turn * t))
+    context.positions = lambda t: (
+        first + amplitude * (boom * np.sin(turn * t) + dipper * np.cos(turn * t))
+    )
+    context.velocities = lambda t: (
+        amplitude * turn * (boom * np.cos(turn * t) - dipper * np.sin(turn * t))
+    )
 
 
 def test_an_arm_that_does_not_come_to_rest_is_a_failure_that_names_the_joint(stopping, fakes):
     shaking(stopping, 0.03)
     outcome = fakes.finish(PlanRetreat(PlanRetreatSettings(), stopping))
     assert not outcome.success
-    assert re.fullmatch(r"J_(BOOM|DIPPER) still moves, by 0\.0(59|60) within the last second", outcome.reason)
+    assert re.fullmatch(
+        r"J_(BOOM|DIPPER) still moves, by 0\.0(59|60) within the last second", outcome.reason
+    )
     assert not stopping.plugins["motion"].starts
     assert stopping.time_s == pytest.approx(10.0, abs=2 * fakes.TICK_S)
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
 
 from executive.behaviours.take_up_again import TakeUpAgain
 from executive.config import NoSettings
 from executive.messages.segment import Segment
 from executive.messages.stone import StoneState
-from plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
 
 
 @pytest.fixture
@@ -15,7 +15,10 @@ def objects():
     database = SqliteObjects(SqliteObjectsSettings())
     database.open(":memory:")
     points = np.random.default_rng(0).uniform(-0.4, 0.4, (200, 3))
-    segments = [Segment(i, points + [4.0 * i, 0, 0], np.array([4.0 * i, 0, 0]), np.ones(3)) for i in range(3)]
+    segments = [
+        Segment(i, points + [4.0 * i, 0, 0], np.array([4.0 * i, 0, 0]), np.ones(3))
+        for i in range(3)
+    ]
     database.observe(segments, 0.0, True)
     yield database
     database.close()
@@ -36,7 +39,11 @@ def test_what_was_set_aside_before_another_was_placed_is_taken_up(objects, fakes
     set_aside(objects, 3, 30.0)
     context = fakes.Context(objects=objects)
     assert TakeUpAgain(NoSettings(), context).check().success
-    assert [s.state for s in objects.stones()] == [StoneState.ON_GROUND, StoneState.PLACED, StoneState.SET_ASIDE]
+    assert [s.state for s in objects.stones()] == [
+        StoneState.ON_GROUND,
+        StoneState.PLACED,
+        StoneState.SET_ASIDE,
+    ]
     assert context.notes == [("taken_up_again", {"stones": [1]})]
 
 

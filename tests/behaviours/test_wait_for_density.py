@@ -29,7 +29,9 @@ def waiting(fakes, rate, radius_m=12.0, **settings):
 def test_it_ends_when_the_density_is_reached(fakes, rate: float) -> None:
     context, leaf = waiting(fakes, rate, density=100.0)
     assert fakes.finish(leaf).success
-    assert context.time_s == pytest.approx(100.0 / rate, rel=0.35)  # counts scatter, and it looks twice a second
+    assert context.time_s == pytest.approx(
+        100.0 / rate, rel=0.35
+    )  # counts scatter, and it looks twice a second
 
 
 def test_points_next_to_the_machine_do_not_count_for_the_region(fakes) -> None:

@@ -36,12 +36,20 @@ class Truth:
             self.stamps_s, self.T_stones = kept["stamps_s"], kept["T_stones"]
 
     def at(self, stone: int, time_s: float) -> np.ndarray:
-        i = int(np.clip(np.searchsorted(self.stamps_s, time_s, side="right") - 1, 0, len(self.stamps_s) - 2))
+        i = int(
+            np.clip(
+                np.searchsorted(self.stamps_s, time_s, side="right") - 1, 0, len(self.stamps_s) - 2
+            )
+        )
         fraction = (time_s - self.stamps_s[i]) / (self.stamps_s[i + 1] - self.stamps_s[i])
-        return interpolate(self.T_stones[i, stone], self.T_stones[i + 1, stone], float(np.clip(fraction, 0, 1)))
+        return interpolate(
+            self.T_stones[i, stone], self.T_stones[i + 1, stone], float(np.clip(fraction, 0, 1))
+        )
 
     def nearest(self, point: np.ndarray, time_s: float) -> int | None:
-        distances = [np.linalg.norm(self.at(i, time_s)[:3, 3] - point) for i in range(self.T_stones.shape[1])]
+        distances = [
+            np.linalg.norm(self.at(i, time_s)[:3, 3] - point) for i in range(self.T_stones.shape[1])
+        ]
         return int(np.argmin(distances)) if min(distances) < SAME_STONE_M else None
 
 
@@ -81,10 +89,21 @@ def errors_of(folder: Path) -> tuple[list[dict], dict[str, int]]:
             last = releases[number + 1] if number + 1 < len(releases) else len(history)
             realigned = [event for event in history[i:last] if event.kind == "realign"]
             settled, final = error(history[i]), error(realigned[0] if realigned else history[i])
-            entries.append({"round": number, "settled": settled, "final": final, "was_realigned": bool(realigned)})
+            entries.append(
+                {
+                    "round": number,
+                    "settled": settled,
+                    "final": final,
+                    "was_realigned": bool(realigned),
+                }
+            )
     database.close()
     known = [partner for partner in partners.values() if partner is not None]
-    counts = {"stones": truth.T_stones.shape[1], "known": len(set(known)), "twice": len(known) - len(set(known))}
+    counts = {
+        "stones": truth.T_stones.shape[1],
+        "known": len(set(known)),
+        "twice": len(known) - len(set(known)),
+    }
     return entries, counts | {"ghosts": len(stones) - len(known)}
 
 
@@ -95,7 +114,9 @@ def error_after(truth: Truth, stone: int, first: object) -> Callable:
     def error(event: object) -> tuple[float, float]:
         T_expected = truth.at(stone, event.stamp_s) @ T_first_object
         turning = angle_between(T_expected[:3, :3], event.T_map_object[:3, :3])
-        return 100 * float(np.linalg.norm(T_expected[:3, 3] - event.T_map_object[:3, 3])), float(np.degrees(turning))
+        return 100 * float(np.linalg.norm(T_expected[:3, 3] - event.T_map_object[:3, 3])), float(
+            np.degrees(turning)
+        )
 
     return error
 
@@ -123,7 +144,9 @@ def line(name: str, entries: Sequence[dict]) -> None:
 def main(words: list[str]) -> None:
     cut = words.index("--") if "--" in words else len(words)
     words, overrides = words[:cut], words[cut + 1 :]
-    print("              n  realigned   settled cm, °   cm: median p90    worst   °: median p90    worst")
+    print(
+        "              n  realigned   settled cm, °   cm: median p90    worst   °: median p90    worst"
+    )
     everything = []
     if words[:1] == ["--read"]:
         for folder in words[1:]:

@@ -25,7 +25,10 @@ from executive.estimate.run import Estimated, Material, Options, estimate
 
 LOG = Path(__file__).parents[3] / "shared" / "data" / "estimation" / "drive_0708.mcap"
 ESTIMATORS = ("dual_graph", "error_state_ekf", "gnss_imu_filter")
-FIRST_S, LAST_S = 60.0, 520.0  # when outages may begin: the estimators have begun, and the drive has not ended
+FIRST_S, LAST_S = (
+    60.0,
+    520.0,
+)  # when outages may begin: the estimators have begun, and the drive has not ended
 PERIODS_S = {5: 40.0, 10: 40.0}  # from one outage to the next, by their length
 
 
@@ -42,7 +45,9 @@ class Row:
         sign = -1 if self.is_least else 1
         if self.must is not None and sign * value > sign * self.must:
             return f"**{text}**"
-        return text + (" ★" if self.stretch is not None and sign * value <= sign * self.stretch else "")
+        return text + (
+            " ★" if self.stretch is not None and sign * value <= sign * self.stretch else ""
+        )
 
 
 ROWS = {
@@ -84,15 +89,25 @@ class Drive:
             starts = np.arange(FIRST_S + shift * period_s / shifts, LAST_S, period_s)
             estimated, _ = self.run(name, [f"gnss:{t}:{t + duration_s}" for t in starts])
             ends += [outage["error_at_end_m"] for outage in estimated.report["outages"]]
-            print(f"{name}: {duration_s} s, n = {len(ends)}: median {np.median(ends):.2f} m", file=sys.stderr)
+            print(
+                f"{name}: {duration_s} s, n = {len(ends)}: median {np.median(ends):.2f} m",
+                file=sys.stderr,
+            )
         return ends
 
 
 def column(drive: Drive, name: str, shifts: int) -> dict[str, str]:
     """Return an estimator's cells."""
-    (first, _), (second, estimating_s) = drive.run(name), drive.run(name)  # the first one compiles and fills caches
+    (first, _), (second, estimating_s) = (
+        drive.run(name),
+        drive.run(name),
+    )  # the first one compiles and fills caches
     report = first.report
-    refused = sum(n for reason, n in report["refused"].items() if reason.endswith(("outlier", "not yet believed")))
+    refused = sum(
+        n
+        for reason, n in report["refused"].items()
+        if reason.endswith(("outlier", "not yet believed"))
+    )
     last_fix_s = first.errors.stamps_s[-1]
     figures = {
         "posterior": 100 * report["posterior_m"]["std"],
@@ -109,7 +124,9 @@ def column(drive: Drive, name: str, shifts: int) -> dict[str, str]:
     for duration_s in PERIODS_S:
         ends = drive.outages(name, duration_s, shifts)
         text = f"{np.median(ends):.2f}, {max(ends):.2f} (n = {len(ends)})"
-        cells[f"outage {duration_s}"] = ROWS[f"outage {duration_s}"].marked(float(np.median(ends)), text)
+        cells[f"outage {duration_s}"] = ROWS[f"outage {duration_s}"].marked(
+            float(np.median(ends)), text
+        )
     return cells
 
 
@@ -128,14 +145,25 @@ def table(columns: Mapping[str, Mapping[str, str]]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("log", type=Path, nargs="?", default=LOG)
     parser.add_argument("--estimators", default=",".join(ESTIMATORS))
-    parser.add_argument("--shifts", type=int, default=2, help="passes of outages, shifted against one another")
+    parser.add_argument(
+        "--shifts", type=int, default=2, help="passes of outages, shifted against one another"
+    )
     parser.add_argument("--offset", action="append", default=[], metavar="SENSOR:SECONDS")
     arguments = parser.parse_args()
     drive = Drive(arguments.log, tuple(arguments.offset))
-    print(table({name: column(drive, name, arguments.shifts) for name in arguments.estimators.split(",")}))
+    print(
+        table(
+            {
+                name: column(drive, name, arguments.shifts)
+                for name in arguments.estimators.split(",")
+            }
+        )
+    )
 
 
 if __name__ == "__main__":

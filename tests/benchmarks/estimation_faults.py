@@ -18,6 +18,9 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from executive_plugins.estimation.filters.error_state_ekf import ErrorStateEkf
+from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
+from executive_plugins.estimation.graph.dual_graph import DualGraph
 from scenarios import timing
 from scenarios.motion import Motion
 from scenarios.scenario import SCENARIOS
@@ -27,24 +30,32 @@ from scenarios.trial import Trial
 from scenarios.truth import Truth
 
 from executive.interfaces.estimation import Estimator
-from plugins.estimation.dual_graph import DualGraph
-from plugins.estimation.error_state_ekf import ErrorStateEkf
-from plugins.estimation.gnss_imu_filter import GnssImuFilter
-from robot_models.machine import Machine, load_machine
+from executive.machine.machine import Machine, load_machine
 
-ESTIMATORS = {"dual_graph": DualGraph, "error_state_ekf": ErrorStateEkf, "gnss_imu_filter": GnssImuFilter}
+ESTIMATORS = {
+    "dual_graph": DualGraph,
+    "error_state_ekf": ErrorStateEkf,
+    "gnss_imu_filter": GnssImuFilter,
+}
 
 
-def trials(name: str, seed: int, estimators: Sequence[str], machine: Machine) -> Iterator[tuple[str, Trial]]:
+def trials(
+    name: str, seed: int, estimators: Sequence[str], machine: Machine
+) -> Iterator[tuple[str, Trial]]:
     """Yield each estimator's trial on the same measurements."""
     scenario = SCENARIOS[name]
     rng = np.random.default_rng([seed, *name.encode()])
     motion = Motion.drawn(scenario.kinds[seed % len(scenario.kinds)], rng)
     truth = Truth(machine, motion)
-    messages = stream(truth, scenario.end_s, scenario.fault(rng), LidarErrors() if scenario.lidar else None, rng)
+    messages = stream(
+        truth, scenario.end_s, scenario.fault(rng), LidarErrors() if scenario.lidar else None, rng
+    )
     for estimator in estimators:
         kind = ESTIMATORS[estimator]
-        yield estimator, Trial.run(kind(kind.Settings(**scenario.settings), machine), truth, messages)
+        yield (
+            estimator,
+            Trial.run(kind(kind.Settings(**scenario.settings), machine), truth, messages),
+        )
 
 
 def read(path: Path | None) -> list[Mapping[str, object]]:
@@ -68,7 +79,9 @@ def timings(machine: Machine) -> str:
 
     def made(name: str, is_apart: bool) -> Estimator:
         kind = ESTIMATORS[name]
-        return kind(kind.Settings(process=is_apart) if name == "dual_graph" else kind.Settings(), machine)
+        return kind(
+            kind.Settings(process=is_apart) if name == "dual_graph" else kind.Settings(), machine
+        )
 
     before = timing.computer()
     values = timing.service({name: partial(made, name) for name in ESTIMATORS}, machine)
@@ -77,11 +90,17 @@ def timings(machine: Machine) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--seeds", default="1:10", help="first and last seed, A:B")
     parser.add_argument("--scenarios", default=",".join(SCENARIOS))
     parser.add_argument("--estimators", default=",".join(ESTIMATORS))
-    parser.add_argument("--keep", type=Path, help="file of figures, one trial a line; trials in it are not run again")
+    parser.add_argument(
+        "--keep",
+        type=Path,
+        help="file of figures, one trial a line; trials in it are not run again",
+    )
     parser.add_argument("--timing", action="store_true", help="measure durations instead")
     arguments = parser.parse_args()
     if arguments.timing:
@@ -96,7 +115,12 @@ def main() -> None:
             wanted = [e for e in arguments.estimators.split(",") if (scenario, seed, e) not in done]
             for estimator, trial in trials(scenario, seed, wanted, machine) if wanted else ():
                 figures = dict(SCENARIOS[scenario].figures(trial))
-                record = {"scenario": scenario, "seed": seed, "estimator": estimator, "figures": figures}
+                record = {
+                    "scenario": scenario,
+                    "seed": seed,
+                    "estimator": estimator,
+                    "figures": figures,
+                }
                 records.append(record)
                 if arguments.keep is not None:
                     with arguments.keep.open("a") as file:

@@ -18,11 +18,11 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from executive.commands.recorded_mission import Rehearsal, rehearse
 from executive.estimate.compare import reported, table
 from executive.estimate.drop import Drop
 from executive.estimate.run import Material, Options, estimate
 from executive.messages.base_state import BaseState
-from executive.rehearsal.run import Rehearsal, rehearse
 
 ESTIMATORS = ("dual_graph", "error_state_ekf", "gnss_imu_filter")
 MISSION = Path(__file__).with_name("swing.yaml")
@@ -52,7 +52,9 @@ def curve(rehearsal: Rehearsal, states: Sequence[BaseState]) -> np.ndarray:
     return np.array([(np.array(list(windows)) + 0.5) * WINDOW_S, errors])
 
 
-def compared(rehearsal: Rehearsal, material: Material, seed: int) -> Mapping[str, Mapping[str, np.ndarray]]:
+def compared(
+    rehearsal: Rehearsal, material: Material, seed: int
+) -> Mapping[str, Mapping[str, np.ndarray]]:
     """Print a table for each condition, and return the curves of each estimator."""
     curves: dict[str, dict[str, np.ndarray]] = {}
     for title, drops in CONDITIONS.items():
@@ -69,7 +71,9 @@ def compared(rehearsal: Rehearsal, material: Material, seed: int) -> Mapping[str
 def plot(path: Path, curves: Mapping[str, Mapping[str, np.ndarray]]) -> None:
     """Draw the distance from the truth over time through both outages, with and without a watched chassis."""
     figure = Figure(figsize=(11, 6), layout="constrained")
-    for axes, (title, by_name) in zip(figure.subplots(2, 1, sharex=True), list(curves.items())[1:], strict=True):
+    for axes, (title, by_name) in zip(
+        figure.subplots(2, 1, sharex=True), list(curves.items())[1:], strict=True
+    ):
         for name, (stamps_s, errors_m) in by_name.items():
             axes.semilogy(stamps_s, errors_m, linewidth=1, label=name)
         for drop in map(Drop.parse, OUTAGES):
@@ -81,7 +85,9 @@ def plot(path: Path, curves: Mapping[str, Mapping[str, np.ndarray]]) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("seeds", type=int, nargs="+")
     parser.add_argument("--plot", type=Path, help="PNG of the first seed's outages")
     arguments = parser.parse_args()

@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from executive_plugins.grasping.stone_views import look_at
 from grasp_lifts import (
     A_SITE,
     FIRST_SEED,
@@ -49,7 +50,6 @@ from executive.messages.stone import Stone, StoneState
 from executive.messages.verdict import Trouble, Verdict
 from executive.mission.assembly import assemble
 from executive.tree.load import load_mission
-from plugins.grasping.stone_views import look_at
 
 OFF_M, OFF_RAD = 0.02, np.radians(1.5)
 TURNS_DEG = (90, 100, 110, 120, 80)
@@ -102,7 +102,14 @@ class Site:
         self.plugins["robot"].command(MoveJaws(angle_rad, self.machine.gripper.tip_force_n))
         self.run(3.0)
 
-    def move(self, T: Float, leave_m: float, arrive_m: float, stones: list[int], held: Float | None = None) -> bool:
+    def move(
+        self,
+        T: Float,
+        leave_m: float,
+        arrive_m: float,
+        stones: list[int],
+        held: Float | None = None,
+    ) -> bool:
         """Move the gripper to a pose around the ground and some of the stones; return whether there was a way."""
         request = MoveRequest(
             start=self.world.arm.position(),
@@ -143,7 +150,11 @@ def view_of(site: Site, i: int, rng: np.random.Generator) -> tuple[Stone, Cloud]
     """Return what is known of a stone, and the cloud around it, its neighbours included."""
     stones, skin = site.world.site.stones, site.skin(i)
     foot = np.append(site.T(i)[:2, 3], skin[:, 2].min())
-    near = [j for j in range(len(stones)) if j != i and np.linalg.norm(site.T(j)[:2, 3] - foot[:2]) < NEAR_M]
+    near = [
+        j
+        for j in range(len(stones))
+        if j != i and np.linalg.norm(site.T(j)[:2, 3] - foot[:2]) < NEAR_M
+    ]
     own, *others = [mesh_solid(site.skin(j) - foot, stones[j].triangles) for j in (i, *near)]
     view = look_at(own, tuple(others), rng)
     known = view.stone + foot
@@ -158,16 +169,27 @@ def attempt(site: Site, i: int, tried: list[Float], rng: np.random.Generator) ->
     error = pose(exp_so3(rng.uniform(-OFF_RAD, OFF_RAD, 3)), rng.uniform(-OFF_M, OFF_M, 3))
     begun_s = wall_s()
     plan = site.plugins["grasping"].plan(stone, cloud, site.world.T_world_base, rng)
-    row: dict[str, Any] = {"lifted": False, "dropped": False, "plan_s": round(wall_s() - begun_s, 2)}
+    row: dict[str, Any] = {
+        "lifted": False,
+        "dropped": False,
+        "plan_s": round(wall_s() - begun_s, 2),
+    }
     if not plan.grasps:
         return row | {"outcome": "no grasp", "reason": str(dict(plan.refused))}
     everything = list(range(len(site.world.site.stones)))
     site.jaws(site.machine.gripper.open_rad)
-    for grasp in sorted(plan.grasps, key=lambda g: any(alike(inverse(site.T(i)) @ g.T_map_gripper, T) for T in tried)):
+    for grasp in sorted(
+        plan.grasps,
+        key=lambda g: any(alike(inverse(site.T(i)) @ g.T_map_gripper, T) for T in tried),
+    ):
         if site.move(grasp.T_map_gripper @ error, 0.5, 1.2, everything):
             tried.append(inverse(site.T(i)) @ grasp.T_map_gripper)
             costs = {name: round(cost, 3) for name, cost in grasp.costs.items()}
-            return row | {"score": round(grasp.score, 3), "costs": costs} | carry(site, i, stone.points_map)
+            return (
+                row
+                | {"score": round(grasp.score, 3), "costs": costs}
+                | carry(site, i, stone.points_map)
+            )
     return row | {"outcome": "no way", "reason": f"to none of {len(plan.grasps)}"}
 
 
@@ -180,7 +202,9 @@ def carry(site: Site, i: int, known_map: Float) -> dict[str, Any]:
     site.begin_hold(i)
     others = [j for j in range(len(site.world.site.stones)) if j != i]
     held = transform(inverse(T_grasp), known_map)
-    T_place = next((T for T in places(site, i, T_grasp) if site.move(T, 1.0, 1.0, others, held)), None)
+    T_place = next(
+        (T for T in places(site, i, T_grasp) if site.move(T, 1.0, 1.0, others, held)), None
+    )
     told = site.end_hold()
     rise_m = max(site.heights_m) - site.heights_m[0]
     if told:
@@ -193,7 +217,10 @@ def carry(site: Site, i: int, known_map: Float) -> dict[str, Any]:
     released = site.T(i)
     site.jaws(min(jaw_rad + LOOSE_RAD, site.machine.gripper.open_rad))
     site.move(pose(t=np.array([0.0, 0.0, 1.5])) @ site.gripper(), 1.0, 0.0, [])
-    fallen_m, astray_m = released[2, 3] - site.T(i)[2, 3], np.linalg.norm((released - site.T(i))[:2, 3])
+    fallen_m, astray_m = (
+        released[2, 3] - site.T(i)[2, 3],
+        np.linalg.norm((released - site.T(i))[:2, 3]),
+    )
     good = T_place is not None and not told
     return {
         "outcome": "placed" if good else told[0].trouble.value if told else "no place",
@@ -213,7 +240,9 @@ def places(site: Site, i: int, T_grasp: Float) -> Iterator[Float]:
     ground_m = site.world.site.terrain.height_at
     for turn_deg in TURNS_DEG:
         turn = pose(about_axis(up, away * np.radians(turn_deg)))
-        rise_m = float((ground_m((turn[:3, :3] @ at)[None, :2]) - ground_m(at[None, :2]))[0]) + ROOM_M
+        rise_m = (
+            float((ground_m((turn[:3, :3] @ at)[None, :2]) - ground_m(at[None, :2]))[0]) + ROOM_M
+        )
         yield pose(t=rise_m * up) @ turn @ T_grasp
 
 
@@ -224,7 +253,10 @@ def has_arrived(T: Float, T_place: Float, told: Verdict) -> bool:
 
 
 def alike(T_a: Float, T_b: Float) -> bool:
-    return bool(np.linalg.norm((T_a - T_b)[:3, 3]) < ALIKE_M and angle_between(T_a[:3, :3], T_b[:3, :3]) < ALIKE_RAD)
+    return bool(
+        np.linalg.norm((T_a - T_b)[:3, 3]) < ALIKE_M
+        and angle_between(T_a[:3, :3], T_b[:3, :3]) < ALIKE_RAD
+    )
 
 
 def lay_out(stones: str, scale: float, ranking: str, number: int, folder: Path) -> Site:
@@ -232,10 +264,15 @@ def lay_out(stones: str, scale: float, ranking: str, number: int, folder: Path) 
     if stones != "generated":
         for file in scans_of(Path(stones), scale, number):
             (folder / file.name).symlink_to(file.resolve())
-        settings += [f"robot.site.stones.folder={json.dumps(str(folder))}", f"robot.site.stones.scale={scale}"]
+        settings += [
+            f"robot.site.stones.folder={json.dumps(str(folder))}",
+            f"robot.site.stones.scale={scale}",
+        ]
     wanted = ("robot", "motion", "grasping", "monitoring")
     chosen = {
-        name: plugin for name, plugin in load_mission("pick_and_place", settings).plugins.items() if name in wanted
+        name: plugin
+        for name, plugin in load_mission("pick_and_place", settings).plugins.items()
+        if name in wanted
     }
     made = assemble(chosen, "m545", FIRST_SEED + number)
     made.start()
@@ -249,15 +286,30 @@ def run_site(stones: str, scale: float, ranking: str, number: int) -> Iterator[d
         site = lay_out(stones, scale, ranking, number, Path(folder))
     site.run(1.0)
     shapes = shapes_of(site.world.model)
-    about = {"stones": "generated" if stones == "generated" else "scanned", "ranking": ranking, "site": number}
-    about |= {"weights": weights_id() if ranking == "learned" else "", "found": True, "set_aside": None}
+    about = {
+        "stones": "generated" if stones == "generated" else "scanned",
+        "ranking": ranking,
+        "site": number,
+    }
+    about |= {
+        "weights": weights_id() if ranking == "learned" else "",
+        "found": True,
+        "set_aside": None,
+    }
     for i in sorted(range(A_SITE), key=lambda i: -shapes[i + 1][1]):
         tried: list[Float] = []
         attempts: list[dict[str, Any]] = []
         while len(attempts) < TRIES and not any(map(is_success, attempts)):
-            attempts.append(attempt(site, i, tried, np.random.default_rng((number, i, len(attempts)))))
+            attempts.append(
+                attempt(site, i, tried, np.random.default_rng((number, i, len(attempts))))
+            )
         flatness, mass_kg = shapes[i + 1]
-        yield about | {"stone": i + 1, "flatness": round(flatness, 3), "mass_kg": round(mass_kg), "attempts": attempts}
+        yield about | {
+            "stone": i + 1,
+            "flatness": round(flatness, 3),
+            "mass_kg": round(mass_kg),
+            "attempts": attempts,
+        }
 
 
 def main() -> None:
@@ -278,7 +330,10 @@ def main() -> None:
         with path.open("a") as file:
             file.writelines(json.dumps(row) + "\n" for row in found)
         first = sum(is_success(row["attempts"][0]) for row in found)
-        print(f"{kind} {given.ranking} site {number}: {first} of {len(found)}, {wall_s() - begun_s:.0f} s", flush=True)
+        print(
+            f"{kind} {given.ranking} site {number}: {first} of {len(found)}, {wall_s() - begun_s:.0f} s",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -16,20 +16,20 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
+from executive_plugins.grasping.evidence import evidence_of
+from executive_plugins.grasping.labels import LabelSettings, chosen_for_lifts
+from executive_plugins.grasping.lift_trials import LIFTED_M, LiftTrials
+from executive_plugins.grasping.outcome_net import load_net, success
+from executive_plugins.grasping.pool import Sampler, SamplingSettings
+from executive_plugins.grasping.sampled_cnn import weights_file
+from executive_plugins.grasping.stone_views import Solid, look_at
+from executive_plugins.grasping.training import area_under_curve
 from lone_stones import generated, scanned
 from numpy.typing import NDArray
 
 from executive.arrays import Float
 from executive.geometry.pose import pose
-from plugins.grasping.evidence import evidence_of
-from plugins.grasping.labels import LabelSettings, chosen_for_lifts
-from plugins.grasping.lift_trials import LIFTED_M, LiftTrials
-from plugins.grasping.outcome_net import load_net, success
-from plugins.grasping.pool import Sampler, SamplingSettings
-from plugins.grasping.sampled_cnn import weights_file
-from plugins.grasping.stone_views import Solid, look_at
-from plugins.grasping.training import area_under_curve
-from robot_models.machine import load_machine
+from executive.machine.machine import load_machine
 
 SEED, GRASPS, LIFTS = 78, 16, 8
 
@@ -44,7 +44,10 @@ class Judged:
 
 def judged(stones: Iterator[tuple[Float, Solid]], weights: list[str]) -> Iterator[Judged]:
     gripper = load_machine("m545").gripper
-    sampler, nets = Sampler(SamplingSettings(), gripper), {name: load_net(weights_file(name)) for name in weights}
+    sampler, nets = (
+        Sampler(SamplingSettings(), gripper),
+        {name: load_net(weights_file(name)) for name in weights},
+    )
     for i, (hull, solid) in enumerate(stones):
         rng = np.random.default_rng((SEED, i))
         view, trials = look_at(solid, (), rng), LiftTrials(gripper, hull)
@@ -58,7 +61,9 @@ def judged(stones: Iterator[tuple[Float, Solid]], weights: list[str]) -> Iterato
             for R, at, jaw_rad in zip(pool.R, pool.position, pool.jaw_rad, strict=True)
         ]
         shown = evidence_of(scene, pool, gripper)
-        yield Judged({name: success(net, shown) for name, net in nets.items()}, np.array(slip_m) <= LIFTED_M)
+        yield Judged(
+            {name: success(net, shown) for name, net in nets.items()}, np.array(slip_m) <= LIFTED_M
+        )
 
 
 def areas(score: Float, is_lifted: NDArray[np.bool_]) -> tuple[float, float]:
@@ -76,7 +81,9 @@ def ceiling(is_lifted: NDArray[np.bool_]) -> float:
 def report(kind: str, made: list[Judged]) -> None:
     is_lifted = np.concatenate([stone.is_lifted for stone in made])
     first = np.array([stone.is_lifted[0].mean() for stone in made])
-    print(f"\n{kind}: {len(made)} stones, {is_lifted.size} lifts, {100 * is_lifted.mean():.0f} % succeed\n")
+    print(
+        f"\n{kind}: {len(made)} stones, {is_lifted.size} lifts, {100 * is_lifted.mean():.0f} % succeed\n"
+    )
     print("| judge | AUC, single lift | AUC, usual | picks that lift | over the paper's |")
     print("|---|---|---|---|---|")
     print(f"| ceiling | {ceiling(is_lifted):.3f} | | | |")
@@ -86,7 +93,9 @@ def report(kind: str, made: list[Judged]) -> None:
         single, usual = areas(np.concatenate([stone.likely[name] for stone in made]), is_lifted)
         low, high = np.percentile(_resampled(made, name), [2.5, 97.5])
         figures = f"{single:.3f} [{low:.3f}, {high:.3f}] | {usual:.3f}"
-        print(f"| {name} | {figures} | {_percent(picked)} | {_percent(picked - first)} |", flush=True)
+        print(
+            f"| {name} | {figures} | {_percent(picked)} | {_percent(picked - first)} |", flush=True
+        )
 
 
 def _percent(rates: Float) -> str:
@@ -107,16 +116,23 @@ def _resampled(made: list[Judged], name: str, draws: int = 300) -> list[float]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Area under the curve of grasp classifiers against simulated lifts.")
+    parser = argparse.ArgumentParser(
+        description="Area under the curve of grasp classifiers against simulated lifts."
+    )
     parser.add_argument("--stones", type=int, default=60)
     parser.add_argument("--scans", type=Path)
     parser.add_argument("--weights", nargs="*", default=["two_stream", "four_layer"])
     options = parser.parse_args()
     kinds = {"blocks": LabelSettings(rounded=0.0), "rounded": LabelSettings(rounded=1.0)}
     for kind, settings in kinds.items():
-        report(kind, list(judged(islice(generated(settings, SEED), options.stones), options.weights)))
+        report(
+            kind, list(judged(islice(generated(settings, SEED), options.stones), options.weights))
+        )
     if options.scans:
-        report("scanned", list(judged(islice(scanned(options.scans, SEED), options.stones), options.weights)))
+        report(
+            "scanned",
+            list(judged(islice(scanned(options.scans, SEED), options.stones), options.weights)),
+        )
 
 
 if __name__ == "__main__":

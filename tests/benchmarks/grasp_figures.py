@@ -11,31 +11,35 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
+from executive_plugins.grasping.labels import LabelSettings
+from executive_plugins.grasping.lift_trials import LIFTED_M, LiftTrials
+from executive_plugins.grasping.pool import Pool, Sampler, SamplingSettings
+from executive_plugins.grasping.ranking import paper_costs
+from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
+from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
+from executive_plugins.grasping.sampled_planner import SampledPlanner
+from executive_plugins.grasping.stone_views import StoneView, convex_solid, look_at
 from lone_stones import generated
 from matplotlib.figure import Figure
 
 from executive.arrays import Float
+from executive.commands.grasp_picture import draw_grasp
+from executive.commands.plugin_choice import chosen
 from executive.geometry.pose import inverse
+from executive.machine.machine import Machine, load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
 from executive.messages.stone import Stone, StoneState
-from executive.perception.grasp_picture import draw_grasp
-from executive.perception.plugin_choice import chosen
-from plugins.grasping.labels import LabelSettings
-from plugins.grasping.lift_trials import LIFTED_M, LiftTrials
-from plugins.grasping.pool import Pool, Sampler, SamplingSettings
-from plugins.grasping.ranking import paper_costs
-from plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
-from plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
-from plugins.grasping.sampled_planner import SampledPlanner
-from plugins.grasping.stone_views import StoneView, convex_solid, look_at
-from robot_models.machine import Machine, load_machine
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
 SEED, STONES, LIFTS = 91, 200, 4
 STANDS = np.array([[1, 0, 0, -5.5], [0, 1, 0, 0], [0, 0, 1, 0.9], [0, 0, 0, 1]], dtype=float)
 SHAPES_M = {"round": (0.55, 0.52, 0.5), "flat": (0.75, 0.6, 0.22)}  # half axes of ellipsoids
-COSTS = {"align_rad": "alignment [rad]", "enclose_m": "enclosing [m]", "distance_m": "distance to the centre [m]"}
+COSTS = {
+    "align_rad": "alignment [rad]",
+    "enclose_m": "enclosing [m]",
+    "distance_m": "distance to the centre [m]",
+}
 
 
 def ellipsoid(half_m: tuple[float, float, float], corners: int = 400) -> Float:
@@ -49,7 +53,9 @@ def ellipsoid(half_m: tuple[float, float, float], corners: int = 400) -> Float:
 
 def best(planner: SampledPlanner, view: StoneView, seed: int) -> Grasp | None:
     seen = Stone(1, StoneState.ON_GROUND, view.stone, view.stone.mean(axis=0), np.eye(4), True)
-    grasps = planner.plan(seen, Cloud("map", view.cloud), STANDS, np.random.default_rng(seed)).grasps
+    grasps = planner.plan(
+        seen, Cloud("map", view.cloud), STANDS, np.random.default_rng(seed)
+    ).grasps
     return grasps[0] if grasps else None
 
 
@@ -75,7 +81,9 @@ def draw_costs(path: Path, planners: dict[str, SampledPlanner], machine: Machine
             T = inverse(scene.T_map_plan) @ grasp.T_map_gripper
             costs = paper_costs(T[None, :3, :3], T[None, :3, 3], scene.centre, scene.ground.normal)
             for one, cost in zip(axes, COSTS, strict=True):
-                one.axvline(costs[cost][0], color=colour, linewidth=width, label=f"first by {ranking}")
+                one.axvline(
+                    costs[cost][0], color=colour, linewidth=width, label=f"first by {ranking}"
+                )
         axes[0].set(ylabel=f"{name}: {len(pool)} grasps")
     rows[0][-1].legend(fontsize="small")
     figure.savefig(path, dpi=110)
@@ -85,20 +93,38 @@ def draw_pair(planners: dict[str, SampledPlanner], machine: Machine) -> None:
     """Draw what two rankings choose on the first stone on which one always lifts and the other never."""
     gripper = machine.gripper
     for i, (hull, solid) in enumerate(islice(generated(LabelSettings(), SEED), STONES)):
-        view, trials = look_at(solid, (), np.random.default_rng((SEED, i))), LiftTrials(gripper, hull)
+        view, trials = (
+            look_at(solid, (), np.random.default_rng((SEED, i))),
+            LiftTrials(gripper, hull),
+        )
         grasps = {ranking: best(planner, view, i) for ranking, planner in planners.items()}
         lifted = {}
         for ranking, grasp in grasps.items():
             chance = np.random.default_rng((SEED, i, 1))
-            slips = [trials.lift(grasp.T_map_gripper, gripper.open_rad, chance) for _ in range(LIFTS)] if grasp else []
+            slips = (
+                [trials.lift(grasp.T_map_gripper, gripper.open_rad, chance) for _ in range(LIFTS)]
+                if grasp
+                else []
+            )
             lifted[ranking] = sum(slip <= LIFTED_M for slip in slips)
         print(f"stone {i}: lifts of {LIFTS}: {lifted}", flush=True)
         paper, learned = grasps["the paper's stages"], grasps["predicted success"]
-        if paper and learned and lifted["predicted success"] == LIFTS and lifted["the paper's stages"] == 0:
-            title = f"stone {i}, first by predicted success: lifted in {LIFTS} of {LIFTS} noisy trials"
-            draw_grasp(IMAGES / "grasping_good.png", learned, view.stone, view.cloud, gripper, title)
+        if (
+            paper
+            and learned
+            and lifted["predicted success"] == LIFTS
+            and lifted["the paper's stages"] == 0
+        ):
+            title = (
+                f"stone {i}, first by predicted success: lifted in {LIFTS} of {LIFTS} noisy trials"
+            )
+            draw_grasp(
+                IMAGES / "grasping_good.png", learned, view.stone, view.cloud, gripper, title
+            )
             title = f"stone {i}, first by the paper's stages: lifted in 0 of {LIFTS} noisy trials"
-            draw_grasp(IMAGES / "grasping_failed.png", paper, view.stone, view.cloud, gripper, title)
+            draw_grasp(
+                IMAGES / "grasping_failed.png", paper, view.stone, view.cloud, gripper, title
+            )
             return
 
 
@@ -106,7 +132,9 @@ def main() -> None:
     machine = load_machine("m545")
     with chosen("motion") as motion:
         planners: dict[str, SampledPlanner] = {
-            "the paper's stages": SampledAntipodal(SampledAntipodalSettings(rehearsed=0), machine, motion),
+            "the paper's stages": SampledAntipodal(
+                SampledAntipodalSettings(rehearsed=0), machine, motion
+            ),
             "predicted success": SampledCnn(SampledCnnSettings(), machine, motion),
         }
         for planner in planners.values():

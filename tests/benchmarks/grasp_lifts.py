@@ -24,15 +24,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from executive_plugins.grasping.sampled_cnn import weights_file
+from executive_plugins.robot.mujoco.solid import volume_and_centroid
+from executive_plugins.robot.mujoco.stone_meshes import mesh_files, read_skin
 
 from executive.clock import wall_s
+from executive.machine.machine import load_machine
 from executive.mission.mission import Mission
 from executive.mission.run import Options, Run
 from executive.tree.load import load_mission
-from plugins.grasping.sampled_cnn import weights_file
-from plugins.robot.mujoco.solid import volume_and_centroid
-from plugins.robot.mujoco.stone_meshes import mesh_files, read_skin
-from robot_models.machine import load_machine
 
 A_SITE, FIRST_SEED, DENSITY, FLAT, TRIES = 7, 1000, 2700.0, 0.5, 3
 RANKINGS = {
@@ -45,12 +45,16 @@ RANKINGS = {
 def scans_of(folder: Path, scale: float, site: int) -> list[Path]:
     """Return the files of one site, numbered from 1."""
     most_m3 = load_machine("m545").payload_kg / DENSITY
-    files = [f for f in mesh_files(folder) if volume_and_centroid(*read_skin(f, scale))[0] <= most_m3]
+    files = [
+        f for f in mesh_files(folder) if volume_and_centroid(*read_skin(f, scale))[0] <= most_m3
+    ]
     order = np.random.default_rng(0).permutation(len(files))
     return [files[i] for i in order[A_SITE * (site - 1) : A_SITE * site]]
 
 
-def run_site(stones: str, scale: float, ranking: str, site: int, folder: Path) -> list[dict[str, Any]]:
+def run_site(
+    stones: str, scale: float, ranking: str, site: int, folder: Path
+) -> list[dict[str, Any]]:
     """Run the mission of one site and return a row a stone."""
     settings = [*RANKINGS[ranking], f"robot.site.stones.count={A_SITE}"]
     if stones != "generated":
@@ -58,7 +62,10 @@ def run_site(stones: str, scale: float, ranking: str, site: int, folder: Path) -
         meshes.mkdir()
         for file in scans_of(Path(stones), scale, site):
             (meshes / file.name).symlink_to(file.resolve())
-        settings += [f"robot.site.stones.folder={json.dumps(str(meshes))}", f"robot.site.stones.scale={scale}"]
+        settings += [
+            f"robot.site.stones.folder={json.dumps(str(meshes))}",
+            f"robot.site.stones.scale={scale}",
+        ]
     shapes: dict[int, tuple[float, float]] = {}
 
     def look(mission: Mission) -> None:
@@ -66,17 +73,31 @@ def run_site(stones: str, scale: float, ranking: str, site: int, folder: Path) -
             shapes.update(shapes_of(mission.services.plugins["robot"].world.model))
 
     begun_s = wall_s()
-    made = Run(load_mission("pick_and_place", settings), Options(seed=FIRST_SEED + site, run_dir=folder / "run"))
+    made = Run(
+        load_mission("pick_and_place", settings),
+        Options(seed=FIRST_SEED + site, run_dir=folder / "run"),
+    )
     report = made.execute(look).report
     if report["outcome"] in ("stopped", "fault"):
-        sys.exit(f"{stones} {ranking} site {site}: {report['outcome']}: {report['reason']}; nothing is noted")
-    about = {"stones": "generated" if stones == "generated" else "scanned", "ranking": ranking, "site": site}
-    about |= {"weights": weights_id() if ranking == "learned" else "", "wall_s": round(wall_s() - begun_s)}
+        sys.exit(
+            f"{stones} {ranking} site {site}: {report['outcome']}: {report['reason']}; nothing is noted"
+        )
+    about = {
+        "stones": "generated" if stones == "generated" else "scanned",
+        "ranking": ranking,
+        "site": site,
+    }
+    about |= {
+        "weights": weights_id() if ranking == "learned" else "",
+        "wall_s": round(wall_s() - begun_s),
+    }
     about |= {"plan_ms": report["timings_ms"].get("grasping.plan", {})}
     return [about | row for row in rows_of(report, shapes)]
 
 
-def rows_of(report: dict[str, Any], shapes: dict[int, tuple[float, float]]) -> Iterator[dict[str, Any]]:
+def rows_of(
+    report: dict[str, Any], shapes: dict[int, tuple[float, float]]
+) -> Iterator[dict[str, Any]]:
     """Yield what became of each stone: its shape, and its attempts in order."""
     truth = report["truth"]
     lifted = {key(a, p): g for (a, p), g in zip(by_time(report), truth["grasps"], strict=True)}
@@ -96,7 +117,9 @@ def rows_of(report: dict[str, Any], shapes: dict[int, tuple[float, float]]) -> I
                     "lifted": lifted[key(attempt, pick)]["lifted"],
                     "dropped": lifted[key(attempt, pick)]["dropped"],
                     "score": round(attempt["grasp"]["score"], 3),
-                    "costs": {name: round(cost, 3) for name, cost in attempt["grasp"]["costs"].items()},
+                    "costs": {
+                        name: round(cost, 3) for name, cost in attempt["grasp"]["costs"].items()
+                    },
                 }
                 for pick in picks[:1]
                 for attempt in pick["attempts"]
@@ -137,7 +160,10 @@ def is_success(attempt: dict[str, Any]) -> bool:
 
 def wilson(k: int, n: int, z: float = 1.96) -> tuple[float, float]:
     """Return the 95 % interval of a rate."""
-    middle, half = (k + z * z / 2) / (n + z * z), z * np.sqrt(k * (n - k) / n + z * z / 4) / (n + z * z)
+    middle, half = (
+        (k + z * z / 2) / (n + z * z),
+        z * np.sqrt(k * (n - k) / n + z * z / 4) / (n + z * z),
+    )
     return float(middle - half), float(middle + half)
 
 
@@ -151,22 +177,36 @@ def rate(good: Iterable[bool]) -> str:
 
 def table(rows: list[dict[str, Any]]) -> str:
     """Return the table in Markdown: a line a kind of stones and ranking."""
-    lines = ["| stones | ranking | first attempt | flat ones | within three attempts |", "|---|---|---|---|---|"]
-    for stones, ranking, weights in sorted({(r["stones"], r["ranking"], r["weights"]) for r in rows}):
-        of = [r for r in rows if (r["stones"], r["ranking"], r["weights"]) == (stones, ranking, weights) and r["found"]]
+    lines = [
+        "| stones | ranking | first attempt | flat ones | within three attempts |",
+        "|---|---|---|---|---|",
+    ]
+    for stones, ranking, weights in sorted(
+        {(r["stones"], r["ranking"], r["weights"]) for r in rows}
+    ):
+        of = [
+            r
+            for r in rows
+            if (r["stones"], r["ranking"], r["weights"]) == (stones, ranking, weights)
+            and r["found"]
+        ]
         first = [bool(r["attempts"]) and is_success(r["attempts"][0]) for r in of]
         flat = [good for r, good in zip(of, first, strict=True) if r["flatness"] < FLAT]
         three = [any(is_success(a) for a in r["attempts"][:TRIES]) for r in of]
         name = f"{ranking} {weights}".strip()
         lines.append(f"| {stones} | {name} | {rate(first)} | {rate(flat)} | {rate(three)} |")
         ends = Counter(r["attempts"][0]["outcome"] if r["attempts"] else r["set_aside"] for r in of)
-        lines.append(f"|  | first attempts: {', '.join(f'{n} {what}' for what, n in ends.most_common())} | | | |")
+        lines.append(
+            f"|  | first attempts: {', '.join(f'{n} {what}' for what, n in ends.most_common())} | | | |"
+        )
     return "\n".join(lines)
 
 
 def arguments(doc: str | None) -> argparse.Namespace:
     """Read the command line of a benchmark that runs sites, or lays out the table of what was run."""
-    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=doc, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("folder", type=Path)
     verbs = parser.add_subparsers(dest="verb", required=True)
     verbs.add_parser("table")
@@ -197,7 +237,10 @@ def main() -> None:
         with path.open("a") as file:
             file.writelines(json.dumps(row) + "\n" for row in found)
         first = [bool(row["attempts"]) and is_success(row["attempts"][0]) for row in found]
-        print(f"{kind} {given.ranking} site {site}: {sum(first)} of {len(first)}, {found[0]['wall_s']} s", flush=True)
+        print(
+            f"{kind} {given.ranking} site {site}: {sum(first)} of {len(first)}, {found[0]['wall_s']} s",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -12,21 +12,21 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
+from executive_plugins.grasping.labels import LabelSettings
+from executive_plugins.grasping.lift_trials import LIFTED_M, LiftTrials
+from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
+from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
+from executive_plugins.grasping.stone_views import Solid, look_at
 from lone_stones import generated, scanned
 
 from executive.arrays import Float
 from executive.clock import wall_s
 from executive.interfaces.grasping import GraspPlanner
 from executive.interfaces.motion import MotionPlanner
+from executive.machine.machine import Machine, load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.stone import Stone, StoneState
-from plugins.grasping.labels import LabelSettings
-from plugins.grasping.lift_trials import LIFTED_M, LiftTrials
-from plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
-from plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
-from plugins.grasping.stone_views import Solid, look_at
-from robot_models.machine import Machine, load_machine
 
 SEED, LIFTS = 77, 4
 NETWORKS = ("two_stream", "four_layer")
@@ -53,7 +53,9 @@ def rankings(machine: Machine) -> dict[str, GraspPlanner]:
     }
     for name in NETWORKS:
         planners[f"learned {name}"] = SampledCnn(SampledCnnSettings(weights=name), machine, motion)
-    planners["paper after two_stream"] = SampledCnn(SampledCnnSettings(ranking="paper"), machine, motion)
+    planners["paper after two_stream"] = SampledCnn(
+        SampledCnnSettings(ranking="paper"), machine, motion
+    )
     planners["learned, 8 rehearsed"] = SampledCnn(SampledCnnSettings(rehearsed=8), machine, motion)
     return planners
 
@@ -70,24 +72,35 @@ def measure(kind: str, stones: Iterator[tuple[Float, Solid]]) -> None:
     lifted: dict[str, list[float]] = {name: [] for name in planners}
     spans: dict[str, list[float]] = {name: [] for name in planners}
     for i, (hull, solid) in enumerate(stones):
-        view, trials = look_at(solid, (), np.random.default_rng((SEED, i, 1))), LiftTrials(gripper, hull)
+        view, trials = (
+            look_at(solid, (), np.random.default_rng((SEED, i, 1))),
+            LiftTrials(gripper, hull),
+        )
         seen = Stone(1, StoneState.ON_GROUND, view.stone, view.stone.mean(axis=0), np.eye(4), True)
         for name, planner in planners.items():
             begun_s = wall_s()
             plan = planner.plan(seen, Cloud("map", view.cloud), np.eye(4), np.random.default_rng(i))
             spans[name].append(wall_s() - begun_s)
             chance = np.random.default_rng((SEED, i, 2))
-            slips = [trials.lift(g.T_map_gripper, gripper.open_rad, chance) for g in plan.grasps[:1] * LIFTS]
+            slips = [
+                trials.lift(g.T_map_gripper, gripper.open_rad, chance)
+                for g in plan.grasps[:1] * LIFTS
+            ]
             lifted[name].append(float(np.mean(np.array(slips) <= LIFTED_M)) if slips else 0.0)
     print(f"\n{kind}: {len(lifted['paper'])} stones, {LIFTS} lifts of each first-ranked grasp")
     for name, rates in lifted.items():
         low, high = interval(np.array(rates))
         span = f"median plan {np.median(spans[name]):.2f} s"
-        print(f"  {name:24} {100 * np.mean(rates):5.1f} %  [{100 * low:.0f}, {100 * high:.0f}]  {span}", flush=True)
+        print(
+            f"  {name:24} {100 * np.mean(rates):5.1f} %  [{100 * low:.0f}, {100 * high:.0f}]  {span}",
+            flush=True,
+        )
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="How often the first-ranked grasp lifts, by ranking.")
+    parser = argparse.ArgumentParser(
+        description="How often the first-ranked grasp lifts, by ranking."
+    )
     parser.add_argument("--stones", type=int, default=40)
     parser.add_argument("--scans", type=Path)
     options = parser.parse_args()

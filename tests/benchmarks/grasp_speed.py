@@ -13,22 +13,22 @@ from itertools import islice
 from time import process_time
 
 import numpy as np
+from executive_plugins.grasping.labels import LabelSettings
+from executive_plugins.grasping.pool import Sampler, SamplingSettings
+from executive_plugins.grasping.recheck import Recheck
+from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
+from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
+from executive_plugins.grasping.sampled_planner import SampledPlanner
+from executive_plugins.grasping.stone_views import StoneView, look_at
 from lone_stones import generated
 
 from executive.arrays import Float
+from executive.commands.plugin_choice import chosen
 from executive.geometry.pose import transform
+from executive.machine.machine import load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import GraspPlan
 from executive.messages.stone import Stone, StoneState
-from executive.perception.plugin_choice import chosen
-from plugins.grasping.labels import LabelSettings
-from plugins.grasping.pool import Sampler, SamplingSettings
-from plugins.grasping.recheck import Recheck
-from plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
-from plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
-from plugins.grasping.sampled_planner import SampledPlanner
-from plugins.grasping.stone_views import StoneView, look_at
-from robot_models.machine import load_machine
 
 SEED, SAMPLES = 55, 100
 STANDS = np.array([[1, 0, 0, -5.5], [0, 1, 0, 0], [0, 0, 1, 0.9], [0, 0, 0, 1]], dtype=float)
@@ -44,7 +44,9 @@ def timed(planner: SampledPlanner, view: StoneView, seed: int) -> tuple[float, G
 def freedom(planner: SampledPlanner, view: StoneView, seed: int, plan: GraspPlan) -> list[bool]:
     """Return for each grasp of a plan whether it is free in the planning cloud that the same seed gives."""
     gripper = load_machine("m545").gripper
-    scene = Sampler(SamplingSettings(), gripper).scene(view.stone, view.cloud, np.random.default_rng(seed))
+    scene = Sampler(SamplingSettings(), gripper).scene(
+        view.stone, view.cloud, np.random.default_rng(seed)
+    )
     points = transform(scene.T_map_plan, scene.points)
     return [Recheck(gripper, 0.01).is_free(points, grasp.T_map_gripper) for grasp in plan.grasps]
 
@@ -61,22 +63,41 @@ def line(name: str, values: list[float], unit: str) -> str:
 def main(stones: int) -> None:
     machine = load_machine("m545")
     solids = islice(generated(LabelSettings(), SEED), stones)
-    views = [look_at(solid, (), np.random.default_rng((SEED, i))) for i, (_, solid) in enumerate(solids)]
+    views = [
+        look_at(solid, (), np.random.default_rng((SEED, i))) for i, (_, solid) in enumerate(solids)
+    ]
     with chosen("motion") as motion:
         planners: dict[str, SampledPlanner] = {
             "sampled_cnn": SampledCnn(SampledCnnSettings(samples=SAMPLES), machine, motion),
-            "sampled_antipodal": SampledAntipodal(SampledAntipodalSettings(samples=SAMPLES), machine, motion),
+            "sampled_antipodal": SampledAntipodal(
+                SampledAntipodalSettings(samples=SAMPLES), machine, motion
+            ),
         }
         for name, planner in planners.items():
             planner.start()
             timed(planner, views[0], 0)
             results = [timed(planner, view, i) for i, view in enumerate(views)]
             print(line(f"plan, {name}", [span for span, _ in results], "s"), flush=True)
-            free = [is_free for i, (_, plan) in enumerate(results) for is_free in freedom(planner, views[i], i, plan)]
-            print(f"  returned grasps deeper than 1 cm in their planning cloud: {len(free) - sum(free)} of {len(free)}")
-        tall = [timed(planners["sampled_cnn"], scaled(v, np.array([1.0, 1.0, 3.0])), i) for i, v in enumerate(views)]
-        wide = [timed(planners["sampled_cnn"], scaled(v, np.array([2.6, 2.6, 0.3])), i) for i, v in enumerate(views)]
-        for name, results in (("refusal: too heavy", tall), ("refusal: wider than the opening", wide)):
+            free = [
+                is_free
+                for i, (_, plan) in enumerate(results)
+                for is_free in freedom(planner, views[i], i, plan)
+            ]
+            print(
+                f"  returned grasps deeper than 1 cm in their planning cloud: {len(free) - sum(free)} of {len(free)}"
+            )
+        tall = [
+            timed(planners["sampled_cnn"], scaled(v, np.array([1.0, 1.0, 3.0])), i)
+            for i, v in enumerate(views)
+        ]
+        wide = [
+            timed(planners["sampled_cnn"], scaled(v, np.array([2.6, 2.6, 0.3])), i)
+            for i, v in enumerate(views)
+        ]
+        for name, results in (
+            ("refusal: too heavy", tall),
+            ("refusal: wider than the opening", wide),
+        ):
             print(line(name, [span for span, plan in results if not plan.grasps] or [np.nan], "s"))
     sampler, counts, rates = Sampler(SamplingSettings(samples=SAMPLES), machine.gripper), [], []
     for i, view in enumerate(views):

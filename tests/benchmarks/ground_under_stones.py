@@ -14,24 +14,28 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from executive_plugins.motion.obstacles import Obstacles
 from scipy.ndimage import minimum_filter
 
 from executive.geometry.voxels import voxel_means
 from executive.mission.run import Options, Run
 from executive.tree.load import load_mission
-from plugins.motion.obstacles import Obstacles
 
 AROUND_M, CELL_M, HALF_M = 1.2, 0.1, 10.0
 HIGH_M, LOW_M = 0.05, -0.10
 
 
-def first_map(seed: int, overrides: list[str], folder: Path) -> tuple[np.ndarray, list[np.ndarray], Any]:
+def first_map(
+    seed: int, overrides: list[str], folder: Path
+) -> tuple[np.ndarray, list[np.ndarray], Any]:
     """Return the surroundings as a planner is given them, where stones are believed, and the terrain."""
     known: list[Any] = []
 
     def look(mission: Any) -> None:
         if not known and any(entry.kind == "segmented" for entry in mission.services.entries):
-            mapping, objects, robot = (mission.services.plugins[name] for name in ("mapping", "objects", "robot"))
+            mapping, objects, robot = (
+                mission.services.plugins[name] for name in ("mapping", "objects", "robot")
+            )
             known.extend([mapping.cloud().points, objects.stones(), robot.world.site.terrain])
 
     Run(load_mission("map_site", overrides), Options(seed=seed, run_dir=folder)).execute(look)

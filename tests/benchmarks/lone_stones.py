@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import open3d as o3d
+from executive_plugins.grasping.labels import LabelSettings, resting_stone
+from executive_plugins.grasping.stone_views import Solid, at_rest, convex_solid
+from executive_plugins.robot.mujoco.stone_meshes import mesh_files, read_skin
 
 from executive.arrays import Float, Int
 from executive.geometry.convex import convex_corners
 from executive.geometry.pose import pose, transform
-from plugins.grasping.labels import LabelSettings, resting_stone
-from plugins.grasping.stone_views import Solid, at_rest, convex_solid
-from plugins.robot.mujoco.stone_meshes import mesh_files, read_skin
 
 _SCALE, _VOLUME_M3 = 10.0, (0.1, 1.1)  # what the gripper is made for: as in LabelSettings
 
@@ -43,7 +43,9 @@ def mesh_solid(vertices: Float, triangles: Int) -> Solid:
     scene.add_triangles(vertices.astype(np.float32), triangles.astype(np.uint32))
 
     def cast(origin: Float, directions: Float) -> Float:
-        rays = np.column_stack([np.tile(origin, (len(directions), 1)), directions]).astype(np.float32)
+        rays = np.column_stack([np.tile(origin, (len(directions), 1)), directions]).astype(
+            np.float32
+        )
         return scene.cast_rays(o3d.core.Tensor(rays))["t_hit"].numpy().astype(float)
 
     return cast

@@ -19,7 +19,17 @@ from typing import Any
 
 import numpy as np
 from database_poses import write_truth
-from mapping_trials import MACHINE, Fan, Trial, TrueState, as_it_is, displacement_m, plugin, trial, trials
+from mapping_trials import (
+    MACHINE,
+    Fan,
+    Trial,
+    TrueState,
+    as_it_is,
+    displacement_m,
+    plugin,
+    trial,
+    trials,
+)
 
 from executive.mission.run import Options, Run
 from executive.tree.load import load_mission
@@ -75,7 +85,9 @@ def recorded(seed: int) -> tuple[Ticks, Track]:
 
 def replayed(ticks: Ticks, track: Track, seed: int) -> tuple[list[Trial], Trial]:
     """Feed a swing to all trials; return them, and the one with true poses."""
-    first_scan_s = next(one.stamp_s for tick in ticks for one in tick if hasattr(one, "points_lidar"))
+    first_scan_s = next(
+        one.stamp_s for tick in ticks for one in tick if hasattr(one, "points_lidar")
+    )
     truth = TrueState()
     true = trial("truth", truth, ["voxel_map"], as_it_is)
     everyone = trials(seed, first_scan_s, lambda stamp_s: stamp_s > first_scan_s + OUTAGE_AFTER_S)
@@ -102,14 +114,19 @@ def relocate(seed: int, kept: Path | None) -> dict[str, Any]:
         def tell(count: int) -> None:
             target = others[0].fan.cloud().points
             mappers = {"pose_graph": own, **others[1].fan.mappers}
-            drifts = {name: 1e3 * displacement_m(one.cloud().points, target) for name, one in mappers.items()}
+            drifts = {
+                name: 1e3 * displacement_m(one.cloud().points, target)
+                for name, one in mappers.items()
+            }
             print(f"{count} relocations, drift [mm]: {drifts}", flush=True)
 
         told = [0]
         folder = (kept or Path(scratch)) / str(seed)
         tap = Tap("relocate", seed, folder, hand_on, ["mapping.plugin=pose_graph"])
         own = tap.plugins["mapping"]
-        voxels = trial("", plugin("estimation", "gnss_imu_filter", machine=MACHINE), ["voxel_map"], as_it_is)
+        voxels = trial(
+            "", plugin("estimation", "gnss_imu_filter", machine=MACHINE), ["voxel_map"], as_it_is
+        )
         others += [trial("truth", tap.truth, ["voxel_map"], as_it_is), voxels]
         tap.plugins["mapping"] = Company(own, [other.fan for other in others])
         close, own.close = own.close, lambda: None  # its last map is looked at once more
@@ -137,7 +154,9 @@ class Company:
 
 
 def table(rows: dict[tuple[str, str], list[tuple[float, float, float]]]) -> str:
-    lines = [f"{'estimator':34}{'mapper':12}{'drift [mm]':>12}{'worst':>8}{'pair [ms]':>11}{'p95':>8}{'n':>4}"]
+    lines = [
+        f"{'estimator':34}{'mapper':12}{'drift [mm]':>12}{'worst':>8}{'pair [ms]':>11}{'p95':>8}{'n':>4}"
+    ]
     for (estimator, mapper), values in rows.items():
         drift, middle, late = np.array(values).T
         lines.append(
@@ -147,13 +166,18 @@ def table(rows: dict[tuple[str, str], list[tuple[float, float, float]]]) -> str:
     return "\n".join(lines)
 
 
-def measured(everyone: Sequence[Trial], true: Trial) -> Iterator[tuple[tuple[str, str], tuple[float, float, float]]]:
+def measured(
+    everyone: Sequence[Trial], true: Trial
+) -> Iterator[tuple[tuple[str, str], tuple[float, float, float]]]:
     target = true.fan.cloud().points
     for one in everyone:
         for name, mapper in one.fan.mappers.items():
             spent = one.fan.pair_ms[name]
             drift_m = displacement_m(mapper.cloud().points, target)
-            yield (one.name, name), (drift_m, float(np.median(spent)), float(np.percentile(spent, 95)))
+            yield (
+                (one.name, name),
+                (drift_m, float(np.median(spent)), float(np.percentile(spent, 95))),
+            )
             mapper.close()
 
 
@@ -170,7 +194,8 @@ def main(what: str, words: list[str]) -> None:
             report = relocate(seed, kept)
             spent = report["timings_ms"]["mapping.add_scan_pair"]
             print(
-                f"seed {seed}: {report['outcome']}, {report['ended_s']:.0f} s, {report['counts']}, {spent}", flush=True
+                f"seed {seed}: {report['outcome']}, {report['ended_s']:.0f} s, {report['counts']}, {spent}",
+                flush=True,
             )
 
 

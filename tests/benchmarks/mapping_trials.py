@@ -11,10 +11,10 @@ import small_gicp
 from executive import registry
 from executive.geometry.geodesy import enu_from_geodetic, geodetic_from_enu
 from executive.geometry.pose import interpolate, transform
+from executive.machine.machine import load_machine
 from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
 from executive.mission.streams import Streams
-from robot_models.machine import load_machine
 
 MACHINE = load_machine("m545")
 LIDARS = tuple(sensor.name for sensor in MACHINE.sensors_of("lidar"))
@@ -42,11 +42,19 @@ class TrueState:
 
     def state(self) -> BaseState:
         stamps = [stamp for stamp, _ in self.track]
-        i = int(np.clip(np.searchsorted(stamps, self._stamp_s), 1, len(stamps) - 1)) if len(stamps) > 1 else 0
+        i = (
+            int(np.clip(np.searchsorted(stamps, self._stamp_s), 1, len(stamps) - 1))
+            if len(stamps) > 1
+            else 0
+        )
         if i == 0:
             return _state(self._stamp_s, np.eye(4), "INITIALISING")
         (a, T_a), (b, T_b) = self.track[i - 1 : i + 1]
-        return _state(self._stamp_s, interpolate(T_a, T_b, float(np.clip((self._stamp_s - a) / (b - a), 0, 1))), "TRUE")
+        return _state(
+            self._stamp_s,
+            interpolate(T_a, T_b, float(np.clip((self._stamp_s - a) / (b - a), 0, 1))),
+            "TRUE",
+        )
 
 
 def _state(stamp_s: float, T: np.ndarray, status: str) -> BaseState:
@@ -87,7 +95,9 @@ class Trial:
 
 def plugin(capability: str, name: str, **services: Any) -> Any:
     plugin = registry.load(capability, name)
-    made = plugin(plugin.Settings(), *(services[given] for given in registry.dependencies_of(plugin)))
+    made = plugin(
+        plugin.Settings(), *(services[given] for given in registry.dependencies_of(plugin))
+    )
     made.start()
     return made
 
@@ -110,9 +120,13 @@ def noisier(factor: float, after_s: float, seed: int) -> Callable[[Iterable[Any]
         for one in observations:
             if isinstance(one, GnssFix) and one.stamp_s > after_s:
                 more = (factor**2 - 1) * one.covariance_enu_m2
-                enu = enu_from_geodetic(one.geodetic, DATUM) + rng.multivariate_normal(np.zeros(3), more)
+                enu = enu_from_geodetic(one.geodetic, DATUM) + rng.multivariate_normal(
+                    np.zeros(3), more
+                )
                 covariance = factor**2 * one.covariance_enu_m2
-                yield replace(one, geodetic=geodetic_from_enu(enu, DATUM), covariance_enu_m2=covariance)
+                yield replace(
+                    one, geodetic=geodetic_from_enu(enu, DATUM), covariance_enu_m2=covariance
+                )
             else:
                 yield one
 
@@ -123,7 +137,9 @@ def silent_while(is_out: Callable[[float], bool]) -> Callable[[Iterable[Any]], I
     """Leave out the fixes of some times."""
 
     def worsen(observations: Iterable[Any]) -> Iterator[Any]:
-        yield from (one for one in observations if not (isinstance(one, GnssFix) and is_out(one.stamp_s)))
+        yield from (
+            one for one in observations if not (isinstance(one, GnssFix) and is_out(one.stamp_s))
+        )
 
     return worsen
 
@@ -148,7 +164,13 @@ def displacement_m(cloud: np.ndarray, true: np.ndarray) -> float:
     guess = np.eye(4)
     for reach_m in (0.5, 0.15):
         result = small_gicp.align(
-            target, source, tree, guess, max_correspondence_distance=reach_m, num_threads=1, max_iterations=60
+            target,
+            source,
+            tree,
+            guess,
+            max_correspondence_distance=reach_m,
+            num_threads=1,
+            max_iterations=60,
         )
         guess = result.T_target_source
     return float(np.linalg.norm(transform(guess, cloud) - cloud, axis=1).mean())

@@ -25,12 +25,12 @@ from executive.interfaces.estimation import Estimator
 from executive.interfaces.odometry import LidarOdometry
 from executive.logs.log import Arrival, Log
 from executive.logs.topics import Topics
+from executive.machine.machine import load_machine
 from executive.messages.base_state import BaseState
 from executive.messages.lidar import LidarScan
 from executive.mission.run import Options, Run
 from executive.mission.streams import Streams
 from executive.tree.load import load_mission
-from robot_models.machine import load_machine
 
 ESTIMATORS = ("dual_graph", "error_state_ekf", "gnss_imu_filter")
 SWING = Path(__file__).with_name("one_swing.yaml")
@@ -106,10 +106,14 @@ def ticks(log: Path, drops: Sequence[Drop]) -> Iterator[list[Any]]:
     """Yield what arrived together, without what is dropped."""
     arrivals: Iterable[Arrival] = Log(log, Topics()).arrivals()
     for _, together in itertools.groupby(arrivals, key=lambda arrival: arrival.arrival_s):
-        yield [a.observation for a in together if not any(drop.takes(a.observation) for drop in drops)]
+        yield [
+            a.observation for a in together if not any(drop.takes(a.observation) for drop in drops)
+        ]
 
 
-def mapped(log: Path, estimator: Estimator, odometry: LidarOdometry, drops: Sequence[Drop]) -> np.ndarray:
+def mapped(
+    log: Path, estimator: Estimator, odometry: LidarOdometry, drops: Sequence[Drop]
+) -> np.ndarray:
     """Return the points of the map that an estimator's poses make (N, 3)."""
     machine = load_machine("m545")
     lidars = [sensor.name for sensor in machine.sensors_of("lidar")]
@@ -136,7 +140,13 @@ def picture(path: Path, maps: dict[str, dict[str, np.ndarray]], surface: Surface
             distance = surface.distances_m(points)
             order = np.argsort(distance)
             shown = axes.scatter(
-                *points[order, :2].T, c=distance[order], s=0.2, cmap="turbo", vmin=0, vmax=SHOWN_M, linewidths=0
+                *points[order, :2].T,
+                c=distance[order],
+                s=0.2,
+                cmap="turbo",
+                vmin=0,
+                vmax=SHOWN_M,
+                linewidths=0,
             )
             axes.set(title=f"{name}\nmedian {1e3 * np.median(distance):.0f} mm", aspect="equal")
         row[0].set(ylabel=condition)
@@ -156,7 +166,9 @@ def measured(seed: int, folder: Path) -> tuple[dict[str, dict[str, np.ndarray]],
     for condition, drops in conditions.items():
         maps[condition] = {"true poses": true_map}
         for name in ESTIMATORS:
-            maps[condition][name] = mapped(log, plugin("estimation", name, machine=machine), odometry, drops)
+            maps[condition][name] = mapped(
+                log, plugin("estimation", name, machine=machine), odometry, drops
+            )
             distance = surface.distances_m(maps[condition][name])
             print(line(seed, condition, name, distance), flush=True)
     print(line(seed, "", "true poses", surface.distances_m(true_map)), flush=True)
@@ -169,11 +181,16 @@ def line(seed: int, condition: str, name: str, distance_m: np.ndarray) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("seeds", type=int, nargs="+")
     parser.add_argument("--picture", type=Path, help="PNG of the first seed's maps")
     arguments = parser.parse_args()
-    print("| seed | condition | poses | median [mm] | 95 % [mm] | points |\n|---|---|---|---|---|---|", flush=True)
+    print(
+        "| seed | condition | poses | median [mm] | 95 % [mm] | points |\n|---|---|---|---|---|---|",
+        flush=True,
+    )
     for seed in arguments.seeds:
         with tempfile.TemporaryDirectory() as folder:
             maps, surface = measured(seed, Path(folder))

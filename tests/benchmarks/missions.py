@@ -30,7 +30,10 @@ def line(report: dict, seed: int) -> str:
 
 
 def main(seeds: list[int], overrides: list[str]) -> None:
-    print("seed  outcome  near   median  worst  first attempts slips drops collisions   time_s  ratio", flush=True)
+    print(
+        "seed  outcome  near   median  worst  first attempts slips drops collisions   time_s  ratio",
+        flush=True,
+    )
     with tempfile.TemporaryDirectory() as folder:
         for seed in seeds:
             description = load_mission("pick_and_place", overrides)

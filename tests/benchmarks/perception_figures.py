@@ -36,9 +36,15 @@ def swing(seconds: int, count: int = 60) -> dict[str, Any]:
 
     answers = swings(seconds, count)
     stages = {name for answer in answers for name in answer["timings_ms"]}
-    spent = {name: _spent([a["timings_ms"].get(name, 0.0) for a in answers]) for name in sorted(stages)}
-    spent["features"] = _spent([sum(a["timings_ms"].get(name, 0.0) for name in FEATURES) for a in answers])
-    errors = np.array([[1e3 * a["error_m"], np.degrees(a["error_rad"])] for a in answers if a["accepted"]])
+    spent = {
+        name: _spent([a["timings_ms"].get(name, 0.0) for a in answers]) for name in sorted(stages)
+    }
+    spent["features"] = _spent(
+        [sum(a["timings_ms"].get(name, 0.0) for name in FEATURES) for a in answers]
+    )
+    errors = np.array(
+        [[1e3 * a["error_m"], np.degrees(a["error_rad"])] for a in answers if a["accepted"]]
+    )
     return {
         "n": count,
         "right": sum(a["is_right"] for a in answers),
@@ -66,7 +72,11 @@ def stretched() -> dict[str, Any]:
 
     answers = trials.stretched(10)
     worst = max(a["scale_error"] for a in answers if a["is_right"])
-    return {"n": len(answers), "right": sum(a["is_right"] for a in answers), "worst_scale_error": round(worst, 5)}
+    return {
+        "n": len(answers),
+        "right": sum(a["is_right"] for a in answers),
+        "worst_scale_error": round(worst, 5),
+    }
 
 
 def segmentation() -> dict[str, Any]:
@@ -89,7 +99,10 @@ def neighbours() -> dict[str, Any]:
     scenes = load_scenes()
     tallies, _ = tallied(lambda seed, gap, shape: piles_of(seed, gap, shape, scenes), 10)
     sums: dict[str, Any] = {"5 cm": summed(tallies, 0.0), "15 cm": summed(tallies, 0.15)}
-    kinds = {f"{shape}, {100 * low:.0f} to {100 * high:.0f} cm": t for (shape, (low, high)), t in tallies.items()}
+    kinds = {
+        f"{shape}, {100 * low:.0f} to {100 * high:.0f} cm": t
+        for (shape, (low, high)), t in tallies.items()
+    }
     return {name: {**tally, "n": seen(tally)} for name, tally in (sums | kinds).items()}
 
 

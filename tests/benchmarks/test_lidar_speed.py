@@ -4,13 +4,13 @@ Run with `pytest tests/benchmarks -s`; the ordinary suite leaves it out, since i
 """
 
 import numpy as np
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.settings import MujocoSettings
 
 from executive.clock import wall_s
+from executive.machine.machine import load_machine
 from executive.messages.command import SwitchLidars
 from executive.messages.lidar import LidarScan
-from plugins.robot.mujoco.robot import MujocoRobot
-from plugins.robot.mujoco.settings import MujocoSettings
-from robot_models.machine import load_machine
 
 
 def test_a_pair_of_scans_costs_a_fraction_of_its_revolution() -> None:
@@ -28,5 +28,7 @@ def test_a_pair_of_scans_costs_a_fraction_of_its_revolution() -> None:
     scans = sum(isinstance(observation, LidarScan) for observation in observations)
     assert scans > 100
     pair_s = (spans[1] - spans[0]) / 40
-    print(f"\n{1e3 * pair_s:.1f} ms a pair of scans; without lidars {4 / spans[0]:.0f} times real time")
+    print(
+        f"\n{1e3 * pair_s:.1f} ms a pair of scans; without lidars {4 / spans[0]:.0f} times real time"
+    )
     assert pair_s < 0.05  # half a revolution on a busy computer; about 12 ms on an idle core

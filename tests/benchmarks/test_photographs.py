@@ -14,27 +14,34 @@ from typing import Any
 import numpy as np
 import open3d as o3d
 import pytest
+from executive_plugins.alignment.gicp import Gicp, GicpSettings
+from executive_plugins.robot.mujoco.ray_mesh import joined, moved
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.settings import MujocoSettings
+from executive_plugins.robot.mujoco.site import Site
+from executive_plugins.segmentation.ground_and_clusters import (
+    GroundAndClusters,
+    GroundAndClustersSettings,
+)
+from executive_plugins.surveying import photogrammetry
+from executive_plugins.surveying.camera_alignment import umeyama
+from executive_plugins.surveying.colmap import FEWEST_PICTURES
+from executive_plugins.surveying.grid_flight import GridFlightSettings
+from executive_plugins.surveying.photogrammetry import (
+    Photogrammetry,
+    PhotogrammetrySettings,
+    reconstruct,
+)
+from executive_plugins.surveying.photograph_folder import read_photographs
+from executive_plugins.surveying.simulated_photographs import take_photographs
 from scipy.spatial import cKDTree
 
 from executive import registry
 from executive.arrays import Float
 from executive.geometry.pose import transform
 from executive.geometry.rotation import angle_between
+from executive.machine.machine import load_machine
 from executive.messages.cloud import Cloud
-from plugins.alignment.gicp import Gicp, GicpSettings
-from plugins.robot.mujoco.ray_mesh import joined, moved
-from plugins.robot.mujoco.robot import MujocoRobot
-from plugins.robot.mujoco.settings import MujocoSettings
-from plugins.robot.mujoco.site import Site
-from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
-from plugins.surveying import photogrammetry
-from plugins.surveying.camera_alignment import umeyama
-from plugins.surveying.colmap import FEWEST_PICTURES
-from plugins.surveying.grid_flight import GridFlightSettings
-from plugins.surveying.photogrammetry import Photogrammetry, PhotogrammetrySettings, reconstruct
-from plugins.surveying.photograph_folder import read_photographs
-from plugins.surveying.simulated_photographs import take_photographs
-from robot_models.machine import load_machine
 
 METHODS = ("segment_fpfh", "segment_shot")
 STAGES = ("find_motion", "measure_depth", "fuse")
@@ -42,7 +49,9 @@ RAYS = 250_000
 
 
 @pytest.mark.parametrize("seed", range(7000, 7000 + int(os.environ.get("SURVEY_SEEDS", "5"))))
-@pytest.mark.parametrize("noise_m", [float(x) for x in os.environ.get("SURVEY_NOISE_M", "0.5").split(",")])
+@pytest.mark.parametrize(
+    "noise_m", [float(x) for x in os.environ.get("SURVEY_NOISE_M", "0.5").split(",")]
+)
 def test_a_site_from_photographs_to_a_registered_map(
     seed: int, noise_m: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -53,7 +62,9 @@ def test_a_site_from_photographs_to_a_registered_map(
     poses = np.array(take_photographs(robot, flight, tmp_path, np.random.default_rng(seed)))
     spent["photographs"] += time.process_time()
     for stage in STAGES:
-        monkeypatch.setattr(photogrammetry, stage, _timed(getattr(photogrammetry, stage), stage, spent))
+        monkeypatch.setattr(
+            photogrammetry, stage, _timed(getattr(photogrammetry, stage), stage, spent)
+        )
     photographs = read_photographs(tmp_path, None, FEWEST_PICTURES)
     found = reconstruct(photographs, PhotogrammetrySettings(), np.random.default_rng(seed))
     _report(seed, noise_m, photographs.names, found, poses, robot, spent)
@@ -73,7 +84,9 @@ def _timed(function: Callable[..., Any], name: str, spent: dict[str, float]) -> 
     return timed
 
 
-def _truth(found: Photogrammetry, names: tuple[str, ...], poses: Float) -> tuple[tuple[float, Float, Float], Float]:
+def _truth(
+    found: Photogrammetry, names: tuple[str, ...], poses: Float
+) -> tuple[tuple[float, Float, Float], Float]:
     """Return the similarity from the survey to the world by the cameras' true places, and their distances after it."""
     true = poses[[names.index(name) for name in found.names], :3, 3]
     scale, R, t = umeyama(found.centres_m, true)
@@ -90,8 +103,12 @@ def _report(
     distances = _distances(site, points)
     tilt = np.degrees(np.arccos(np.clip(R[2, 2], -1, 1)))
     peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    print(f"\nseed {seed}, positions ±{noise_m} m: {len(found.names)} of {found.pictures} pictures in place")
-    print(f"  cameras off {1e3 * np.median(off):.1f} mm (median), {1e3 * off.max():.1f} mm (largest)")
+    print(
+        f"\nseed {seed}, positions ±{noise_m} m: {len(found.names)} of {found.pictures} pictures in place"
+    )
+    print(
+        f"  cameras off {1e3 * np.median(off):.1f} mm (median), {1e3 * off.max():.1f} mm (largest)"
+    )
     stated = 100 * found.alignment.scale_error
     print(f"  scale off {100 * (1 / scale - 1):+.2f} %, stated ±{stated:.2f} %, tilt {tilt:.1f}°")
     print(
@@ -99,28 +116,40 @@ def _report(
         f"{1e3 * np.percentile(distances, 95):.1f} mm (p95), {100 * (distances > 0.1).mean():.2f} % beyond 0.1 m"
     )
     whole, top = zip(*[_covered(site, i, points) for i in range(len(site.stones))], strict=True)
-    print(f"  stones covered {np.mean(whole):.2f} (least {min(whole):.2f}), upper halves {np.mean(top):.2f}")
-    print("  " + ", ".join(f"{name} {seconds:.0f} s" for name, seconds in spent.items()) + f"; peak {peak_mb:.0f} MB")
+    print(
+        f"  stones covered {np.mean(whole):.2f} (least {min(whole):.2f}), upper halves {np.mean(top):.2f}"
+    )
+    print(
+        "  "
+        + ", ".join(f"{name} {seconds:.0f} s" for name, seconds in spent.items())
+        + f"; peak {peak_mb:.0f} MB"
+    )
     assert len(found.names) == found.pictures
     assert np.percentile(distances, 95) < 0.04
 
 
 def _distances(site: Site, points: Float) -> Float:
     """Return how far points are from the ground and the stones [m]."""
-    skins = [moved((s.vertices, s.triangles), T) for s, T in zip(site.stones, site.T_world_stones, strict=True)]
+    skins = [
+        moved((s.vertices, s.triangles), T)
+        for s, T in zip(site.stones, site.T_world_stones, strict=True)
+    ]
     vertices, triangles = joined([site.terrain.mesh(), *skins])
     scene = o3d.t.geometry.RaycastingScene(nthreads=1)
     scene.add_triangles(
         o3d.core.Tensor(vertices.astype(np.float32)), o3d.core.Tensor(triangles.astype(np.uint32))
     )  # fmt: skip
-    return np.asarray(scene.compute_distance(o3d.core.Tensor(points.astype(np.float32)), nthreads=1).numpy())
+    return np.asarray(
+        scene.compute_distance(o3d.core.Tensor(points.astype(np.float32)), nthreads=1).numpy()
+    )
 
 
 def _covered(site: Site, i: int, points: Float) -> tuple[float, float]:
     """Return the share of a stone's skin above the ground that has a point within 5 cm, and that of its upper half."""
     stone, T = site.stones[i], site.T_world_stones[i]
     mesh = o3d.geometry.TriangleMesh(
-        o3d.utility.Vector3dVector(transform(T, stone.vertices)), o3d.utility.Vector3iVector(stone.triangles)
+        o3d.utility.Vector3dVector(transform(T, stone.vertices)),
+        o3d.utility.Vector3iVector(stone.triangles),
     )
     o3d.utility.random.seed(0)
     skin = np.asarray(mesh.sample_points_uniformly(3000).points)
@@ -133,11 +162,19 @@ def _swept(robot: MujocoRobot, rng: np.random.Generator) -> Float:
     """Return what two lidars on a swinging cabin's roof see of the site, with 12 mm of noise, thinned to 3 cm."""
     swing, side = rng.uniform(-1.9, 1.9, RAYS), rng.choice([-0.6, 0.6], RAYS)
     origins = np.column_stack(
-        [1.3 * np.cos(swing) - side * np.sin(swing), 1.3 * np.sin(swing) + side * np.cos(swing), np.full(RAYS, 2.9)]
+        [
+            1.3 * np.cos(swing) - side * np.sin(swing),
+            1.3 * np.sin(swing) + side * np.cos(swing),
+            np.full(RAYS, 2.9),
+        ]
     )
     azimuth, elevation = swing + rng.uniform(-0.9, 0.9, RAYS), -rng.uniform(0.15, 1.3, RAYS)
     directions = np.column_stack(
-        [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
+        [
+            np.cos(elevation) * np.cos(azimuth),
+            np.cos(elevation) * np.sin(azimuth),
+            np.sin(elevation),
+        ]
     )
     ranges = robot.cast_rays(origins, directions)
     hit = ranges < 14
@@ -147,7 +184,9 @@ def _swept(robot: MujocoRobot, rng: np.random.Generator) -> Float:
     return points[np.linalg.norm(points[:, :2], axis=1) < 10]
 
 
-def _register(method: str, target: Cloud, found: Photogrammetry, poses: Float, names: tuple[str, ...]) -> bool:
+def _register(
+    method: str, target: Cloud, found: Photogrammetry, poses: Float, names: tuple[str, ...]
+) -> bool:
     plugin = registry.load("registration", method)
     segmentation = GroundAndClusters(GroundAndClustersSettings())
     registrar = plugin(plugin.Settings(), segmentation, Gicp(GicpSettings()))

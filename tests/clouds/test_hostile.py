@@ -15,17 +15,19 @@ POINTS = np.random.default_rng(0).uniform(-5, 5, (400, 3)).astype(np.float32)
 XYZ = b"".join(b"property float %c\n" % axis for axis in b"xyz")
 
 
-def ply(path: Path, count: int, body: bytes, form: str = "binary_little_endian", properties: bytes = XYZ) -> Path:
-    head = f"ply\nformat {form} 1.0\nelement vertex {count}\n".encode() + properties + b"end_header\n"
+def ply(
+    path: Path, count: int, body: bytes, form: str = "binary_little_endian", properties: bytes = XYZ
+) -> Path:
+    head = (
+        f"ply\nformat {form} 1.0\nelement vertex {count}\n".encode() + properties + b"end_header\n"
+    )
     path.write_bytes(head + body)
     return path
 
 
 def pcd(path: Path, count: int, body: bytes, form: str = "binary", size: int = 4) -> Path:
     sizes = " ".join([str(size)] * 3)
-    head = (
-        f"FIELDS x y z\nSIZE {sizes}\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {count}\nHEIGHT 1\nPOINTS {count}\nDATA {form}\n"
-    )
+    head = f"FIELDS x y z\nSIZE {sizes}\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {count}\nHEIGHT 1\nPOINTS {count}\nDATA {form}\n"
     path.write_bytes(head.encode() + body)
     return path
 
@@ -54,7 +56,9 @@ def test_a_file_of_holes_that_claims_a_billion_points_is_refused(tmp_path: Path)
     count = 1_000_000_000
     path = ply(tmp_path / "holes.ply", count, b"")
     os.truncate(path, path.stat().st_size + 12 * count)
-    with pytest.raises(DataError, match="1000000000 points are more than 5e\\+08; thin or crop the cloud"):
+    with pytest.raises(
+        DataError, match="1000000000 points are more than 5e\\+08; thin or crop the cloud"
+    ):
         read_points(path)
 
 
@@ -98,25 +102,33 @@ def test_binary_that_is_called_text_is_refused(tmp_path: Path) -> None:
 
 def test_colours_normals_and_faces_are_passed_over(tmp_path: Path) -> None:
     properties = (
-        XYZ + b"property uchar red\nproperty double nx\nelement face 1\nproperty list uchar int vertex_indices\n"
+        XYZ
+        + b"property uchar red\nproperty double nx\nelement face 1\nproperty list uchar int vertex_indices\n"
     )
     rows = np.zeros(400, dtype=[("xyz", "<f4", 3), ("red", "u1"), ("nx", "<f8")])
     rows["xyz"] = POINTS
     faces = struct.pack("<Biii", 3, 0, 1, 2)
     assert np.array_equal(
-        read_points(ply(tmp_path / "mesh.ply", 400, rows.tobytes() + faces, properties=properties)), POINTS
+        read_points(ply(tmp_path / "mesh.ply", 400, rows.tobytes() + faces, properties=properties)),
+        POINTS,
     )
 
 
 def test_a_text_ply_with_another_element_before_its_points_is_read(tmp_path: Path) -> None:
-    head = b"ply\nformat ascii 1.0\nelement camera 2\nproperty float fx\nelement vertex 2\n" + XYZ + b"end_header\n"
+    head = (
+        b"ply\nformat ascii 1.0\nelement camera 2\nproperty float fx\nelement vertex 2\n"
+        + XYZ
+        + b"end_header\n"
+    )
     (tmp_path / "site.ply").write_bytes(head + b"1\n2\n1 2 3\n4 5 6\n")
     assert read_points(tmp_path / "site.ply").tolist() == [[1, 2, 3], [4, 5, 6]]
 
 
 def test_lists_before_the_points_of_a_binary_ply_are_refused(tmp_path: Path) -> None:
     head = b"ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
-    (tmp_path / "site.ply").write_bytes(head + b"element vertex 1\n" + XYZ + b"end_header\n" + bytes(99))
+    (tmp_path / "site.ply").write_bytes(
+        head + b"element vertex 1\n" + XYZ + b"end_header\n" + bytes(99)
+    )
     with pytest.raises(DataError, match="has lists in its vertices or before them"):
         read_points(tmp_path / "site.ply")
 
@@ -166,7 +178,9 @@ def test_the_count_at_the_head_of_a_pts_file_is_no_point(tmp_path: Path) -> None
         (b"1 " * 99_999, "no text of numbers"),
     ],
 )
-def test_text_that_is_no_table_of_points_is_refused(tmp_path: Path, content: bytes, words: str) -> None:
+def test_text_that_is_no_table_of_points_is_refused(
+    tmp_path: Path, content: bytes, words: str
+) -> None:
     path = tmp_path / "site.xyz"
     path.write_bytes(content)
     with pytest.raises(DataError, match=words):

@@ -27,19 +27,28 @@ def las(path: Path, version: str = "1.2", point_format: int = 3) -> Path:
 def declare(path: Path, key: int, value: int) -> Path:
     """Add a GeoTIFF key to a file."""
     data = laspy.read(path)
-    record = laspy.VLR("LASF_Projection", 34735, record_data=struct.pack("<8H", 1, 1, 0, 1, key, 0, 1, value))
+    record = laspy.VLR(
+        "LASF_Projection", 34735, record_data=struct.pack("<8H", 1, 1, 0, 1, key, 0, 1, value)
+    )
     data.header.vlrs.append(record)
     data.write(path)
     return path
 
 
 @pytest.mark.parametrize("suffix", ["las", "laz"])
-@pytest.mark.parametrize(("version", "point_format"), [("1.2", 0), ("1.2", 3), ("1.4", 6), ("1.4", 7)])
+@pytest.mark.parametrize(
+    ("version", "point_format"), [("1.2", 0), ("1.2", 3), ("1.4", 6), ("1.4", 7)]
+)
 def test_national_coordinates_are_read_to_the_files_own_millimetre(
     tmp_path: Path, suffix: str, version: str, point_format: int
 ) -> None:
     # 1 µm: doubles have 1 nm left at 5,246 km.
-    assert np.allclose(read_points(las(tmp_path / f"site.{suffix}", version, point_format)), POINTS, atol=1e-6, rtol=0)
+    assert np.allclose(
+        read_points(las(tmp_path / f"site.{suffix}", version, point_format)),
+        POINTS,
+        atol=1e-6,
+        rtol=0,
+    )
 
 
 @pytest.mark.parametrize("suffix", ["las", "laz"])
@@ -83,7 +92,9 @@ def test_a_scale_of_nothing_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("seed", range(40))
 @pytest.mark.parametrize("suffix", ["las", "laz"])
-def test_damage_is_an_error_or_is_read_but_never_crashes(tmp_path: Path, suffix: str, seed: int) -> None:
+def test_damage_is_an_error_or_is_read_but_never_crashes(
+    tmp_path: Path, suffix: str, seed: int
+) -> None:
     path = las(tmp_path / f"site.{suffix}")
     content, rng = bytearray(path.read_bytes()), np.random.default_rng(seed)
     for place in rng.integers(0, 400 if seed % 2 else len(content), 4):
@@ -96,11 +107,14 @@ def test_damage_is_an_error_or_is_read_but_never_crashes(tmp_path: Path, suffix:
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "unit"), [(3076, 9002, "feet"), (3076, 9003, "US survey feet"), (1024, 2, "degrees")]
+    ("key", "value", "unit"),
+    [(3076, 9002, "feet"), (3076, 9003, "US survey feet"), (1024, 2, "degrees")],
 )
 def test_another_unit_is_named(tmp_path: Path, key: int, value: int, unit: str) -> None:
     path = declare(las(tmp_path / "site.las"), key, value)
-    with pytest.raises(DataError, match=f"its coordinates are in {unit} by its own word; project it to metres"):
+    with pytest.raises(
+        DataError, match=f"its coordinates are in {unit} by its own word; project it to metres"
+    ):
         read_points(path)
 
 

@@ -24,7 +24,7 @@ print(len(read_site(Path(sys.argv[1]))))
 COMMAND = f"""
 import re, sys
 from pathlib import Path
-from executive.cli import main
+from executive.commands.main import main
 try:
     main()
 except SystemExit as ended:
@@ -36,7 +36,11 @@ except SystemExit as ended:
 def run(program: str, *words: object) -> tuple[str, int]:
     """Return what a program printed and its largest memory in bytes."""
     ended = subprocess.run(
-        [sys.executable, "-c", program, *map(str, words)], capture_output=True, text=True, timeout=240, check=True
+        [sys.executable, "-c", program, *map(str, words)],
+        capture_output=True,
+        text=True,
+        timeout=240,
+        check=True,
     )
     return ended.stdout + ended.stderr, 1024 * int(re.search(r"peak (\d+)", ended.stdout)[1])
 

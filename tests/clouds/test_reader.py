@@ -21,7 +21,9 @@ def write(path: Path, points: np.ndarray = POINTS, **options: bool) -> Path:
 @pytest.mark.parametrize("suffix", ["ply", "pcd", "xyz"])
 @pytest.mark.parametrize("write_ascii", [True, False])
 @pytest.mark.parametrize("compressed", [True, False])
-def test_reads_what_was_written(tmp_path: Path, suffix: str, write_ascii: bool, compressed: bool) -> None:
+def test_reads_what_was_written(
+    tmp_path: Path, suffix: str, write_ascii: bool, compressed: bool
+) -> None:
     path = write(tmp_path / f"site.{suffix}", write_ascii=write_ascii, compressed=compressed)
     # 1e-6 m: text files carry ten decimals at most.
     assert np.allclose(read_points(path), POINTS, atol=1e-6)
@@ -71,7 +73,9 @@ def test_refuses_a_cloud_of_which_nothing_is_finite(tmp_path: Path) -> None:
         read_points(path)
 
 
-def test_keeps_each_point_once_in_its_order(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_keeps_each_point_once_in_its_order(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     twice = np.vstack([POINTS, POINTS[::-1], POINTS[:7]])
     assert np.array_equal(read_points(write(tmp_path / "site.ply", twice)), POINTS)
     assert "407 of 807 points are there already" in caplog.text
@@ -79,7 +83,9 @@ def test_keeps_each_point_once_in_its_order(tmp_path: Path, caplog: pytest.LogCa
 
 def test_refuses_coordinates_beyond_any_grid(tmp_path: Path) -> None:
     path = write(tmp_path / "site.ply", POINTS * 1e8)
-    with pytest.raises(DataError, match=r"site\.ply: a coordinate of .* is beyond .* scale or shift"):
+    with pytest.raises(
+        DataError, match=r"site\.ply: a coordinate of .* is beyond .* scale or shift"
+    ):
         read_points(path)
 
 

@@ -44,7 +44,9 @@ def test_what_is_left_is_some_of_the_points_in_their_order_and_near_all(
     assert f"{6000 - len(kept)} of 6000 points are nearer than" in caplog.text
 
 
-def test_points_without_a_place_are_counted_apart(small: None, caplog: pytest.LogCaptureFixture) -> None:
+def test_points_without_a_place_are_counted_apart(
+    small: None, caplog: pytest.LogCaptureFixture
+) -> None:
     points = np.random.default_rng(0).uniform(0, 1, (3000, 3))
     points[::3] = np.nan
     with caplog.at_level(logging.WARNING):

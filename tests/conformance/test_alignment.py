@@ -19,7 +19,9 @@ T_TRUE = pose(exp_so3(np.array([0.02, -0.03, 0.08])), np.array([0.08, -0.05, 0.0
 def aligner(request: pytest.FixtureRequest) -> Iterator[Aligner]:
     plugin = registry.load("alignment", request.param)
     services = {"rng": np.random.default_rng(0)}
-    aligner = plugin(plugin.Settings(), *(services[name] for name in registry.dependencies_of(plugin)))
+    aligner = plugin(
+        plugin.Settings(), *(services[name] for name in registry.dependencies_of(plugin))
+    )
     aligner.start()
     yield aligner
     aligner.close()
@@ -29,7 +31,10 @@ def corner(seed: int) -> np.ndarray:
     """Three faces of a block on the ground, freshly sampled by each seed."""
     rng = np.random.default_rng(seed)
     u, v = rng.uniform(-0.5, 0.5, (2, 12_000))
-    faces = [np.column_stack([u, v, np.full(12_000, 0.4)]), np.column_stack([np.full(12_000, 0.5), u, 0.8 * v])]
+    faces = [
+        np.column_stack([u, v, np.full(12_000, 0.4)]),
+        np.column_stack([np.full(12_000, 0.5), u, 0.8 * v]),
+    ]
     faces += [
         np.column_stack([u, np.full(12_000, -0.5), 0.8 * v]),
         np.column_stack([3 * u, 3 * v, np.full(12_000, -0.4)]),
@@ -50,7 +55,10 @@ def test_a_small_motion_is_recovered_and_accepted(aligner: Aligner) -> None:
     found = aligner.align(target, source, np.eye(4), 0.3)
     assert found.accepted, found.reason
     assert found.scale == 1.0
-    assert np.linalg.norm(found.apply(source.points) - transform(T_TRUE, source.points), axis=1).max() < 0.02
+    assert (
+        np.linalg.norm(found.apply(source.points) - transform(T_TRUE, source.points), axis=1).max()
+        < 0.02
+    )
     assert 0.5 < found.overlap <= 1.0
     assert 0.0 < found.rmse_m < 0.05
 
@@ -67,7 +75,11 @@ def test_the_same_clouds_give_the_same_bits_and_stay_as_they_were(aligner: Align
     before = target.points.copy(), source.points.copy()
     first, second = (aligner.align(target, source, np.eye(4), 0.3) for _ in range(2))
     np.testing.assert_array_equal(first.T_target_source, second.T_target_source)
-    assert (first.rmse_m, first.overlap, first.reason) == (second.rmse_m, second.overlap, second.reason)
+    assert (first.rmse_m, first.overlap, first.reason) == (
+        second.rmse_m,
+        second.overlap,
+        second.reason,
+    )
     np.testing.assert_array_equal(target.points, before[0])
     np.testing.assert_array_equal(source.points, before[1])
 

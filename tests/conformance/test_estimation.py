@@ -10,12 +10,12 @@ from executive.arrays import Float
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.pose import inverse, transform
 from executive.interfaces.estimation import Estimator
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine, load_machine
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.odometry import LidarIncrement
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine, load_machine
 
 DATUM = np.array([47.4084, 8.5106, 440.0])
 STANDARD_GRAVITY = np.array([0.0, 0.0, 9.81])
@@ -45,7 +45,9 @@ def feed_rest(estimator: Estimator, machine: Machine, duration_s: float) -> Floa
     for k in range(round(100 * duration_s)):
         t = k / 100
         for imu in machine.sensors_of("imu"):
-            estimator.add_imu(ImuSample(t, imu.name, np.zeros(3), frames[imu.name][:3, :3].T @ STANDARD_GRAVITY))
+            estimator.add_imu(
+                ImuSample(t, imu.name, np.zeros(3), frames[imu.name][:3, :3].T @ STANDARD_GRAVITY)
+            )
         estimator.add_joints(JointSample(t, machine.joint_names, position, zeros, zeros))
         for antenna in machine.sensors_of("gnss") if k % 5 == 0 else ():
             geodetic = geodetic_from_enu(transform(frames[antenna.name], np.zeros(3)), DATUM)
@@ -72,18 +74,26 @@ def test_it_finds_a_machine_at_rest(estimator: Estimator, machine: Machine) -> N
     assert (np.linalg.eigvalsh(state.covariance) > 0).all()
 
 
-def test_cabin_and_chassis_agree_with_the_turn_joint(estimator: Estimator, machine: Machine) -> None:
+def test_cabin_and_chassis_agree_with_the_turn_joint(
+    estimator: Estimator, machine: Machine
+) -> None:
     T_base_cabin = feed_rest(estimator, machine, 6.0)
     state = estimator.state()
-    np.testing.assert_allclose(inverse(state.T_map_base) @ state.T_map_cabin, T_base_cabin, atol=1e-9)
+    np.testing.assert_allclose(
+        inverse(state.T_map_base) @ state.T_map_cabin, T_base_cabin, atol=1e-9
+    )
 
 
-def test_a_sample_out_of_order_or_twice_does_no_harm(estimator: Estimator, machine: Machine) -> None:
+def test_a_sample_out_of_order_or_twice_does_no_harm(
+    estimator: Estimator, machine: Machine
+) -> None:
     feed_rest(estimator, machine, 6.0)
     before = estimator.state()
     for stamp_s in (5.99, 3.0, float("nan")):
         estimator.add_imu(ImuSample(stamp_s, "imu_cabin", np.ones(3), np.ones(3)))
-        estimator.add_gnss(GnssFix(stamp_s - 0.04, "gnss_left", DATUM + 1.0, np.eye(3) * 1e-4, True))
+        estimator.add_gnss(
+            GnssFix(stamp_s - 0.04, "gnss_left", DATUM + 1.0, np.eye(3) * 1e-4, True)
+        )
     after = estimator.state()
     assert after.stamp_s == before.stamp_s
     np.testing.assert_allclose(after.T_map_cabin, before.T_map_cabin, atol=1e-3)
@@ -91,5 +101,7 @@ def test_a_sample_out_of_order_or_twice_does_no_harm(estimator: Estimator, machi
 
 def test_it_takes_lidar_increments(estimator: Estimator, machine: Machine) -> None:
     feed_rest(estimator, machine, 6.0)
-    estimator.add_odometry(LidarIncrement(5.8, 5.9, "lidar_horizontal", np.eye(4), np.eye(6) * 1e-4))
+    estimator.add_odometry(
+        LidarIncrement(5.8, 5.9, "lidar_horizontal", np.eye(4), np.eye(6) * 1e-4)
+    )
     np.testing.assert_allclose(estimator.state().T_map_base, np.eye(4), atol=5e-3)

@@ -9,10 +9,10 @@ from executive import registry
 from executive.errors import DataError
 from executive.geometry.pose import inverse, pose, transform
 from executive.interfaces.mapping import Mapper
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import load_machine
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
-from robot_models.kinematics import Kinematics
-from robot_models.machine import load_machine
 
 MACHINE = load_machine("m545")
 LIDARS = ("lidar_vertical", "lidar_horizontal")
@@ -26,7 +26,9 @@ def make_mapper(request: pytest.FixtureRequest) -> Callable[[], Mapper]:
 
     def make() -> Mapper:
         services = {"machine": MACHINE, "rng": np.random.default_rng(0)}
-        mapper: Mapper = plugin(plugin.Settings(), *(services[name] for name in registry.dependencies_of(plugin)))
+        mapper: Mapper = plugin(
+            plugin.Settings(), *(services[name] for name in registry.dependencies_of(plugin))
+        )
         mapper.start()
         request.addfinalizer(mapper.close)
         return mapper
@@ -47,14 +49,23 @@ def pair(stamp_s: float, seed: int) -> list[LidarScan]:
     T_cabin_base = inverse(frames[MACHINE.cabin_link])
     scans = []
     for k, lidar in enumerate(LIDARS):
-        points = transform(inverse(T_MAP_CABIN @ T_cabin_base @ frames[lidar]), surface(2 * seed + k))
-        scans.append(LidarScan(stamp_s, lidar, points, np.linspace(stamp_s - 0.1, stamp_s, len(points))))
+        points = transform(
+            inverse(T_MAP_CABIN @ T_cabin_base @ frames[lidar]), surface(2 * seed + k)
+        )
+        scans.append(
+            LidarScan(stamp_s, lidar, points, np.linspace(stamp_s - 0.1, stamp_s, len(points)))
+        )
     return scans
 
 
 def motion(stamp_s: float) -> Motion:
     stamps = np.linspace(stamp_s - 0.15, stamp_s, 4)
-    return Motion(stamps, np.repeat(T_MAP_CABIN[None], 4, 0), MACHINE.joint_names, np.repeat(JOINTS[None], 4, 0))
+    return Motion(
+        stamps,
+        np.repeat(T_MAP_CABIN[None], 4, 0),
+        MACHINE.joint_names,
+        np.repeat(JOINTS[None], 4, 0),
+    )
 
 
 def filled(mapper: Mapper) -> Mapper:
@@ -79,7 +90,9 @@ def test_surfaces_are_mapped_where_they_are(make_mapper: Callable[[], Mapper]) -
     assert off.max() < 0.03
 
 
-def test_the_same_scans_give_the_same_cloud_and_stay_as_they_were(make_mapper: Callable[[], Mapper]) -> None:
+def test_the_same_scans_give_the_same_cloud_and_stay_as_they_were(
+    make_mapper: Callable[[], Mapper],
+) -> None:
     scans, before = pair(1.0, 0), pair(1.0, 0)
     first, second = make_mapper(), make_mapper()
     for mapper in (first, second):
@@ -99,7 +112,9 @@ def test_a_removed_sphere_is_empty(make_mapper: Callable[[], Mapper]) -> None:
     assert removed == pytest.approx(
         before - len(points), rel=0.3
     )  # a mapper may count what it keeps, not what it shows
-    assert np.linalg.norm(points - centre, axis=1).min() > 0.97  # and may round its surfaces by a voxel
+    assert (
+        np.linalg.norm(points - centre, axis=1).min() > 0.97
+    )  # and may round its surfaces by a voxel
 
 
 def test_a_surface_that_is_put_back_is_shown(make_mapper: Callable[[], Mapper]) -> None:

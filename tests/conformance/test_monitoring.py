@@ -8,9 +8,9 @@ import pytest
 from executive import registry
 from executive.arrays import Float
 from executive.interfaces.monitoring import Monitor
+from executive.machine.machine import Machine, load_machine
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Verdict
-from robot_models.machine import Machine, load_machine
 
 SAMPLES = 1000  # ten seconds
 
@@ -24,7 +24,9 @@ def machine() -> Machine:
 def monitor(request: pytest.FixtureRequest, machine: Machine) -> Iterator[Monitor]:
     plugin = registry.load("monitoring", request.param)
     services = {"machine": machine, "rng": np.random.default_rng(0)}
-    monitor = plugin(plugin.Settings(), *[services[name] for name in registry.dependencies_of(plugin)])
+    monitor = plugin(
+        plugin.Settings(), *[services[name] for name in registry.dependencies_of(plugin)]
+    )
     monitor.start()
     yield monitor
     monitor.close()
@@ -37,7 +39,9 @@ def feed(monitor: Monitor, machine: Machine, jaw_rad: Float, boom_effort: Float)
     for i in range(SAMPLES):
         effort = zeros.copy()
         effort[machine.arm_names.index("J_BOOM")] = boom_effort[i]
-        sample = JointSample(i / 100, machine.joint_names, np.append(arm, jaw_rad[i]), zeros, effort)
+        sample = JointSample(
+            i / 100, machine.joint_names, np.append(arm, jaw_rad[i]), zeros, effort
+        )
         verdict = monitor.update(sample)
         told += [verdict] if verdict is not None else []
     return told
@@ -60,7 +64,9 @@ def test_says_nothing_about_a_steady_hold(monitor: Monitor, machine: Machine) ->
     assert feed(monitor, machine, constant(0.4), constant(2.5e5)) == []
 
 
-def test_says_once_that_the_stone_is_gone_and_since_when(monitor: Monitor, machine: Machine) -> None:
+def test_says_once_that_the_stone_is_gone_and_since_when(
+    monitor: Monitor, machine: Machine
+) -> None:
     monitor.begin_hold()
     told = feed(monitor, machine, lost(0.4, 0.0), lost(2.5e5, 0.0))
     assert len(told) == 1

@@ -10,10 +10,10 @@ from executive.arrays import Float
 from executive.geometry.pose import pose
 from executive.geometry.rotation import from_rpy
 from executive.interfaces.motion import MotionPlanner
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine, load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.request import MotionPlan, MoveRequest
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine, load_machine
 
 
 @pytest.fixture(scope="module", params=["m545", "mini"])
@@ -25,7 +25,9 @@ def machine(request: pytest.FixtureRequest) -> Machine:
 def planner(request: pytest.FixtureRequest, machine: Machine) -> Iterator[MotionPlanner]:
     plugin = registry.load("motion", request.param)
     services = {"machine": machine, "rng": np.random.default_rng(0)}
-    planner = plugin(plugin.Settings(), *[services[name] for name in registry.dependencies_of(plugin)])
+    planner = plugin(
+        plugin.Settings(), *[services[name] for name in registry.dependencies_of(plugin)]
+    )
     planner.start()
     yield planner
     planner.close()
@@ -33,7 +35,9 @@ def planner(request: pytest.FixtureRequest, machine: Machine) -> Iterator[Motion
 
 def beside(machine: Machine, angle_rad: float) -> Float:
     """Return the carrying pose, turned about the machine: T_base_gripper."""
-    return pose(from_rpy(0.0, 0.0, angle_rad)) @ Kinematics(machine).gripper(machine.posture("carry"))
+    return pose(from_rpy(0.0, 0.0, angle_rad)) @ Kinematics(machine).gripper(
+        machine.posture("carry")
+    )
 
 
 def ground(machine: Machine) -> Cloud:
@@ -63,7 +67,9 @@ def test_reach_refuses_what_is_out_of_reach(planner: MotionPlanner, machine: Mac
     assert planner.reach(far, machine.posture("carry")) is None
 
 
-def test_a_move_leads_from_the_start_to_the_goal_within_all_limits(planner: MotionPlanner, machine: Machine) -> None:
+def test_a_move_leads_from_the_start_to_the_goal_within_all_limits(
+    planner: MotionPlanner, machine: Machine
+) -> None:
     goal = beside(machine, 1.2)
     plan = ask(planner, machine, goal)
     assert plan.trajectory is not None, plan.reason
@@ -71,14 +77,21 @@ def test_a_move_leads_from_the_start_to_the_goal_within_all_limits(planner: Moti
     trajectory = plan.trajectory
     assert trajectory.names == machine.arm_names
     np.testing.assert_allclose(trajectory.position[0], machine.posture("carry"), atol=1e-6)
-    np.testing.assert_allclose(Kinematics(machine).gripper(trajectory.position[-1]), goal, atol=0.02)
+    np.testing.assert_allclose(
+        Kinematics(machine).gripper(trajectory.position[-1]), goal, atol=0.02
+    )
     np.testing.assert_allclose(trajectory.velocity[[0, -1]], 0.0, atol=1e-9)
     assert (np.abs(trajectory.velocity) <= machine.max_velocity + 1e-9).all()
-    assert ((trajectory.position >= machine.lower - 1e-6) & (trajectory.position <= machine.upper + 1e-6)).all()
+    assert (
+        (trajectory.position >= machine.lower - 1e-6)
+        & (trajectory.position <= machine.upper + 1e-6)
+    ).all()
     np.testing.assert_allclose(plan.path_map[0], beside(machine, 0.0)[:3, 3], atol=1e-6)
 
 
-def test_a_move_into_the_ground_is_refused_with_a_reason(planner: MotionPlanner, machine: Machine) -> None:
+def test_a_move_into_the_ground_is_refused_with_a_reason(
+    planner: MotionPlanner, machine: Machine
+) -> None:
     goal = beside(machine, 1.2)
     goal[2, 3] = -machine.stance.base_height_m - 0.3
     plan = ask(planner, machine, goal)
@@ -86,7 +99,9 @@ def test_a_move_into_the_ground_is_refused_with_a_reason(planner: MotionPlanner,
     assert plan.reason
 
 
-def test_a_move_out_of_reach_is_refused_with_a_reason(planner: MotionPlanner, machine: Machine) -> None:
+def test_a_move_out_of_reach_is_refused_with_a_reason(
+    planner: MotionPlanner, machine: Machine
+) -> None:
     goal = beside(machine, 1.2)
     goal[:2, 3] *= 4
     plan = ask(planner, machine, goal)
@@ -94,7 +109,9 @@ def test_a_move_out_of_reach_is_refused_with_a_reason(planner: MotionPlanner, ma
     assert plan.reason
 
 
-def test_a_swing_turns_the_cabin_to_both_sides_and_lasts(planner: MotionPlanner, machine: Machine) -> None:
+def test_a_swing_turns_the_cabin_to_both_sides_and_lasts(
+    planner: MotionPlanner, machine: Machine
+) -> None:
     start = machine.posture("scan")
     plan = planner.swing(start, 1.0, 12.0)
     assert plan.trajectory is not None, plan.reason

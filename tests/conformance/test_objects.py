@@ -63,7 +63,9 @@ def test_stones_are_numbered_from_one_and_recognised(database: ObjectDatabase) -
     assert {stone.state for stone in database.stones()} == {StoneState.ON_GROUND}
 
 
-def test_the_object_frame_begins_at_the_centroid_along_the_maps_axes(database: ObjectDatabase) -> None:
+def test_the_object_frame_begins_at_the_centroid_along_the_maps_axes(
+    database: ObjectDatabase,
+) -> None:
     segment = boulder(3, 0)
     stone = database.observe([segment], 1.0, False)[0]
     np.testing.assert_allclose(stone.T_map_object, pose(None, segment.centroid), atol=1e-6)
@@ -83,7 +85,9 @@ def test_a_release_moves_the_stone_by_the_grippers_motion(database: ObjectDataba
 def test_a_realignment_moves_the_stone_in_the_map(database: ObjectDatabase) -> None:
     stone = database.observe([boulder(5, 0)], 1.0, False)[0]
     T = pose(from_rpy(0, 0, 0.2), np.array([0.1, 0, 0]))
-    np.testing.assert_allclose(database.realign(1, T, 2.0).T_map_object, T @ stone.T_map_object, atol=1e-6)
+    np.testing.assert_allclose(
+        database.realign(1, T, 2.0).T_map_object, T @ stone.T_map_object, atol=1e-6
+    )
 
 
 def test_a_state_changes_alone(database: ObjectDatabase) -> None:
@@ -106,7 +110,9 @@ def test_an_unknown_stone_is_an_error(database: ObjectDatabase) -> None:
             act()
 
 
-def test_a_reopened_file_gives_the_same_stones(make_database: Callable[[], ObjectDatabase], tmp_path: Path) -> None:
+def test_a_reopened_file_gives_the_same_stones(
+    make_database: Callable[[], ObjectDatabase], tmp_path: Path
+) -> None:
     path = str(tmp_path / "objects.db")
     first = make_database()
     first.open(path)
@@ -122,7 +128,9 @@ def test_a_reopened_file_gives_the_same_stones(make_database: Callable[[], Objec
         np.testing.assert_array_equal(a.T_map_object, b.T_map_object)
 
 
-def test_another_may_look_while_it_is_open(make_database: Callable[[], ObjectDatabase], tmp_path: Path) -> None:
+def test_another_may_look_while_it_is_open(
+    make_database: Callable[[], ObjectDatabase], tmp_path: Path
+) -> None:
     path = str(tmp_path / "objects.db")
     writer, reader = make_database(), make_database()
     writer.open(path)
@@ -135,7 +143,9 @@ def test_another_may_look_while_it_is_open(make_database: Callable[[], ObjectDat
         reader.set_state(1, StoneState.PLACED, 3.0)
 
 
-def test_a_file_to_look_at_must_be_there(make_database: Callable[[], ObjectDatabase], tmp_path: Path) -> None:
+def test_a_file_to_look_at_must_be_there(
+    make_database: Callable[[], ObjectDatabase], tmp_path: Path
+) -> None:
     with pytest.raises(ConfigError):
         make_database().open(str(tmp_path / "objects.db"), read_only=True)
 
@@ -156,6 +166,8 @@ def test_the_history_tells_every_change_with_state_and_pose(database: ObjectData
         np.testing.assert_array_equal(event.T_map_object, stone.T_map_object)
 
 
-def test_a_folder_that_is_not_there_is_an_error(make_database: Callable[[], ObjectDatabase], tmp_path: Path) -> None:
+def test_a_folder_that_is_not_there_is_an_error(
+    make_database: Callable[[], ObjectDatabase], tmp_path: Path
+) -> None:
     with pytest.raises(ConfigError):
         make_database().open(str(tmp_path / "nowhere" / "objects.db"))

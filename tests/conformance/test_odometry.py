@@ -7,8 +7,8 @@ import pytest
 
 from executive import registry
 from executive.interfaces.odometry import LidarOdometry
+from executive.machine.machine import load_machine
 from executive.messages.lidar import LidarScan
-from robot_models.machine import load_machine
 
 FRAME = "lidar_horizontal"
 
@@ -17,7 +17,9 @@ FRAME = "lidar_horizontal"
 def odometry(request: pytest.FixtureRequest) -> Iterator[LidarOdometry]:
     plugin = registry.load("odometry", request.param)
     services = {"machine": load_machine("m545"), "rng": np.random.default_rng(0)}
-    odometry = plugin(plugin.Settings(), *(services[name] for name in registry.dependencies_of(plugin)))
+    odometry = plugin(
+        plugin.Settings(), *(services[name] for name in registry.dependencies_of(plugin))
+    )
     odometry.start()
     yield odometry
     odometry.close()
@@ -29,7 +31,12 @@ def scan(stamp_s: float) -> LidarScan:
         np.linspace(0, 2 * np.pi, 400, endpoint=False), np.radians(np.linspace(-15, 15, 16))
     )
     directions = np.stack(
-        [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)], axis=-1
+        [
+            np.cos(elevation) * np.cos(azimuth),
+            np.cos(elevation) * np.sin(azimuth),
+            np.sin(elevation),
+        ],
+        axis=-1,
     ).reshape(-1, 3)
     planes = np.array([[0, 0, -1, 2], [1, 0, 0, 11], [-1, 0, 0, 9], [0, 1, 0, 10], [0, -1, 0, 8]])
     with np.errstate(divide="ignore"):

@@ -8,11 +8,11 @@ from executive.arrays import Float
 from executive.geometry.pose import inverse, pose, transform
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.placing import PlacementPlanner
+from executive.machine.machine import load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.segment import Segment, Segmentation
 from executive.messages.stone import Stone, StoneState
-from robot_models.machine import load_machine
 
 BASE = pose(t=np.array([0.0, 0.0, 0.9]))
 HANGING = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
@@ -85,5 +85,7 @@ def test_a_stone_ends_over_its_slot_and_on_the_ground(planner: PlacementPlanner)
     np.testing.assert_allclose(moved.mean(axis=0)[:2], slot.position_map[:2], atol=0.1)
     assert -0.02 < moved[:, 2].min() - slot.position_map[2] < 0.2
     np.testing.assert_allclose(
-        ways[0].T_map_object, ways[0].T_map_gripper @ inverse(T_map_gripper) @ stone.T_map_object, atol=1e-9
+        ways[0].T_map_object,
+        ways[0].T_map_gripper @ inverse(T_map_gripper) @ stone.T_map_object,
+        atol=1e-9,
     )

@@ -12,15 +12,22 @@ from executive.interfaces.registration import Registrar
 from executive.messages.cloud import Cloud
 
 T_TRUE = pose(from_rpy(0.03, -0.04, 2.2), np.array([14.0, -8.0, 3.0]))
-PARTS = {"segmentation": "ground_and_clusters", "alignment": "gicp"}  # what a registrar is given for other capabilities
+PARTS = {
+    "segmentation": "ground_and_clusters",
+    "alignment": "gicp",
+}  # what a registrar is given for other capabilities
 
 
 @pytest.fixture(params=[plugin.name for plugin in registry.installed("registration")])
 def registrar(request: pytest.FixtureRequest) -> Iterator[Registrar]:
     plugin = registry.load("registration", request.param)
     parts = {name: registry.load(name, chosen) for name, chosen in PARTS.items()}
-    services = {name: part(part.Settings()) for name, part in parts.items()} | {"rng": np.random.default_rng(0)}
-    registrar = plugin(plugin.Settings(), *(services[name] for name in registry.dependencies_of(plugin)))
+    services = {name: part(part.Settings()) for name, part in parts.items()} | {
+        "rng": np.random.default_rng(0)
+    }
+    registrar = plugin(
+        plugin.Settings(), *(services[name] for name in registry.dependencies_of(plugin))
+    )
     registrar.start()
     yield registrar
     registrar.close()
@@ -55,7 +62,9 @@ def test_it_is_a_registrar(registrar: Registrar) -> None:
 
 @pytest.mark.parametrize("stones_seed", [1, 2])
 def test_the_same_site_is_laid_over_itself(registrar: Registrar, stones_seed: int) -> None:
-    found = registrar.register(Cloud("map", site(stones_seed, 5)), survey(stones_seed), np.random.default_rng(0))
+    found = registrar.register(
+        Cloud("map", site(stones_seed, 5)), survey(stones_seed), np.random.default_rng(0)
+    )
     assert found.accepted, found.reason
     assert angle_between(found.T_target_source[:3, :3], T_TRUE[:3, :3]) < np.radians(1.0)
     assert np.linalg.norm(found.apply(inverse(T_TRUE)[:3, 3][None])[0]) < 0.05
@@ -68,7 +77,9 @@ def test_another_site_is_refused(registrar: Registrar) -> None:
     assert found.reason
 
 
-def test_the_same_clouds_and_seed_give_the_same_bits_and_stay_as_they_were(registrar: Registrar) -> None:
+def test_the_same_clouds_and_seed_give_the_same_bits_and_stay_as_they_were(
+    registrar: Registrar,
+) -> None:
     target, source = Cloud("map", site(1, 5)), survey(1)
     before = target.points.copy(), source.points.copy()
     first, second = (registrar.register(target, source, np.random.default_rng(3)) for _ in range(2))
@@ -79,6 +90,8 @@ def test_the_same_clouds_and_seed_give_the_same_bits_and_stay_as_they_were(regis
 
 
 def test_an_empty_survey_is_refused_with_a_reason(registrar: Registrar) -> None:
-    found = registrar.register(Cloud("map", site(1, 5)), Cloud("survey", np.empty((0, 3))), np.random.default_rng(0))
+    found = registrar.register(
+        Cloud("map", site(1, 5)), Cloud("survey", np.empty((0, 3))), np.random.default_rng(0)
+    )
     assert not found.accepted
     assert found.reason

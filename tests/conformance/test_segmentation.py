@@ -17,7 +17,9 @@ SPOTS = np.array([[3.0, 0.0], [0.0, 4.0], [-3.5, -2.0]])
 def segmenter(request: pytest.FixtureRequest) -> Iterator[Segmenter]:
     plugin = registry.load("segmentation", request.param)
     services = {"rng": np.random.default_rng(0)}
-    segmenter = plugin(plugin.Settings(), *(services[name] for name in registry.dependencies_of(plugin)))
+    segmenter = plugin(
+        plugin.Settings(), *(services[name] for name in registry.dependencies_of(plugin))
+    )
     segmenter.start()
     yield segmenter
     segmenter.close()

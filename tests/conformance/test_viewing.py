@@ -8,6 +8,7 @@ import pytest
 
 from executive import registry
 from executive.interfaces.viewing import Viewer
+from executive.machine.machine import Machine, load_machine
 from executive.messages.alignment import Alignment
 from executive.messages.base_state import BaseState
 from executive.messages.cloud import Cloud
@@ -19,7 +20,6 @@ from executive.messages.segment import Segment, Segmentation
 from executive.messages.stone import Stone, StoneState
 from executive.messages.trajectory import JointTrajectory
 from executive.messages.verdict import Trouble, Verdict
-from robot_models.machine import Machine, load_machine
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +31,9 @@ def machine() -> Machine:
 def viewer(request: pytest.FixtureRequest, machine: Machine) -> Iterator[Viewer]:
     plugin = registry.load("viewing", request.param)
     services = {"machine": machine, "rng": np.random.default_rng(0)}
-    viewer = plugin(plugin.Settings(), *(services[name] for name in registry.dependencies_of(plugin)))
+    viewer = plugin(
+        plugin.Settings(), *(services[name] for name in registry.dependencies_of(plugin))
+    )
     viewer.start()
     yield viewer
     viewer.close()
@@ -43,14 +45,19 @@ def messages(machine: Machine) -> list[tuple[str, object]]:
     n = len(machine.joint_names)
     segment = Segment(0, points, points.mean(axis=0), np.ones(3))
     trajectory = JointTrajectory(("a",), np.array([0.0, 1.0]), np.zeros((2, 1)), np.zeros((2, 1)))
-    state = BaseState(0.0, np.eye(4), np.eye(4), np.eye(4), np.zeros(3), np.zeros(3), np.eye(6), "GLOBAL")
+    state = BaseState(
+        0.0, np.eye(4), np.eye(4), np.eye(4), np.zeros(3), np.zeros(3), np.eye(6), "GLOBAL"
+    )
     return [
         ("state", state),
         ("joints", JointSample(0.0, machine.joint_names, np.zeros(n), np.zeros(n), np.zeros(n))),
         ("map", Cloud("map", points)),
         ("survey", Cloud("survey", points)),
         ("nothing", Cloud("map", np.zeros((0, 3)))),
-        ("segmentation", Segmentation("map", (segment,), Cloud("map", points), np.array([0, 0, 1.0, 0]))),
+        (
+            "segmentation",
+            Segmentation("map", (segment,), Cloud("map", points), np.array([0, 0, 1.0, 0])),
+        ),
         ("stones/1", Stone(1, StoneState.ON_GROUND, points, np.zeros(3), np.eye(4), False)),
         ("stones/1", Stone(1, StoneState.LOST, points, np.zeros(3), np.eye(4), False)),
         ("grasp", Grasp(np.eye(4), 1.5, 0.5, {"align_rad": 0.1})),

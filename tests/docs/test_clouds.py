@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from executive.cli import main
 from executive.clouds.coloured_ply import write_parts
 from executive.clouds.reader import _READERS
+from executive.commands.main import main
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import from_rpy
 
@@ -21,7 +21,12 @@ def step(seed: int) -> np.ndarray:
     rng = np.random.default_rng(seed)
     u, v = rng.uniform(-0.5, 0.5, (2, 6000))
     flat = np.zeros(6000)
-    parts = [(u, v, flat + 0.4), (flat + 0.5, u, 0.8 * v), (u, flat - 0.5, 0.8 * v), (3 * u, 3 * v, flat - 0.4)]
+    parts = [
+        (u, v, flat + 0.4),
+        (flat + 0.5, u, 0.8 * v),
+        (u, flat - 0.5, 0.8 * v),
+        (3 * u, 3 * v, flat - 0.4),
+    ]
     return np.vstack([np.column_stack(part) for part in parts]) + rng.normal(0, 0.005, (24_000, 3))
 
 

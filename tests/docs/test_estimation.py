@@ -23,7 +23,11 @@ def usage(words: list[str]) -> str:
     with tempfile.TemporaryDirectory() as home:  # matplotlib leaves its list of fonts there
         environment = {"COLUMNS": "200", "PATH": "", "HOME": home}
         ended = subprocess.run(
-            [sys.executable, *words, "--help"], capture_output=True, text=True, timeout=120, env=environment
+            [sys.executable, *words, "--help"],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            env=environment,
         )
     assert ended.returncode == 0, ended.stderr
     return ended.stdout
@@ -43,7 +47,7 @@ def test_it_shows_every_plugin(capability: str) -> None:
 
 @pytest.mark.parametrize("verb", sorted({command.split()[1] for command in COMMANDS}))
 def test_its_commands_know_their_options(verb: str) -> None:
-    code = "import sys; sys.argv[0] = 'executive'; from executive.cli import main; main()"
+    code = "import sys; sys.argv[0] = 'executive'; from executive.commands.main import main; main()"
     known = set(re.findall(r"--[\w-]+", usage(["-c", code, verb])))
     for command in COMMANDS:
         if command.split()[1] == verb:
@@ -53,7 +57,9 @@ def test_its_commands_know_their_options(verb: str) -> None:
 @pytest.mark.parametrize("command", BENCHMARKS)
 def test_its_benchmarks_exist_and_know_their_options(command: str) -> None:
     script = ROOT / command.split()[1]
-    assert set(re.findall(r"--[\w-]+", command)) <= set(re.findall(r"--[\w-]+", usage([str(script)])))
+    assert set(re.findall(r"--[\w-]+", command)) <= set(
+        re.findall(r"--[\w-]+", usage([str(script)]))
+    )
 
 
 def test_its_pictures_exist() -> None:

@@ -8,16 +8,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from executive_plugins.grasping import sampled_planner
+from executive_plugins.grasping.push import Outcome
 
 from executive import registry
 from executive.clouds.coloured_ply import write_parts
-from plugins.grasping import sampled_planner
-from plugins.grasping.push import Outcome
 
 PAGE = (Path(__file__).parents[2] / "docs" / "grasping.md").read_text(encoding="utf-8")
-SELECTIONS = re.findall(r"grasping: (\{.*?\}|\w+)", re.search(r"```yaml\n(.*?)```", PAGE, re.S).group(1))
+SELECTIONS = re.findall(
+    r"grasping: (\{.*?\}|\w+)", re.search(r"```yaml\n(.*?)```", PAGE, re.S).group(1)
+)
 BLOCKS = re.findall(r"```sh\n(.*?)```", PAGE, re.S)
-COMMANDS = [line for block in BLOCKS for line in re.findall(r"^(executive .*?)(?:\s+#.*)?$", block, re.M)]
+COMMANDS = [
+    line for block in BLOCKS for line in re.findall(r"^(executive .*?)(?:\s+#.*)?$", block, re.M)
+]
 EXECUTIVE = Path(sys.executable).with_name("executive")
 
 
@@ -32,19 +36,25 @@ def test_a_selection_of_the_page_is_a_plugin_with_such_settings(selection: str) 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_command_of_the_page_knows_its_options(command: str) -> None:
     verb = command.split()[1]
-    usage = subprocess.run([EXECUTIVE, verb, "--help"], capture_output=True, text=True, timeout=60, check=True).stdout
+    usage = subprocess.run(
+        [EXECUTIVE, verb, "--help"], capture_output=True, text=True, timeout=60, check=True
+    ).stdout
     assert set(re.findall(r"--\w+", command)) <= set(re.findall(r"--\w+", usage))
 
 
 def test_the_page_shows_every_planner() -> None:
-    assert {plugin.name for plugin in registry.installed("grasping")} <= set(re.findall(r"\w+", PAGE))
+    assert {plugin.name for plugin in registry.installed("grasping")} <= set(
+        re.findall(r"\w+", PAGE)
+    )
     assert len(SELECTIONS) == 6
     assert len(COMMANDS) == 6
 
 
 def test_the_page_names_every_reason_of_refusal() -> None:
     source = (Path(sampled_planner.__file__)).read_text(encoding="utf-8")
-    reasons = set(re.findall(r'refused\["(\w+)"\]', source)) | set(re.findall(r'\{"(\w+)": 1\}', source))
+    reasons = set(re.findall(r'refused\["(\w+)"\]', source)) | set(
+        re.findall(r'\{"(\w+)": 1\}', source)
+    )
     reasons |= {outcome.name.lower() for outcome in Outcome} - {"held"} | {"too_steep"}
     assert len(reasons) > 10
     assert reasons <= set(re.findall(r"`(\w+)`", PAGE))
@@ -56,7 +66,9 @@ def test_a_stone_of_a_cloud_is_grasped_as_the_page_says(tmp_path: Path) -> None:
     ground = np.column_stack([rng.uniform(-5, 5, (20_000, 2)), rng.normal(0, 0.005, 20_000)])
     slab = rng.uniform((-0.6, -0.4, 0.0), (0.6, 0.4, 0.6), (9000, 3))
     slab = slab[(np.abs(slab / (1.2, 0.8, 1.2)) > 0.48).any(axis=1)]
-    write_parts(tmp_path / "site.ply", [ground[(np.abs(ground[:, :2]) > (0.6, 0.4)).any(axis=1)], slab])
+    write_parts(
+        tmp_path / "site.ply", [ground[(np.abs(ground[:, :2]) > (0.6, 0.4)).any(axis=1)], slab]
+    )
     command = next(command for command in COMMANDS if "--picture" in command)
     words = [EXECUTIVE, *command.split()[1:]]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=120)

@@ -17,7 +17,9 @@ def test_it_names_every_mapper() -> None:
     assert set(re.findall(r"^\| `(\w+)` \|", choice, flags=re.MULTILINE)) == PLUGINS
 
 
-@pytest.mark.parametrize("settings", [["mapping=voxel_map"], ["mapping.plugin=pose_graph", "mapping.window=300"]])
+@pytest.mark.parametrize(
+    "settings", [["mapping=voxel_map"], ["mapping.plugin=pose_graph", "mapping.window=300"]]
+)
 def test_its_selections_load(settings: list[str]) -> None:
     (chosen,) = load_mission("map_site", settings).plugins["mapping"]
     assert chosen.name in PAGE

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from executive import registry
-from executive.behaviours import rest
+from executive.leaf import rest
 from executive.messages.command import START_TOLERANCE
 from executive.tree.load import load_mission
 

@@ -7,15 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
 
-from executive.cli import main
+from executive.commands.main import main
+from executive.commands.objects_answer import object_answer
 from executive.messages.segment import Segment
 from executive.messages.stone import StoneState
-from executive.perception.objects_answer import object_answer
-from plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
 
 PAGE = (Path(__file__).parents[2] / "docs" / "objects.md").read_text(encoding="utf-8")
-COMMANDS = re.findall(r"^(executive .*?)(?:\s+#.*)?$", re.search(r"```sh\n(.*?)```", PAGE, re.S).group(1), re.M)
+COMMANDS = re.findall(
+    r"^(executive .*?)(?:\s+#.*)?$", re.search(r"```sh\n(.*?)```", PAGE, re.S).group(1), re.M
+)
 PROGRAM = re.search(r"```python\n(.*?)```", PAGE, re.S).group(1)
 
 
@@ -33,7 +35,9 @@ def objects(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[SqliteO
     database.close()
 
 
-def test_the_commands_run(objects: SqliteObjects, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_commands_run(
+    objects: SqliteObjects, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert len(COMMANDS) == 3
     for command in COMMANDS:
         monkeypatch.setattr("sys.argv", shlex.split(command))

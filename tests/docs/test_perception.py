@@ -33,7 +33,10 @@ def test_what_does_not_hold_is_bold(tables: ModuleType) -> None:
     worse = json.loads(json.dumps(FIGURES))
     worse["swing_20_s"]["right"] = 50
     assert "| **50 of 60, 0 wrong accepted** |" in tables.bounds(worse)
-    assert set(tables.missed(worse)) == {*tables.missed(FIGURES), "right (< 1°, < 5 cm), swings of 20 s"}
+    assert set(tables.missed(worse)) == {
+        *tables.missed(FIGURES),
+        "right (< 1°, < 5 cm), swings of 20 s",
+    }
 
 
 def test_a_row_that_was_not_measured_says_so(tables: ModuleType) -> None:
@@ -45,4 +48,6 @@ def test_it_names_every_registrar_and_every_image() -> None:
     assert set(re.findall(r"^\| `(\w+)` \|", rows, re.M)) == {
         point.name for point in registry.installed("registration")
     }
-    assert all((ROOT / "docs" / image).is_file() for image in re.findall(r"\]\((images/[^)]*)\)", PAGE))
+    assert all(
+        (ROOT / "docs" / image).is_file() for image in re.findall(r"\]\((images/[^)]*)\)", PAGE)
+    )

@@ -22,8 +22,10 @@ COMMANDS = [
 
 
 def executive(words, cwd):
-    code = f"import sys; sys.argv = ['executive', *{words!r}]; from executive.cli import main; main()"
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=cwd, timeout=120)
+    code = f"import sys; sys.argv = ['executive', *{words!r}]; from executive.commands.main import main; main()"
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=cwd, timeout=120
+    )
 
 
 @pytest.fixture

@@ -3,11 +3,11 @@
 import re
 from pathlib import Path
 
+from executive_plugins.surveying.colmap import ColmapSettings
+from executive_plugins.surveying.simulated_photographs import SimulatedPhotographsSettings
 from pydantic import BaseModel
 
 from executive import registry
-from plugins.surveying.colmap import ColmapSettings
-from plugins.surveying.simulated_photographs import SimulatedPhotographsSettings
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "surveying.md").read_text(encoding="utf-8")
@@ -29,7 +29,11 @@ def test_settings_of_the_page_exist() -> None:
     assert len(named) >= 5
     for dotted in named:
         assert has(SimulatedPhotographsSettings, dotted), dotted
-    set_on_commands = set(re.findall(r"--set surveying\.(\w+)=", PAGE)) - {"plugin", "path", "folder"}
+    set_on_commands = set(re.findall(r"--set surveying\.(\w+)=", PAGE)) - {
+        "plugin",
+        "path",
+        "folder",
+    }
     assert all(has(ColmapSettings, name) for name in set_on_commands)
 
 
@@ -42,7 +46,11 @@ def test_numbers_of_the_page_are_the_defaults() -> None:
     assert f"over a flight of {flight.size_m[0]:.0f} × {flight.size_m[1]:.0f} m" in PAGE
     assert f"grid of {100 * settings.voxel_m:.0f} cm" in PAGE
     assert f"within {settings.depth.tolerance:.1%}".replace("%", " %") in PAGE
-    assert (settings.motion.neighbours, settings.depth.compared, settings.depth.confirmed_by) == (8, 4, 2)
+    assert (settings.motion.neighbours, settings.depth.compared, settings.depth.confirmed_by) == (
+        8,
+        4,
+        2,
+    )
 
 
 def test_its_pictures_are_there() -> None:

@@ -19,7 +19,11 @@ plugins:
 
 
 def block(language, containing):
-    found = [b for b in re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(), re.S) if containing in b]
+    found = [
+        b
+        for b in re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(), re.S)
+        if containing in b
+    ]
     assert len(found) == 1, f"one {language} block with '{containing}'"
     return found[0]
 
@@ -27,7 +31,9 @@ def block(language, containing):
 def command(*words, site, cwd):
     environment = {**os.environ, "PYTHONPATH": str(site)}
     executive = Path(sys.executable).with_name("executive")
-    return subprocess.run([executive, *words], env=environment, cwd=cwd, capture_output=True, text=True, timeout=120)
+    return subprocess.run(
+        [executive, *words], env=environment, cwd=cwd, capture_output=True, text=True, timeout=120
+    )
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +43,17 @@ def site(tmp_path_factory):
     (source / "boom_watch.py").write_text(block("python", "class BoomWatch"))
     (source / "pyproject.toml").write_text(block("toml", "boom_watch:BoomWatch"))
     target = tmp_path_factory.mktemp("site")
-    install = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", str(target), str(source)]
+    install = [
+        sys.executable,
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--no-deps",
+        "--target",
+        str(target),
+        str(source),
+    ]
     subprocess.run(install, check=True, timeout=120)
     return target
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from executive.cli import main
+from executive.commands.main import main
 from executive.tree.catalogue import InstalledCatalogue
 from executive.tree.load import load_mission
 from executive.tree.node_reader import KINDS, MODIFIERS
@@ -16,12 +16,15 @@ from executive.tree.node_reader import KINDS, MODIFIERS
 PAGE = (Path(__file__).parents[2] / "docs" / "write_a_tree.md").read_text(encoding="utf-8")
 MISSION = re.search(r"```yaml\n(.*?)```", PAGE, re.S).group(1)
 COMMANDS = [
-    shlex.split(line, comments=True) for line in re.search(r"```sh\n(.*?)```", PAGE, re.S).group(1).splitlines()
+    shlex.split(line, comments=True)
+    for line in re.search(r"```sh\n(.*?)```", PAGE, re.S).group(1).splitlines()
 ]
 
 
 @pytest.fixture
-def executive(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Any:
+def executive(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Any:
     """Run the command line in this process, in the folder of the mission; return status, output and errors."""
 
     def run(*words: str) -> tuple[int, str, str]:

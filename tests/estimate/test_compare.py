@@ -30,7 +30,9 @@ def test_a_correction_of_the_map_is_no_step_of_the_odometry(even: Track) -> None
     correction = pose(about_axis(UP, 0.3), np.array([2.0, 1.0, 0.0]))
     corrected = np.concatenate([even.T_map_base[:50], correction @ even.T_map_base[50:]])
     v = np.concatenate([even.v_map_cabin[:50], even.v_map_cabin[50:] @ correction[:3, :3].T])
-    steps = odometry_steps(replace(even, T_map_base=corrected, T_map_cabin=corrected, v_map_cabin=v))
+    steps = odometry_steps(
+        replace(even, T_map_base=corrected, T_map_cabin=corrected, v_map_cabin=v)
+    )
     # at the correction itself half of the mean speed is still that before it
     assert np.delete(steps, 49).max() < 1e-12
     assert steps[49] < 0.01 * np.linalg.norm(SPEED)

@@ -20,7 +20,9 @@ def test_a_box_has_six_faces_with_outward_unit_normals() -> None:
 
 
 def test_depth_is_the_distance_to_the_nearest_face_and_negative_outside() -> None:
-    depths = depth_inside(half_spaces(BOX), np.array([[1.0, 1.5, 0.5], [1.0, 1.5, 0.9], [1.0, 1.5, 1.4]]))
+    depths = depth_inside(
+        half_spaces(BOX), np.array([[1.0, 1.5, 0.5], [1.0, 1.5, 0.9], [1.0, 1.5, 1.4]])
+    )
     np.testing.assert_allclose(depths, [0.5, 0.1, -0.4], atol=1e-9)
 
 

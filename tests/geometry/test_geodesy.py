@@ -14,7 +14,9 @@ def test_the_equator_and_the_pole_are_where_wgs_84_has_them() -> None:
     np.testing.assert_allclose(ecef(0, 90, 100), [0, 6378237.0, 0], atol=1e-6)
 
 
-@pytest.mark.parametrize("enu", [[0, 0, 0], [10, -20, 5], [-3000, 4000, 200], [0.001, 0.002, -0.003]])
+@pytest.mark.parametrize(
+    "enu", [[0, 0, 0], [10, -20, 5], [-3000, 4000, 200], [0.001, 0.002, -0.003]]
+)
 def test_there_and_back_is_the_same_point(enu: list[float]) -> None:
     geodetic = geodetic_from_enu(np.array(enu, dtype=float), DATUM)
     np.testing.assert_allclose(enu_from_geodetic(geodetic, DATUM), enu, atol=1e-7)

@@ -21,7 +21,9 @@ def test_the_inverse_undoes_a_pose_from_both_sides() -> None:
 def test_transforming_by_a_product_is_transforming_twice() -> None:
     T_a_b, T_b_c = some_poses(2)
     points_c = np.random.default_rng(2).normal(0, 5, (30, 3))
-    np.testing.assert_allclose(transform(T_a_b @ T_b_c, points_c), transform(T_a_b, transform(T_b_c, points_c)))
+    np.testing.assert_allclose(
+        transform(T_a_b @ T_b_c, points_c), transform(T_a_b, transform(T_b_c, points_c))
+    )
 
 
 def test_one_point_is_transformed_like_many() -> None:

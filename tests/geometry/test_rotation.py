@@ -28,11 +28,15 @@ def test_exponential_gives_a_rotation_and_logarithm_takes_it_back(v: np.ndarray)
     np.testing.assert_allclose(log_so3(R), v, atol=1e-11)
 
 
-@pytest.mark.parametrize("angle", [0.0, 1e-13, 1e-9, 1e-8, 1.001e-8, 1e-5, 1.0, 3.0, np.pi - 1e-7, np.pi])
+@pytest.mark.parametrize(
+    "angle", [0.0, 1e-13, 1e-9, 1e-8, 1.001e-8, 1e-5, 1.0, 3.0, np.pi - 1e-7, np.pi]
+)
 def test_logarithm_is_exact_from_zero_to_a_half_turn(angle: float) -> None:
     axis = np.array([0.36, -0.48, 0.8])
     v = log_so3(exp_so3(angle * axis))
-    np.testing.assert_allclose(v if v @ axis >= 0 else -v, angle * axis, atol=1e-9)  # at π both signs are right
+    np.testing.assert_allclose(
+        v if v @ axis >= 0 else -v, angle * axis, atol=1e-9
+    )  # at π both signs are right
 
 
 def test_inverse_product_and_identity_are_those_of_the_group() -> None:
@@ -54,10 +58,14 @@ def test_derivative_of_the_exponential_is_the_skew_matrix() -> None:
 
 
 def test_skew_is_the_cross_product() -> None:
-    np.testing.assert_allclose(skew(VECTORS[0]) @ VECTORS[1], np.cross(VECTORS[0], VECTORS[1]), atol=EPS)
+    np.testing.assert_allclose(
+        skew(VECTORS[0]) @ VECTORS[1], np.cross(VECTORS[0], VECTORS[1]), atol=EPS
+    )
 
 
-@pytest.mark.parametrize("v", [*VECTORS, *(np.pi * np.eye(3)), np.array([3.1, 0, 0]), np.array([0, -3.1, 0.1])])
+@pytest.mark.parametrize(
+    "v", [*VECTORS, *(np.pi * np.eye(3)), np.array([3.1, 0, 0]), np.array([0, -3.1, 0.1])]
+)
 def test_quaternions_and_matrices_say_the_same(v: np.ndarray) -> None:
     R = exp_so3(v)
     q = quaternion_wxyz(R)
@@ -69,7 +77,9 @@ def test_quaternions_and_matrices_say_the_same(v: np.ndarray) -> None:
 
 def test_quaternion_order_is_w_x_y_z() -> None:
     half = np.sqrt(0.5)
-    np.testing.assert_allclose(quaternion_wxyz(from_rpy(0, 0, np.pi / 2)), [half, 0, 0, half], atol=EPS)
+    np.testing.assert_allclose(
+        quaternion_wxyz(from_rpy(0, 0, np.pi / 2)), [half, 0, 0, half], atol=EPS
+    )
 
 
 def test_roll_pitch_yaw_turn_about_fixed_axes_in_that_order() -> None:
@@ -93,7 +103,8 @@ def test_angle_between_is_a_metric_and_does_not_depend_on_the_frame() -> None:
 
 
 @pytest.mark.parametrize(
-    ("angle", "wrapped"), [(0, 0), (np.pi, np.pi), (-np.pi, np.pi), (3.5, 3.5 - 2 * np.pi), (-20.0, -20 + 6 * np.pi)]
+    ("angle", "wrapped"),
+    [(0, 0), (np.pi, np.pi), (-np.pi, np.pi), (3.5, 3.5 - 2 * np.pi), (-20.0, -20 + 6 * np.pi)],
 )
 def test_wrapped_angles_lie_above_minus_pi_up_to_pi(angle: float, wrapped: float) -> None:
     assert wrap_angle(angle) == pytest.approx(wrapped)

@@ -30,7 +30,9 @@ class Ros:
         return self.store.types[name](**fields)
 
     def vector(self, values):
-        return self.make("geometry_msgs/msg/Vector3", x=float(values[0]), y=float(values[1]), z=float(values[2]))
+        return self.make(
+            "geometry_msgs/msg/Vector3", x=float(values[0]), y=float(values[1]), z=float(values[2])
+        )
 
     def turn(self, wxyz):
         w, x, y, z = map(float, wxyz)
@@ -68,15 +70,23 @@ class Ros:
         )
 
     def odometry(self, t_s, frame, xyz, wxyz):
-        point = self.make("geometry_msgs/msg/Point", x=float(xyz[0]), y=float(xyz[1]), z=float(xyz[2]))
+        point = self.make(
+            "geometry_msgs/msg/Point", x=float(xyz[0]), y=float(xyz[1]), z=float(xyz[2])
+        )
         pose = self.make("geometry_msgs/msg/Pose", position=point, orientation=self.turn(wxyz))
-        twist = self.make("geometry_msgs/msg/Twist", linear=self.vector((0, 0, 0)), angular=self.vector((0, 0, 0)))
+        twist = self.make(
+            "geometry_msgs/msg/Twist", linear=self.vector((0, 0, 0)), angular=self.vector((0, 0, 0))
+        )
         return self.make(
             "nav_msgs/msg/Odometry",
             header=self.header(t_s, "odom"),
             child_frame_id=frame,
-            pose=self.make("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=np.zeros(36)),
-            twist=self.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36)),
+            pose=self.make(
+                "geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=np.zeros(36)
+            ),
+            twist=self.make(
+                "geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36)
+            ),
         )
 
     def tf(self, frames):
@@ -85,7 +95,11 @@ class Ros:
                 "geometry_msgs/msg/TransformStamped",
                 header=self.header(0.0, parent),
                 child_frame_id=child,
-                transform=self.make("geometry_msgs/msg/Transform", translation=self.vector(xyz), rotation=self.turn(q)),
+                transform=self.make(
+                    "geometry_msgs/msg/Transform",
+                    translation=self.vector(xyz),
+                    rotation=self.turn(q),
+                ),
             )
             for parent, child, xyz, q in frames
         ]
@@ -110,7 +124,11 @@ def _car(ros, seconds):
         t = k / 100
         u = max(0.0, t - 5.0)
         if k % 25 == 0:
-            yield t, "/gnss/fix", ros.fix(t, "gnss", rng.normal(0, 0.005, 3) + [0.5 + 0.5 * u * u, 0, 0])
+            yield (
+                t,
+                "/gnss/fix",
+                ros.fix(t, "gnss", rng.normal(0, 0.005, 3) + [0.5 + 0.5 * u * u, 0, 0]),
+            )
         force = np.array([-1.0 * (u > 0), 0, 9.81]) + rng.normal(0, 0.02, 3)
         yield t, "/imu/data", ros.imu(t, "imu", rng.normal(0, 0.002, 3), force)
 
@@ -126,13 +144,19 @@ def _write_mcap(path, ros, messages):
                 schema = writer.register_schema(name, "ros2msg", b"")
                 channels[topic] = writer.register_channel(topic, "cdr", schema)
             ns = START_NS + round(1e9 * t_s)
-            writer.add_message(channels[topic], ns, bytes(ros.store.serialize_cdr(message, name)), ns)
+            writer.add_message(
+                channels[topic], ns, bytes(ros.store.serialize_cdr(message, name)), ns
+            )
         writer.finish()
     return path
 
 
 def _write_bag(path, ros, messages):
-    writer = Bag1Writer(path) if ros.is_1 else Bag2Writer(path, version=9, storage_plugin=StoragePlugin.SQLITE3)
+    writer = (
+        Bag1Writer(path)
+        if ros.is_1
+        else Bag2Writer(path, version=9, storage_plugin=StoragePlugin.SQLITE3)
+    )
     serialize = ros.store.serialize_ros1 if ros.is_1 else ros.store.serialize_cdr
     with writer:
         connections = {}

@@ -10,10 +10,10 @@ from executive.geometry.geodesy import enu_from_geodetic, geodetic_from_enu
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import from_rpy, log_so3
 from executive.logs.recorder import Recorder
+from executive.machine.machine import load_machine
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
-from robot_models.machine import load_machine
 
 DATUM = np.array([47.4084, 8.5106, 440.0])
 TURN_RAD = 0.7
@@ -59,7 +59,9 @@ def log(machine, T_map_cabin, T_map_base, tmp_path_factory):
     return path
 
 
-def test_the_whole_log_gives_pose_and_heading_of_cabin_and_chassis(log, T_map_base, T_map_cabin, tmp_path) -> None:
+def test_the_whole_log_gives_pose_and_heading_of_cabin_and_chassis(
+    log, T_map_base, T_map_cabin, tmp_path
+) -> None:
     options = Options()
     material = Material.read(log, options)
     online = estimate(material, "dual_graph", options)
@@ -69,7 +71,9 @@ def test_the_whole_log_gives_pose_and_heading_of_cabin_and_chassis(log, T_map_ba
     offset = reference.T_map_base[:, :3, 3] - origin
     assert np.linalg.norm(offset, axis=1).max() < 0.03
     turns = [log_so3(T[:3, :3] @ T_map_base[:3, :3].T) for T in reference.T_map_base]
-    assert np.abs(turns).max() < 0.01  # heading by two antennas 1.9 m apart; with one there would be none at rest
+    assert (
+        np.abs(turns).max() < 0.01
+    )  # heading by two antennas 1.9 m apart; with one there would be none at rest
     between = inverse(reference.T_map_base[-1]) @ reference.T_map_cabin[-1]
     np.testing.assert_allclose(between, inverse(T_map_base) @ T_map_cabin, atol=1e-6)
     assert estimated.report["reference"]["fixes_m"]["n"] > 150

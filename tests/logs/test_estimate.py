@@ -23,8 +23,10 @@ NAME = "gnss_imu_filter"
 
 
 def executive(*words, cwd):
-    code = f"import sys; sys.argv = ['executive', *{list(words)!r}]; from executive.cli import main; main()"
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, cwd=cwd)
+    code = f"import sys; sys.argv = ['executive', *{list(words)!r}]; from executive.commands.main import main; main()"
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, cwd=cwd
+    )
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +50,9 @@ def test_the_way_is_that_of_the_car(whole):
     u = np.maximum(track.stamps_s - 5.0, 0)
     # The datum is the first fix of the antenna, 0.5 m ahead of the base, and a fix errs by 5 mm.
     np.testing.assert_allclose(track.T_map_base[-100:, 0, 3], 0.5 * u[-100:] ** 2 - 0.5, atol=0.05)
-    np.testing.assert_allclose(track.T_map_base[-100:, :3, :3], np.tile(np.eye(3), (100, 1, 1)), atol=0.05)
+    np.testing.assert_allclose(
+        track.T_map_base[-100:, :3, :3], np.tile(np.eye(3), (100, 1, 1)), atol=0.05
+    )
     assert track.stamps_s[-1] == pytest.approx(13.99, abs=1e-6)
 
 
@@ -110,7 +114,9 @@ def test_a_drop_names_a_kind_or_a_frame(car_log):
 
 
 def test_an_offset_moves_the_stamps_of_its_sensor_alone(car_log):
-    plain, moved = (Material.read(car_log, Options(offsets=o)).arrivals for o in ((), ("gnss:0.25", "lidar:9")))
+    plain, moved = (
+        Material.read(car_log, Options(offsets=o)).arrivals for o in ((), ("gnss:0.25", "lidar:9"))
+    )
     for before, after in zip(plain, moved, strict=True):
         by_s = 0.25 if isinstance(before.observation, GnssFix) else 0.0
         assert after.observation.stamp_s == before.observation.stamp_s + by_s
@@ -148,7 +154,9 @@ class Slow(Estimator):
 
     def state(self):
         nowhere = np.eye(4)
-        return BaseState(0.0, nowhere, nowhere, nowhere, np.zeros(3), np.zeros(3), np.eye(6), "INITIALISING")
+        return BaseState(
+            0.0, nowhere, nowhere, nowhere, np.zeros(3), np.zeros(3), np.eye(6), "INITIALISING"
+        )
 
 
 def test_at_its_own_pace_a_log_is_fed_when_it_was_recorded(car_log, monkeypatch):
@@ -175,7 +183,9 @@ def test_trajectories_report_and_plot_are_written(whole, tmp_path):
 
 
 def test_a_reference_is_smoothed_from_the_whole_log(run, tmp_path):
-    material, online = run(drops=["gnss:11:13"])  # which the reference has, and the estimator has not
+    material, online = run(
+        drops=["gnss:11:13"]
+    )  # which the reference has, and the estimator has not
     estimated = with_reference(material, online, "batch_graph")
     reference, report = estimated.reference, estimated.report["reference"]
     u = np.maximum(reference.stamps_s - 5.0, 0)

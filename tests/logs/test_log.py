@@ -36,7 +36,9 @@ def test_mcap_and_both_kinds_of_bag_hold_the_same(ros1, ros2, car, write_mcap, w
 def test_a_chain_of_static_transforms_becomes_extrinsics(car_log):
     rig = Log(car_log, Topics()).rig(None)
     np.testing.assert_allclose(rig.sensors["gnss"].T_link_sensor[:3, 3], [0.5, 0, 0], atol=1e-12)
-    np.testing.assert_allclose(rig.sensors["imu"].T_link_sensor[:3, :3], np.diag([-1, -1, 1]), atol=1e-12)
+    np.testing.assert_allclose(
+        rig.sensors["imu"].T_link_sensor[:3, :3], np.diag([-1, -1, 1]), atol=1e-12
+    )
 
 
 def test_a_receiver_without_a_fix_is_no_fix_and_a_float_one_is_not_rtk(ros2, write_mcap, tmp_path):
@@ -47,7 +49,9 @@ def test_a_receiver_without_a_fix_is_no_fix_and_a_float_one_is_not_rtk(ros2, wri
             for k, status in enumerate((-1, 0, 2))
         ],
     ]
-    fixes = [o for o in read(write_mcap(tmp_path / "a.mcap", ros2, messages)) if isinstance(o, GnssFix)]
+    fixes = [
+        o for o in read(write_mcap(tmp_path / "a.mcap", ros2, messages)) if isinstance(o, GnssFix)
+    ]
     assert [fix.is_rtk_fixed for fix in fixes] == [False, True]
 
 
@@ -55,9 +59,16 @@ def test_poses_of_an_odometry_become_increments(ros2, write_mcap, tmp_path):
     messages = [
         (0.0, "/imu/data", ros2.imu(0.0, "imu", np.zeros(3), np.ones(3))),
         (0.0, "/gnss/fix", ros2.fix(0.0, "gnss", np.zeros(3))),
-        *[(k / 10, "/odometry", ros2.odometry(k / 10, "lidar", (k, 0, 0), (0, 0, 0, 1))) for k in range(3)],
+        *[
+            (k / 10, "/odometry", ros2.odometry(k / 10, "lidar", (k, 0, 0), (0, 0, 0, 1)))
+            for k in range(3)
+        ],
     ]
-    increments = [o for o in read(write_mcap(tmp_path / "a.mcap", ros2, messages)) if isinstance(o, LidarIncrement)]
+    increments = [
+        o
+        for o in read(write_mcap(tmp_path / "a.mcap", ros2, messages))
+        if isinstance(o, LidarIncrement)
+    ]
     assert [(round(i.from_s, 6), round(i.to_s, 6), i.frame) for i in increments] == [
         (0, 0.1, "lidar"),
         (0.1, 0.2, "lidar"),
@@ -78,7 +89,9 @@ def damaged(path, kind):
 
 @pytest.mark.parametrize("suffix", ["mcap", "bag"])
 @pytest.mark.parametrize("kind", ["cut", "flipped", "empty", "text"])
-def test_a_damaged_file_is_refused_by_name(kind, suffix, ros1, ros2, car, write_mcap, write_bag, tmp_path):
+def test_a_damaged_file_is_refused_by_name(
+    kind, suffix, ros1, ros2, car, write_mcap, write_bag, tmp_path
+):
     whole = tmp_path / f"whole.{suffix}"
     if suffix == "mcap":
         write_mcap(whole, ros2, car(ros2, 1.0))
@@ -97,16 +110,23 @@ def test_a_damaged_file_is_refused_by_name(kind, suffix, ros1, ros2, car, write_
     [
         ({"/imu/data": "/imu/raw"}, "no /imu/data for imu"),
         ({"/gnss/fix": "/fix"}, "no /gnss/fix for gnss"),
-        ({"/imu/data": "/gnss/fix", "/gnss/fix": "/imu/data"}, "is sensor_msgs/msg/NavSatFix; for imu"),
+        (
+            {"/imu/data": "/gnss/fix", "/gnss/fix": "/imu/data"},
+            "is sensor_msgs/msg/NavSatFix; for imu",
+        ),
     ],
 )
-def test_a_missing_topic_or_another_type_is_said_with_the_cure(change, says, ros2, car, write_mcap, tmp_path):
+def test_a_missing_topic_or_another_type_is_said_with_the_cure(
+    change, says, ros2, car, write_mcap, tmp_path
+):
     messages = [(t, change.get(topic, topic), message) for t, topic, message in car(ros2, 0.5)]
     with pytest.raises(DataError, match=says):
         read(write_mcap(tmp_path / "a.mcap", ros2, messages))
 
 
-def test_a_value_that_is_no_number_is_left_out_and_counted_with_its_place(ros2, car, write_mcap, tmp_path):
+def test_a_value_that_is_no_number_is_left_out_and_counted_with_its_place(
+    ros2, car, write_mcap, tmp_path
+):
     messages = list(car(ros2, 0.5))
     path = write_mcap(tmp_path / "good.mcap", ros2, messages)
     whole = list(Log(path, Topics()).arrivals())
@@ -124,13 +144,19 @@ def test_a_value_that_is_no_number_is_left_out_and_counted_with_its_place(ros2, 
     assert "not finite" in log.skipped["/imu/data"].reason
 
 
-def test_an_odometry_pose_that_cannot_be_spoils_only_the_increments_that_touch_it(ros2, car, write_mcap, tmp_path):
+def test_an_odometry_pose_that_cannot_be_spoils_only_the_increments_that_touch_it(
+    ros2, car, write_mcap, tmp_path
+):
     messages = list(car(ros2, 0.5))
     poses = [(0.0, 1.0), (0.1, 1.1), (0.2, np.nan), (0.3, 1.3)]
-    messages += [(0.5 + t, "/odometry", ros2.odometry(t, "lidar", (x, 0, 0), (1, 0, 0, 0))) for t, x in poses]
+    messages += [
+        (0.5 + t, "/odometry", ros2.odometry(t, "lidar", (x, 0, 0), (1, 0, 0, 0))) for t, x in poses
+    ]
     messages.append((0.9, "/odometry", ros2.odometry(0.4, "lidar", (1.4, 0, 0), (0, 0, 0, 0))))
     log = Log(write_mcap(tmp_path / "a.mcap", ros2, messages), Topics())
-    increments = [a.observation for a in log.arrivals() if isinstance(a.observation, LidarIncrement)]
+    increments = [
+        a.observation for a in log.arrivals() if isinstance(a.observation, LidarIncrement)
+    ]
     assert [i.T_from_to[0, 3] for i in increments] == pytest.approx([0.1, 0.2])
     assert log.skipped["/odometry"].count == 2
 

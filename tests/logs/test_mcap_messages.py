@@ -26,14 +26,19 @@ def written(stamps_ns, chunk_size=200, index_types=IndexType.ALL, use_chunking=T
     channels = [writer.register_channel(topic, "cdr", schema) for topic in ("/a", "/b")]
     channels.append(writer.register_channel("/c", "cdr", 0))
     for k, stamp_ns in enumerate(stamps_ns):
-        writer.add_message(channels[2 if k % 10 == 9 else k % 2], int(stamp_ns), str(k).encode(), int(stamp_ns))
+        writer.add_message(
+            channels[2 if k % 10 == 9 else k % 2], int(stamp_ns), str(k).encode(), int(stamp_ns)
+        )
     writer.finish()
     file.seek(0)
     return file
 
 
 def numbers(messages) -> list[tuple[str, int, str | None]]:
-    return [(channel.topic, int(message.data), schema and schema.name) for schema, channel, message in messages]
+    return [
+        (channel.topic, int(message.data), schema and schema.name)
+        for schema, channel, message in messages
+    ]
 
 
 @pytest.mark.parametrize("spread_ns", [0, 3, 60, 1000])

@@ -7,11 +7,11 @@ from executive.errors import ConfigError
 from executive.logs.log import Log
 from executive.logs.recorder import Recorder
 from executive.logs.topics import Topics
+from executive.machine.machine import load_machine
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
-from robot_models.machine import load_machine
 
 
 @pytest.fixture
@@ -20,7 +20,9 @@ def recorded(tmp_path):
     names = load_machine("m545").joint_names
     observations = [
         ImuSample(0.03, "imu_cabin", rng.normal(size=3), rng.normal(size=3)),
-        GnssFix(0.01, "gnss_left", np.array([47.4, 8.5, 440.0]), np.diag([1e-4, 2e-4, 3e-4]), False),
+        GnssFix(
+            0.01, "gnss_left", np.array([47.4, 8.5, 440.0]), np.diag([1e-4, 2e-4, 3e-4]), False
+        ),
         JointSample(0.04, names, *rng.normal(size=(3, len(names)))),
         LidarScan(0.05, "lidar_vertical", rng.normal(size=(50, 3)), np.linspace(0.01, 0.05, 50)),
     ]

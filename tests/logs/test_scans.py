@@ -8,12 +8,12 @@ import pytest
 from executive.estimate.run import Material, Options
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.logs.recorder import Recorder
+from executive.machine.machine import Machine, load_machine
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.odometry import LidarIncrement
-from robot_models.machine import Machine, load_machine
 
 DATUM = np.array([47.4084, 8.5106, 440.0])
 PLANES = np.array([[0, 0, -1, 2], [1, 0, 0, 11], [-1, 0, 0, 9], [0, 1, 0, 10], [0, -1, 0, 8]])
@@ -22,10 +22,17 @@ PLANES = np.array([[0, 0, -1, 2], [1, 0, 0, 11], [-1, 0, 0, 9], [0, 1, 0, 10], [
 def scan(stamp_s: float) -> LidarScan:
     """A still revolution in a yard, returns spread over it."""
     azimuth, elevation = np.meshgrid(
-        np.linspace(0, 2 * np.pi, 400, endpoint=False), np.radians(np.linspace(-15, 15, 16)), indexing="ij"
+        np.linspace(0, 2 * np.pi, 400, endpoint=False),
+        np.radians(np.linspace(-15, 15, 16)),
+        indexing="ij",
     )
     rays = np.stack(
-        [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)], axis=-1
+        [
+            np.cos(elevation) * np.cos(azimuth),
+            np.cos(elevation) * np.sin(azimuth),
+            np.sin(elevation),
+        ],
+        axis=-1,
     ).reshape(-1, 3)
     with np.errstate(divide="ignore"):
         ranges = PLANES[:, 3] / (rays @ PLANES[:, :3].T)

@@ -10,8 +10,12 @@ from executive.messages.motion import Motion
 
 def turning(stamps_s: list[float], rate_rad_s: float = 0.5) -> Motion:
     """A cabin that turns evenly while it creeps along x."""
-    poses = np.stack([pose(from_rpy(0, 0, rate_rad_s * t), np.array([0.1 * t, 0, 2.0])) for t in stamps_s])
-    return Motion(stamps_s, poses, ("turn", "boom"), np.array([[rate_rad_s * t, 1.0] for t in stamps_s]))
+    poses = np.stack(
+        [pose(from_rpy(0, 0, rate_rad_s * t), np.array([0.1 * t, 0, 2.0])) for t in stamps_s]
+    )
+    return Motion(
+        stamps_s, poses, ("turn", "boom"), np.array([[rate_rad_s * t, 1.0] for t in stamps_s])
+    )
 
 
 def test_an_even_motion_is_interpolated_exactly() -> None:

@@ -7,6 +7,7 @@ from pkgutil import iter_modules
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.live.packed_state import PackedState
 
 import executive.messages
 from executive.errors import DataError, ShapeError
@@ -21,7 +22,6 @@ from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
 from executive.messages.odometry import LidarIncrement
-from executive.messages.packed_state import PackedState
 from executive.messages.placement import Placement, Slot
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.segment import Segment, Segmentation
@@ -57,7 +57,12 @@ MESSAGES: dict[type, Callable[[], dict[str, object]]] = {
         "velocity": [0, 0],
         "effort": [0, 0],
     },
-    LidarScan: lambda: {"stamp_s": 0.0, "frame": "lidar", "points_lidar": P.copy(), "point_stamps_s": np.zeros(5)},
+    LidarScan: lambda: {
+        "stamp_s": 0.0,
+        "frame": "lidar",
+        "points_lidar": P.copy(),
+        "point_stamps_s": np.zeros(5),
+    },
     LidarIncrement: lambda: {
         "from_s": 0.0,
         "to_s": 0.1,
@@ -89,7 +94,13 @@ MESSAGES: dict[type, Callable[[], dict[str, object]]] = {
         "ground": Cloud("map", P.copy()),
         "ground_plane": [0, 0, 1, 0],
     },
-    Alignment: lambda: {"T_target_source": T.copy(), "accepted": True, "reason": "", "rmse_m": 0.0, "overlap": 1.0},
+    Alignment: lambda: {
+        "T_target_source": T.copy(),
+        "accepted": True,
+        "reason": "",
+        "rmse_m": 0.0,
+        "overlap": 1.0,
+    },
     Stone: lambda: {
         "id": 1,
         "state": StoneState.ON_GROUND,
@@ -107,7 +118,11 @@ MESSAGES: dict[type, Callable[[], dict[str, object]]] = {
     Grasp: lambda: {"T_map_gripper": T.copy(), "opening_m": 1.0, "score": 0.0, "costs": {}},
     Hold: lambda: {"stone_id": 1, "T_map_gripper": T.copy(), "jaw_rad": 0.2},
     Slot: lambda: {"id": 1, "position_map": zeros()},
-    Placement: lambda: {"slot": Slot(1, zeros()), "T_map_gripper": T.copy(), "T_map_object": T.copy()},
+    Placement: lambda: {
+        "slot": Slot(1, zeros()),
+        "T_map_gripper": T.copy(),
+        "T_map_object": T.copy(),
+    },
     JointTrajectory: lambda: {
         "names": ("a",),
         "times_s": [0.0, 1.0],
@@ -141,8 +156,14 @@ def test_the_table_covers_every_message_with_arrays() -> None:
     for module in iter_modules(executive.messages.__path__):
         contents = vars(import_module(f"executive.messages.{module.name}")).values()
         found |= {c for c in contents if isinstance(c, type) and hasattr(c, "__dataclass_fields__")}
-    with_arrays = {c for c in found if any("Float" in str(f.type) or "float64" in str(f.type) for f in fields(c))}
-    assert with_arrays - {PackedState} == set(MESSAGES)  # which is a BaseState made otherwise, by who answers for it
+    with_arrays = {
+        c
+        for c in found
+        if any("Float" in str(f.type) or "float64" in str(f.type) for f in fields(c))
+    }
+    assert with_arrays - {PackedState} == set(
+        MESSAGES
+    )  # which is a BaseState made otherwise, by who answers for it
 
 
 @pytest.mark.parametrize(("message", "name"), ARRAYS, ids=ids)

@@ -36,7 +36,9 @@ def test_samples_are_met(trajectory: JointTrajectory) -> None:
 
 def test_velocity_is_the_derivative_of_position() -> None:
     rng = np.random.default_rng(0)
-    trajectory = JointTrajectory(("a",), TIMES_S.copy(), rng.normal(size=(4, 1)), rng.normal(size=(4, 1)))
+    trajectory = JointTrajectory(
+        ("a",), TIMES_S.copy(), rng.normal(size=(4, 1)), rng.normal(size=(4, 1))
+    )
     h = 1e-6
     for t in (0.1, 0.39, 0.7, 1.05):
         difference = (trajectory.at(t + h)[0] - trajectory.at(t - h)[0]) / (2 * h)

@@ -52,7 +52,9 @@ class Witness(Plugin):
         return threading.current_thread()
 
 
-@pytest.mark.parametrize("make", [ThreadRunner, lambda: ProcessRunner({}, "m545", 1)], ids=["thread", "process"])
+@pytest.mark.parametrize(
+    "make", [ThreadRunner, lambda: ProcessRunner({}, "m545", 1)], ids=["thread", "process"]
+)
 def test_a_plugin_with_state_is_asked_within_the_tick(make):
     jobs = Jobs({"surveying": Witness()}, make(), SimulatedClock(), is_lock_step=True)
     assert jobs.start("surveying", "look", []).result() is threading.current_thread()
@@ -110,7 +112,9 @@ def test_a_worker_process_computes_what_the_inline_runner_computes():
     first = results[0]
     assert len(first.segments) == 2
     for other in results[1:]:
-        assert [s.points.tobytes() for s in other.segments] == [s.points.tobytes() for s in first.segments]
+        assert [s.points.tobytes() for s in other.segments] == [
+            s.points.tobytes() for s in first.segments
+        ]
 
 
 def test_a_worker_that_dies_fails_its_call_and_serves_the_next():
@@ -151,7 +155,10 @@ def test_a_call_that_is_given_up_is_killed_at_its_deadline_and_the_next_is_serve
     try:
         assert jobs.start("segmentation", "segment", [stones_on_a_plane()]).result().segments
         before = runner._workers["segmentation"]._process.pid
-        worker, job = runner._workers["segmentation"], jobs.start("segmentation", "segment", [endless])
+        worker, job = (
+            runner._workers["segmentation"],
+            jobs.start("segmentation", "segment", [endless]),
+        )
         while worker._computing is None:
             time.sleep(0.01)
         job.cancel()

@@ -29,7 +29,9 @@ def test_nothing_follows_the_end(last, then):
 
 
 def test_says_what_can_follow():
-    with pytest.raises(PhaseError, match="paused cannot become done; it can become faulted, running, stopping"):
+    with pytest.raises(
+        PhaseError, match="paused cannot become done; it can become faulted, running, stopping"
+    ):
         checked_change(Phase.PAUSED, Phase.DONE)
 
 

@@ -16,7 +16,13 @@ def attempt(stone):
     return {"stone": stone, "grasp": {"score": 1.0}, "centroid_map": [1.0, 2.0, 0.5]}
 
 
-RELEASED = {"stone": 1, "slot": 4, "slot_position": [5, 0, 0], "planned_pose": [[1]], "estimated_pose": [[2]]}
+RELEASED = {
+    "stone": 1,
+    "slot": 4,
+    "slot_position": [5, 0, 0],
+    "planned_pose": [[1]],
+    "estimated_pose": [[2]],
+}
 STORY = journal_of(
     (10, "attempt", attempt(1)),
     (14, "closed_on_nothing", {"stone": 1, "reason": "nothing there"}),
@@ -66,21 +72,33 @@ def test_a_stone_that_is_moved_again_is_picked_again():
         (90, "released", {**RELEASED, "slot": 5}),
     )
     picks = picks_from(again)
-    assert [(pick.stone, pick.as_report()["slot"], len(pick.tries)) for pick in picks] == [(1, 4, 1), (1, 5, 1)]
+    assert [(pick.stone, pick.as_report()["slot"], len(pick.tries)) for pick in picks] == [
+        (1, 4, 1),
+        (1, 5, 1),
+    ]
     assert counts_from(again, picks)["first_attempt"] == 2
 
 
 def test_an_attempt_that_nothing_ended_lasts_to_the_end_of_the_run():
-    (cut_off,) = picks_from(journal_of((10, "attempt", attempt(1)), (15, "grasped", {"stone": 1}), (22, "ended", {})))
+    (cut_off,) = picks_from(
+        journal_of((10, "attempt", attempt(1)), (15, "grasped", {"stone": 1}), (22, "ended", {}))
+    )
     assert (cut_off.tries[0].outcome, cut_off.tries[0].ended_s) == ("unfinished", 22)
 
 
 def test_a_stone_that_is_taken_up_again_goes_on_with_its_pick():
-    again = [("taken_up_again", {"stones": [2]}), ("attempt", attempt(2)), ("released", RELEASED | {"stone": 2})]
+    again = [
+        ("taken_up_again", {"stones": [2]}),
+        ("attempt", attempt(2)),
+        ("released", RELEASED | {"stone": 2}),
+    ]
     story = journal_of(
         *((e.time_s, e.kind, e.payload) for e in STORY), *((90 + i, *e) for i, e in enumerate(again))
     )  # fmt: skip
     picks = picks_from(story)
-    assert [(pick.stone, len(pick.tries), pick.set_aside) for pick in picks] == [(1, 2, ""), (2, 2, "")]
+    assert [(pick.stone, len(pick.tries), pick.set_aside) for pick in picks] == [
+        (1, 2, ""),
+        (2, 2, ""),
+    ]
     counts = counts_from(story, picks)
     assert (counts["placed"], counts["set_aside"], counts["first_attempt"]) == (2, 0, 0)

@@ -8,12 +8,12 @@ import sys
 import time
 
 import pytest
+from executive_plugins.robot.kinematic import KinematicRobot
 
 from executive.journal import read_journal
 from executive.mission.interrupts import Aborted
 from executive.mission.run import Options, Run
 from executive.tree.load import load_mission
-from plugins.robot.kinematic import KinematicRobot
 
 PLUGINS = """
 api: 1
@@ -64,9 +64,9 @@ def test_a_mission_runs_to_its_end(tmp_path):
 
 def test_the_resolved_mission_runs_again_to_the_same_journal(tmp_path):
     first = run(tmp_path, SWING)
-    again = Run(load_mission(str(first.folder.mission)), Options(run_dir=tmp_path / "again")).execute(
-        lambda mission: None
-    )
+    again = Run(
+        load_mission(str(first.folder.mission)), Options(run_dir=tmp_path / "again")
+    ).execute(lambda mission: None)
     assert again.folder.journal.read_bytes() == first.folder.journal.read_bytes()
 
 
@@ -82,7 +82,9 @@ def test_two_missions_in_one_process_do_not_see_each_other(tmp_path):
     path = tmp_path / "dry.yaml"
     path.write_text(PLUGINS + SWING)
     alone = run(tmp_path, SWING, name="alone")
-    first, second = (Run(load_mission(str(path)), Options(run_dir=tmp_path / name)) for name in ("a", "b"))
+    first, second = (
+        Run(load_mission(str(path)), Options(run_dir=tmp_path / name)) for name in ("a", "b")
+    )
     inner = []
 
     def start_the_other(mission):
@@ -120,7 +122,9 @@ def test_a_stop_brings_the_machine_to_rest_along_its_path(tmp_path):
     def stop_in_mid_swing(mission):
         if mission.clock.now_s() > 6.0:
             mission.request_stop()
-        speeds.append(abs(mission.services.joints().velocity).max() if mission.clock.now_s() > 1 else 0.0)
+        speeds.append(
+            abs(mission.services.joints().velocity).max() if mission.clock.now_s() > 1 else 0.0
+        )
 
     result = run(tmp_path, SWING, after_tick=stop_in_mid_swing)
     assert (result.report["outcome"], result.exit_status) == ("stopped", 1)
@@ -161,11 +165,15 @@ def test_ctrl_c_in_mid_swing_ends_with_a_whole_report(tmp_path, times):
     """Once: along the path, then the report; twice: at once, and still the report."""
     (tmp_path / "dry.yaml").write_text(PLUGINS + SWING.replace("8 s", "60 s"))
     words = ["run", "dry.yaml", "--run-dir", "run", "--real-time"]
-    code = f"import sys; sys.argv = ['executive', *{words!r}]; from executive.cli import main; main()"
-    process = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    code = f"import sys; sys.argv = ['executive', *{words!r}]; from executive.commands.main import main; main()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], cwd=tmp_path, stderr=subprocess.PIPE, text=True
+    )
     journal = tmp_path / "run" / "journal.jsonl"
     deadline = time.monotonic() + 60
-    while time.monotonic() < deadline and not (journal.exists() and "ScanSwing" in journal.read_text()):
+    while time.monotonic() < deadline and not (
+        journal.exists() and "ScanSwing" in journal.read_text()
+    ):
         time.sleep(0.1)
     time.sleep(1.5)
     for _ in range(times):
@@ -189,7 +197,10 @@ def test_ended_at_once_no_leaf_outlives_the_robot(tmp_path, monkeypatch):
             raise Aborted("stopped at once by the operator")
 
     result = run(tmp_path, SWING, after_tick=ask_twice)
-    assert (result.report["outcome"], result.report["reason"]) == ("stopped", "stopped at once by the operator")
+    assert (result.report["outcome"], result.report["reason"]) == (
+        "stopped",
+        "stopped at once by the operator",
+    )
     swing = [e for e in read_journal(result.folder.journal) if e.node == "main/1:ScanSwing"]
     assert [e.kind for e in swing] == ["node_started", "node_ended"]
     assert calls == ["stop", "close"]  # the leaf's clean-up stops the machine while there is one
@@ -199,7 +210,7 @@ def test_a_viewer_that_fails_does_not_disturb_the_mission(tmp_path, monkeypatch)
     def fail(self, stamp_s, entity, value):
         raise RuntimeError("out of ink")
 
-    monkeypatch.setattr("plugins.viewing.none.NoViewer.show", fail)
+    monkeypatch.setattr("executive_plugins.viewing.none.NoViewer.show", fail)
     result = run(tmp_path, SWING, overrides=["viewing.plugin=none"], record=True)
     assert result.report["outcome"] == "success"
     assert result.folder.log.read_text().count("the viewer failed") == 1

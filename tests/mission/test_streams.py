@@ -29,7 +29,11 @@ class ToldEstimator(Estimator):
 
 def streamed() -> tuple[ToldEstimator, Streams, list[StatusChange]]:
     estimator, told = ToldEstimator(), []
-    return estimator, Streams({"estimation": estimator}, (), lambda verdict: None, told.append), told
+    return (
+        estimator,
+        Streams({"estimation": estimator}, (), lambda verdict: None, told.append),
+        told,
+    )
 
 
 def test_each_change_of_the_account_is_told_once_with_its_reason() -> None:
@@ -59,6 +63,8 @@ def test_an_odometry_hears_inertia() -> None:
             self.heard += 1
 
     odometry = Listening()
-    streams = Streams({"estimation": ToldEstimator(), "odometry": odometry}, (), lambda verdict: None)
+    streams = Streams(
+        {"estimation": ToldEstimator(), "odometry": odometry}, (), lambda verdict: None
+    )
     streams.process([ImuSample(0.01, "imu_cabin", np.zeros(3), np.zeros(3))])
     assert odometry.heard == 1

@@ -33,11 +33,15 @@ trees:
 
 
 def run(tmp_path, mission, overrides):
-    return Run(load_mission(str(mission), overrides), Options(run_dir=tmp_path / "run")).execute(lambda mission: None)
+    return Run(load_mission(str(mission), overrides), Options(run_dir=tmp_path / "run")).execute(
+        lambda mission: None
+    )
 
 
 def test_it_maps_its_site(tmp_path):
-    result = run(tmp_path, "map_site", ["robot.model=mini", "robot.site.stones.volume_m3=[0.1, 0.2]"])
+    result = run(
+        tmp_path, "map_site", ["robot.model=mini", "robot.site.stones.volume_m3=[0.1, 0.2]"]
+    )
     assert result.report["outcome"] == "success", result.report["reason"]
     assert result.report["counts"]["registrations_accepted"] == 1
 

@@ -31,7 +31,9 @@ THIN = "robot.sensors.azimuth_stride=8"
 
 
 def run(tmp_path, mission, *overrides, name="run", **options):
-    made = Run(load_mission(str(mission), [THIN, *overrides]), Options(run_dir=tmp_path / name, **options))
+    made = Run(
+        load_mission(str(mission), [THIN, *overrides]), Options(run_dir=tmp_path / name, **options)
+    )
     return made.execute(lambda mission: None)
 
 

@@ -10,21 +10,24 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from executive_plugins.alignment.gicp import Gicp, GicpSettings
+from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
+from executive_plugins.registration.segment_shot import SegmentShot, SegmentShotSettings
+from executive_plugins.segmentation.ground_and_clusters import (
+    GroundAndClusters,
+    GroundAndClustersSettings,
+)
 from scipy.spatial import ConvexHull, cKDTree
 
-from executive.behaviours.context import Context
 from executive.behaviours.find_again import FindAgain, FindAgainSettings
 from executive.behaviours.forget_place import ForgetPlace, ForgetPlaceSettings
 from executive.behaviours.relocate_and_realign import RelocateAndRealign, RelocateAndRealignSettings
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import angle_between, exp_so3
+from executive.leaf.context import Context
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment
 from executive.messages.stone import StoneState
-from plugins.alignment.gicp import Gicp, GicpSettings
-from plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
-from plugins.registration.segment_shot import SegmentShot, SegmentShotSettings
-from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
 
 PLACE, SENSOR, IN_PLACE = np.array([5.0, 0.0, 0.45]), np.array([0.0, 0.0, 3.0]), np.eye(4)
 
@@ -72,7 +75,9 @@ def stone(shape_seed: int, sampling_seed: int, count: int = 6000) -> tuple[np.nd
 def scanned(shape_seed: int, T_pushed: np.ndarray = IN_PLACE) -> np.ndarray:
     """Return the map: ground, and of the stone what faces the sensor."""
     rng = np.random.default_rng(99)
-    ground = np.column_stack([rng.uniform(-3, 3, (40_000, 2)) + PLACE[:2], rng.normal(0, 0.006, 40_000)])
+    ground = np.column_stack(
+        [rng.uniform(-3, 3, (40_000, 2)) + PLACE[:2], rng.normal(0, 0.006, 40_000)]
+    )
     points, normals = stone(shape_seed, 7)
     points, normals = transform(T_pushed, points), normals @ T_pushed[:3, :3].T
     return np.vstack([ground, points[np.einsum("ij,ij->i", normals, SENSOR - points) > 0]])
@@ -90,13 +95,19 @@ def mission(mapper: Mapper, objects: SqliteObjects) -> Context:
     segmenter = GroundAndClusters(GroundAndClustersSettings())
     registrar = SegmentShot(SegmentShotSettings(), segmenter, Gicp(GicpSettings()))
     return FAKES.FakeContext(
-        mapping=mapper, objects=objects, alignment=Gicp(GicpSettings()), segmentation=segmenter, registration=registrar
+        mapping=mapper,
+        objects=objects,
+        alignment=Gicp(GicpSettings()),
+        segmentation=segmenter,
+        registration=registrar,
     )
 
 
 @pytest.mark.parametrize("leaf", [RelocateAndRealign, FindAgain])
 @pytest.mark.parametrize("shape_seed", [1, 2, 3])
-def test_a_tipped_stone_is_found_with_its_turning(objects: SqliteObjects, leaf: type, shape_seed: int) -> None:
+def test_a_tipped_stone_is_found_with_its_turning(
+    objects: SqliteObjects, leaf: type, shape_seed: int
+) -> None:
     rng = np.random.default_rng(shape_seed)
     axis = rng.normal(size=3)
     R = exp_so3(axis / np.linalg.norm(axis) * rng.uniform(1.0, 2.5))
@@ -106,7 +117,9 @@ def test_a_tipped_stone_is_found_with_its_turning(objects: SqliteObjects, leaf: 
     objects.grasp(first.id, np.eye(4), 1.0)
     objects.release(first.id, np.eye(4), 2.0, StoneState.ON_GROUND)
     context = mission(Mapper(scanned(shape_seed)), objects)
-    settings = {RelocateAndRealign: RelocateAndRealignSettings, FindAgain: FindAgainSettings}[leaf]()
+    settings = {RelocateAndRealign: RelocateAndRealignSettings, FindAgain: FindAgainSettings}[
+        leaf
+    ]()
     assert FAKES.finish(leaf(settings, context), stone=first.id).success
     (found,) = objects.stones()
     left = found.T_map_object @ np.linalg.inv(first.T_map_object) @ T_believed_true
@@ -117,7 +130,9 @@ def test_a_tipped_stone_is_found_with_its_turning(objects: SqliteObjects, leaf: 
     assert any(event.note.startswith("registration, ") for event in objects.history(first.id))
 
 
-@pytest.mark.parametrize(("shape_seed", "push_m", "turn_rad"), [(1, 0.05, 0.0), (2, 0.12, 0.3), (3, 0.5, 0.6)])
+@pytest.mark.parametrize(
+    ("shape_seed", "push_m", "turn_rad"), [(1, 0.05, 0.0), (2, 0.12, 0.3), (3, 0.5, 0.6)]
+)
 def test_a_pushed_stone_is_found_in_one_pose(
     objects: SqliteObjects, shape_seed: int, push_m: float, turn_rad: float
 ) -> None:
@@ -132,7 +147,12 @@ def test_a_pushed_stone_is_found_in_one_pose(
     assert FAKES.finish(FindAgain(FindAgainSettings(), context), stone=first.id).success
     (found,) = objects.stones()
     left = found.T_map_object @ np.linalg.inv(first.T_map_object) @ np.linalg.inv(T_pushed)
-    assert np.linalg.norm(transform(left, transform(T_pushed, PLACE)) - transform(T_pushed, PLACE)) < 0.03
+    assert (
+        np.linalg.norm(transform(left, transform(T_pushed, PLACE)) - transform(T_pushed, PLACE))
+        < 0.03
+    )
     assert angle_between(left[:3, :3], np.eye(3)) < np.radians(3.0)
     true_surface = cKDTree(transform(T_pushed, stone(shape_seed, 11, 20_000)[0]))
-    assert true_surface.query(found.points_map)[0].max() < 0.06  # the model holds no point of the other pose
+    assert (
+        true_surface.query(found.points_map)[0].max() < 0.06
+    )  # the model holds no point of the other pose

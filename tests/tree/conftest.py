@@ -10,16 +10,16 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 from pydantic import Field
 
-from executive.behaviours.action import Action, Condition
-from executive.behaviours.context import Context
-from executive.behaviours.job import Job
-from executive.behaviours.outcome import failed, succeeded
-from executive.behaviours.port import Port
-from executive.behaviours.runtime import Question, Runtime
-from executive.behaviours.store import Store
 from executive.clock import SimulatedClock
 from executive.config import Radians, Seconds, Settings
 from executive.interfaces.plugin import Plugin
+from executive.leaf.action import Action, Condition
+from executive.leaf.context import Context
+from executive.leaf.job import Job
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.port import Port
+from executive.leaf.runtime import Question, Runtime
+from executive.leaf.store import Store
 from executive.tree.build import build_tree, halt
 from executive.tree.catalogue import TableCatalogue
 from executive.tree.load import load_mission
@@ -162,7 +162,9 @@ PLUGINS: Mapping[str, Mapping[str, type[Plugin]]] = {
     "monitoring": {"jaw_slip": VoxelMap, "payload_drop": Plugin},
 }
 LEAVES = {leaf.__name__: leaf for leaf in (Scan, FindStones, Pick, Register, HasStones, Calm)}
-HEADER = "api: 1\nmission: test\nplugins: {robot: mujoco, estimation: gnss_imu, mapping: voxel_map}\n"
+HEADER = (
+    "api: 1\nmission: test\nplugins: {robot: mujoco, estimation: gnss_imu, mapping: voxel_map}\n"
+)
 
 
 @pytest.fixture
@@ -201,7 +203,9 @@ class FakeRuntime(Runtime):
 
     def endings(self) -> list[tuple[str, str]]:
         """Return path and status of every node that ended."""
-        return [(node, payload["status"]) for kind, node, payload in self.lines if kind == "node_ended"]
+        return [
+            (node, payload["status"]) for kind, node, payload in self.lines if kind == "node_ended"
+        ]
 
 
 class FakeContext(Context):
@@ -275,7 +279,9 @@ class Play:
 def load(tmp_path: Path, catalogue: TableCatalogue) -> Any:
     """Load a mission from the text of its trees, or from a whole file's text."""
 
-    def load_text(trees: str, *overrides: str, leaves: Mapping[str, type] | None = None, header: str = HEADER) -> Any:
+    def load_text(
+        trees: str, *overrides: str, leaves: Mapping[str, type] | None = None, header: str = HEADER
+    ) -> Any:
         path = tmp_path / "mission.yaml"
         path.write_text(header + trees, encoding="utf-8")
         known = TableCatalogue({**LEAVES, **(leaves or {})}, PLUGINS)
@@ -288,7 +294,9 @@ def load(tmp_path: Path, catalogue: TableCatalogue) -> Any:
 def play(load: Any) -> Any:
     """Load and build a mission whose `main` is given, indented or not."""
 
-    def play_text(main: str, *, leaves: Mapping[str, type] | None = None, trees: str = "", store: Any = None) -> Play:
+    def play_text(
+        main: str, *, leaves: Mapping[str, type] | None = None, trees: str = "", store: Any = None
+    ) -> Play:
         body = "".join(f"    {line}\n" for line in main.strip("\n").splitlines())
         mission = load(f"trees:\n  main:\n{body}{trees}", leaves=leaves)
         runtime = FakeRuntime()

@@ -6,9 +6,9 @@ from typing import Any
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from executive.behaviours.action import Action, Condition
-from executive.behaviours.outcome import failed, succeeded
 from executive.config import Settings
+from executive.leaf.action import Action, Condition
+from executive.leaf.outcome import failed, succeeded
 
 OPEN: set[int] = set()  # generators under way
 
@@ -46,10 +46,14 @@ class Sometimes(Condition):
 
 
 ends = st.sampled_from(["succeed", "succeed", "fail", "raise"])
-act = st.builds(lambda t, e: {"run": "Act", "with": {"ticks": t, "end": e}}, st.integers(0, 4), ends)
+act = st.builds(
+    lambda t, e: {"run": "Act", "with": {"ticks": t, "end": e}}, st.integers(0, 4), ends
+)
 check = st.just({"check": "Sometimes"})
 leaf = st.one_of(act, act, check, st.just({"wait": 0.2}), st.just({"set": {"a": 1}}))
-condition = st.sampled_from(["Sometimes", {"not": "Sometimes"}, {"any": ["Sometimes", {"not": "Sometimes"}]}])
+condition = st.sampled_from(
+    ["Sometimes", {"not": "Sometimes"}, {"any": ["Sometimes", {"not": "Sometimes"}]}]
+)
 
 
 def composites(node: Any) -> Any:
@@ -59,7 +63,9 @@ def composites(node: Any) -> Any:
         st.builds(lambda n: {"fallback": n}, nodes),
         st.builds(lambda n: {"reactive_fallback": n}, nodes),
         st.builds(lambda n: {"reactive_sequence": [{"check": "Sometimes"}, n]}, node),
-        st.builds(lambda n, k: {"parallel": n, "succeed": 1 + k % len(n)}, nodes, st.integers(0, 2)),
+        st.builds(
+            lambda n, k: {"parallel": n, "succeed": 1 + k % len(n)}, nodes, st.integers(0, 2)
+        ),
         st.builds(lambda n, k: {"loop": {"max": k}, "do": n}, node, st.integers(1, 3)),
         st.builds(lambda n, c: {"loop": {"until": c, "max": 3}, "do": n}, node, condition),
         st.builds(lambda n: {"for_each": {"item": "x", "in": [1, 2]}, "do": {"do": n}}, leaf),
@@ -74,7 +80,10 @@ def composites(node: Any) -> Any:
 
 trees = st.recursive(leaf, composites, max_leaves=12)
 quick = settings(
-    max_examples=100, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=100,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 LEAVES = {"Act": Act, "Sometimes": Sometimes}
 
@@ -109,7 +118,9 @@ def test_a_tree_ends_with_a_whole_journal_and_nothing_under_way(play: Any, tree:
 
 @quick
 @given(tree=trees, ticks=st.integers(1, 12), visits=st.integers(0, 8))
-def test_a_tree_that_is_halted_anywhere_leaves_nothing_under_way(play: Any, tree: Any, ticks: int, visits: int) -> None:
+def test_a_tree_that_is_halted_anywhere_leaves_nothing_under_way(
+    play: Any, tree: Any, ticks: int, visits: int
+) -> None:
     OPEN.clear()
     halted = play(json.dumps(tree), leaves=LEAVES)
     halted.tick()

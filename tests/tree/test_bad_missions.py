@@ -14,8 +14,14 @@ FILES = sorted(FOLDER.glob("*.yaml"))
 
 def expected() -> dict[str, list[str]]:
     """Return the lines of `expected.txt` by file."""
-    lines = [line for line in (FOLDER / "expected.txt").read_text().splitlines() if not line.startswith("#")]
-    return {path.name: [line for line in lines if line.startswith(f"{path.name}:")] for path in FILES}
+    lines = [
+        line
+        for line in (FOLDER / "expected.txt").read_text().splitlines()
+        if not line.startswith("#")
+    ]
+    return {
+        path.name: [line for line in lines if line.startswith(f"{path.name}:")] for path in FILES
+    }
 
 
 EXPECTED = expected()
@@ -26,10 +32,15 @@ def test_there_are_at_least_sixty_bad_files() -> None:
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
-def test_a_bad_file_is_refused_with_every_mistake_at_its_place(path: Path, catalogue: Catalogue) -> None:
+def test_a_bad_file_is_refused_with_every_mistake_at_its_place(
+    path: Path, catalogue: Catalogue
+) -> None:
     with pytest.raises(MissionFileError) as caught:
         load_mission(str(path), catalogue=catalogue)
-    told = [str(problem).replace(f"{problem.mark.file}:", f"{path.name}:", 1) for problem in caught.value.problems]
+    told = [
+        str(problem).replace(f"{problem.mark.file}:", f"{path.name}:", 1)
+        for problem in caught.value.problems
+    ]
     assert told == EXPECTED[path.name]
     assert told, "a file without an expectation proves nothing"
     assert {Path(problem.mark.file).name for problem in caught.value.problems} == {path.name}

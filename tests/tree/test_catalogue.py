@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from executive.behaviours.action import Action
 from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
+from executive.leaf.action import Action
 from executive.tree.catalogue import Catalogue, InstalledCatalogue, TableCatalogue
 from executive.tree.load import load_mission
 from executive.tree.problem import MissionFileError
@@ -18,7 +18,10 @@ class Broken(TableCatalogue):
     """Knows one more plugin and one more behaviour, which cannot be imported."""
 
     def plugin_names(self, capability: str) -> tuple[str, ...]:
-        return (*super().plugin_names(capability), *(["broken"] if capability in ("robot", "behaviour") else []))
+        return (
+            *super().plugin_names(capability),
+            *(["broken"] if capability in ("robot", "behaviour") else []),
+        )
 
     def _load(self, capability: str, name: str) -> Any:
         if name == "broken":
@@ -33,7 +36,9 @@ def test_installed_names_hold_what_this_package_announces() -> None:
     assert catalogue.behaviour("ScanSwing").__name__ == "ScanSwing"
 
 
-@pytest.mark.parametrize("catalogue", [InstalledCatalogue(), TableCatalogue({"ScanSwing": Action}, {})])
+@pytest.mark.parametrize(
+    "catalogue", [InstalledCatalogue(), TableCatalogue({"ScanSwing": Action}, {})]
+)
 def test_an_unknown_behaviour_is_told_with_the_nearest(catalogue: Catalogue) -> None:
     with pytest.raises(ConfigError, match=r"no behaviour 'ScanSwnig'\. Did you mean 'ScanSwing'\?"):
         catalogue.behaviour("ScanSwnig")
@@ -47,12 +52,18 @@ def test_a_class_of_another_kind_is_refused() -> None:
         catalogue.plugin("robot", "odd")
 
 
-def test_what_cannot_be_imported_is_a_mistake_where_it_is_chosen_and_nowhere_else(tmp_path: Path) -> None:
+def test_what_cannot_be_imported_is_a_mistake_where_it_is_chosen_and_nowhere_else(
+    tmp_path: Path,
+) -> None:
     leaves = {"Rest": type("Rest", (Action,), {"run": lambda self, **inputs: iter(())})}
     catalogue = Broken(leaves, {"robot": {"fine": Plugin}, "estimation": {"fine": Plugin}})
-    assert "cannot be loaded" in str(mission_schema(catalogue)["properties"]["plugins"]["properties"]["robot"])
+    assert "cannot be loaded" in str(
+        mission_schema(catalogue)["properties"]["plugins"]["properties"]["robot"]
+    )
     path = tmp_path / "mission.yaml"
-    text = "api: 1\nmission: m\nplugins: {robot: fine, estimation: fine}\ntrees: {main: {run: Rest}}\n"
+    text = (
+        "api: 1\nmission: m\nplugins: {robot: fine, estimation: fine}\ntrees: {main: {run: Rest}}\n"
+    )
     path.write_text(text)
     assert load_mission(str(path), catalogue=catalogue).name == "m"
     path.write_text(text.replace("robot: fine", "robot: broken").replace("Rest", "broken"))

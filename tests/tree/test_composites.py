@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 
-from executive.behaviours.action import Action, Condition
-from executive.behaviours.outcome import failed, succeeded
 from executive.config import Settings
+from executive.leaf.action import Action, Condition
+from executive.leaf.outcome import failed, succeeded
 
 
 class ActSettings(Settings):
@@ -38,7 +38,9 @@ class World:
                     world.log.append(f"{name} cancelled")
                     raise
                 world.log.append(f"{name} ends")
-                return failed(f"{name} failed") if self.settings.fails else succeeded(f"{name} done")
+                return (
+                    failed(f"{name} failed") if self.settings.fails else succeeded(f"{name} done")
+                )
 
         class Safe(Condition):
             def check(self, **inputs: Any) -> Any:
@@ -56,7 +58,9 @@ def world() -> World:
     return World()
 
 
-def test_a_sequence_goes_on_where_it_was_and_ends_with_the_first_failure(play: Any, world: World) -> None:
+def test_a_sequence_goes_on_where_it_was_and_ends_with_the_first_failure(
+    play: Any, world: World
+) -> None:
     tree = play("sequence:\n" + act("a") + act("b", fails=True) + act("c"), leaves=world.leaves())
     assert (tree.finish(), tree.reason) == ("FAILURE", "b failed")
     assert world.log == ["a begins", "a ends", "b begins", "b ends"]
@@ -67,11 +71,24 @@ def test_a_sequence_that_was_cancelled_begins_anew(play: Any, world: World) -> N
     tree.tick()
     tree.halt()
     assert tree.finish() == "SUCCESS"
-    assert world.log == ["a begins", "a ends", "b begins", "b cancelled", "a begins", "a ends", "b begins", "b ends"]
+    assert world.log == [
+        "a begins",
+        "a ends",
+        "b begins",
+        "b cancelled",
+        "a begins",
+        "a ends",
+        "b begins",
+        "b ends",
+    ]
 
 
-def test_a_fallback_tries_one_after_the_other_and_remembers_what_failed(play: Any, world: World) -> None:
-    tree = play("fallback:\n" + act("a", fails=True) + act("b", 3) + act("c"), leaves=world.leaves())
+def test_a_fallback_tries_one_after_the_other_and_remembers_what_failed(
+    play: Any, world: World
+) -> None:
+    tree = play(
+        "fallback:\n" + act("a", fails=True) + act("b", 3) + act("c"), leaves=world.leaves()
+    )
     assert (tree.finish(), tree.reason) == ("SUCCESS", "b done")
     assert world.log == ["a begins", "a ends", "b begins", "b ends"]
 
@@ -81,7 +98,9 @@ def test_a_fallback_without_success_fails_with_the_last_reason(play: Any, world:
     assert (tree.finish(), tree.reason) == ("FAILURE", "b failed")
 
 
-def test_a_reactive_sequence_cancels_what_runs_when_an_earlier_condition_changes(play: Any, world: World) -> None:
+def test_a_reactive_sequence_cancels_what_runs_when_an_earlier_condition_changes(
+    play: Any, world: World
+) -> None:
     tree = play("reactive_sequence:\n  - check: Safe\n" + act("a", 9), leaves=world.leaves())
     assert [tree.tick() for _ in range(2)] == ["RUNNING", "RUNNING"]
     world.is_safe = False
@@ -90,7 +109,9 @@ def test_a_reactive_sequence_cancels_what_runs_when_an_earlier_condition_changes
     assert ("main/1:Act", "halted") in tree.runtime.endings()
 
 
-def test_a_reactive_fallback_cancels_what_runs_when_an_earlier_child_succeeds(play: Any, world: World) -> None:
+def test_a_reactive_fallback_cancels_what_runs_when_an_earlier_child_succeeds(
+    play: Any, world: World
+) -> None:
     world.is_safe = False
     tree = play("reactive_fallback:\n  - check: Safe\n" + act("a", 9), leaves=world.leaves())
     assert [tree.tick() for _ in range(2)] == ["RUNNING", "RUNNING"]
@@ -99,7 +120,9 @@ def test_a_reactive_fallback_cancels_what_runs_when_an_earlier_child_succeeds(pl
     assert world.log == ["a begins", "a cancelled"]
 
 
-def test_an_earlier_child_of_a_reactive_fallback_takes_over_when_its_guard_opens(play: Any, world: World) -> None:
+def test_an_earlier_child_of_a_reactive_fallback_takes_over_when_its_guard_opens(
+    play: Any, world: World
+) -> None:
     world.is_safe = False
     first = act("a", 2) + "    if: Safe\n"
     tree = play("reactive_fallback:\n" + first + act("b", 9), leaves=world.leaves())
@@ -118,7 +141,9 @@ def test_an_earlier_child_that_has_failed_in_time_does_not_disturb_the_one_it_ca
     assert world.log == ["a begins", "a ends", "b begins", "b ends"]
 
 
-def test_behind_a_guard_it_gets_another_chance_after_the_guard_was_closed(play: Any, world: World) -> None:
+def test_behind_a_guard_it_gets_another_chance_after_the_guard_was_closed(
+    play: Any, world: World
+) -> None:
     first = act("a", 1, fails=True) + "    if: Safe\n"
     tree = play("reactive_fallback:\n" + first + act("b", 9), leaves=world.leaves())
     tree.tick(4)
@@ -130,17 +155,23 @@ def test_behind_a_guard_it_gets_another_chance_after_the_guard_was_closed(play: 
     assert world.log == ["a begins", "a ends", "b begins", "a begins", "b cancelled"]
 
 
-def test_a_condition_that_is_asked_at_every_tick_is_journalled_when_it_changes(play: Any, world: World) -> None:
+def test_a_condition_that_is_asked_at_every_tick_is_journalled_when_it_changes(
+    play: Any, world: World
+) -> None:
     tree = play("reactive_sequence:\n  - check: Safe\n" + act("a", 9), leaves=world.leaves())
     tree.tick(6)
     world.is_safe = False
     tree.tick()
     lines = [payload for kind, node, payload in tree.runtime.lines if node == "main/0:Safe"]
-    assert lines == [{"status": "success", "reason": "safe"}, {"status": "failure", "reason": "not safe"}]
+    assert lines == [
+        {"status": "success", "reason": "safe"},
+        {"status": "failure", "reason": "not safe"},
+    ]
 
 
 @pytest.mark.parametrize(
-    ("succeed", "status", "ends"), [("all", "FAILURE", 3), ("one", "SUCCESS", 2), ("2", "SUCCESS", 5)]
+    ("succeed", "status", "ends"),
+    [("all", "FAILURE", 3), ("one", "SUCCESS", 2), ("2", "SUCCESS", 5)],
 )
 def test_a_parallel_ends_when_its_count_is_reached_or_out_of_reach(
     play: Any, world: World, succeed: str, status: str, ends: int
@@ -154,7 +185,9 @@ def test_a_parallel_ends_when_its_count_is_reached_or_out_of_reach(
 def test_a_parallel_does_not_tick_a_child_that_has_ended_and_cancels_those_that_have_not(
     play: Any, world: World
 ) -> None:
-    tree = play("parallel:\n" + act("a", 0) + act("b", 9) + act("c", 3, fails=True), leaves=world.leaves())
+    tree = play(
+        "parallel:\n" + act("a", 0) + act("b", 9) + act("c", 3, fails=True), leaves=world.leaves()
+    )
     tree.finish()
     assert world.log.count("a begins") == 1
     assert world.log[-1] == "b cancelled"
@@ -163,7 +196,12 @@ def test_a_parallel_does_not_tick_a_child_that_has_ended_and_cancels_those_that_
 def test_every_node_has_the_same_path_in_every_build_and_its_start_and_end_are_journalled(
     play: Any, world: World
 ) -> None:
-    main = "sequence:\n" + act("a") + "  - name: both\n    parallel:\n    " + act("b").replace("\n", "\n    ")
+    main = (
+        "sequence:\n"
+        + act("a")
+        + "  - name: both\n    parallel:\n    "
+        + act("b").replace("\n", "\n    ")
+    )
     tree = play(main.rstrip(), leaves=world.leaves())
     tree.finish()
     paths = ["main", "main/0:Act", "main/1:both", "main/1:both/0:Act"]

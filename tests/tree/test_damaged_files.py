@@ -51,7 +51,23 @@ SIGNS = [
     "#",
     "%",
 ]
-VALUES = ["null", "~", ".nan", ".inf", "-1", "1e999", "9" * 320, "yes", "010", "---", "ü", "\0", "🪨", "{}", "[]"]
+VALUES = [
+    "null",
+    "~",
+    ".nan",
+    ".inf",
+    "-1",
+    "1e999",
+    "9" * 320,
+    "yes",
+    "010",
+    "---",
+    "ü",
+    "\0",
+    "🪨",
+    "{}",
+    "[]",
+]
 QUOTED = ['"\\ud800"', '"\\0"', '"{key}"', '"a\\nb"']
 WORDS = [*GOOD.split(), *SIGNS, *VALUES, *QUOTED]
 
@@ -77,7 +93,10 @@ def check(folder: Path, catalogue: TableCatalogue, data: bytes, *options: str) -
 
 
 quick = settings(
-    max_examples=100, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=100,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 
 
@@ -95,14 +114,18 @@ def test_any_bytes(folder: Path, catalogue: TableCatalogue, data: bytes) -> None
 
 @quick
 @given(words=st.lists(st.sampled_from(WORDS), max_size=40))
-def test_any_words_of_the_language(folder: Path, catalogue: TableCatalogue, words: list[str]) -> None:
+def test_any_words_of_the_language(
+    folder: Path, catalogue: TableCatalogue, words: list[str]
+) -> None:
     check(folder, catalogue, " ".join(words).encode("utf-8"))
 
 
 @settings(quick, max_examples=300)
 @given(
     edits=st.lists(
-        st.tuples(st.integers(0, len(GOOD)), st.integers(0, 12), st.sampled_from(["", *WORDS])), min_size=1, max_size=3
+        st.tuples(st.integers(0, len(GOOD)), st.integers(0, 12), st.sampled_from(["", *WORDS])),
+        min_size=1,
+        max_size=3,
     )
 )
 def test_a_good_file_with_pieces_cut_out_and_put_in(

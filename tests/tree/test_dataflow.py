@@ -23,17 +23,23 @@ PICK = '- run: Pick\n  in: {stone: "{one}"}\n'
 
 
 def test_a_key_that_any_branch_of_a_fallback_writes_may_be_read(load: Any) -> None:
-    assert problems(load, "- fallback:\n    - check: Calm\n    - run: Scan\n- run: FindStones") == []
+    assert (
+        problems(load, "- fallback:\n    - check: Calm\n    - run: Scan\n- run: FindStones") == []
+    )
 
 
 def test_what_a_failed_branch_may_have_written_may_be_read_by_the_next(load: Any) -> None:
     assert problems(load, "- fallback:\n    - run: Scan\n    - run: FindStones") == []
 
 
-def test_a_recovery_may_read_what_failed_may_have_written_and_not_what_comes_later(load: Any) -> None:
+def test_a_recovery_may_read_what_failed_may_have_written_and_not_what_comes_later(
+    load: Any,
+) -> None:
     assert problems(load, "- run: Scan\n  on_failure: {run: FindStones}") == []
     told = problems(load, "- wait: 1 s\n  on_failure: {run: FindStones}\n- run: Scan")
-    assert told == ["input 'cloud' of FindStones reads key 'cloud' before it is written; it is written only later"]
+    assert told == [
+        "input 'cloud' of FindStones reads key 'cloud' before it is written; it is written only later"
+    ]
 
 
 def test_a_node_behind_if_or_optional_may_have_written(load: Any) -> None:
@@ -43,29 +49,43 @@ def test_a_node_behind_if_or_optional_may_have_written(load: Any) -> None:
 
 def test_a_condition_is_asked_before_its_node(load: Any) -> None:
     told = problems(load, "- run: Scan\n  if: HasStones\n- run: FindStones")
-    assert told == ["input 'stones' of HasStones reads key 'stones' before it is written; it is written only later"]
+    assert told == [
+        "input 'stones' of HasStones reads key 'stones' before it is written; it is written only later"
+    ]
 
 
-def test_a_loops_body_may_have_written_after_the_loop_and_its_condition_is_asked_first(load: Any) -> None:
+def test_a_loops_body_may_have_written_after_the_loop_and_its_condition_is_asked_first(
+    load: Any,
+) -> None:
     assert problems(load, "- loop: {until: Calm}\n  do: {run: Scan}\n- run: FindStones") == []
     told = problems(load, "- run: Scan\n- loop: {until: HasStones}\n  do: {run: FindStones}")
-    assert told == ["input 'stones' of HasStones reads key 'stones' before it is written; it is written only later"]
+    assert told == [
+        "input 'stones' of HasStones reads key 'stones' before it is written; it is written only later"
+    ]
 
 
 def test_an_item_is_known_in_the_body_and_not_after_it(load: Any) -> None:
-    each = FIND + '- for_each: {item: one, in: "{stones}"}\n  do:\n    run: Pick\n    in: {stone: "{one}"}\n'
+    each = (
+        FIND
+        + '- for_each: {item: one, in: "{stones}"}\n  do:\n    run: Pick\n    in: {stone: "{one}"}\n'
+    )
     assert problems(load, each) == []
     assert "before it is written" in problems(load, each + PICK)[0]
 
 
 def test_an_item_that_is_no_stone_is_refused_where_a_stone_is_wanted(load: Any) -> None:
-    told = problems(load, '- for_each: {item: one, in: [1, 2]}\n  do:\n    run: Pick\n    in: {stone: "{one}"}\n')
+    told = problems(
+        load,
+        '- for_each: {item: one, in: [1, 2]}\n  do:\n    run: Pick\n    in: {stone: "{one}"}\n',
+    )
     assert told == ["input 'stone' of Pick is Stone, and key 'one' holds int"]
 
 
 def test_a_later_write_replaces_the_type_and_one_in_a_branch_adds_to_it(load: Any) -> None:
     over = "- run: Scan\n- set: {cloud: 3}\n- run: FindStones"
-    assert problems(load, over) == ["input 'cloud' of FindStones is Cloud, and key 'cloud' holds int"]
+    assert problems(load, over) == [
+        "input 'cloud' of FindStones is Cloud, and key 'cloud' holds int"
+    ]
     maybe = "- run: Scan\n- set: {cloud: 3}\n  if: Calm\n- run: FindStones"
     assert problems(load, maybe) == []
 
@@ -78,7 +98,9 @@ def test_a_copy_keeps_the_type(load: Any) -> None:
 def test_an_optional_input_is_checked_only_if_it_is_connected(load: Any) -> None:
     each = FIND + '- for_each: {item: stone, in: "{stones}"}\n  do: {run: Pick}\n'
     assert problems(load, each) == []
-    assert problems(load, "- set: {tool: 5}\n" + each) == ["input 'tool' of Pick is str, and key 'tool' holds int"]
+    assert problems(load, "- set: {tool: 5}\n" + each) == [
+        "input 'tool' of Pick is str, and key 'tool' holds int"
+    ]
 
 
 def test_a_tree_is_followed_with_the_types_that_it_is_called_with(load: Any) -> None:
@@ -91,7 +113,11 @@ def test_a_tree_is_followed_with_the_types_that_it_is_called_with(load: Any) -> 
 def test_what_a_tree_gives_out_is_known_to_its_caller(load: Any) -> None:
     trees = '  look:\n    out: {stones: "list[Stone]"}\n    sequence:\n      - run: Scan\n      - run: FindStones\n'
     assert (
-        problems(load, '- call: look\n  out: {stones: "{found}"}\n- check: HasStones\n  in: {stones: "{found}"}', trees)
+        problems(
+            load,
+            '- call: look\n  out: {stones: "{found}"}\n- check: HasStones\n  in: {stones: "{found}"}',
+            trees,
+        )
         == []
     )
     assert "before it is written" in problems(load, "- call: look\n- run: FindStones", trees)[0]
@@ -99,18 +125,24 @@ def test_what_a_tree_gives_out_is_known_to_its_caller(load: Any) -> None:
 
 def test_an_output_of_another_type_than_a_tree_promises_is_refused(load: Any) -> None:
     trees = "  look:\n    out: {cloud: Stone}\n    run: Scan\n"
-    assert problems(load, "- call: look", trees) == ["output 'cloud' is Stone, and Cloud is written"]
+    assert problems(load, "- call: look", trees) == [
+        "output 'cloud' is Stone, and Cloud is written"
+    ]
 
 
 def test_a_required_input_of_a_tree_must_be_there_and_an_optional_one_need_not(load: Any) -> None:
     trees = "  use:\n    in: {number: int%s}\n    wait: 1 s\n"
     told = problems(load, "- call: use", trees % "")
-    assert told == ["input 'number' of use reads key 'number' before it is written; nothing is written before it"]
+    assert told == [
+        "input 'number' of use reads key 'number' before it is written; nothing is written before it"
+    ]
     assert problems(load, "- call: use", trees % "?") == []
 
 
 def test_trees_that_are_called_from_many_places_are_followed_in_good_time(load: Any) -> None:
-    levels = "".join(f"  t{n}: {{sequence: [{{call: t{n + 1}}}, {{call: t{n + 1}}}]}}\n" for n in range(25))
+    levels = "".join(
+        f"  t{n}: {{sequence: [{{call: t{n + 1}}}, {{call: t{n + 1}}}]}}\n" for n in range(25)
+    )
     assert problems(load, "- call: t0", levels + "  t25: {wait: 1 s}\n") == []
 
 

@@ -15,7 +15,11 @@ from executive.tree.value import Table, plain
 def read(data: bytes | str) -> tuple[Any, list[str]]:
     """Return the plain value, and what was found wrong."""
     problems = Problems()
-    value = read_bytes(data, "f", problems) if isinstance(data, bytes) else read_text(data, "f", problems)
+    value = (
+        read_bytes(data, "f", problems)
+        if isinstance(data, bytes)
+        else read_text(data, "f", problems)
+    )
     return (None if value is None else plain(value)), [str(problem) for problem in problems.all()]
 
 
@@ -68,7 +72,13 @@ def test_columns_count_characters_not_bytes() -> None:
 def test_all_mistakes_of_a_document_are_told() -> None:
     value, problems = read("a: yes\na: 2\nb: *x\nc: !t 3\n<<: {d: 1}\n")
     assert value == {"a": None, "b": None, "c": None}
-    assert [problem.split(": ")[0] for problem in problems] == ["f:1:4", "f:2:1", "f:3:4", "f:4:4", "f:5:1"]
+    assert [problem.split(": ")[0] for problem in problems] == [
+        "f:1:4",
+        "f:2:1",
+        "f:3:4",
+        "f:4:4",
+        "f:5:1",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -99,7 +109,13 @@ def test_a_folder_a_missing_file_and_a_huge_one_are_errors(tmp_path: Path) -> No
     huge = tmp_path / "huge.yaml"
     huge.write_bytes(b"#" * 2_000_000)
     told = []
-    for path in (tmp_path, tmp_path / "none.yaml", huge, Path("a\0b.yaml"), Path("x" * 5000 + ".yaml")):
+    for path in (
+        tmp_path,
+        tmp_path / "none.yaml",
+        huge,
+        Path("a\0b.yaml"),
+        Path("x" * 5000 + ".yaml"),
+    ):
         problems = Problems()
         assert read_file(path, "f", problems) is None
         told.append(str(problems.all()[0]))

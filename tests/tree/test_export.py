@@ -47,8 +47,24 @@ BUILT_IN = {
     "RetryUntilSuccessful": {"num_attempts"}, "ForceSuccess": set(), "ForceFailure": set(), "Inverter": set(),
     "Sleep": {"msec"}, "SetBlackboard": {"value", "output_key"}, "AlwaysSuccess": set(), "ScriptCondition": {"code"},
 }  # fmt: skip
-ONE_CHILD = {"Repeat", "Timeout", "RetryUntilSuccessful", "ForceSuccess", "ForceFailure", "Inverter", "ForEach"}
-NO_CHILD = {"Action", "Condition", "SubTree", "Sleep", "SetBlackboard", "AlwaysSuccess", "ScriptCondition"}
+ONE_CHILD = {
+    "Repeat",
+    "Timeout",
+    "RetryUntilSuccessful",
+    "ForceSuccess",
+    "ForceFailure",
+    "Inverter",
+    "ForEach",
+}
+NO_CHILD = {
+    "Action",
+    "Condition",
+    "SubTree",
+    "Sleep",
+    "SetBlackboard",
+    "AlwaysSuccess",
+    "ScriptCondition",
+}
 
 
 @pytest.fixture
@@ -65,7 +81,10 @@ def test_text_shows_every_node_with_its_modifiers_and_wires(mission: Any) -> Non
     text = export(mission, "text")
     assert "|-- run Scan  [timeout 30 s, retry 3 every 0.5 s]  cloud -> {cloud}" in text
     assert "|   `-- on failure: wait 2 s" in text
-    assert "|   `-- call pick_one  [if (Calm and not HasStones), while Calm]  stone <- {stone}; held -> {held}" in text
+    assert (
+        "|   `-- call pick_one  [if (Calm and not HasStones), while Calm]  stone <- {stone}; held -> {held}"
+        in text
+    )
     assert "|-- loop until Calm, at most 3 rounds" in text
     assert "    `-- parallel, 1 of 2 (both at once)  [optional]" in text
     assert "pick_one (in stone: Stone; out held: bool)" in text
@@ -114,14 +133,25 @@ def test_every_node_of_the_xml_has_as_many_children_as_it_takes(root: Any) -> No
 def test_xml_lays_modifiers_around_a_node_outermost_first(root: Any) -> None:
     scan = root.find("BehaviorTree/Sequence/Timeout")
     assert scan.get("msec") == "30000"
-    assert [scan[0].tag, scan[0][0].tag, scan[0][0][0].tag] == ["RetryUntilSuccessful", "Fallback", "Fallback"]
+    assert [scan[0].tag, scan[0][0].tag, scan[0][0][0].tag] == [
+        "RetryUntilSuccessful",
+        "Fallback",
+        "Fallback",
+    ]
     action = scan[0][0][0][0]
-    assert (action.get("ID"), action.get("cloud"), action.get("label")) == ("Scan", "{cloud}", 'a "quoted" <text>')
+    assert (action.get("ID"), action.get("cloud"), action.get("label")) == (
+        "Scan",
+        "{cloud}",
+        'a "quoted" <text>',
+    )
 
 
 def test_a_guarded_branch_of_a_fallback_fails_when_it_is_left_out(root: Any) -> None:
     guards = root.findall(".//IfThenElse")
-    assert [len(guard) for guard in guards] == [3, 2]  # in a loop's body: else success; in a fallback: none
+    assert [len(guard) for guard in guards] == [
+        3,
+        2,
+    ]  # in a loop's body: else success; in a fallback: none
     assert guards[0][2].tag == "AlwaysSuccess"
 
 
@@ -130,4 +160,7 @@ def test_models_carry_types_defaults_and_descriptions(root: Any) -> None:
     angle = scan.find("input_port[@name='angle']")
     assert (angle.get("default"), angle.text) == ("1.0", "Angle [rad].")
     assert scan.find("output_port[@name='cloud']").get("type") == "Cloud"
-    assert scan.find("MetadataFields/Metadata").get("description") == "Take `duration` and give a cloud."
+    assert (
+        scan.find("MetadataFields/Metadata").get("description")
+        == "Take `duration` and give a cloud."
+    )

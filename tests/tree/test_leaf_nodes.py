@@ -5,19 +5,29 @@ from typing import Any
 
 import pytest
 
-from executive.behaviours.action import Action, Condition
-from executive.behaviours.outcome import Outcome, failed, succeeded
-from executive.behaviours.port import Port
 from executive.errors import RobotError
+from executive.leaf.action import Action, Condition
+from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.port import Port
 
 
 def action(run: Any, **attributes: Any) -> dict[str, type]:
     """Return a table with one action, `Act`, whose generator is given."""
-    return {"Act": type("Act", (Action,), {"run": lambda self, **inputs: run(self, **inputs), **attributes})}
+    return {
+        "Act": type(
+            "Act", (Action,), {"run": lambda self, **inputs: run(self, **inputs), **attributes}
+        )
+    }
 
 
 def condition(check: Any, **attributes: Any) -> dict[str, type]:
-    return {"Ask": type("Ask", (Condition,), {"check": lambda self, **inputs: check(self, **inputs), **attributes})}
+    return {
+        "Ask": type(
+            "Ask",
+            (Condition,),
+            {"check": lambda self, **inputs: check(self, **inputs), **attributes},
+        )
+    }
 
 
 def test_an_action_that_yields_nothing_ends_in_its_first_tick(play: Any) -> None:
@@ -40,7 +50,9 @@ def test_an_action_that_yields_none_is_resumed_at_the_next_tick(play: Any) -> No
     assert tree.reason == "no luck"
 
 
-def test_a_job_resumes_the_action_with_its_result_in_the_tick_in_which_it_is_ready(play: Any, job: Any) -> None:
+def test_a_job_resumes_the_action_with_its_result_in_the_tick_in_which_it_is_ready(
+    play: Any, job: Any
+) -> None:
     def run(self: Any) -> Any:
         first = yield job(0, "a")
         second = yield job(2, "b")
@@ -63,7 +75,9 @@ def test_what_a_job_raises_is_raised_where_the_action_waits(play: Any, job: Any)
 
 
 @pytest.mark.parametrize("when", ["run", "job", "later"])
-def test_an_exception_is_a_failure_with_a_reason_and_the_runtime_hears_of_it(play: Any, job: Any, when: str) -> None:
+def test_an_exception_is_a_failure_with_a_reason_and_the_runtime_hears_of_it(
+    play: Any, job: Any, when: str
+) -> None:
     def run(self: Any) -> Any:
         if when == "run":
             raise ZeroDivisionError("oops")
@@ -73,7 +87,11 @@ def test_an_exception_is_a_failure_with_a_reason_and_the_runtime_hears_of_it(pla
     tree = play("run: Act", leaves=action(run))
     assert (tree.finish(), tree.reason) == ("FAILURE", "ZeroDivisionError: oops")
     assert [type(error) for error in tree.runtime.errors] == [ZeroDivisionError]
-    assert tree.runtime.lines[-1] == ("node_ended", "main", {"status": "failure", "reason": "ZeroDivisionError: oops"})
+    assert tree.runtime.lines[-1] == (
+        "node_ended",
+        "main",
+        {"status": "failure", "reason": "ZeroDivisionError: oops"},
+    )
 
 
 def test_an_exception_leaves_no_sibling_running(play: Any) -> None:
@@ -105,7 +123,9 @@ def test_cancelling_gives_up_the_job_and_runs_the_finally_block(play: Any, job: 
     assert len(told) == 1
 
 
-def test_an_error_while_cancelling_does_not_keep_others_from_being_cancelled(play: Any, job: Any) -> None:
+def test_an_error_while_cancelling_does_not_keep_others_from_being_cancelled(
+    play: Any, job: Any
+) -> None:
     def run(self: Any) -> Any:
         try:
             yield None
@@ -116,7 +136,11 @@ def test_an_error_while_cancelling_does_not_keep_others_from_being_cancelled(pla
     tree.tick()
     tree.halt()
     assert [str(error) for error in tree.runtime.errors] == ["valve stuck"]
-    assert dict(tree.runtime.endings()) == {"main/0:Act": "halted", "main/1:wait": "halted", "main": "halted"}
+    assert dict(tree.runtime.endings()) == {
+        "main/0:Act": "halted",
+        "main/1:wait": "halted",
+        "main": "halted",
+    }
 
 
 def test_a_cancelled_action_begins_anew(play: Any) -> None:
@@ -155,7 +179,9 @@ def test_a_generator_that_refuses_to_end_is_reported(play: Any) -> None:
         (succeeded(), "succeeded without its output 'mass'"),
     ],
 )
-def test_an_action_that_breaks_its_contract_fails_with_the_reason(play: Any, answer: Any, words: str) -> None:
+def test_an_action_that_breaks_its_contract_fails_with_the_reason(
+    play: Any, answer: Any, words: str
+) -> None:
     def run(self: Any) -> Any:
         yield None
         return answer
@@ -165,15 +191,23 @@ def test_an_action_that_breaks_its_contract_fails_with_the_reason(play: Any, ans
     assert words in tree.reason
 
 
-def test_an_action_without_a_yield_and_one_that_yields_something_strange_are_refused(play: Any) -> None:
+def test_an_action_without_a_yield_and_one_that_yields_something_strange_are_refused(
+    play: Any,
+) -> None:
     tree = play("run: Act", leaves=action(lambda self: succeeded()))
-    assert (tree.finish(), tree.reason) == ("FAILURE", "run() of Act is no generator: it needs a 'yield'")
+    assert (tree.finish(), tree.reason) == (
+        "FAILURE",
+        "run() of Act is no generator: it needs a 'yield'",
+    )
 
     def strange(self: Any) -> Any:
         yield 3
 
     tree = play("run: Act", leaves=action(strange))
-    assert (tree.finish(), tree.reason) == ("FAILURE", "Act yielded int; an action yields a job or None")
+    assert (tree.finish(), tree.reason) == (
+        "FAILURE",
+        "Act yielded int; an action yields a job or None",
+    )
 
 
 def test_a_failure_writes_its_outputs_so_that_a_recovery_can_read_them(play: Any) -> None:
@@ -187,7 +221,9 @@ def test_a_failure_writes_its_outputs_so_that_a_recovery_can_read_them(play: Any
     assert tree.runtime.store.get("weight") == 4.5
 
 
-def test_inputs_come_from_the_keys_that_they_are_wired_to_and_optional_ones_may_be_missing(play: Any) -> None:
+def test_inputs_come_from_the_keys_that_they_are_wired_to_and_optional_ones_may_be_missing(
+    play: Any,
+) -> None:
     inputs = {"a": Port(int, ""), "b": Port(int, ""), "c": Port(int, "", optional=True)}
 
     def run(self: Any, **given: Any) -> Any:
@@ -195,7 +231,8 @@ def test_inputs_come_from_the_keys_that_they_are_wired_to_and_optional_ones_may_
         return succeeded(str(given))
 
     tree = play(
-        'sequence:\n  - set: {a: 1, two: 2}\n  - run: Act\n    in: {b: "{two}"}', leaves=action(run, inputs=inputs)
+        'sequence:\n  - set: {a: 1, two: 2}\n  - run: Act\n    in: {b: "{two}"}',
+        leaves=action(run, inputs=inputs),
     )
     assert (tree.finish(), tree.reason) == ("SUCCESS", "{'a': 1, 'b': 2, 'c': None}")
 

@@ -76,7 +76,9 @@ def test_another_plugin_takes_nothing_from_the_base(tmp_path: Path, catalogue: C
     assert mission.plugins["mapping"][0].name == "pose_graph"
 
 
-def test_a_mistake_in_the_base_is_told_with_the_bases_name(tmp_path: Path, catalogue: Catalogue) -> None:
+def test_a_mistake_in_the_base_is_told_with_the_bases_name(
+    tmp_path: Path, catalogue: Catalogue
+) -> None:
     write(tmp_path, base="api: 1\nmission: base\nplugins: {robot: mujocco, estimation: gnss_imu, mapping: voxel_map}\n",
           over="api: 1\nmission: over\nextends: base\n" + MISSION)  # fmt: skip
     with pytest.raises(MissionFileError) as caught:
@@ -87,13 +89,19 @@ def test_a_mistake_in_the_base_is_told_with_the_bases_name(tmp_path: Path, catal
 
 
 def test_files_that_extend_each_other_are_refused(tmp_path: Path, catalogue: Catalogue) -> None:
-    write(tmp_path, a=f"api: 1\nmission: a\nextends: b\n{PLUGINS}{MISSION}", b="api: 1\nmission: b\nextends: a\n")
+    write(
+        tmp_path,
+        a=f"api: 1\nmission: a\nextends: b\n{PLUGINS}{MISSION}",
+        b="api: 1\nmission: b\nextends: a\n",
+    )
     with pytest.raises(MissionFileError, match="in a circle"):
         load_mission(str(tmp_path / "a.yaml"), catalogue=catalogue)
 
 
 def test_trees_of_the_base_can_be_called_and_replaced(tmp_path: Path, catalogue: Catalogue) -> None:
-    base = f"api: 1\nmission: base\n{PLUGINS}trees:\n  main: {{call: look}}\n  look: {{run: Scan}}\n"
+    base = (
+        f"api: 1\nmission: base\n{PLUGINS}trees:\n  main: {{call: look}}\n  look: {{run: Scan}}\n"
+    )
     over = "api: 1\nmission: over\nextends: base\ntrees:\n  look: {wait: 1 s}\n"
     write(tmp_path, base=base, over=over)
     mission = load_mission(str(tmp_path / "over.yaml"), catalogue=catalogue)
@@ -108,13 +116,21 @@ def test_a_mission_may_change_nothing_but_settings(tmp_path: Path, catalogue: Ca
 
 
 def test_subtrees_lie_in_a_folder_beside_the_mission(tmp_path: Path, catalogue: Catalogue) -> None:
-    library = "api: 1\ntrees:\n  look: {call: wink}\n  wink: {run: Scan}\n  unused: {run: Nonsense}\n"
-    write(tmp_path, m=f"api: 1\nmission: m\n{PLUGINS}trees: {{main: {{call: look}}}}\n", subtrees__library=library)
+    library = (
+        "api: 1\ntrees:\n  look: {call: wink}\n  wink: {run: Scan}\n  unused: {run: Nonsense}\n"
+    )
+    write(
+        tmp_path,
+        m=f"api: 1\nmission: m\n{PLUGINS}trees: {{main: {{call: look}}}}\n",
+        subtrees__library=library,
+    )
     mission = load_mission(str(tmp_path / "m.yaml"), catalogue=catalogue)
     assert list(mission.trees) == ["main", "look", "wink"]
 
 
-def test_a_tree_that_two_files_of_a_folder_define_is_refused(tmp_path: Path, catalogue: Catalogue) -> None:
+def test_a_tree_that_two_files_of_a_folder_define_is_refused(
+    tmp_path: Path, catalogue: Catalogue
+) -> None:
     tree = "api: 1\ntrees:\n  look: {run: Scan}\n"
     write(
         tmp_path,
@@ -130,11 +146,19 @@ def test_a_tree_that_two_files_of_a_folder_define_is_refused(tmp_path: Path, cat
     ]
 
 
-def test_an_empty_list_takes_the_monitors_of_the_base_back(tmp_path: Path, catalogue: Catalogue) -> None:
+def test_an_empty_list_takes_the_monitors_of_the_base_back(
+    tmp_path: Path, catalogue: Catalogue
+) -> None:
     base = f"api: 1\nmission: base\n{PLUGINS.replace('}', ', monitoring: [jaw_slip]}')}{MISSION}"
-    write(tmp_path, base=base, over="api: 1\nmission: over\nextends: base\nplugins: {monitoring: []}\n")
+    write(
+        tmp_path,
+        base=base,
+        over="api: 1\nmission: over\nextends: base\nplugins: {monitoring: []}\n",
+    )
     assert "monitoring" in load_mission(str(tmp_path / "base.yaml"), catalogue=catalogue).plugins
-    assert "monitoring" not in load_mission(str(tmp_path / "over.yaml"), catalogue=catalogue).plugins
+    assert (
+        "monitoring" not in load_mission(str(tmp_path / "over.yaml"), catalogue=catalogue).plugins
+    )
 
 
 def test_a_tree_that_nothing_calls_is_a_warning(load: Any) -> None:
@@ -181,7 +205,10 @@ def test_options_can_change_and_add_plugins(load: Any) -> None:
     ("option", "words"),
     [
         ("robot.modell=mini", "mujoco has no setting 'modell'. Did you mean 'model'?"),
-        ("robot.site.stones.count=many", "site.stones.count: input should be a valid integer, got 'many'"),
+        (
+            "robot.site.stones.count=many",
+            "site.stones.count: input should be a valid integer, got 'many'",
+        ),
         ("robot.site.stones.count=99", "input should be less than or equal to 50, got 99"),
         ("robto.model=mini", "no 'robto' to set. Did you mean 'robot'?"),
         ("robot.model=yes", "'yes' is true in YAML 1.1"),
@@ -234,8 +261,14 @@ trees:
 """
 
 
-def test_a_mission_written_out_loads_again_as_the_same(load: Any, tmp_path: Path, catalogue: Catalogue) -> None:
-    mission = load(EVERY_WORD.replace("      - run: FindStones", "      - set: {busy: false}\n      - run: FindStones"))
+def test_a_mission_written_out_loads_again_as_the_same(
+    load: Any, tmp_path: Path, catalogue: Catalogue
+) -> None:
+    mission = load(
+        EVERY_WORD.replace(
+            "      - run: FindStones", "      - set: {busy: false}\n      - run: FindStones"
+        )
+    )
     written = resolved_yaml(mission)
     path = tmp_path / "again.yaml"
     path.write_text(written, encoding="utf-8")

@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 
-from executive.behaviours.action import Action, Condition
-from executive.behaviours.outcome import failed, succeeded
 from executive.config import Settings
+from executive.leaf.action import Action, Condition
+from executive.leaf.outcome import failed, succeeded
 
 
 class TrySettings(Settings):
@@ -33,7 +33,11 @@ class World:
                 for _ in range(self.settings.ticks):
                     yield None
                 attempts = world.log.count(self.settings.id)
-                return succeeded("there") if attempts >= self.settings.needed else failed(f"no. {attempts}")
+                return (
+                    succeeded("there")
+                    if attempts >= self.settings.needed
+                    else failed(f"no. {attempts}")
+                )
 
         class Open(Condition):
             def check(self, **inputs: Any) -> Any:
@@ -52,7 +56,9 @@ def tree_of(play: Any, world: World) -> Any:
     return lambda main, **options: play(main, leaves=world.leaves(), **options)
 
 
-def test_retry_counts_attempts_in_all_and_journals_each_further_one(tree_of: Any, world: World) -> None:
+def test_retry_counts_attempts_in_all_and_journals_each_further_one(
+    tree_of: Any, world: World
+) -> None:
     tree = tree_of("run: Try\nwith: {needed: 3}\nretry: 3")
     assert (tree.finish(), tree.reason) == ("SUCCESS", "attempt 3 of 3: there")
     assert [p for kind, _, p in tree.runtime.lines if kind == "node_retried"] == [
@@ -61,7 +67,9 @@ def test_retry_counts_attempts_in_all_and_journals_each_further_one(tree_of: Any
     ]
 
 
-def test_retry_fails_with_the_last_reason_when_the_attempts_are_used_up(tree_of: Any, world: World) -> None:
+def test_retry_fails_with_the_last_reason_when_the_attempts_are_used_up(
+    tree_of: Any, world: World
+) -> None:
     tree = tree_of("retry: 2\ndo:\n  run: Try\n  with: {needed: 3}")
     assert (tree.finish(), tree.reason) == ("FAILURE", "no. 2 (2 attempts)")
     assert world.log == ["Try", "Try"]
@@ -70,11 +78,15 @@ def test_retry_fails_with_the_last_reason_when_the_attempts_are_used_up(tree_of:
 def test_retry_pauses_by_the_missions_clock(tree_of: Any, world: World) -> None:
     tree = tree_of("run: Try\nwith: {needed: 2}\nretry: {attempts: 2, pause: 1 s}")
     tree.finish()
-    assert tree.runtime.clock.now_s() == pytest.approx(1.1)  # the attempt after a pause of 10 ticks of 0.1 s
+    assert tree.runtime.clock.now_s() == pytest.approx(
+        1.1
+    )  # the attempt after a pause of 10 ticks of 0.1 s
 
 
 def test_retry_begins_to_count_anew_when_it_is_entered_again(tree_of: Any, world: World) -> None:
-    tree = tree_of("loop: {max: 2}\ndo:\n  optional: true\n  do:\n    run: Try\n    with: {needed: 9}\n    retry: 2")
+    tree = tree_of(
+        "loop: {max: 2}\ndo:\n  optional: true\n  do:\n    run: Try\n    with: {needed: 9}\n    retry: 2"
+    )
     assert tree.finish() == "SUCCESS"
     assert len(world.log) == 4
 
@@ -132,7 +144,9 @@ def test_conditions_combine(tree_of: Any, world: World, condition: str, runs: bo
     assert world.log == (["Try"] if runs else [])
 
 
-def test_while_cancels_the_node_when_its_condition_no_longer_holds(tree_of: Any, world: World) -> None:
+def test_while_cancels_the_node_when_its_condition_no_longer_holds(
+    tree_of: Any, world: World
+) -> None:
     tree = tree_of("run: Try\nwith: {ticks: 9}\nwhile: Open")
     tree.tick(2)
     world.is_open = False
@@ -141,7 +155,9 @@ def test_while_cancels_the_node_when_its_condition_no_longer_holds(tree_of: Any,
 
 
 def test_on_failure_recovers_and_the_failure_stands(tree_of: Any, world: World) -> None:
-    tree = tree_of("run: Try\nwith: {needed: 9}\non_failure:\n  run: Try\n  with: {id: recovery, ticks: 2}")
+    tree = tree_of(
+        "run: Try\nwith: {needed: 9}\non_failure:\n  run: Try\n  with: {id: recovery, ticks: 2}"
+    )
     assert (tree.finish(), tree.reason) == ("FAILURE", "no. 1")
     assert world.log == ["Try", "recovery"]
     assert ("main@on_failure/0:Try", "success") in tree.runtime.endings()
@@ -154,12 +170,18 @@ def test_on_failure_is_not_ticked_after_a_success(tree_of: Any, world: World) ->
 
 
 def test_a_recovery_that_fails_is_told_too(tree_of: Any, world: World) -> None:
-    tree = tree_of("run: Try\nwith: {needed: 9}\non_failure:\n  run: Try\n  with: {id: recovery, needed: 9}")
+    tree = tree_of(
+        "run: Try\nwith: {needed: 9}\non_failure:\n  run: Try\n  with: {id: recovery, needed: 9}"
+    )
     assert (tree.finish(), tree.reason) == ("FAILURE", "no. 1; recovery failed: no. 1")
 
 
-def test_retry_lies_around_on_failure_so_that_each_attempt_is_recovered_from(tree_of: Any, world: World) -> None:
-    tree = tree_of("run: Try\nwith: {needed: 3}\nretry: 3\non_failure:\n  run: Try\n  with: {id: recovery}")
+def test_retry_lies_around_on_failure_so_that_each_attempt_is_recovered_from(
+    tree_of: Any, world: World
+) -> None:
+    tree = tree_of(
+        "run: Try\nwith: {needed: 3}\nretry: 3\non_failure:\n  run: Try\n  with: {id: recovery}"
+    )
     assert tree.finish() == "SUCCESS"
     assert world.log == ["Try", "recovery", "Try", "recovery", "Try"]
 
@@ -170,7 +192,9 @@ def test_timeout_lies_around_retry(tree_of: Any, world: World) -> None:
     assert len(world.log) == 4  # an attempt takes three ticks of 0.1 s, and 11 ticks pass
 
 
-def test_optional_turns_failure_into_success_and_keeps_the_reason(tree_of: Any, world: World) -> None:
+def test_optional_turns_failure_into_success_and_keeps_the_reason(
+    tree_of: Any, world: World
+) -> None:
     tree = tree_of("run: Try\nwith: {needed: 9}\noptional: true")
     assert (tree.finish(), tree.reason) == ("SUCCESS", "no. 1")
     assert ("node_excused", "main@optional", {"reason": "no. 1"}) in tree.runtime.lines

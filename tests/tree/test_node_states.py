@@ -20,7 +20,9 @@ sequence:
 
 
 def states(tree: Any) -> dict[str, tuple[int, str, str, bool]]:
-    return {s.name: (s.depth, s.status, s.feedback, s.is_worth_showing) for s in node_states(tree.root)}
+    return {
+        s.name: (s.depth, s.status, s.feedback, s.is_worth_showing) for s in node_states(tree.root)
+    }
 
 
 def test_rows_are_the_nodes_of_the_file_parents_first(play: Any) -> None:
@@ -55,9 +57,9 @@ def test_the_attempt_under_way_is_told_with_the_node(play: Any) -> None:
 
 
 def failing_scan() -> type:
-    from executive.behaviours.action import Action
-    from executive.behaviours.outcome import failed
     from executive.config import Seconds, Settings
+    from executive.leaf.action import Action
+    from executive.leaf.outcome import failed
 
     class ScanSettings(Settings):
         duration: Seconds = 1.0

@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 
-from executive.behaviours.action import Action, Condition
-from executive.behaviours.outcome import failed, succeeded
-from executive.behaviours.port import Port
+from executive.leaf.action import Action, Condition
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.port import Port
 
 
 class World:

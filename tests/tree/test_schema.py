@@ -69,17 +69,25 @@ def test_a_mistake_does_not_satisfy_the_schema(validator: Any, old: str, new: st
 
 
 def test_a_mission_written_out_satisfies_the_schema(validator: Any, load: Any) -> None:
-    mission = load("trees:\n  main:\n    sequence:\n      - {run: Scan, with: {angle: 1}, timeout: 3 min}\n")
+    mission = load(
+        "trees:\n  main:\n    sequence:\n      - {run: Scan, with: {angle: 1}, timeout: 3 min}\n"
+    )
     validator.validate(yaml.safe_load(resolved_yaml(mission)))
 
 
-@pytest.mark.parametrize("path", sorted(shipped_folder().rglob("*.yaml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", sorted(shipped_folder().rglob("*.yaml")), ids=lambda path: path.stem
+)
 def test_a_shipped_file_satisfies_the_schema_of_what_is_installed(path: Path) -> None:
-    jsonschema.Draft202012Validator(mission_schema()).validate(yaml.safe_load(path.read_text(encoding="utf-8")))
+    jsonschema.Draft202012Validator(mission_schema()).validate(
+        yaml.safe_load(path.read_text(encoding="utf-8"))
+    )
 
 
 @pytest.mark.parametrize("name", ["pick_and_place", "relocate", "map_site"])
-def test_a_shipped_mission_loads_and_loads_again_when_written_out(name: str, tmp_path: Path) -> None:
+def test_a_shipped_mission_loads_and_loads_again_when_written_out(
+    name: str, tmp_path: Path
+) -> None:
     mission = load_mission(name)
     assert not mission.warnings
     path = tmp_path / "mission.yaml"

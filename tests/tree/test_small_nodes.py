@@ -4,11 +4,11 @@ from typing import Any
 
 import pytest
 
-from executive.behaviours.action import Action, Condition
-from executive.behaviours.outcome import failed, succeeded
-from executive.behaviours.port import Port
-from executive.behaviours.runtime import Question
 from executive.errors import ConfigError
+from executive.leaf.action import Action, Condition
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.port import Port
+from executive.leaf.runtime import Question
 
 
 class Later(Question):
@@ -64,7 +64,9 @@ def test_set_writes_literals_and_copies_of_keys(play: Any) -> None:
 
 
 @pytest.mark.parametrize(("answer", "status"), [(True, "SUCCESS"), (False, "FAILURE")])
-def test_ask_waits_for_the_operator_and_the_journal_says_who_answered(play: Any, answer: bool, status: str) -> None:
+def test_ask_waits_for_the_operator_and_the_journal_says_who_answered(
+    play: Any, answer: bool, status: str
+) -> None:
     tree = play("ask: Is the area clear?")
     tree.runtime.answer = Later(answer, polls=2)
     assert tree.finish() == status
@@ -128,7 +130,11 @@ def test_an_optional_input_of_a_tree_may_be_missing(play: Any) -> None:
 
 def test_the_nodes_of_a_subtree_have_the_path_of_the_call(play: Any) -> None:
     trees = "  twice:\n    in: {number: int}\n    sequence:\n      - run: Double\n"
-    tree = play("sequence:\n  - call: twice\n    in: {number: 1}\n    name: first\n", trees=trees, leaves=LEAVES)
+    tree = play(
+        "sequence:\n  - call: twice\n    in: {number: 1}\n    name: first\n",
+        trees=trees,
+        leaves=LEAVES,
+    )
     tree.finish()
     assert tree.runtime.told("node_started") == [
         "main",
@@ -155,4 +161,7 @@ def test_a_key_that_was_never_written_at_run_time_is_a_failure_with_a_reason(pla
             return failed("stop")
 
     tree = play(main, leaves={"Stop": Stop})
-    assert (tree.finish(), tree.reason) == ("FAILURE", "key 'late' is read before it is written; there is none")
+    assert (tree.finish(), tree.reason) == (
+        "FAILURE",
+        "key 'late' is read before it is written; there is none",
+    )

@@ -2,11 +2,11 @@
 
 import mujoco
 import numpy as np
+from executive_plugins.robot.mujoco.physics import PhysicsSettings
 
 from executive.arrays import Float
-from plugins.robot.mujoco.physics import PhysicsSettings
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine
 
 _TYPICAL_LOAD = 0.4  # share of the payload that the gains are tuned for
 _INTEGRAL_S = 0.4  # time constant that takes up the sag under a stone [s]
@@ -89,5 +89,7 @@ class ArmServos:
     def drive(self, position: Float, velocity: Float) -> None:
         """Set this step's reference, position and velocity of every arm joint, each shape (n,)."""
         error = position - self.position()
-        self._sag = np.clip(self._sag + error * self._dt_s / _INTEGRAL_S, -self._max_sag, self._max_sag)
+        self._sag = np.clip(
+            self._sag + error * self._dt_s / _INTEGRAL_S, -self._max_sag, self._max_sag
+        )
         self._data.ctrl[self._ids] = position + self._sag + self._lead_s * velocity

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from executive_plugins.robot.mujoco.terrain import TERRAIN
 
 from executive.arrays import Float
-from plugins.robot.mujoco.terrain import TERRAIN
-from robot_models.machine import Machine
+from executive.machine.machine import Machine
 
 _MERGE_S = 0.2  # contacts of one pair with shorter gaps are one
 
@@ -36,7 +36,9 @@ class ContactLog:
     """Reads MuJoCo's contacts at every control step."""
 
     def __init__(self, machine: Machine, stones: Sequence[str], model: mujoco.MjModel) -> None:
-        self._names = {model.body(name).id: name for name in (*machine.links, *stones)} | {0: TERRAIN}
+        self._names = {model.body(name).id: name for name in (*machine.links, *stones)} | {
+            0: TERRAIN
+        }
         self._is_link = np.zeros(model.nbody, dtype=bool)
         self._is_link[[model.body(name).id for name in machine.links]] = True
         self._body_of_geom = model.geom_bodyid
@@ -50,7 +52,12 @@ class ContactLog:
         links = self._is_link[bodies]
         for i in np.flatnonzero(links.any(axis=1)):
             a, b = bodies[i] if links[i, 0] else bodies[i][::-1]
-            self._note(self._names[int(a)], self._names[int(b)], time_s, _force_n(model, data, int(touching[i])))
+            self._note(
+                self._names[int(a)],
+                self._names[int(b)],
+                time_s,
+                _force_n(model, data, int(touching[i])),
+            )
 
     def _note(self, link: str, other: str, time_s: float, force_n: float) -> None:
         key = (link, other)
@@ -65,7 +72,9 @@ class ContactLog:
 
     def spans(self) -> tuple[Span, ...]:
         """Return all contacts so far, in order of their begin."""
-        return tuple(sorted([*self._closed, *self._open.values()], key=lambda span: (span.from_s, span.link)))
+        return tuple(
+            sorted([*self._closed, *self._open.values()], key=lambda span: (span.from_s, span.link))
+        )
 
 
 def _force_n(model: mujoco.MjModel, data: mujoco.MjData, contact: int) -> float:

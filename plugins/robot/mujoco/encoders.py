@@ -3,22 +3,26 @@
 import mujoco
 import numpy as np
 
+from executive.machine.machine import Machine
+from executive.machine.sensor import Encoders
 from executive.messages.joints import JointSample
-from robot_models.machine import Machine
-from robot_models.sensor import Encoders
 
 
 class JointEncoders:
     """All encoders and pressure sensors of the machine, sampled at once."""
 
-    def __init__(self, encoders: Encoders, machine: Machine, model: mujoco.MjModel, rng: np.random.Generator) -> None:
+    def __init__(
+        self, encoders: Encoders, machine: Machine, model: mujoco.MjModel, rng: np.random.Generator
+    ) -> None:
         self.encoders = encoders
         self._names = machine.joint_names
         self._rng = rng
         joints = [model.joint(name) for name in self._names]
         self._qpos = np.array([joint.qposadr[0] for joint in joints])
         self._dof = np.array([joint.dofadr[0] for joint in joints])
-        is_length = [joint.kind == "prismatic" for joint in machine.joints] + [False]  # the jaw turns
+        is_length = [joint.kind == "prismatic" for joint in machine.joints] + [
+            False
+        ]  # the jaw turns
         self._position_std = np.where(is_length, encoders.length_noise_m, encoders.angle_noise_rad)
         limits = [joint.max_effort for joint in machine.joints] + [machine.jaw.max_effort]
         self._effort_std = encoders.effort_noise * np.array(limits)

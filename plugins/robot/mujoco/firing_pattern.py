@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.robot.mujoco.ray_mesh import Mesh, RayMesh, Rays, moved
 
 from executive.arrays import Float, Int
 from executive.geometry.pose import inverse
-from plugins.robot.mujoco.ray_mesh import Mesh, RayMesh, Rays, moved
-from robot_models.sensor import Lidar
+from executive.machine.sensor import Lidar
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,9 +4,9 @@ import numpy as np
 
 from executive.arrays import Float, Int
 from executive.errors import RobotError
+from executive.machine.machine import Machine
 from executive.messages.command import START_TOLERANCE
 from executive.messages.trajectory import JointTrajectory
-from robot_models.machine import Machine
 
 _POSITION_TOLERANCE = 1e-3  # beyond a range [rad] or [m]: below what an encoder resolves
 _SPEED_TOLERANCE = 1.05  # cubic pieces overshoot the samples of a good timing a little
@@ -47,7 +47,9 @@ class Follower:
         """
         unknown = [name for name in trajectory.names if name not in self._index]
         if unknown:
-            raise RobotError(f"trajectory moves {', '.join(unknown)}; the arm has {', '.join(self._index)}")
+            raise RobotError(
+                f"trajectory moves {', '.join(unknown)}; the arm has {', '.join(self._index)}"
+            )
         columns = np.array([self._index[name] for name in trajectory.names], dtype=np.int64)
         self._check_start(trajectory, position[columns])
         self._check_limits(trajectory, columns)
@@ -97,7 +99,9 @@ class Follower:
         return float(np.clip(np.min(room, initial=1 / _QUICKEST_STOP_S), 0.0, 1 / _QUICKEST_STOP_S))
 
     def _check_start(self, trajectory: JointTrajectory, position: Float) -> None:
-        for name, have, start in zip(trajectory.names, position, trajectory.position[0], strict=True):
+        for name, have, start in zip(
+            trajectory.names, position, trajectory.position[0], strict=True
+        ):
             if abs(start - have) > START_TOLERANCE:
                 raise RobotError(
                     f"trajectory starts {name} at {start:.3f}, the joint is at {have:.3f}; plan from where the arm is"
@@ -119,4 +123,6 @@ class Follower:
                 )
             top = machine.max_velocity[columns[i]]
             if speed[i] > top * _SPEED_TOLERANCE:
-                raise RobotError(f"trajectory moves {name} at {speed[i]:.3f} per second; its limit is {top}")
+                raise RobotError(
+                    f"trajectory moves {name} at {speed[i]:.3f} per second; its limit is {top}"
+                )

@@ -5,19 +5,23 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.geometry.geodesy import geodetic_from_enu
+from executive.machine.sensor import Gnss
 from executive.messages.gnss import GnssFix
-from robot_models.sensor import Gnss
 
 
 class Antenna:
     """One GNSS antenna of the machine; the world's frame is east-north-up about the datum."""
 
-    def __init__(self, gnss: Gnss, datum: Float, model: mujoco.MjModel, rng: np.random.Generator) -> None:
+    def __init__(
+        self, gnss: Gnss, datum: Float, model: mujoco.MjModel, rng: np.random.Generator
+    ) -> None:
         self.gnss = gnss
         self._datum = datum
         self._body = model.body(gnss.link).id
         self._rng = rng
-        self._std_m = np.array([gnss.horizontal_noise_m, gnss.horizontal_noise_m, gnss.vertical_noise_m])
+        self._std_m = np.array(
+            [gnss.horizontal_noise_m, gnss.horizontal_noise_m, gnss.vertical_noise_m]
+        )
 
     def sample(self, time_s: float, data: mujoco.MjData) -> GnssFix:
         """Measure."""

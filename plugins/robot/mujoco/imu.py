@@ -5,8 +5,8 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.geometry.rotation import exp_so3, log_so3
+from executive.machine.sensor import Imu
 from executive.messages.imu import ImuSample
-from robot_models.sensor import Imu
 
 
 class MountedImu:
@@ -53,5 +53,9 @@ class MountedImu:
         return R_world_link @ T_link_imu[:3, :3], twist[3:] + np.cross(twist[:3], arm)
 
     def _walk(self, dt: float) -> None:
-        self._gyro_bias = self._gyro_bias + self._rng.normal(0.0, self.imu.gyro_walk_rad_s * np.sqrt(dt), 3)
-        self._accel_bias = self._accel_bias + self._rng.normal(0.0, self.imu.accel_walk_m_s2 * np.sqrt(dt), 3)
+        self._gyro_bias = self._gyro_bias + self._rng.normal(
+            0.0, self.imu.gyro_walk_rad_s * np.sqrt(dt), 3
+        )
+        self._accel_bias = self._accel_bias + self._rng.normal(
+            0.0, self.imu.accel_walk_m_s2 * np.sqrt(dt), 3
+        )

@@ -1,9 +1,9 @@
 """The jaws' drive: one force-limited velocity actuator; the other jaw is tied to it."""
 
 import mujoco
+from executive_plugins.robot.mujoco.physics import PhysicsSettings
 
-from plugins.robot.mujoco.physics import PhysicsSettings
-from robot_models.machine import Machine
+from executive.machine.machine import Machine
 
 _YIELD = 0.1  # share of the top speed by which a jaw must lag for the full force
 
@@ -20,7 +20,13 @@ def make_jaw_drive(spec: mujoco.MjSpec, machine: Machine) -> None:
 class JawDrive:
     """Moves the jaws towards an angle and keeps pressing."""
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, machine: Machine, settings: PhysicsSettings) -> None:
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        machine: Machine,
+        settings: PhysicsSettings,
+    ) -> None:
         self._model, self._data, self._machine, self._settings = model, data, machine, settings
         self._id = model.actuator(machine.jaw.name).id
         self._joint = data.joint(machine.jaw.name)

@@ -4,16 +4,16 @@ from collections.abc import Mapping
 from functools import cache
 
 import numpy as np
+from executive_plugins.robot.mujoco.firing_pattern import FiringPattern, firing_pattern
+from executive_plugins.robot.mujoco.pose_history import PoseHistory
+from executive_plugins.robot.mujoco.puppet import Puppet
+from executive_plugins.robot.mujoco.ray_mesh import Mesh, RayMesh, Rays
+from executive_plugins.robot.mujoco.scene import SiteScene
 
 from executive.arrays import Float
 from executive.geometry.pose import pose
+from executive.machine.sensor import Lidar
 from executive.messages.lidar import LidarScan
-from plugins.robot.mujoco.firing_pattern import FiringPattern, firing_pattern
-from plugins.robot.mujoco.pose_history import PoseHistory
-from plugins.robot.mujoco.puppet import Puppet
-from plugins.robot.mujoco.ray_mesh import Mesh, RayMesh, Rays
-from plugins.robot.mujoco.scene import SiteScene
-from robot_models.sensor import Lidar
 
 _SLICES = 3  # of a revolution: the arm and stones under way stand still within one (33 ms; ±1 cm at 0.6 m/s)
 _PHASES = 4  # firing is not locked to the angle: a revolution begins at one of so many fractions of a column
@@ -43,7 +43,9 @@ class SpinningLidar:
         self._rng = rng
         self._columns = round(2 * np.pi / (lidar.azimuth_step_rad * stride))
         self._own = [skin[lidar.link]] if lidar.link in skin else []
-        self._others = [(history.index(name), mesh) for name, mesh in skin.items() if name != lidar.link]
+        self._others = [
+            (history.index(name), mesh) for name, mesh in skin.items() if name != lidar.link
+        ]
         self._pattern = cache(self._make_pattern)
 
     def _make_pattern(self, phase: int) -> FiringPattern:
@@ -54,10 +56,14 @@ class SpinningLidar:
         pattern = self._pattern(int(self._rng.integers(_PHASES)))
         times = end_s - (1 - np.arange(self._columns) / self._columns) / self.lidar.rate_hz
         ranges = pattern.own_range_m.copy()
-        ranges[pattern.free] = np.minimum(self._cast_site(pattern, times), self._cast_movers(pattern, times))
+        ranges[pattern.free] = np.minimum(
+            self._cast_site(pattern, times), self._cast_movers(pattern, times)
+        )
         return self._measure(pattern, ranges, times, end_s)
 
-    def _measure(self, pattern: FiringPattern, ranges: Float, times: Float, end_s: float) -> LidarScan:
+    def _measure(
+        self, pattern: FiringPattern, ranges: Float, times: Float, end_s: float
+    ) -> LidarScan:
         nearest, farthest = self.lidar.range_m
         hit = np.flatnonzero((ranges >= nearest) & (ranges <= farthest))
         measured = ranges[hit] + self._rng.normal(0.0, self.lidar.range_noise_m, len(hit))
@@ -76,10 +82,15 @@ class SpinningLidar:
 
     def _cast_movers(self, pattern: FiringPattern, times: Float) -> Rays:
         """Return the ranges of the free rays to all that moves: other links, and stones under way."""
-        stones = [(self._history.index(self._scene.name(i)), self._scene.skin(i)) for i in self._scene.moving]
+        stones = [
+            (self._history.index(self._scene.name(i)), self._scene.skin(i))
+            for i in self._scene.moving
+        ]
         puppet = Puppet.of(self._others + stones)
         link = self._history.index(self.lidar.link)
-        ends = np.searchsorted(pattern.free, np.arange(1, _SLICES) * len(pattern.own_range_m) // _SLICES)
+        ends = np.searchsorted(
+            pattern.free, np.arange(1, _SLICES) * len(pattern.own_range_m) // _SLICES
+        )
         middles = times[(2 * np.arange(_SLICES) + 1) * len(times) // (2 * _SLICES)]
         ranges = []
         for rays, middle_s in zip(np.split(pattern.free_rays, ends), middles, strict=True):

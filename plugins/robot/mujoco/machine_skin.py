@@ -1,8 +1,9 @@
 """The machine's own surface, as its lidars see it."""
 
-from plugins.robot.mujoco.convex_mesh import hull_mesh
-from plugins.robot.mujoco.ray_mesh import Mesh, joined
-from robot_models.machine import Machine
+from executive_plugins.robot.mujoco.convex_mesh import hull_mesh
+from executive_plugins.robot.mujoco.ray_mesh import Mesh, joined
+
+from executive.machine.machine import Machine
 
 
 def machine_skin(machine: Machine) -> dict[str, Mesh]:

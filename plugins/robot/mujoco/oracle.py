@@ -4,6 +4,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from executive_plugins.robot.mujoco.contact_log import Span
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.terrain import TERRAIN
+from executive_plugins.robot.mujoco.truth_log import TruthLog
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse
@@ -12,10 +16,6 @@ from executive.interfaces.oracle import Attempt, MissionView, Oracle
 from executive.interfaces.robot import Robot
 from executive.messages.base_state import BaseState
 from executive.messages.stone import Stone
-from plugins.robot.mujoco.contact_log import Span
-from plugins.robot.mujoco.robot import MujocoRobot
-from plugins.robot.mujoco.terrain import TERRAIN
-from plugins.robot.mujoco.truth_log import TruthLog
 
 _SAME_STONE_M = 0.7  # a believed centroid within this of a true one at the start belongs to it
 _LIFTED_M = 0.15  # higher than before: off the ground
@@ -44,15 +44,21 @@ class MujocoOracle(Oracle):
         spans = self._log.spans()
         return {
             "stones": self._stones(view),
-            "grasps": [self._grasp(view.attempts, i, target) for i, (_, target) in enumerate(targets)],
+            "grasps": [
+                self._grasp(view.attempts, i, target) for i, (_, target) in enumerate(targets)
+            ],
             "collisions": [_as_report(span) for span in spans if self._is_collision(span, targets)],
-            "ground_contacts": sum(span.link in self._hand and span.other == TERRAIN for span in spans),
+            "ground_contacts": sum(
+                span.link in self._hand and span.other == TERRAIN for span in spans
+            ),
             "estimate": _estimate(view.states, self._log),
         }
 
     def _nearest(self, attempt: Attempt) -> int:
         """Return the index of the stone that an attempt was about, by its true centroid; −1 if there is none."""
-        distances = np.linalg.norm(self._log.centroids(attempt.started_s) - attempt.grasp_centroid_map, axis=1)
+        distances = np.linalg.norm(
+            self._log.centroids(attempt.started_s) - attempt.grasp_centroid_map, axis=1
+        )
         return int(np.argmin(distances)) if len(distances) else -1
 
     def _stones(self, view: MissionView) -> list[dict[str, Any]]:
@@ -75,7 +81,9 @@ class MujocoOracle(Oracle):
         report["held_object"] = first.id
         T_end = self._log.T_world_stone(i, self._log.end_s)
         if first.id in view.slots:
-            report["slot_error_m"] = float(np.linalg.norm(T_end[:2, 3] - view.slots[first.id].position_map[:2]))
+            report["slot_error_m"] = float(
+                np.linalg.norm(T_end[:2, 3] - view.slots[first.id].position_map[:2])
+            )
         if first.id in now:
             # The object's frame should have moved as the stone did: T_end T_seen⁻¹ carries it along.
             T_expected = T_end @ inverse(self._log.T_world_stone(i, seen_s)) @ first.T_map_object
@@ -89,7 +97,9 @@ class MujocoOracle(Oracle):
         until_s = attempt.ended_s + _AFTERMATH_S
         if i + 1 < len(attempts):
             until_s = min(until_s, attempts[i + 1].started_s)
-        heights, distances = self._log.holding(target, attempt.started_s, until_s) if target >= 0 else (_NONE, _NONE)
+        heights, distances = (
+            self._log.holding(target, attempt.started_s, until_s) if target >= 0 else (_NONE, _NONE)
+        )
         is_lifted = bool(len(heights)) and float(heights.max() - heights[0]) > _LIFTED_M
         return {
             "object": attempt.stone_id,
@@ -117,7 +127,9 @@ def _match(log: TruthLog, first: Stone) -> tuple[int, float] | None:
     if distances.min() < _SAME_STONE_M:
         return int(np.argmin(distances)), 0.0
     times = np.arange(0.0, log.end_s, 1.0)
-    later: Float = np.array([np.linalg.norm(log.centroids(t) - first.centroid_map, axis=1) for t in times])
+    later: Float = np.array(
+        [np.linalg.norm(log.centroids(t) - first.centroid_map, axis=1) for t in times]
+    )
     if not later.size or later.min() >= _SAME_STONE_M:
         return None
     k, stone = np.unravel_index(int(np.argmin(later)), later.shape)
@@ -131,7 +143,9 @@ def _fell(heights: Float, distances: Float) -> bool:
     away = np.flatnonzero(since > _LET_GO_M)
     if not len(away):
         return False
-    held = np.flatnonzero(since[: away[0] + 1] < _HELD_M)[-1]  # the last moment at which it was still in the jaws
+    held = np.flatnonzero(since[: away[0] + 1] < _HELD_M)[
+        -1
+    ]  # the last moment at which it was still in the jaws
     return bool(heights[top + held] - heights[top + held :].min() > _DROPPED_M)
 
 
@@ -151,7 +165,9 @@ def _estimate(states: Sequence[BaseState], log: TruthLog) -> dict[str, Any]:
         return {}
     true = [log.T_world_cabin(state.stamp_s) for state in ready]
     offsets = np.array([s.T_map_cabin[:3, 3] - T[:3, 3] for s, T in zip(ready, true, strict=True)])
-    turns = [angle_between(T[:3, :3], s.T_map_cabin[:3, :3]) for s, T in zip(ready, true, strict=True)]
+    turns = [
+        angle_between(T[:3, :3], s.T_map_cabin[:3, :3]) for s, T in zip(ready, true, strict=True)
+    ]
     bias, std = float(np.linalg.norm(offsets.mean(axis=0))), float(offsets.std(axis=0).mean())
     distances = _statistics(np.linalg.norm(offsets, axis=1)) | {"bias": bias, "component_std": std}
     return {"error_m": distances, "error_rad": _statistics(np.array(turns))}

@@ -4,14 +4,14 @@ from collections.abc import Iterator, Sequence
 
 import mujoco
 import numpy as np
+from executive_plugins.robot.mujoco.site import Site, add_daylight
+from executive_plugins.robot.mujoco.surface_texture import Skin, ground_skin, stone_skin
 from numpy.typing import NDArray
 
 from executive.arrays import Float
 from executive.errors import RobotError
 from executive.geometry.pose import transform
 from executive.geometry.rotation import quaternion_wxyz
-from plugins.robot.mujoco.site import Site, add_daylight
-from plugins.robot.mujoco.surface_texture import Skin, ground_skin, stone_skin
 
 _CAMERA = "drone"
 _SHADOW_PX = 4096
@@ -59,7 +59,9 @@ def _drawn(
     camera = mujoco.MjvCamera()
     camera.type, camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, 0
     scene = mujoco.MjvScene(model, maxgeom=model.ngeom + 16)
-    mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, camera, mujoco.mjtCatBit.mjCAT_ALL, scene)
+    mujoco.mjv_updateScene(
+        model, data, mujoco.MjvOption(), None, camera, mujoco.mjtCatBit.mjCAT_ALL, scene
+    )
     view = mujoco.MjrRect(0, 0, *size_px)
     picture = np.empty((size_px[1], size_px[0], 3), dtype=np.uint8)
     mujoco.mjr_render(view, scene, context)
@@ -84,7 +86,9 @@ def _screen(size_px: tuple[int, int]) -> "mujoco.egl.GLContext":
 
 def _world(site: Site, T_world_stones: Sequence[Float], size_px: tuple[int, int]) -> mujoco.MjModel:
     spec = mujoco.MjSpec()
-    rng = np.random.default_rng(np.frombuffer(site.terrain.heights_m[:8].tobytes(), dtype=np.uint32))
+    rng = np.random.default_rng(
+        np.frombuffer(site.terrain.heights_m[:8].tobytes(), dtype=np.uint32)
+    )
     add_daylight(spec)
     _add(spec, "ground", ground_skin(site.terrain.mesh(), rng))
     for stone, T_world_stone in zip(site.stones, T_world_stones, strict=True):
@@ -103,7 +107,9 @@ def _add(spec: mujoco.MjSpec, name: str, skin: Skin) -> None:
     """Add a surface that is seen only."""
     vertices, triangles = skin.mesh
     height, width, _ = skin.texture.shape
-    texture = spec.add_texture(name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, width=width, height=height, nchannel=3)
+    texture = spec.add_texture(
+        name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, width=width, height=height, nchannel=3
+    )
     texture.data = skin.texture[::-1].tobytes()
     material = spec.add_material(name=name, specular=0.0, shininess=0.0)
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
@@ -115,5 +121,7 @@ def _add(spec: mujoco.MjSpec, name: str, skin: Skin) -> None:
         usertexcoord=skin.coordinates.ravel(),
         userfacetexcoord=np.arange(triangles.size, dtype=np.int32),
     )
-    geom = spec.worldbody.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, material=name)
+    geom = spec.worldbody.add_geom(
+        name=name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, material=name
+    )
     geom.contype = geom.conaffinity = 0

@@ -10,12 +10,22 @@ class PhysicsSettings(Settings):
     """How the world is integrated and how surfaces touch; the defaults hold a 2.7 t stone without creeping."""
 
     timestep_s: Seconds = Field(0.0025, ge=0.001, le=0.004, description="Integration step [s].")
-    friction: float = Field(0.6, gt=0, le=2, description="Coulomb friction of steel, stone and ground.")
-    torsional_friction_m: float = Field(0.08, ge=0, le=0.5, description="Size of a patch that resists turning [m].")
-    impratio: float = Field(100.0, ge=1, le=1000, description="Stiffness of friction over that of normal forces.")
-    servo_rad_s: float = Field(25.0, gt=1, le=60, description="Natural frequency of the arm's position servos [rad/s].")
+    friction: float = Field(
+        0.6, gt=0, le=2, description="Coulomb friction of steel, stone and ground."
+    )
+    torsional_friction_m: float = Field(
+        0.08, ge=0, le=0.5, description="Size of a patch that resists turning [m]."
+    )
+    impratio: float = Field(
+        100.0, ge=1, le=1000, description="Stiffness of friction over that of normal forces."
+    )
+    servo_rad_s: float = Field(
+        25.0, gt=1, le=60, description="Natural frequency of the arm's position servos [rad/s]."
+    )
     jaw_stiffness: float = Field(4.0, gt=0, le=20, description="Jaw speed per angle to go [1/s].")
-    grip_force_n: Newtons = Field(35000.0, gt=0, description="Tip force before the first command [N].")
+    grip_force_n: Newtons = Field(
+        35000.0, gt=0, description="Tip force before the first command [N]."
+    )
 
 
 def apply_physics(spec: mujoco.MjSpec, settings: PhysicsSettings) -> None:
@@ -24,7 +34,9 @@ def apply_physics(spec: mujoco.MjSpec, settings: PhysicsSettings) -> None:
     option.timestep = settings.timestep_s
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
-    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC  # a pyramidal cone lets a held stone creep 1-8 mm/s
+    option.cone = (
+        mujoco.mjtCone.mjCONE_ELLIPTIC
+    )  # a pyramidal cone lets a held stone creep 1-8 mm/s
     option.impratio = settings.impratio
     option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # the sparse Cholesky of 4.0.0 is faulty
     option.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP

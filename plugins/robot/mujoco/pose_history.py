@@ -56,7 +56,9 @@ class PoseHistory:
         if len(stamps) == 1:
             _, position, rotation = self._samples[0]
             ones = np.ones(len(times_s))
-            return np.multiply.outer(ones, position[which]), np.multiply.outer(ones, rotation[which])
+            return np.multiply.outer(ones, position[which]), np.multiply.outer(
+                ones, rotation[which]
+            )
         positions = np.array([sample[1][which] for sample in self._samples])
         rotations = np.array([sample[2][which] for sample in self._samples])
         i = np.clip(np.searchsorted(stamps, times_s) - 1, 0, len(stamps) - 2)

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.robot.mujoco.ray_mesh import Mesh, joined
 
 from executive.arrays import Float, Int
-from plugins.robot.mujoco.ray_mesh import Mesh, joined
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,12 +27,16 @@ class Puppet:
     def of(cls, parts: Sequence[tuple[int, Mesh]]) -> "Puppet":
         """Put meshes together, each with the index of its body; none gives an empty puppet."""
         if not parts:
-            return cls(np.zeros((0, 3)), np.zeros(0, dtype=np.int64), np.zeros((0, 3), dtype=np.int64))
+            return cls(
+                np.zeros((0, 3)), np.zeros(0, dtype=np.int64), np.zeros((0, 3), dtype=np.int64)
+            )
         vertices, triangles = joined([mesh for _, mesh in parts])
         owners = np.repeat([body for body, _ in parts], [len(mesh[0]) for _, mesh in parts])
         return cls(vertices, owners, triangles)
 
     def posed(self, positions: Float, rotations: Float, T_world_frame: Float) -> Mesh:
         """Return the mesh in a frame, for poses of all bodies in the world: (B, 3) [m] and (B, 3, 3)."""
-        world = np.einsum("vij,vj->vi", rotations[self.owners], self.vertices) + positions[self.owners]
+        world = (
+            np.einsum("vij,vj->vi", rotations[self.owners], self.vertices) + positions[self.owners]
+        )
         return (world - T_world_frame[:3, 3]) @ T_world_frame[:3, :3], self.triangles

@@ -33,7 +33,9 @@ class RayMesh:
         """
         if self._is_empty:
             return np.full(len(rays), np.inf, dtype=np.float32)
-        hits = self._scene.cast_rays(o3d.core.Tensor.from_numpy(np.ascontiguousarray(rays)), nthreads=1)
+        hits = self._scene.cast_rays(
+            o3d.core.Tensor.from_numpy(np.ascontiguousarray(rays)), nthreads=1
+        )
         return np.asarray(hits["t_hit"].numpy())
 
 
@@ -47,4 +49,6 @@ def joined(meshes: Sequence[Mesh]) -> Mesh:
     """Return several meshes of one frame as one."""
     starts = np.cumsum([0, *(len(vertices) for vertices, _ in meshes[:-1])])
     vertices = np.concatenate([vertices for vertices, _ in meshes])
-    return vertices, np.concatenate([triangles + i for (_, triangles), i in zip(meshes, starts, strict=True)])
+    return vertices, np.concatenate(
+        [triangles + i for (_, triangles), i in zip(meshes, starts, strict=True)]
+    )

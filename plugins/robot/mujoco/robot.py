@@ -4,21 +4,21 @@ from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
 import numpy as np
+from executive_plugins.robot.mujoco.photographs import photograph_site
+from executive_plugins.robot.mujoco.sensors import SensorSuite
+from executive_plugins.robot.mujoco.settings import MujocoSettings
+from executive_plugins.robot.mujoco.site import make_site
+from executive_plugins.robot.mujoco.truth_log import TruthLog
+from executive_plugins.robot.mujoco.world import CONTROL_STEP_S, World
 from numpy.typing import NDArray
 
 from executive.arrays import Float
 from executive.config import Settings
 from executive.errors import RobotError
 from executive.interfaces.robot import Photographer, Robot, Scene
+from executive.machine.machine import Machine
 from executive.messages.command import Command, Follow, MoveJaws, SwitchLidars
 from executive.messages.observation import Observation
-from plugins.robot.mujoco.photographs import photograph_site
-from plugins.robot.mujoco.sensors import SensorSuite
-from plugins.robot.mujoco.settings import MujocoSettings
-from plugins.robot.mujoco.site import make_site
-from plugins.robot.mujoco.truth_log import TruthLog
-from plugins.robot.mujoco.world import CONTROL_STEP_S, World
-from robot_models.machine import Machine
 
 
 class MujocoRobot(Robot, Scene, Photographer):
@@ -29,7 +29,9 @@ class MujocoRobot(Robot, Scene, Photographer):
 
     Settings: ClassVar[type[Settings]] = MujocoSettings
 
-    def __init__(self, settings: MujocoSettings, machine: Machine, rng: np.random.Generator) -> None:
+    def __init__(
+        self, settings: MujocoSettings, machine: Machine, rng: np.random.Generator
+    ) -> None:
         self.settings, self._machine, self._rng = settings, machine, rng
         self._world: World | None = None
 
@@ -42,10 +44,18 @@ class MujocoRobot(Robot, Scene, Photographer):
         site_rng, sensor_rng = self._rng.spawn(2)
         site = make_site(self.settings.site, self._machine, self.settings.physics, site_rng)
         self._world = World(self._machine, site, self.settings.physics)
-        self._sensors = SensorSuite(self._machine, site, self.settings.sensors, self._world.model, sensor_rng)
-        self.truth_log = TruthLog(self._machine, [stone.name for stone in site.stones], self._world.model)
-        self.truth_log.step(0.0, self._world.model, self._world.data)  # a run may end before the first step
-        self._world.observe(lambda world: self.truth_log.step(world.time_s, world.model, world.data))
+        self._sensors = SensorSuite(
+            self._machine, site, self.settings.sensors, self._world.model, sensor_rng
+        )
+        self.truth_log = TruthLog(
+            self._machine, [stone.name for stone in site.stones], self._world.model
+        )
+        self.truth_log.step(
+            0.0, self._world.model, self._world.data
+        )  # a run may end before the first step
+        self._world.observe(
+            lambda world: self.truth_log.step(world.time_s, world.model, world.data)
+        )
 
     def close(self) -> None:
         """Let the world go."""
@@ -68,7 +78,9 @@ class MujocoRobot(Robot, Scene, Photographer):
         # Half a step of slack: until_s is a rounded multiple of the tick.
         while self.world.time_s + CONTROL_STEP_S / 2 < until_s:
             self.world.step()
-            observations.extend(self._sensors.step(self.world.time_s, self.world.model, self.world.data))
+            observations.extend(
+                self._sensors.step(self.world.time_s, self.world.model, self.world.data)
+            )
         return sorted(observations, key=lambda observation: observation.stamp_s)
 
     def command(self, command: Command) -> None:
@@ -98,4 +110,6 @@ class MujocoRobot(Robot, Scene, Photographer):
     ) -> Iterator[NDArray[np.uint8]]:
         """Yield pictures of the site as it is now, without the machine, as `Photographer` says."""
         T_world_stones = [self.world.T_world_body(stone.name) for stone in self.world.site.stones]
-        return photograph_site(self.world.site, T_world_stones, T_world_opticals, size_px, view_angle_rad)
+        return photograph_site(
+            self.world.site, T_world_stones, T_world_opticals, size_px, view_angle_rad
+        )

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
+from executive_plugins.robot.mujoco.ray_mesh import Mesh, RayMesh, Rays, moved
+from executive_plugins.robot.mujoco.site import Site
 
 from executive.arrays import Float, checked
-from plugins.robot.mujoco.ray_mesh import Mesh, RayMesh, Rays, moved
-from plugins.robot.mujoco.site import Site
 
 _MOVED_M = 2e-3  # a stone that has moved by more than this no longer counts as resting
 
@@ -21,8 +21,12 @@ class SiteScene:
     def __init__(self, site: Site) -> None:
         self._terrain: Mesh = site.terrain.mesh()
         self._names = tuple(stone.name for stone in site.stones)
-        self._skins: tuple[Mesh, ...] = tuple((stone.vertices, stone.triangles) for stone in site.stones)
-        self._radii = tuple(float(np.linalg.norm(stone.vertices, axis=1).max()) for stone in site.stones)
+        self._skins: tuple[Mesh, ...] = tuple(
+            (stone.vertices, stone.triangles) for stone in site.stones
+        )
+        self._radii = tuple(
+            float(np.linalg.norm(stone.vertices, axis=1).max()) for stone in site.stones
+        )
         self._last: tuple[Float, ...] = site.T_world_stones
         self._built: tuple[Float, ...] = site.T_world_stones
         self._resting = frozenset(range(len(site.stones)))
@@ -43,8 +47,14 @@ class SiteScene:
 
     def update(self, T_world_stones: Sequence[Float]) -> None:
         """Tell where the stones are now; one that lies where it lay at the last call counts as resting."""
-        still = {i for i, T in enumerate(T_world_stones) if self._shift_m(i, T, self._last[i]) < _MOVED_M}
-        stays = {i for i in still & self._resting if self._shift_m(i, T_world_stones[i], self._built[i]) < _MOVED_M}
+        still = {
+            i for i, T in enumerate(T_world_stones) if self._shift_m(i, T, self._last[i]) < _MOVED_M
+        }
+        stays = {
+            i
+            for i in still & self._resting
+            if self._shift_m(i, T_world_stones[i], self._built[i]) < _MOVED_M
+        }
         self._last = tuple(T_world_stones)
         resting = frozenset(stays | (still - self._resting))
         if resting != self._resting:
@@ -58,14 +68,19 @@ class SiteScene:
         return float(np.linalg.norm(T_a[:3, 3] - T_b[:3, 3])) + turn * self._radii[i]
 
     def _build(self) -> RayMesh:
-        meshes = [self._terrain, *(moved(self._skins[i], self._built[i]) for i in sorted(self._resting))]
+        meshes = [
+            self._terrain,
+            *(moved(self._skins[i], self._built[i]) for i in sorted(self._resting)),
+        ]
         self._top_m = max(float(vertices[:, 2].max()) for vertices, _ in meshes)
         return RayMesh(meshes)
 
     def cast_resting(self, rays_world: Rays) -> Rays:
         """Return the range to the ground and the resting stones, inf for none, shape (N,); rays are (N, 6)."""
         ranges = np.full(len(rays_world), np.inf, dtype=np.float32)
-        hopeful = np.flatnonzero((rays_world[:, 5] < 0) | (rays_world[:, 2] <= self._top_m))  # the others see the sky
+        hopeful = np.flatnonzero(
+            (rays_world[:, 5] < 0) | (rays_world[:, 2] <= self._top_m)
+        )  # the others see the sky
         ranges[hopeful] = self._mesh.cast(rays_world[hopeful])
         return ranges
 
@@ -75,7 +90,9 @@ class SiteScene:
         The machine is not in it: a survey is flown before the machine drives in.
         """
         origins = checked("origins_world", origins_world, None, 3)
-        rays = np.hstack([origins, checked("directions_world", directions_world, len(origins), 3)]).astype(np.float32)
+        rays = np.hstack(
+            [origins, checked("directions_world", directions_world, len(origins), 3)]
+        ).astype(np.float32)
         ranges = self.cast_resting(rays)
         if self.moving:
             under_way = RayMesh([moved(self._skins[i], self._last[i]) for i in self.moving])

@@ -4,23 +4,23 @@ from collections.abc import Callable
 
 import mujoco
 import numpy as np
+from executive_plugins.robot.mujoco.dropout import Dropout, check_dropouts, is_silent
+from executive_plugins.robot.mujoco.encoders import JointEncoders
+from executive_plugins.robot.mujoco.gnss import Antenna
+from executive_plugins.robot.mujoco.imu import MountedImu
+from executive_plugins.robot.mujoco.lidar import SpinningLidar
+from executive_plugins.robot.mujoco.machine_skin import machine_skin
+from executive_plugins.robot.mujoco.pose_history import PoseHistory
+from executive_plugins.robot.mujoco.scene import SiteScene
+from executive_plugins.robot.mujoco.site import Site
 from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Settings
 from executive.geometry.pose import pose
+from executive.machine.machine import Machine
+from executive.machine.sensor import Encoders, Gnss, Imu, Lidar, Sensor
 from executive.messages.observation import Observation
-from plugins.robot.mujoco.dropout import Dropout, check_dropouts, is_silent
-from plugins.robot.mujoco.encoders import JointEncoders
-from plugins.robot.mujoco.gnss import Antenna
-from plugins.robot.mujoco.imu import MountedImu
-from plugins.robot.mujoco.lidar import SpinningLidar
-from plugins.robot.mujoco.machine_skin import machine_skin
-from plugins.robot.mujoco.pose_history import PoseHistory
-from plugins.robot.mujoco.scene import SiteScene
-from plugins.robot.mujoco.site import Site
-from robot_models.machine import Machine
-from robot_models.sensor import Encoders, Gnss, Imu, Lidar, Sensor
 
 Measure = Callable[[float, mujoco.MjData], Observation | None]
 _EPSILON = 1e-6  # times are sums of steps
@@ -30,9 +30,12 @@ class SensorSettings(Settings):
     """What robot.yaml does not say: where on earth, and which faults."""
 
     datum: tuple[float, float, float] = Field(
-        (47.4084, 8.5106, 440.0), description="Origin of the map: latitude [deg], longitude [deg], altitude [m]."
+        (47.4084, 8.5106, 440.0),
+        description="Origin of the map: latitude [deg], longitude [deg], altitude [m].",
     )
-    azimuth_stride: int = Field(1, ge=1, le=20, description="Fire every n-th azimuth step of the lidars only.")
+    azimuth_stride: int = Field(
+        1, ge=1, le=20, description="Fire every n-th azimuth step of the lidars only."
+    )
     dropouts: tuple[Dropout, ...] = Field((), description="Spans in which a sensor is silent.")
 
 
@@ -44,7 +47,12 @@ class SensorSuite:
     """
 
     def __init__(
-        self, machine: Machine, site: Site, settings: SensorSettings, model: mujoco.MjModel, rng: np.random.Generator
+        self,
+        machine: Machine,
+        site: Site,
+        settings: SensorSettings,
+        model: mujoco.MjModel,
+        rng: np.random.Generator,
     ) -> None:
         check_dropouts(settings.dropouts, machine.sensors)
         self.scene = SiteScene(site)
@@ -56,12 +64,16 @@ class SensorSuite:
         self._history = PoseHistory(model, (*machine.links, *self._stones), span_s)
         self._skin = machine_skin(machine)
         self._sensors: list[tuple[Sensor, Measure]] = []
-        for sensor, own_rng in zip(machine.sensors.values(), rng.spawn(len(machine.sensors)), strict=True):
+        for sensor, own_rng in zip(
+            machine.sensors.values(), rng.spawn(len(machine.sensors)), strict=True
+        ):
             self._sensors.append((sensor, self._measure(sensor, machine, model, own_rng)))
         self._last_s = 0.0
         self._on_the_way: list[tuple[float, Observation]] = []
 
-    def _measure(self, sensor: Sensor, machine: Machine, model: mujoco.MjModel, rng: np.random.Generator) -> Measure:
+    def _measure(
+        self, sensor: Sensor, machine: Machine, model: mujoco.MjModel, rng: np.random.Generator
+    ) -> Measure:
         match sensor:
             case Lidar():
                 stride = self._settings.azimuth_stride
@@ -84,12 +96,16 @@ class SensorSuite:
         for sensor, measure in self._sensors:
             if self._is_due(sensor, time_s):
                 observation = measure(time_s, data)
-                if observation is not None and not is_silent(self._settings.dropouts, sensor.name, time_s):
+                if observation is not None and not is_silent(
+                    self._settings.dropouts, sensor.name, time_s
+                ):
                     self._on_the_way.append((time_s + sensor.latency_s, observation))
         self._last_s = time_s
         return self._arrived(time_s)
 
-    def cast_rays(self, data: mujoco.MjData, origins_world: Float, directions_world: Float) -> Float:
+    def cast_rays(
+        self, data: mujoco.MjData, origins_world: Float, directions_world: Float
+    ) -> Float:
         """Return what `executive.interfaces.robot.Scene` asks for: ranges to the site as it is now."""
         self.scene.update(self._stone_poses(data))
         return self.scene.cast_rays(origins_world, directions_world)
@@ -109,7 +125,9 @@ class SensorSuite:
 
     def _is_due(self, sensor: Sensor, time_s: float) -> bool:
         """Say whether a sensor's next period ends in this control step; periods are multiples since time 0."""
-        now, before = (np.floor(at_s * sensor.rate_hz + _EPSILON) for at_s in (time_s, self._last_s))
+        now, before = (
+            np.floor(at_s * sensor.rate_hz + _EPSILON) for at_s in (time_s, self._last_s)
+        )
         if now == before:
             return False
         if not isinstance(sensor, Lidar):
@@ -118,6 +136,8 @@ class SensorSuite:
         return is_whole and not is_silent(self._settings.dropouts, sensor.name, time_s)
 
     def _arrived(self, time_s: float) -> list[Observation]:
-        arrived = [observation for at_s, observation in self._on_the_way if at_s <= time_s + _EPSILON]
+        arrived = [
+            observation for at_s, observation in self._on_the_way if at_s <= time_s + _EPSILON
+        ]
         self._on_the_way = [item for item in self._on_the_way if item[0] > time_s + _EPSILON]
         return sorted(arrived, key=lambda observation: observation.stamp_s)

@@ -1,11 +1,11 @@
 """What the simulated robot is told."""
 
+from executive_plugins.robot.mujoco.physics import PhysicsSettings
+from executive_plugins.robot.mujoco.sensors import SensorSettings
+from executive_plugins.robot.mujoco.site import SiteSettings
 from pydantic import Field
 
 from executive.interfaces.robot import RobotSettings
-from plugins.robot.mujoco.physics import PhysicsSettings
-from plugins.robot.mujoco.sensors import SensorSettings
-from plugins.robot.mujoco.site import SiteSettings
 
 
 class MujocoSettings(RobotSettings):

@@ -4,15 +4,15 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from executive_plugins.robot.mujoco.physics import PhysicsSettings
+from executive_plugins.robot.mujoco.stone_model import StoneModel
+from executive_plugins.robot.mujoco.stone_placement import place
+from executive_plugins.robot.mujoco.stones import StoneSettings, make_stones
+from executive_plugins.robot.mujoco.terrain import Terrain, TerrainSettings, make_terrain
 
 from executive.arrays import Float
 from executive.config import Settings
-from plugins.robot.mujoco.physics import PhysicsSettings
-from plugins.robot.mujoco.stone_model import StoneModel
-from plugins.robot.mujoco.stone_placement import place
-from plugins.robot.mujoco.stones import StoneSettings, make_stones
-from plugins.robot.mujoco.terrain import Terrain, TerrainSettings, make_terrain
-from robot_models.machine import Machine
+from executive.machine.machine import Machine
 
 
 class SiteSettings(Settings):
@@ -44,7 +44,9 @@ class Site:
             stone.add_to(spec, T_world_stone)
 
 
-def make_site(settings: SiteSettings, machine: Machine, physics: PhysicsSettings, rng: np.random.Generator) -> Site:
+def make_site(
+    settings: SiteSettings, machine: Machine, physics: PhysicsSettings, rng: np.random.Generator
+) -> Site:
     """Draw a site; one generator state gives one site, bit for bit.
 
     Raises:

@@ -19,5 +19,7 @@ def volume_and_centroid(vertices: Float, triangles: Int) -> tuple[float, Float]:
 def inertia_about_origin(vertices: Float, triangles: Int, density_kg_m3: float) -> Float:
     """Return the inertia about the origin of a homogeneous solid [kg·m²], shape (3, 3)."""
     corners = vertices[triangles]
-    moments = np.einsum("n,nia,ij,njb->ab", np.linalg.det(corners), corners, _UNIT_MOMENTS, corners) / 120
+    moments = (
+        np.einsum("n,nia,ij,njb->ab", np.linalg.det(corners), corners, _UNIT_MOMENTS, corners) / 120
+    )
     return density_kg_m3 * np.asarray(np.trace(moments) * np.eye(3) - moments)

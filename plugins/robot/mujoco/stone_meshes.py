@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import open3d as o3d
+from executive_plugins.robot.mujoco.solid import volume_and_centroid
 
 from executive.arrays import Float, Int
 from executive.errors import ConfigError
-from plugins.robot.mujoco.solid import volume_and_centroid
 
 _SUFFIXES = (".obj", ".ply", ".stl")
 _EXTENT_M = (0.1, 5.0)  # of a stone that such a machine could know as one: more is a wrong unit
@@ -23,10 +23,14 @@ def mesh_files(folder: Path) -> tuple[Path, ...]:
         ConfigError: If it is no folder or holds no mesh.
     """
     if not folder.is_dir():
-        raise ConfigError(f"{_SETTING}.folder: '{folder}' is no folder; give one that holds OBJ, PLY or STL meshes")
+        raise ConfigError(
+            f"{_SETTING}.folder: '{folder}' is no folder; give one that holds OBJ, PLY or STL meshes"
+        )
     files = tuple(sorted(path for path in folder.iterdir() if path.suffix.lower() in _SUFFIXES))
     if not files:
-        raise ConfigError(f"{_SETTING}.folder: '{folder}' holds no mesh; wanted are files {', '.join(_SUFFIXES)}")
+        raise ConfigError(
+            f"{_SETTING}.folder: '{folder}' holds no mesh; wanted are files {', '.join(_SUFFIXES)}"
+        )
     return files
 
 
@@ -40,12 +44,19 @@ def read_skin(path: Path, scale: float) -> Skin:
         mesh = o3d.io.read_triangle_mesh(path)
     mesh.remove_duplicated_vertices()  # an STL repeats each corner in each triangle
     mesh.remove_degenerate_triangles()
-    vertices, triangles = np.asarray(mesh.vertices) * scale, np.asarray(mesh.triangles).astype(np.int64)
+    vertices, triangles = (
+        np.asarray(mesh.vertices) * scale,
+        np.asarray(mesh.triangles).astype(np.int64),
+    )
     if not len(triangles) or not np.isfinite(vertices).all():
-        raise ConfigError(f"{path}: no readable mesh; export it again as OBJ, PLY or STL, or take it out of the folder")
+        raise ConfigError(
+            f"{path}: no readable mesh; export it again as OBJ, PLY or STL, or take it out of the folder"
+        )
     _check_size(path, vertices, scale)
     if not (mesh.is_watertight() and mesh.orient_triangles()):
-        raise ConfigError(f"{path}: the mesh is not closed, so it has no volume; fill its holes, or take it out")
+        raise ConfigError(
+            f"{path}: the mesh is not closed, so it has no volume; fill its holes, or take it out"
+        )
     triangles = np.asarray(mesh.triangles).astype(np.int64)
     volume_m3, _ = volume_and_centroid(vertices, triangles)
     return vertices, triangles if volume_m3 > 0 else triangles[:, ::-1]

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from executive_plugins.robot.mujoco.convex_mesh import hull_mesh
+from executive_plugins.robot.mujoco.solid import inertia_about_origin, volume_and_centroid
 
 from executive.arrays import Float, Int, checked
-from plugins.robot.mujoco.convex_mesh import hull_mesh
-from plugins.robot.mujoco.solid import inertia_about_origin, volume_and_centroid
 
 SEEN_GROUP = 2  # geometry groups: drawn by default
 TOUCHED_GROUP = 3  # hidden by default
@@ -38,7 +38,9 @@ class StoneModel:
     def __post_init__(self) -> None:
         object.__setattr__(self, "hull", checked("hull", self.hull, None, 3))
         object.__setattr__(self, "vertices", checked("vertices", self.vertices, None, 3))
-        object.__setattr__(self, "triangles", checked("triangles", self.triangles, None, 3, dtype=np.int64))
+        object.__setattr__(
+            self, "triangles", checked("triangles", self.triangles, None, 3, dtype=np.int64)
+        )
         object.__setattr__(self, "inertia", checked("inertia", self.inertia, 3, 3))
 
     @classmethod
@@ -68,16 +70,30 @@ class StoneModel:
         """
         quat = np.zeros(4)
         mujoco.mju_mat2Quat(quat, np.ascontiguousarray(T_world_stone[:3, :3]).ravel())
-        body = spec.worldbody.add_body(name=self.name, pos=T_world_stone[:3, 3].tolist(), quat=quat.tolist())
+        body = spec.worldbody.add_body(
+            name=self.name, pos=T_world_stone[:3, 3].tolist(), quat=quat.tolist()
+        )
         body.add_freejoint(name=self.name)
         moments = self.inertia
         body.explicitinertial = True
         body.mass = self.mass_kg
-        body.ipos = [0.0, 0.0, 0.0]  # without it, the compiler takes the position of the body in the world
+        body.ipos = [
+            0.0,
+            0.0,
+            0.0,
+        ]  # without it, the compiler takes the position of the body in the world
         body.fullinertia = [*np.diag(moments), moments[0, 1], moments[0, 2], moments[1, 2]]
         hull, seen = f"{self.name}_hull", f"{self.name}_skin"
-        spec.add_mesh(name=hull, uservert=self.hull.ravel(), inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX)
-        spec.add_mesh(name=seen, uservert=self.vertices.ravel(), userface=self.triangles.ravel().astype(np.int32))
+        spec.add_mesh(
+            name=hull,
+            uservert=self.hull.ravel(),
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
+        )
+        spec.add_mesh(
+            name=seen,
+            uservert=self.vertices.ravel(),
+            userface=self.triangles.ravel().astype(np.int32),
+        )
         mesh = mujoco.mjtGeom.mjGEOM_MESH
         body.add_geom(name=hull, type=mesh, meshname=hull, mass=0.0, group=TOUCHED_GROUP)
         body.add_geom(

@@ -4,16 +4,16 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
+from executive_plugins.robot.mujoco.physics import PhysicsSettings, apply_physics
+from executive_plugins.robot.mujoco.stone_model import StoneModel
+from executive_plugins.robot.mujoco.stones import PlacementSettings
+from executive_plugins.robot.mujoco.terrain import Terrain
 from scipy.spatial import ConvexHull
 
 from executive.arrays import Float
 from executive.errors import ConfigError
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import about_axis, exp_so3, from_quaternion
-from plugins.robot.mujoco.physics import PhysicsSettings, apply_physics
-from plugins.robot.mujoco.stone_model import StoneModel
-from plugins.robot.mujoco.stones import PlacementSettings
-from plugins.robot.mujoco.terrain import Terrain
 
 _TRIES = 200  # draws of one stone's place before the whole arrangement is drawn anew
 _ARRANGEMENTS = 10
@@ -80,13 +80,19 @@ def _arrangement(
 
 
 def _draw(
-    stone: StoneModel, terrain: Terrain, settings: PlacementSettings, reach_m: float, rng: np.random.Generator
+    stone: StoneModel,
+    terrain: Terrain,
+    settings: PlacementSettings,
+    reach_m: float,
+    rng: np.random.Generator,
 ) -> Float:
     """Draw a pose above the ground: the shortest axis up but for a tilt, as stones that were unloaded lie."""
     least = 0.45 * reach_m if settings.min_radius_m is None else settings.min_radius_m
     most = 0.75 * reach_m if settings.max_radius_m is None else settings.max_radius_m
     if least > most:
-        raise ConfigError(f"robot.site.stones.placement: min_radius_m {least:g} is beyond max_radius_m {most:g}")
+        raise ConfigError(
+            f"robot.site.stones.placement: min_radius_m {least:g} is beyond max_radius_m {most:g}"
+        )
     radius = np.sqrt(rng.uniform(least**2, most**2))  # even over the area
     azimuth = settings.sector_centre_rad + settings.sector_width_rad * rng.uniform(-0.5, 0.5)
     tilt = exp_so3(np.append(rng.normal(0.0, _TILT_RAD, 2), 0.0))
@@ -154,7 +160,9 @@ def _settle(
     model = spec.compile()
     data = mujoco.MjData(model)
     least_s, most_s = _SETTLING_S
-    while data.time < least_s or (np.abs(data.qvel).max(initial=0.0) > _STILL and data.time < most_s):
+    while data.time < least_s or (
+        np.abs(data.qvel).max(initial=0.0) > _STILL and data.time < most_s
+    ):
         mujoco.mj_step(model, data)
         data.qvel *= 1 - model.opt.timestep / _DAMPING_S
     if np.abs(data.qvel).max(initial=0.0) > _STILL:

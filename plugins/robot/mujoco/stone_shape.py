@@ -2,12 +2,14 @@
 
 import numpy as np
 import open3d as o3d
+from executive_plugins.robot.mujoco.convex_mesh import hull_mesh
 
 from executive.arrays import Float, Int
-from plugins.robot.mujoco.convex_mesh import hull_mesh
 
 
-def rough_skin(corners: Float, roughness_m: float, edge_m: float, rng: np.random.Generator) -> tuple[Float, Int]:
+def rough_skin(
+    corners: Float, roughness_m: float, edge_m: float, rng: np.random.Generator
+) -> tuple[Float, Int]:
     """Return a closed mesh over a convex block whose faces are bumpy: vertices (V, 3) [m], triangles (F, 3).
 
     Args:
@@ -17,7 +19,9 @@ def rough_skin(corners: Float, roughness_m: float, edge_m: float, rng: np.random
         rng: Chance.
     """
     hull = hull_mesh(corners)
-    mesh = o3d.geometry.TriangleMesh(o3d.utility.Vector3dVector(hull[0]), o3d.utility.Vector3iVector(hull[1]))
+    mesh = o3d.geometry.TriangleMesh(
+        o3d.utility.Vector3dVector(hull[0]), o3d.utility.Vector3iVector(hull[1])
+    )
     while _longest_edge_m(mesh) > edge_m:
         mesh = mesh.subdivide_midpoint(1)
     vertices, triangles = np.asarray(mesh.vertices), np.asarray(mesh.triangles).astype(np.int64)

@@ -3,15 +3,18 @@
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.robot.mujoco.ray_mesh import Mesh
 from numpy.typing import NDArray
 from scipy.fft import irfft2, rfft2
 
 from executive.arrays import Float, Int
-from plugins.robot.mujoco.ray_mesh import Mesh
 
 Image = NDArray[np.uint8]
 _TEXEL_M = 0.004  # of a stone; a photograph from 8 m has pixels of about 1 cm
-_GROUND_TEXEL_M, _GROUND_TEXELS = 0.0075, 4096  # and the most along a side, which is what graphics memory likes
+_GROUND_TEXEL_M, _GROUND_TEXELS = (
+    0.0075,
+    4096,
+)  # and the most along a side, which is what graphics memory likes
 _FALL = 0.9  # amplitude falls with frequency to this power: as in nature, there is detail at every distance
 _CONTRAST = (0.26, 0.28, 0.32)  # of red, green and blue: dark is warmer than bright
 _GROUND_RGB, _STONE_RGB = (134, 112, 86), (158, 156, 150)
@@ -49,7 +52,9 @@ def stone_skin(mesh: Mesh, rng: np.random.Generator) -> Skin:
     axis, is_back = faces % 3, faces // 3
     corners = (_corners(mesh) - low).reshape(-1, 3, 3)
     along = np.stack([(axis + 1) % 3, (axis + 2) % 3], axis=1)[:, None, :]
-    flat = np.take_along_axis(corners, np.broadcast_to(along, (len(corners), 3, 2)), axis=2) / size_m
+    flat = (
+        np.take_along_axis(corners, np.broadcast_to(along, (len(corners), 3, 2)), axis=2) / size_m
+    )
     tile = np.stack([axis, is_back], axis=1)[:, None, :]
     coordinates = ((0.998 * flat + 0.001 + tile) / [3, 2]).reshape(-1, 2)
     return Skin(mesh, coordinates, _mottled((2 * side, 3 * side), _STONE_RGB, rng))
@@ -80,7 +85,9 @@ def _mottled(shape: tuple[int, int], rgb: tuple[int, int, int], rng: np.random.G
 def _noise(shape: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float32]:
     """Return noise of unit deviation whose amplitude falls with frequency (spectral synthesis)."""
     spectrum = rfft2(rng.standard_normal(shape, dtype=np.float32))
-    frequency = np.hypot(np.fft.fftfreq(shape[0])[:, None], np.fft.rfftfreq(shape[1])).astype(np.float32)
+    frequency = np.hypot(np.fft.fftfreq(shape[0])[:, None], np.fft.rfftfreq(shape[1])).astype(
+        np.float32
+    )
     # Whatever is wider than an eighth of the picture is evened out: no side of it is all dark.
     noise = irfft2(spectrum / np.maximum(frequency, 8 / max(shape)) ** _FALL, shape)
     return np.asarray(noise / noise.std(), dtype=np.float32)

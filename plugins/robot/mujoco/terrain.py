@@ -11,19 +11,33 @@ from executive.arrays import Float, Int, checked
 from executive.config import Meters, Settings
 
 TERRAIN = "terrain"
-_LEAST_ELEVATION_M = 1e-3  # MuJoCo wants a height field of some height, even where the ground is level
+_LEAST_ELEVATION_M = (
+    1e-3  # MuJoCo wants a height field of some height, even where the ground is level
+)
 _BEDROCK_M = 2.0  # thickness below the lowest point: nothing falls through
 
 
 class TerrainSettings(Settings):
     """The shape of the ground."""
 
-    half_size_m: Meters = Field(15.0, gt=2, le=100, description="Half the side of the square of ground [m].")
-    cell_m: Meters = Field(0.2, ge=0.1, le=1, description="Cell of the height field [m]; 0.1 m runs 8 times slower.")
-    undulation_m: Meters = Field(0.04, ge=0, le=1, description="Standard deviation of the gentle waves [m].")
-    wavelength_m: Meters = Field(6.0, ge=1, le=50, description="Typical length of the gentle waves [m].")
-    roughness_m: Meters = Field(0.012, ge=0, le=0.3, description="Standard deviation of ruts and clods [m].")
-    pad_radius_m: Meters = Field(2.8, ge=0, le=20, description="Radius of the level pad about the machine [m].")
+    half_size_m: Meters = Field(
+        15.0, gt=2, le=100, description="Half the side of the square of ground [m]."
+    )
+    cell_m: Meters = Field(
+        0.2, ge=0.1, le=1, description="Cell of the height field [m]; 0.1 m runs 8 times slower."
+    )
+    undulation_m: Meters = Field(
+        0.04, ge=0, le=1, description="Standard deviation of the gentle waves [m]."
+    )
+    wavelength_m: Meters = Field(
+        6.0, ge=1, le=50, description="Typical length of the gentle waves [m]."
+    )
+    roughness_m: Meters = Field(
+        0.012, ge=0, le=0.3, description="Standard deviation of ruts and clods [m]."
+    )
+    pad_radius_m: Meters = Field(
+        2.8, ge=0, le=20, description="Radius of the level pad about the machine [m]."
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,7 +53,9 @@ class Terrain:
     heights_m: Float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "coordinates_m", checked("coordinates_m", self.coordinates_m, None))
+        object.__setattr__(
+            self, "coordinates_m", checked("coordinates_m", self.coordinates_m, None)
+        )
         n = len(self.coordinates_m)
         object.__setattr__(self, "heights_m", checked("heights_m", self.heights_m, n, n))
 
@@ -54,7 +70,10 @@ class Terrain:
         n = len(self.coordinates_m)
         x, y = np.meshgrid(self.coordinates_m, self.coordinates_m, indexing="ij")
         index = np.arange(n * n).reshape(n, n)
-        a, b, c, d = (part.ravel() for part in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))
+        a, b, c, d = (
+            part.ravel()
+            for part in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:])
+        )
         triangles = np.vstack([np.c_[a, b, c], np.c_[a, c, d]])
         return np.c_[x.ravel(), y.ravel(), self.heights_m.ravel()], triangles
 
@@ -83,7 +102,9 @@ def make_terrain(settings: TerrainSettings, rng: np.random.Generator) -> Terrain
     """Draw a terrain: long waves plus roughness, both Gaussian fields, faded out towards the machine's pad."""
     n = 2 * round(settings.half_size_m / settings.cell_m) + 1
     coordinates = np.linspace(-settings.half_size_m, settings.half_size_m, n)
-    waves = _field(n, settings.wavelength_m / 4 / settings.cell_m, rng)  # a wave is about four kernel widths long
+    waves = _field(
+        n, settings.wavelength_m / 4 / settings.cell_m, rng
+    )  # a wave is about four kernel widths long
     clods = _field(n, 1.0, rng)
     fade = _fade(coordinates, settings.pad_radius_m)
     heights = settings.undulation_m * fade * waves + settings.roughness_m * fade * clods

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
+from executive_plugins.robot.mujoco.contact_log import ContactLog, Span
 
 from executive.arrays import Float
 from executive.geometry.pose import interpolate, pose
-from plugins.robot.mujoco.contact_log import ContactLog, Span
-from robot_models.machine import Machine
+from executive.machine.machine import Machine
 
 _PERIOD_S = 0.1  # between two recorded poses
 _EPSILON_S = 1e-6
@@ -45,7 +45,9 @@ class TruthLog:
     def T_world_stone(self, stone: int, time_s: float) -> Float:
         """Return a stone's pose (origin at its volume's centroid) at a time, interpolated, shape (4, 4)."""
         i, fraction = self._bracket(time_s)
-        return interpolate(self._T_stones[i][stone], self._T_stones[min(i + 1, self._last)][stone], fraction)
+        return interpolate(
+            self._T_stones[i][stone], self._T_stones[min(i + 1, self._last)][stone], fraction
+        )
 
     def T_world_cabin(self, time_s: float) -> Float:
         """Return the cabin's pose at a time, interpolated, shape (4, 4)."""
@@ -62,7 +64,9 @@ class TruthLog:
 
     def centroids(self, time_s: float) -> Float:
         """Return where all stones are at a time [m], shape (S, 3)."""
-        return np.array([self.T_world_stone(i, time_s)[:3, 3] for i in range(len(self.stones))]).reshape(-1, 3)
+        return np.array(
+            [self.T_world_stone(i, time_s)[:3, 3] for i in range(len(self.stones))]
+        ).reshape(-1, 3)
 
     def spans(self) -> tuple[Span, ...]:
         """Return all contacts of the machine so far."""

@@ -4,18 +4,18 @@ from collections.abc import Callable
 
 import mujoco
 import numpy as np
+from executive_plugins.robot.mujoco.arm import ArmServos, make_servos
+from executive_plugins.robot.mujoco.follower import Follower
+from executive_plugins.robot.mujoco.jaws import JawDrive, make_jaw_drive
+from executive_plugins.robot.mujoco.physics import PhysicsSettings, apply_physics
+from executive_plugins.robot.mujoco.site import Site
 
 from executive.arrays import Float
 from executive.errors import ConfigError, RobotError
 from executive.geometry.pose import pose
+from executive.machine.machine import Machine
+from executive.machine.mjcf import machine_spec
 from executive.messages.command import Follow, MoveJaws
-from plugins.robot.mujoco.arm import ArmServos, make_servos
-from plugins.robot.mujoco.follower import Follower
-from plugins.robot.mujoco.jaws import JawDrive, make_jaw_drive
-from plugins.robot.mujoco.physics import PhysicsSettings, apply_physics
-from plugins.robot.mujoco.site import Site
-from robot_models.machine import Machine
-from robot_models.mjcf import machine_spec
 
 CONTROL_STEP_S = 0.01  # period of the controllers, of the fastest sensors, and of observers
 
@@ -68,9 +68,13 @@ class World:
         """Drive the jaws; raises RobotError if the angle or the force is impossible."""
         jaw, gripper = self.machine.jaw, self.machine.gripper
         if not jaw.lower <= command.position_rad <= jaw.upper:
-            raise RobotError(f"jaws to {command.position_rad:.3f} rad; possible is {jaw.lower} to {jaw.upper} rad")
+            raise RobotError(
+                f"jaws to {command.position_rad:.3f} rad; possible is {jaw.lower} to {jaw.upper} rad"
+            )
         if not 0 < command.force_n <= gripper.tip_force_n:
-            raise RobotError(f"tip force {command.force_n:.0f} N; possible is up to {gripper.tip_force_n:.0f} N")
+            raise RobotError(
+                f"tip force {command.force_n:.0f} N; possible is up to {gripper.tip_force_n:.0f} N"
+            )
         self.jaws.press(command.position_rad, command.force_n)
 
     def stop(self) -> None:
@@ -92,10 +96,17 @@ class World:
             self.arm.drive(*self._follower.advance(dt_s))
             self.jaws.drive()
             mujoco.mj_step(self.model, self.data)
-        mujoco.mj_kinematics(self.model, self.data)  # mj_step leaves poses one substep behind positions
+        mujoco.mj_kinematics(
+            self.model, self.data
+        )  # mj_step leaves poses one substep behind positions
         self._control_steps += 1
-        if self.data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number or not np.isfinite(self.data.qpos).all():
-            raise RobotError(f"the simulated world diverged at {self.time_s:.2f} s; use a smaller physics.timestep_s")
+        if (
+            self.data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number
+            or not np.isfinite(self.data.qpos).all()
+        ):
+            raise RobotError(
+                f"the simulated world diverged at {self.time_s:.2f} s; use a smaller physics.timestep_s"
+            )
         for observer in self._observers:
             observer(self)
 
@@ -122,5 +133,7 @@ class World:
 def _substeps(settings: PhysicsSettings) -> int:
     substeps = round(CONTROL_STEP_S / settings.timestep_s)
     if abs(substeps * settings.timestep_s - CONTROL_STEP_S) > 1e-9:
-        raise ConfigError(f"physics.timestep_s must divide {CONTROL_STEP_S} s, such as 0.002 or 0.0025 s")
+        raise ConfigError(
+            f"physics.timestep_s must divide {CONTROL_STEP_S} s, such as 0.002 or 0.0025 s"
+        )
     return substeps

@@ -81,7 +81,12 @@ SHAPES = {"convex": _convex, "scanned": _scanned}
 
 def _rays(mesh: Mesh) -> o3d.t.geometry.RaycastingScene:
     scene = o3d.t.geometry.RaycastingScene()
-    scene.add_triangles(*(o3d.core.Tensor(x) for x in (mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32))))
+    scene.add_triangles(
+        *(
+            o3d.core.Tensor(x)
+            for x in (mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32))
+        )
+    )
     return scene
 
 
@@ -90,9 +95,15 @@ def gap_between(a: Mesh, b: Mesh) -> float:
     rng, found = np.random.default_rng(0), []
     for one, other in ((a, b), (b, a)):
         shares = rng.dirichlet([1, 1, 1], 1500)
-        inner = np.einsum("ij,ijk->ik", shares, other.vertices[other.faces[rng.integers(len(other.faces), size=1500)]])
+        inner = np.einsum(
+            "ij,ijk->ik",
+            shares,
+            other.vertices[other.faces[rng.integers(len(other.faces), size=1500)]],
+        )
         points = np.vstack([inner, other.vertices]).astype(np.float32)
-        found.append(float(_rays(one).compute_signed_distance(o3d.core.Tensor(points)).numpy().min()))
+        found.append(
+            float(_rays(one).compute_signed_distance(o3d.core.Tensor(points)).numpy().min())
+        )
     return min(found)
 
 
@@ -127,12 +138,19 @@ def piles_of(seed: int, gap_m: tuple[float, float], shape: str, scenes: ModuleTy
     for count, spot in zip(PILES, spots, strict=True):
         for number in range(count):
             stone = SHAPES[shape](rng, scenes)
-            stone = stone.moved(-stone.vertices.mean(axis=0) * [1, 1, 0] - [0, 0, stone.vertices[:, 2].min() + 0.05])
+            stone = stone.moved(
+                -stone.vertices.mean(axis=0) * [1, 1, 0] - [0, 0, stone.vertices[:, 2].min() + 0.05]
+            )
             placed.append(_beside(stone, placed, gap, rng) if number else stone.moved(spot))
     for stone in placed:
         scenes._add(site, stone.vertices, stone.faces)
-    middle = np.array([*np.mean([stone.vertices.mean(axis=0)[:2] for stone in placed], axis=0), 0.3])
-    seen = {"lidar": scenes._swept(site, rng, LIDAR_RAYS), "drone": scenes._surveyed(site, rng, DRONE_RAYS, middle)}
+    middle = np.array(
+        [*np.mean([stone.vertices.mean(axis=0)[:2] for stone in placed], axis=0), 0.3]
+    )
+    seen = {
+        "lidar": scenes._swept(site, rng, LIDAR_RAYS),
+        "drone": scenes._surveyed(site, rng, DRONE_RAYS, middle),
+    }
     return Piles(gap, {name: (points, _labels(site, points)) for name, points in seen.items()})
 
 
@@ -161,7 +179,7 @@ def cpu_time(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Let stages be timed by the processor's clock: others may use the computer meanwhile."""
     import time
 
-    from plugins.registration import stopwatch
+    from executive_plugins.registration import stopwatch
 
     monkeypatch.setattr(stopwatch, "wall_s", time.process_time)
     return

@@ -83,13 +83,19 @@ def beside_the_paper(figures: Figures) -> str:
 def decoys(figures: Figures) -> str:
     """Return the table of surveys that are not of the site, and of wrong scales."""
     lines = ["| survey | accepted |", "|---|---|"]
-    lines += [f"| {name} | {one['accepted']} of {one['n']} |" for name, one in figures["wrong_sites"].items()]
+    lines += [
+        f"| {name} | {one['accepted']} of {one['n']} |"
+        for name, one in figures["wrong_sites"].items()
+    ]
     return "\n".join(lines)
 
 
 def piles(figures: Figures) -> str:
     """Return the table of stones that stand close to one another."""
-    lines = ["| stones, gap | one segment each | merged | split | missed |", "|---|---|---|---|---|"]
+    lines = [
+        "| stones, gap | one segment each | merged | split | missed |",
+        "|---|---|---|---|---|",
+    ]
     for name, one in figures["neighbours"].items():
         if ", " in name:
             fates = " | ".join(str(one.get(fate, 0)) for fate in ("merged", "split", "missed"))
@@ -102,7 +108,9 @@ def _share(one: Figures) -> str:
 
 
 def _stage(*names: str) -> Callable[[Figures], str]:
-    return lambda f: "{median:.0f} ms, p95 {p95:.0f}, n {n}".format(**f["swing_20_s"]["timings_ms"][names[0]])
+    return lambda f: "{median:.0f} ms, p95 {p95:.0f}, n {n}".format(
+        **f["swing_20_s"]["timings_ms"][names[0]]
+    )
 
 
 def _within(stage: str, limit_ms: float) -> Callable[[Figures], bool]:
@@ -154,7 +162,14 @@ ROWS = (
         _stage("features"),
         _within("features", 150),
     ),
-    Row("refinement", "80 ms", "40 ms", ("swing_20_s",), _stage("refinement"), _within("refinement", 80)),
+    Row(
+        "refinement",
+        "80 ms",
+        "40 ms",
+        ("swing_20_s",),
+        _stage("refinement"),
+        _within("refinement", 80),
+    ),
     Row(
         "right (< 1°, < 5 cm), swings of 20 s",
         "95 %",
@@ -163,7 +178,14 @@ ROWS = (
         _swing("swing_20_s"),
         _is_sure("swing_20_s", 0.95),
     ),
-    Row("right, swings of 10 s", "90 %", "97 %", ("swing_10_s",), _swing("swing_10_s"), _is_sure("swing_10_s", 0.90)),
+    Row(
+        "right, swings of 10 s",
+        "90 %",
+        "97 %",
+        ("swing_10_s",),
+        _swing("swing_10_s"),
+        _is_sure("swing_10_s", 0.90),
+    ),
     Row(
         "accepted surveys that are not of the site",
         "0",
@@ -177,7 +199,9 @@ ROWS = (
         "tolerated, told",
         "",
         ("stretched",),
-        lambda f: f"{_share(f['stretched'])}, scale told to {100 * f['stretched']['worst_scale_error']:.2f} %",
+        lambda f: (
+            f"{_share(f['stretched'])}, scale told to {100 * f['stretched']['worst_scale_error']:.2f} %"
+        ),
         lambda f: f["stretched"]["right"] >= 0.95 * f["stretched"]["n"],
     ),
     Row(
@@ -193,7 +217,9 @@ ROWS = (
         "10 s",
         "5 s",
         ("first_success",),
-        lambda f: "median {median_s:.1f} s, worst {worst_s:.1f} s, n {n}".format(**f["first_success"]),
+        lambda f: "median {median_s:.1f} s, worst {worst_s:.1f} s, n {n}".format(
+            **f["first_success"]
+        ),
         lambda f: f["first_success"]["worst_s"] <= 10,
     ),
     Row(
@@ -204,13 +230,22 @@ ROWS = (
         _single("15 cm"),
         _is_single("15 cm", 0.97),
     ),
-    Row("the same, 5 cm and more", "90 %", "97 %", ("neighbours",), _single("5 cm"), _is_single("5 cm", 0.90)),
+    Row(
+        "the same, 5 cm and more",
+        "90 %",
+        "97 %",
+        ("neighbours",),
+        _single("5 cm"),
+        _is_single("5 cm", 0.90),
+    ),
     Row(
         "scan pair into the map, p95: `voxel_map`, `pose_graph`",
         "60 ms",
         "30 ms",
         ("scan_pair",),
-        lambda f: "{voxel_map:.0f} ms, {pose_graph:.0f} ms, swings: {n}".format(**f["scan_pair"]["p95_ms"]),
+        lambda f: "{voxel_map:.0f} ms, {pose_graph:.0f} ms, swings: {n}".format(
+            **f["scan_pair"]["p95_ms"]
+        ),
         lambda f: max(f["scan_pair"]["p95_ms"][name] for name in ("voxel_map", "pose_graph")) <= 60,
     ),
     Row(
@@ -218,7 +253,9 @@ ROWS = (
         "all",
         "all",
         ("same_bits",),
-        lambda f: "{same_again} of {scenes}; {same_over_threads} of {scenes}".format(**f["same_bits"]),
+        lambda f: "{same_again} of {scenes}; {same_over_threads} of {scenes}".format(
+            **f["same_bits"]
+        ),
         lambda f: f["same_bits"]["same_again"] == f["same_bits"]["scenes"],
     ),
     Row(

@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from executive_plugins.surveying import simulated_drone
 
 from executive.arrays import Float
 from executive.mission.run import Options, Run
 from executive.tree.load import load_mission
-from plugins.surveying import simulated_drone
 
 
 class Witness:
@@ -39,7 +39,11 @@ class Witness:
         """Return how far the middle of the survey lies from where it is."""
         T = np.array(registration["T_map_survey"])
         there, told = self.pair
-        return float(np.linalg.norm(((registration["scale"] * told @ T[:3, :3].T + T[:3, 3]) - there).mean(axis=0)))
+        return float(
+            np.linalg.norm(
+                ((registration["scale"] * told @ T[:3, :3].T + T[:3, 3]) - there).mean(axis=0)
+            )
+        )
 
 
 def line(journal: list[dict], witness: Witness, seed: int) -> tuple[str, float, float]:
@@ -58,7 +62,9 @@ def line(journal: list[dict], witness: Witness, seed: int) -> tuple[str, float, 
     return text, first_s, error_m
 
 
-def measured(seeds: Sequence[int], overrides: Sequence[str] = ()) -> tuple[list[float], list[float]]:
+def measured(
+    seeds: Sequence[int], overrides: Sequence[str] = ()
+) -> tuple[list[float], list[float]]:
     """Run the mission over seeds; return when each first succeeded [s] and how far it was off [m], inf if never."""
     times, errors, witness = [], [], Witness()
     with tempfile.TemporaryDirectory() as folder:
@@ -66,7 +72,9 @@ def measured(seeds: Sequence[int], overrides: Sequence[str] = ()) -> tuple[list[
             run_dir = Path(folder) / str(seed)
             made = Run(load_mission("map_site", overrides), Options(seed=seed, run_dir=run_dir))
             made.execute(lambda mission: None)
-            journal = [json.loads(row) for row in (run_dir / "journal.jsonl").read_text().splitlines()]
+            journal = [
+                json.loads(row) for row in (run_dir / "journal.jsonl").read_text().splitlines()
+            ]
             text, first_s, error_m = line(journal, witness, seed)
             print(text, flush=True)
             times.append(first_s)
@@ -77,8 +85,12 @@ def measured(seeds: Sequence[int], overrides: Sequence[str] = ()) -> tuple[list[
 def main(seeds: list[int], overrides: list[str]) -> None:
     print("seed  dense_s  first_s attempts matched stones  error_mm", flush=True)
     times, errors = measured(seeds, overrides)
-    early = ", ".join(f"{np.mean(np.array(times) <= limit):.0%} after {limit} s" for limit in (5, 10, 15))
-    print(f"first success: median {np.median(times):.1f} s, worst {max(times):.1f} s; {early}, of {len(times)}")
+    early = ", ".join(
+        f"{np.mean(np.array(times) <= limit):.0%} after {limit} s" for limit in (5, 10, 15)
+    )
+    print(
+        f"first success: median {np.median(times):.1f} s, worst {max(times):.1f} s; {early}, of {len(times)}"
+    )
     print(f"error: median {1e3 * np.median(errors):.0f} mm, worst {1e3 * max(errors):.0f} mm")
 
 

@@ -15,6 +15,10 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
+from executive_plugins.segmentation.ground_and_clusters import (
+    GroundAndClusters,
+    GroundAndClustersSettings,
+)
 from perception.conftest import load_scenes
 from perception.trials import registrar
 
@@ -23,7 +27,6 @@ from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import angle_between, exp_so3
 from executive.geometry.voxels import voxel_means
 from executive.messages.cloud import Cloud
-from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
 
 RADIUS_M, RIGHT_M, RIGHT_RAD = 1.8, 0.05, np.radians(5)
 FIRST_SEED = 9012
@@ -45,13 +48,17 @@ def main(sites: int) -> None:
         first = scenes._swept(scene, rng, 120_000)
         anew = scenes._swept(scene, rng, int(rng.choice([60_000, 120_000, 200_000])))
         survey = scenes._surveyed(scene, rng, 120_000, np.array([*stones[:, :2].mean(axis=0), 0.3]))
-        models = segmentation.segment(Cloud("map", voxel_means(np.vstack([first, survey]), 0.03))).segments
+        models = segmentation.segment(
+            Cloud("map", voxel_means(np.vstack([first, survey]), 0.03))
+        ).segments
         for i, stone in enumerate(models):
             seen = anew[np.linalg.norm(anew[:, :2] - stone.centroid[:2], axis=1) < RADIUS_M]
             for j in ((i + step) % len(models) for step in range(3)):
                 T = tumbled(np.random.default_rng([seed, i, j]))
                 found = ours.find(Cloud("map", seen), Cloud("map", transform(T, models[j].points)))
-                counts[_verdict(found.T_target_source @ T, models[j].centroid, i == j, found.accepted)] += 1
+                counts[
+                    _verdict(found.T_target_source @ T, models[j].centroid, i == j, found.accepted)
+                ] += 1
         print(f"{seed}: {dict(sorted(counts.items()))}", flush=True)
 
 

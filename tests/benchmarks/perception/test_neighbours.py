@@ -9,11 +9,14 @@ from collections import Counter
 from collections.abc import Callable
 
 import numpy as np
+from executive_plugins.segmentation.ground_and_clusters import (
+    GroundAndClusters,
+    GroundAndClustersSettings,
+)
 from scipy.spatial import cKDTree
 
 from executive.arrays import Float, Int
 from executive.messages.cloud import Cloud
-from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
 
 STONES, SCENES, FIRST_SEED = 7, 10, 7500
 BANDS_M = ((0.05, 0.10), (0.10, 0.15), (0.15, 0.30))
@@ -24,10 +27,16 @@ LEAST_SEEN = 100  # points: fewer of a stone are not asked for
 def fates(points: Float, labels: Int, segments: list[Float]) -> list[str]:
     """Return what became of each stone: single, merged, split, missed or unseen."""
     tree = cKDTree(points)
-    counts = np.array([np.bincount(labels[tree.query(one)[1]], minlength=STONES + 1) for one in segments], dtype=float)
+    counts = np.array(
+        [np.bincount(labels[tree.query(one)[1]], minlength=STONES + 1) for one in segments],
+        dtype=float,
+    )
     counts = counts.reshape(-1, STONES + 1)
     shares = counts / np.maximum(counts.sum(axis=0), 1)
-    return [_fate(shares, counts[:, stone].sum(), (labels == stone).sum(), stone) for stone in range(1, STONES + 1)]
+    return [
+        _fate(shares, counts[:, stone].sum(), (labels == stone).sum(), stone)
+        for stone in range(1, STONES + 1)
+    ]
 
 
 def _fate(shares: Float, kept: float, seen: int, stone: int) -> str:
@@ -64,14 +73,18 @@ def summed(tallies: Tallies, least_m: float) -> Counter[str]:
 
 def test_neighbours(make_piles: Callable) -> None:
     tallies, spent_ms = tallied(make_piles, SCENES)
-    print(f"\n  {'stones':10}{'gap [cm]':>10}{'single':>10}{'merged':>8}{'split':>8}{'missed':>8}{'seen':>6}")
+    print(
+        f"\n  {'stones':10}{'gap [cm]':>10}{'single':>10}{'merged':>8}{'split':>8}{'missed':>8}{'seen':>6}"
+    )
     for (shape, band), tally in tallies.items():
         _print(shape, f"{100 * band[0]:.0f}-{100 * band[1]:.0f}", tally)
     narrow, wide = summed(tallies, 0.0), summed(tallies, 0.15)
     _print("all", ">= 5", narrow)
     _print("all", ">= 15", wide)
     for kind, spent in spent_ms.items():
-        print(f"  {kind}: {np.median(spent):.0f} ms median, {np.percentile(spent, 95):.0f} ms p95, n {len(spent)}")
+        print(
+            f"  {kind}: {np.median(spent):.0f} ms median, {np.percentile(spent, 95):.0f} ms p95, n {len(spent)}"
+        )
     assert narrow["single"] >= 0.90 * seen(narrow)
     assert wide["single"] >= 0.97 * seen(wide)
 

@@ -16,19 +16,31 @@ from typing import Any
 
 import numpy as np
 import pytest
+from executive_plugins.alignment.gicp import Gicp, GicpSettings
+from executive_plugins.registration.segment_shot import SegmentShot, SegmentShotSettings
+from executive_plugins.segmentation.ground_and_clusters import (
+    GroundAndClusters,
+    GroundAndClustersSettings,
+)
 
 from executive.arrays import Float
 from executive.geometry.pose import transform
 from executive.geometry.rotation import angle_between
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segmentation
-from plugins.alignment.gicp import Gicp, GicpSettings
-from plugins.registration.segment_shot import SegmentShot, SegmentShotSettings
-from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
 
 SOURCE = Path(__file__).parent / "pcl" / "chain.cpp"
 INCLUDES = ("/usr/include/pcl-1.13", "/usr/include/pcl-1.14", "/usr/include/eigen3")
-LIBRARIES = ("features", "keypoints", "recognition", "registration", "search", "kdtree", "filters", "common")
+LIBRARIES = (
+    "features",
+    "keypoints",
+    "recognition",
+    "registration",
+    "search",
+    "kdtree",
+    "filters",
+    "common",
+)
 RADII = {"PCL, the paper's radii": (0.06, 0.10), "PCL, segment_shot's radii": (0.12, 0.40)}
 RAYS, SCENES = 190_000, 12
 
@@ -49,12 +61,17 @@ def chain(tmp_path_factory: pytest.TempPathFactory) -> Path:
     includes = [f"-I{folder}" for folder in INCLUDES]
     libraries = [*(f"-lpcl_{name}" for name in LIBRARIES), "-llz4"]
     options = ["-O3", "-DNDEBUG", "-std=c++17"]
-    subprocess.run(["g++", *options, *includes, str(SOURCE), "-o", str(program), *libraries], check=True)
+    subprocess.run(
+        ["g++", *options, *includes, str(SOURCE), "-o", str(program), *libraries], check=True
+    )
     return program
 
 
 def _write(path: Path, segmentation: Segmentation) -> None:
-    rows = [np.column_stack([one.points, np.full(len(one.points), one.id)]) for one in segmentation.segments]
+    rows = [
+        np.column_stack([one.points, np.full(len(one.points), one.id)])
+        for one in segmentation.segments
+    ]
     np.vstack(rows).astype(np.float32).tofile(path)
 
 
@@ -65,7 +82,9 @@ def _run(chain: Path, folder: Path, radii: tuple[float, float]) -> tuple[Float |
     if done.returncode:
         return None, np.nan
     answer = json.loads(done.stdout)
-    return (np.array(answer["T"]).reshape(4, 4) if answer["found"] else None), answer["timings_ms"]["total"]
+    return (np.array(answer["T"]).reshape(4, 4) if answer["found"] else None), answer["timings_ms"][
+        "total"
+    ]
 
 
 def test_beside_pcl(chain: Path, scenes: ModuleType, cpu_time: None, tmp_path: Path) -> None:
@@ -95,7 +114,10 @@ def test_beside_pcl(chain: Path, scenes: ModuleType, cpu_time: None, tmp_path: P
         print(f"  {name:28}{tally.right:>4} of {SCENES:<3}{middle:10.0f}{late:10.0f}")
     others = [tallies[name] for name in RADII]
     assert all(tallies["segment_shot"].right >= other.right for other in others)
-    assert all(np.median(tallies["segment_shot"].times_ms) < np.nanmedian(other.times_ms) for other in others)
+    assert all(
+        np.median(tallies["segment_shot"].times_ms) < np.nanmedian(other.times_ms)
+        for other in others
+    )
 
 
 def _is_right(scene: Any, apply: Callable[[Float], Float], T: Float) -> bool:

@@ -7,20 +7,29 @@ import time
 from typing import Any
 
 import numpy as np
+from executive_plugins.alignment.gicp import Gicp, GicpSettings
+from executive_plugins.registration import stopwatch
+from executive_plugins.segmentation.ground_and_clusters import (
+    GroundAndClusters,
+    GroundAndClustersSettings,
+)
 from perception.conftest import load_scenes
 from perception.decoys import DECOYS
 
 from executive import registry
 from executive.geometry.rotation import angle_between
 from executive.messages.cloud import Cloud
-from plugins.alignment.gicp import Gicp, GicpSettings
-from plugins.registration import stopwatch
-from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
 
 METHOD = "segment_shot"
 RAYS = {20: 190_000, 10: 95_000}  # by seconds of swinging: 105,000 points are in the map after 20 s
 SURVEY_POINTS = 78_000
-FIRST_SEED: dict[int | str, int] = {20: 11_000, 10: 12_000, "wrong": 13_000, "stretched": 14_000, "threads": 15_000}
+FIRST_SEED: dict[int | str, int] = {
+    20: 11_000,
+    10: 12_000,
+    "wrong": 13_000,
+    "stretched": 14_000,
+    "threads": 15_000,
+}
 STRETCHES = (0.97, 0.98, 1.02, 1.03)
 RIGHT_M, RIGHT_RAD = 0.05, np.radians(1.0)
 Answers = list[dict[str, Any]]
@@ -101,9 +110,13 @@ def same_bits(count: int) -> dict[str, int]:
     """Return how many scenes give one T, to the last bit, twice over and on one, two and four threads."""
     told: dict[str, list[str]] = {}
     for name, threads in {"1": 1, "1 again": 1, "2": 2, "4": 4}.items():
-        environment = os.environ | {f"{library}_NUM_THREADS": str(threads) for library in ("OMP", "OPENBLAS", "NUMBA")}
+        environment = os.environ | {
+            f"{library}_NUM_THREADS": str(threads) for library in ("OMP", "OPENBLAS", "NUMBA")
+        }
         words = [sys.executable, "-c", f"from perception import trials; trials.print_bits({count})"]
-        done = subprocess.run(words, env=environment, cwd=_BENCHMARKS, capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            words, env=environment, cwd=_BENCHMARKS, capture_output=True, text=True, check=True
+        )
         told[name] = done.stdout.split()
     again = sum(a == b for a, b in zip(told["1"], told["1 again"], strict=True))
     threads = sum(a == b == c for a, b, c in zip(told["1"], told["2"], told["4"], strict=True))

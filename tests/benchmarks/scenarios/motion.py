@@ -68,7 +68,9 @@ class Motion:
         phi = self.way_m(t) / self.radius_m
         r = self.radius_m * (1 + np.sin(3 * phi + self.phases[0]) / 8)
         angle = phi + self.phases[1]
-        return np.stack([r * np.cos(angle), r * np.sin(angle), 0.3 * np.sin(4 * phi + self.phases[2])], axis=1)
+        return np.stack(
+            [r * np.cos(angle), r * np.sin(angle), 0.3 * np.sin(4 * phi + self.phases[2])], axis=1
+        )
 
     def R_map_base(self, t: Float) -> Float:
         """Return the chassis along the rosette, rolling and pitching by 2°, shape (n, 3, 3)."""

@@ -28,7 +28,9 @@ def odometry_share(trial: Trial, from_s: float, to_s: float) -> float:
     stamps, chain = trial.chain(from_s, to_s)
     true = trial.truth.T_map_sensor(LIDAR, stamps)
     reckoned: Float = true[0] @ inverse(chain[0]) @ chain
-    return float(np.linalg.norm((reckoned - true)[:, :3, 3], axis=1).max()) / way_m(trial, from_s, to_s)
+    return float(np.linalg.norm((reckoned - true)[:, :3, 3], axis=1).max()) / way_m(
+        trial, from_s, to_s
+    )
 
 
 def backs_s(trial: Trial, good_from_s: float) -> float:
@@ -38,4 +40,8 @@ def backs_s(trial: Trial, good_from_s: float) -> float:
     if believed.all():
         return 0.0
     last = np.flatnonzero(~believed)[-1]
-    return float(trial.stamps_s[after][last] - good_from_s) if last + 1 < len(believed) else float(np.inf)
+    return (
+        float(trial.stamps_s[after][last] - good_from_s)
+        if last + 1 < len(believed)
+        else float(np.inf)
+    )

@@ -87,7 +87,10 @@ def _datum(trial: Trial) -> Figures:
     anew = np.linalg.norm(trial.error_m[after] - shift, axis=1) < 0.1
     there = abs(float(np.linalg.norm(shift)) - DATUM_CHANGE_M) < 0.1
     since_s = trial.stamps_s[after][~anew][-1] - READY_S if there and not anew.all() else np.inf
-    return {"datum: anchored": float(since_s), "datum: flagged": float(not trial.is_global[after].all())}
+    return {
+        "datum: anchored": float(since_s),
+        "datum: flagged": float(not trial.is_global[after].all()),
+    }
 
 
 def _outage(name: str, from_s: float, to_s: float) -> Callable[[Trial], Figures]:
@@ -95,7 +98,8 @@ def _outage(name: str, from_s: float, to_s: float) -> Callable[[Trial], Figures]
         during = trial.stamps_s > from_s
         return {
             f"{name}: share": 100 * drift_share(trial, from_s, to_s),
-            f"{name}: beyond": 100 * (drift_share(trial, from_s, to_s) - odometry_share(trial, from_s, to_s)),
+            f"{name}: beyond": 100
+            * (drift_share(trial, from_s, to_s) - odometry_share(trial, from_s, to_s)),
             f"{name}: step": 1000 * trial.odometry_step_m[during[1:]].max(),
             f"{name}: back": backs_s(trial, to_s),
         }
@@ -117,16 +121,25 @@ def _of_outage(duration_s: float) -> Scenario:
 
 SCENARIOS: Mapping[str, Scenario] = {
     "spikes": Scenario(
-        ALL, 32.0, lambda rng: faults.spikes(rng, (12.0, 15.0, 18.0, 22.0, 25.0, 28.0)), _worst_error("spikes")
+        ALL,
+        32.0,
+        lambda rng: faults.spikes(rng, (12.0, 15.0, 18.0, 22.0, 25.0, 28.0)),
+        _worst_error("spikes"),
     ),
-    "plateau": Scenario(ALL, 22.0, lambda rng: faults.plateau(rng, 1.0, READY_S, READY_S + 5.0), _plateau),
+    "plateau": Scenario(
+        ALL, 22.0, lambda rng: faults.plateau(rng, 1.0, READY_S, READY_S + 5.0), _plateau
+    ),
     "ramp": Scenario(ALL, 38.0, lambda rng: faults.ramp(rng, 0.1, 2.0, READY_S), _ramp),
-    "datum": Scenario(ALL, 30.0, lambda rng: faults.plateau(rng, DATUM_CHANGE_M, READY_S, np.inf), _datum),
+    "datum": Scenario(
+        ALL, 30.0, lambda rng: faults.plateau(rng, DATUM_CHANGE_M, READY_S, np.inf), _datum
+    ),
     "clean": Scenario(ALL, 40.0, lambda rng: faults.none, _clean),
     "clean_no_lidar": Scenario(
         ALL, 30.0, lambda rng: faults.none, lambda t: _renamed("no lidar", _clean(t)), lidar=False
     ),
-    "wander": Scenario(ALL, 40.0, lambda rng: faults.wander(rng, 0.01), lambda t: _renamed("wander", _clean(t))),
+    "wander": Scenario(
+        ALL, 40.0, lambda rng: faults.wander(rng, 0.01), lambda t: _renamed("wander", _clean(t))
+    ),
     "outage_45": _of_outage(45.0),
     "outage_160": _of_outage(160.0),
 }

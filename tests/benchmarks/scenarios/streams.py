@@ -8,11 +8,11 @@ from scipy.spatial.transform import Rotation
 
 from executive.arrays import Float
 from executive.geometry.geodesy import geodetic_from_enu
+from executive.machine.sensor import Gnss, Imu
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.odometry import LidarIncrement
-from robot_models.sensor import Gnss, Imu
 from scenarios.faults import Fault
 from scenarios.truth import RATE_HZ, Truth
 
@@ -59,7 +59,9 @@ def stream(
     return [(arrival_s, message) for arrival_s, _, message in arrivals]
 
 
-def _inertial(truth: Truth, name: str, stamps: Float, rng: np.random.Generator) -> Iterator[ImuSample]:
+def _inertial(
+    truth: Truth, name: str, stamps: Float, rng: np.random.Generator
+) -> Iterator[ImuSample]:
     """Yield means over the last sample: of the rate by the turn, of the force by the change of velocity."""
     sensor = truth.machine.sensors[name]
     if not isinstance(sensor, Imu):
@@ -79,20 +81,27 @@ def _inertial(truth: Truth, name: str, stamps: Float, rng: np.random.Generator) 
 
 
 def _bias(at_start: float, walk: float, n: int, rng: np.random.Generator) -> Float:
-    return np.asarray(rng.normal(0, at_start, 3) + np.cumsum(rng.normal(0, walk * _DT_S**0.5, (n, 3)), axis=0))
+    return np.asarray(
+        rng.normal(0, at_start, 3) + np.cumsum(rng.normal(0, walk * _DT_S**0.5, (n, 3)), axis=0)
+    )
 
 
 def _joints(truth: Truth, stamps: Float, rng: np.random.Generator) -> Iterator[JointSample]:
     names = truth.machine.joint_names
     angles, rates = truth.motion.turn(stamps)
-    angles, rates = angles + rng.normal(0, 2e-4, len(stamps)), rates + rng.normal(0, 2e-3, len(stamps))
+    angles, rates = (
+        angles + rng.normal(0, 2e-4, len(stamps)),
+        rates + rng.normal(0, 2e-3, len(stamps)),
+    )
     for stamp_s, angle, rate in zip(stamps.tolist(), angles, rates, strict=True):
         position, velocity = np.zeros(len(names)), np.zeros(len(names))
         position[0], velocity[0] = angle, rate
         yield JointSample(stamp_s, names, position, velocity, np.zeros(len(names)))
 
 
-def _fixes(truth: Truth, name: str, end_s: float, fault: Fault, rng: np.random.Generator) -> Iterator[GnssFix]:
+def _fixes(
+    truth: Truth, name: str, end_s: float, fault: Fault, rng: np.random.Generator
+) -> Iterator[GnssFix]:
     sensor = truth.machine.sensors[name]
     if not isinstance(sensor, Gnss):
         raise TypeError(f"{name} is no antenna")
@@ -102,10 +111,14 @@ def _fixes(truth: Truth, name: str, end_s: float, fault: Fault, rng: np.random.G
     for stamp_s, p_map in zip(stamps.tolist(), positions, strict=True):
         error = fault(stamp_s, name)
         if error is not None:
-            yield GnssFix(stamp_s, name, geodetic_from_enu(p_map + error, DATUM), np.diag(std**2), True)
+            yield GnssFix(
+                stamp_s, name, geodetic_from_enu(p_map + error, DATUM), np.diag(std**2), True
+            )
 
 
-def increments(truth: Truth, end_s: float, errors: LidarErrors, rng: np.random.Generator) -> Iterator[LidarIncrement]:
+def increments(
+    truth: Truth, end_s: float, errors: LidarErrors, rng: np.random.Generator
+) -> Iterator[LidarIncrement]:
     """Yield the lidar's motions with white noise, an error of scale and a slow turn."""
     stamps = np.arange(1, round(end_s * LIDAR_HZ)) / LIDAR_HZ
     T = truth.T_map_sensor(LIDAR, stamps)
@@ -113,10 +126,14 @@ def increments(truth: Truth, end_s: float, errors: LidarErrors, rng: np.random.G
     scale, yaw_rad_m = rng.normal(0, errors.scale), rng.normal(0, errors.yaw_rad_m)
     way = np.linalg.norm(moved[:, :3, 3], axis=1)
     up_lidar = T[1:, 2, :3]  # the map's vertical in the lidar's axes
-    turns = rng.normal(0, errors.rotation_rad, (len(moved), 3)) + (yaw_rad_m * way)[:, None] * up_lidar
+    turns = (
+        rng.normal(0, errors.rotation_rad, (len(moved), 3)) + (yaw_rad_m * way)[:, None] * up_lidar
+    )
     moved[:, :3, 3] *= 1 + scale
     moved[:, :3, 3] += rng.normal(0, errors.translation_m, (len(moved), 3))
     moved[:, :3, :3] = moved[:, :3, :3] @ Rotation.from_rotvec(turns).as_matrix()
     std = errors.declared * np.repeat([errors.rotation_rad, errors.translation_m], 3)
     for k, T_from_to in enumerate(moved):
-        yield LidarIncrement(float(stamps[k]), float(stamps[k + 1]), LIDAR, T_from_to.copy(), np.diag(std**2))
+        yield LidarIncrement(
+            float(stamps[k]), float(stamps[k + 1]), LIDAR, T_from_to.copy(), np.diag(std**2)
+        )

@@ -53,18 +53,35 @@ class Row:
 _OUTAGES = ("outage 45 s", "outage 160 s")
 
 ROWS = (
-    Row("antenna's position error, bias [cm]", "position: bias", 0.18, 0.15, is_mean=True, digits=2),
+    Row(
+        "antenna's position error, bias [cm]", "position: bias", 0.18, 0.15, is_mean=True, digits=2
+    ),
     Row("antenna's position error, std [cm]", "position: std", 1.28, 0.6, is_mean=True, digits=2),
     Row("cabin's position error, distance [cm]", "position: distance", is_mean=True, digits=2),
     Row("consistency, mean [cm]", "consistency: mean", 0.58, 0.3, is_mean=True, digits=2),
     Row("consistency, std [cm]", "consistency: std", 3.16, 0.5, is_mean=True, digits=2),
-    Row("error squared over covariance, inside the 99 % bound [%]", "nees: inside", 90, is_least=True, is_mean=True),
+    Row(
+        "error squared over covariance, inside the 99 % bound [%]",
+        "nees: inside",
+        90,
+        is_least=True,
+        is_mean=True,
+    ),
     Row("the same, mean (6 if honest)", "nees: mean", is_mean=True, digits=2),
     Row("clean data: fixes rejected [%]", "clean: rejected", 0.5, 0.0, digits=2),
     Row("clean data: time not GLOBAL [%]", "clean: not global", digits=2),
-    Row("the same without lidar: fixes rejected [%]", "no lidar, clean: rejected", 0.5, 0.0, digits=2),
     Row(
-        "the same without lidar: antenna's position error, std [cm]", "no lidar, position: std", is_mean=True, digits=2
+        "the same without lidar: fixes rejected [%]",
+        "no lidar, clean: rejected",
+        0.5,
+        0.0,
+        digits=2,
+    ),
+    Row(
+        "the same without lidar: antenna's position error, std [cm]",
+        "no lidar, position: std",
+        is_mean=True,
+        digits=2,
     ),
     Row("fixes that wander by 1 cm: rejected [%]", "wander, clean: rejected", 0.5, 0.0, digits=2),
     Row("fixes that wander by 1 cm: time not GLOBAL [%]", "wander, clean: not global", digits=2),
@@ -75,10 +92,23 @@ ROWS = (
     Row("datum moved by 5 m: anchored anew after [s]", "datum: anchored", 15),
     Row("datum moved by 5 m: flagged", "datum: flagged", 1, is_least=True, digits=0),
     *(Row(f"{o}: error [% of way]", f"{o}: share", 0.7, digits=2) for o in _OUTAGES),
-    *(Row(f"{o}: beyond odometry's own [% of way]", f"{o}: beyond", None, 0.2, digits=2) for o in _OUTAGES),
-    Row("odometry frame: step beyond v·dt [mm]", ("plateau: step", *(f"{o}: step" for o in _OUTAGES)), 10, 2, digits=2),
+    *(
+        Row(f"{o}: beyond odometry's own [% of way]", f"{o}: beyond", None, 0.2, digits=2)
+        for o in _OUTAGES
+    ),
     Row(
-        "back in GLOBAL after good fixes [s]", ("plateau: back", *(f"{o}: back" for o in _OUTAGES)), 1.5, 1.0, digits=2
+        "odometry frame: step beyond v·dt [mm]",
+        ("plateau: step", *(f"{o}: step" for o in _OUTAGES)),
+        10,
+        2,
+        digits=2,
+    ),
+    Row(
+        "back in GLOBAL after good fixes [s]",
+        ("plateau: back", *(f"{o}: back" for o in _OUTAGES)),
+        1.5,
+        1.0,
+        digits=2,
     ),
 )
 
@@ -100,10 +130,35 @@ TIMING_ROWS = (
         for what, bounds in (("mean", (41, 15)), ("p99", (150, 60)))
         for clock, state, how in _HOW
     ),
-    Row("extra stall beside the smoother's process, thread time [ms]", "stall: thread", 5, 2, is_best=True, digits=2),
-    Row("extra stall beside the smoother's process, wall [ms]", "stall: wall", 5, 2, is_best=True, digits=2),
-    Row("extra stall with the smoother in line, thread time [ms]", "stall in line: thread", is_best=True, digits=2),
-    Row("one update of the smoother, p99, thread time [ms]", "update: p99, thread", 15, 6, is_best=True),
+    Row(
+        "extra stall beside the smoother's process, thread time [ms]",
+        "stall: thread",
+        5,
+        2,
+        is_best=True,
+        digits=2,
+    ),
+    Row(
+        "extra stall beside the smoother's process, wall [ms]",
+        "stall: wall",
+        5,
+        2,
+        is_best=True,
+        digits=2,
+    ),
+    Row(
+        "extra stall with the smoother in line, thread time [ms]",
+        "stall in line: thread",
+        is_best=True,
+        digits=2,
+    ),
+    Row(
+        "one update of the smoother, p99, thread time [ms]",
+        "update: p99, thread",
+        15,
+        6,
+        is_best=True,
+    ),
     Row("one update of the smoother, p99, wall [ms]", "update: p99, wall", 15, 6, is_best=True),
     Row("one update of the smoother, mean, thread time [ms]", "update: mean, thread", is_best=True),
     Row("updates a second of measurements", "update: rate", is_mean=True),
@@ -130,7 +185,9 @@ def table(rows: Sequence[Row], values: Values) -> str:
             for name, v in zip(names, per_name, strict=True)
             if v and row.must is not None and not row.meets(row.must, v)
         ]
-    return "\n".join([*lines, "", "Missed:" if missed else "Nothing is missed.", "", *missed]).rstrip()
+    return "\n".join(
+        [*lines, "", "Missed:" if missed else "Nothing is missed.", "", *missed]
+    ).rstrip()
 
 
 def _bound(bound: float | None, row: Row) -> str:
@@ -141,7 +198,9 @@ def _cell(row: Row, values: Sequence[float]) -> str:
     """Median and worst, or mean and spread; bold where the must is missed, a star where the stretch is reached."""
     if not values:
         return ""
-    first, second = (np.mean(values), np.std(values)) if row.is_mean else (np.median(values), row.held(values))
+    first, second = (
+        (np.mean(values), np.std(values)) if row.is_mean else (np.median(values), row.held(values))
+    )
     joined = f"{first:.{row.digits}f} {'±' if row.is_mean else '…'} {second:.{row.digits}f}"
     if not row.meets(row.must, values):
         return f"**{joined}**"

@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from unittest.mock import patch
 
 import numpy as np
+from executive_plugins.estimation.graph.smoother import GraphSmoother
 
 from executive.interfaces.estimation import Estimator
+from executive.machine.machine import Machine
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.odometry import LidarIncrement
-from plugins.estimation.graph_smoother import GraphSmoother
-from robot_models.machine import Machine
 from scenarios import faults
 from scenarios.motion import Kind, Motion
 from scenarios.streams import LidarErrors, Message, stream
@@ -30,7 +30,9 @@ class Lane:
     def __init__(self, estimator: Estimator, machine: Machine, is_idle: bool = False) -> None:
         rng = np.random.default_rng(7)
         truth = Truth(machine, Motion.drawn(Kind.SWINGING, rng))
-        messages = stream(truth, WARM_S + 2 * BLOCKS * BLOCK_S + 1.0, faults.none, LidarErrors(), rng)
+        messages = stream(
+            truth, WARM_S + 2 * BLOCKS * BLOCK_S + 1.0, faults.none, LidarErrors(), rng
+        )
         self._messages = self._without_measurements(messages) if is_idle else iter(messages)
         self._estimator = estimator
         estimator.start()
@@ -41,7 +43,9 @@ class Lane:
                 break
 
     @staticmethod
-    def _without_measurements(messages: Sequence[tuple[float, Message]]) -> Iterator[tuple[float, Message]]:
+    def _without_measurements(
+        messages: Sequence[tuple[float, Message]],
+    ) -> Iterator[tuple[float, Message]]:
         """Leave what corrects out, once it has begun: propagation is all that is left."""
         return (m for m in messages if m[0] < 4.0 or not isinstance(m[1], GnssFix | LidarIncrement))
 
@@ -80,7 +84,9 @@ def _wait_until(when_s: float, is_awake: bool) -> None:
         pass
 
 
-def service(makers: Mapping[str, Callable[[bool], Estimator]], machine: Machine) -> dict[str, dict[str, list[float]]]:
+def service(
+    makers: Mapping[str, Callable[[bool], Estimator]], machine: Machine
+) -> dict[str, dict[str, list[float]]]:
     """Return figures of one value a block; the estimators take turns, so that a busy computer is busy for all.
 
     Args:
@@ -101,7 +107,9 @@ def service(makers: Mapping[str, Callable[[bool], Estimator]], machine: Machine)
             _describe(figures[name], times[name], "awake" if is_awake else "asleep")
         if is_awake:
             for i, clock in enumerate(("wall", "thread")):
-                idle_ms, own_ms, in_line_ms = (1e3 * times[n][:, i].max() for n in ("idle", "dual_graph", "in line"))
+                idle_ms, own_ms, in_line_ms = (
+                    1e3 * times[n][:, i].max() for n in ("idle", "dual_graph", "in line")
+                )
                 figures["dual_graph"][f"stall: {clock}"].append(own_ms - idle_ms)
                 figures["dual_graph"][f"stall in line: {clock}"].append(in_line_ms - idle_ms)
     for lane in (lanes | beside).values():
@@ -116,7 +124,9 @@ def _describe(figures: dict[str, list[float]], times: np.ndarray, how: str) -> N
         figures[f"service: p99, {clock}, {how}"].append(float(np.percentile(us, 99)))
 
 
-def updates(make: Callable[[bool], Estimator], machine: Machine, seconds: float = 30.0) -> dict[str, list[float]]:
+def updates(
+    make: Callable[[bool], Estimator], machine: Machine, seconds: float = 30.0
+) -> dict[str, list[float]]:
     """Return the 99th percentile of an update's duration, a value for each two seconds, after the window is full."""
     times: Times = []
     update = GraphSmoother.update

@@ -37,7 +37,9 @@ class Trial:
     increments: Sequence[LidarIncrement]
 
     @classmethod
-    def run(cls, estimator: Estimator, truth: Truth, stream: Sequence[tuple[float, Message]]) -> "Trial":
+    def run(
+        cls, estimator: Estimator, truth: Truth, stream: Sequence[tuple[float, Message]]
+    ) -> "Trial":
         """Feed a whole stream."""
         states: list[BaseState] = []
         fixes = 0
@@ -117,7 +119,9 @@ class Trial:
         """
         T_map_odom = np.array([s.T_map_base @ inverse(s.T_odom_base) for s in self.states])
         p_odom = np.array([s.T_odom_base[:3, 3] for s in self.states])
-        before = np.einsum("nij,nj->ni", T_map_odom[:-1, :3, :3], p_odom[1:]) + T_map_odom[:-1, :3, 3]
+        before = (
+            np.einsum("nij,nj->ni", T_map_odom[:-1, :3, :3], p_odom[1:]) + T_map_odom[:-1, :3, 3]
+        )
         moved = np.linalg.norm(before - [s.T_map_base[:3, 3] for s in self.states[1:]], axis=1)
         return np.asarray(moved[moved > 1e-6])
 

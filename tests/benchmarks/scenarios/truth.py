@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from executive.arrays import Float
-from robot_models.machine import Machine
+from executive.machine.machine import Machine
 from scenarios.motion import Motion
 
 RATE_HZ = 100
@@ -27,12 +27,18 @@ class Truth:
 
     def T_map_cabin(self, t: Float) -> Float:
         """Return the cabin, shape (n, 4, 4)."""
-        return np.asarray(self.T_map_base(t) @ self.machine.joints[0].T_parent_joint @ _about_z(self.motion.turn(t)[0]))
+        return np.asarray(
+            self.T_map_base(t)
+            @ self.machine.joints[0].T_parent_joint
+            @ _about_z(self.motion.turn(t)[0])
+        )
 
     def T_map_sensor(self, name: str, t: Float) -> Float:
         """Return a sensor on the cabin or on the chassis, shape (n, 4, 4)."""
         sensor = self.machine.sensors[name]
-        T_map_link = self.T_map_cabin(t) if sensor.link == self.machine.cabin_link else self.T_map_base(t)
+        T_map_link = (
+            self.T_map_cabin(t) if sensor.link == self.machine.cabin_link else self.T_map_base(t)
+        )
         return np.asarray(T_map_link @ sensor.T_link_sensor)
 
     def velocity(self, name: str, t: Float) -> Float:

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from executive_plugins.alignment.gicp import Gicp, GicpSettings
+from executive_plugins.alignment.point_to_plane import PointToPlane, PointToPlaneSettings
 
 from executive.errors import DataError
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import angle_between, exp_so3
 from executive.interfaces.alignment import Aligner
 from executive.messages.cloud import Cloud
-from plugins.alignment.gicp import Gicp, GicpSettings
-from plugins.alignment.point_to_plane import PointToPlane, PointToPlaneSettings
 
 GICP, PLANE = Gicp(GicpSettings()), PointToPlane(PointToPlaneSettings())
 ALIGNERS = [GICP, PLANE]
@@ -34,7 +34,10 @@ def test_a_known_motion_is_recovered(aligner: Aligner, seed: int) -> None:
     source = transform(inverse(T), boulder(seed))
     found = aligner.align(Cloud("map", boulder(100 + seed)), Cloud("map", source), np.eye(4), 0.3)
     assert found.accepted, found.reason
-    assert np.linalg.norm(found.apply(source) - transform(T, source), axis=1).max() < TOLERANCE_M[aligner]
+    assert (
+        np.linalg.norm(found.apply(source) - transform(T, source), axis=1).max()
+        < TOLERANCE_M[aligner]
+    )
     assert found.overlap > 0.9
     assert found.rmse_m < 0.04
 
@@ -43,7 +46,12 @@ def test_half_a_surface_is_enough() -> None:
     T = pose(exp_so3(np.array([0.02, -0.03, 0.06])), np.array([0.06, -0.04, 0.02]))
     seen = boulder(7)
     source = transform(inverse(T), boulder(8))
-    found = GICP.align(Cloud("map", seen[seen[:, 0] + 0.4 * seen[:, 1] < 0.2]), Cloud("map", source), np.eye(4), 0.3)
+    found = GICP.align(
+        Cloud("map", seen[seen[:, 0] + 0.4 * seen[:, 1] < 0.2]),
+        Cloud("map", source),
+        np.eye(4),
+        0.3,
+    )
     assert found.accepted, found.reason
     assert np.linalg.norm(found.T_target_source[:3, 3] - T[:3, 3]) < 0.02
     assert angle_between(found.T_target_source[:3, :3], T[:3, :3]) < np.radians(1.5)
@@ -69,7 +77,9 @@ def test_the_answer_moves_with_the_frame(aligner: Aligner) -> None:
     near = aligner.align(Cloud("map", target), Cloud("map", source), np.eye(4), 0.3)
     far = aligner.align(Cloud("utm", transform(T_far, target)), Cloud("map", source), T_far, 0.3)
     expected = transform(T_far @ near.T_target_source, source)
-    assert np.linalg.norm(far.apply(source) - expected, axis=1).max() < TOLERANCE_M[aligner]  # the grid lies otherwise
+    assert (
+        np.linalg.norm(far.apply(source) - expected, axis=1).max() < TOLERANCE_M[aligner]
+    )  # the grid lies otherwise
 
 
 @pytest.mark.parametrize("aligner", ALIGNERS)

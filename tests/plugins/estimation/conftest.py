@@ -5,21 +5,21 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
+from executive_plugins.estimation.filters.gnss_imu_settings import GnssImuSettings
+from executive_plugins.estimation.graph.dual_graph import DualGraph
+from executive_plugins.estimation.graph.dual_graph_settings import DualGraphSettings
 
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import exp_so3, from_rpy
+from executive.machine.machine import Machine, load_machine
+from executive.machine.sensor import Imu
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.observation import Observation
 from executive.messages.odometry import LidarIncrement
-from plugins.estimation.dual_graph import DualGraph
-from plugins.estimation.dual_graph_settings import DualGraphSettings
-from plugins.estimation.gnss_imu_filter import GnssImuFilter
-from plugins.estimation.gnss_imu_settings import GnssImuSettings
-from robot_models.machine import Machine, load_machine
-from robot_models.sensor import Imu
 
 LIDAR = "lidar_horizontal"
 DATUM = np.array([47.4084, 8.5106, 440.0])
@@ -39,7 +39,9 @@ class SwingingCabin:
     gnss_latency_s: float = 0.04
     noise: float = 1.0
     seed: int = 1
-    T_map_base: np.ndarray = field(default_factory=lambda: pose(from_rpy(0.03, -0.05, 0.9), np.array([4.0, -7.0, 1.2])))
+    T_map_base: np.ndarray = field(
+        default_factory=lambda: pose(from_rpy(0.03, -0.05, 0.9), np.array([4.0, -7.0, 1.2]))
+    )
     gyro_bias: np.ndarray = field(default_factory=lambda: np.array([0.002, -0.0015, 0.001]))
     accel_bias: np.ndarray = field(default_factory=lambda: np.array([0.02, -0.03, 0.01]))
 
@@ -80,8 +82,12 @@ class SwingingCabin:
 
     def fix(self, name: str, t: float, rng: np.random.Generator) -> GnssFix:
         sensor = self.machine.sensors[name]
-        std = np.array([sensor.horizontal_noise_m, sensor.horizontal_noise_m, sensor.vertical_noise_m])
-        p = transform(self.T_map_cabin(t), sensor.T_link_sensor[:3, 3]) + self.noise * rng.normal(0, std)
+        std = np.array(
+            [sensor.horizontal_noise_m, sensor.horizontal_noise_m, sensor.vertical_noise_m]
+        )
+        p = transform(self.T_map_cabin(t), sensor.T_link_sensor[:3, 3]) + self.noise * rng.normal(
+            0, std
+        )
         return GnssFix(t, name, geodetic_from_enu(p, DATUM), np.diag(std**2), True)
 
     def joints(self, t: float, rng: np.random.Generator) -> JointSample:
@@ -140,7 +146,9 @@ def begin(machine) -> Iterator[Callable[..., DualGraph]]:
     begun = []
 
     def begin(**settings: object) -> DualGraph:
-        settings = {"smoother": {"lag_s": 1.5}} | settings  # half the default: the tests take half the time
+        settings = {
+            "smoother": {"lag_s": 1.5}
+        } | settings  # half the default: the tests take half the time
         estimator = DualGraph(DualGraphSettings(**settings), machine)
         estimator.start()
         begun.append(estimator)
@@ -165,9 +173,13 @@ def with_lidar():
             if isinstance(observation, ImuSample) and observation.frame == "imu_cabin":
                 k = round(100 * observation.stamp_s) - 5
                 if k >= 10 and k % 10 == 0:
-                    before, after = (cabin.T_map_cabin(t) @ T_cabin_lidar for t in (k / 100 - 0.1, k / 100))
+                    before, after = (
+                        cabin.T_map_cabin(t) @ T_cabin_lidar for t in (k / 100 - 0.1, k / 100)
+                    )
                     error = pose(exp_so3(rng.normal(0, std_rad, 3)), rng.normal(0, std_m, 3))
-                    yield LidarIncrement(k / 100 - 0.1, k / 100, LIDAR, inverse(before) @ after @ error, covariance)
+                    yield LidarIncrement(
+                        k / 100 - 0.1, k / 100, LIDAR, inverse(before) @ after @ error, covariance
+                    )
 
     return with_lidar
 
@@ -184,7 +196,9 @@ def shifted():
                 if shift is None:
                     continue
                 datum = observation.geodetic
-                observation = replace(observation, geodetic=geodetic_from_enu(np.asarray(shift, dtype=float), datum))
+                observation = replace(
+                    observation, geodetic=geodetic_from_enu(np.asarray(shift, dtype=float), datum)
+                )
             yield observation
 
     return shifted

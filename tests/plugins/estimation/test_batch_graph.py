@@ -4,19 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.graph.batch_graph import SMOOTHED, BatchGraph
+from executive_plugins.estimation.graph.dual_graph_settings import DualGraphSettings
+from executive_plugins.estimation.graph.factors import fix_factor
+from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
+from executive_plugins.estimation.graph.whole_graph import Recording, WholeGraph
+from executive_plugins.estimation.graph.window import GraphWindow
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
+from executive_plugins.estimation.inertial.state import Inertial, InertialState
 
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.messages.gnss import GnssFix
-from plugins.estimation.batch_graph import SMOOTHED, BatchGraph
-from plugins.estimation.dual_graph_settings import DualGraphSettings
-from plugins.estimation.graph_factors import fix_factor
-from plugins.estimation.graph_measurements import Fix
-from plugins.estimation.graph_window import GraphWindow
-from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import Inertial, InertialState
-from plugins.estimation.sample_buffer import SampleBuffer
-from plugins.estimation.smoother_settings import SmootherSettings
-from plugins.estimation.whole_graph import Recording, WholeGraph
 
 NOISE = InertialNoise(1e-3, 1e-2, 1e-5, 1e-4, 1e-2, 9.81)
 COVARIANCE = np.diag(np.repeat([0.02, 0.1, 0.05, 1e-3, 1e-2], 3) ** 2)
@@ -60,11 +60,15 @@ def test_its_newest_state_is_that_of_a_window_that_forgets_nothing(recording) ->
     assert len(states) == len(window)
     # The window linearises anew only what has moved far, which is worth some tenths of a millimetre.
     for name in ("R_map_imu", "p_map_imu", "v_map_imu", "gyro_bias", "accel_bias"):
-        np.testing.assert_allclose(getattr(states[-1], name), getattr(window.newest(), name), atol=1e-3)
+        np.testing.assert_allclose(
+            getattr(states[-1], name), getattr(window.newest(), name), atol=1e-3
+        )
 
 
 def test_a_wrong_fix_is_left_out(recording) -> None:
-    wrong = replace(recording.measurements[20], p_map_antenna=recording.measurements[20].p_map_antenna + 2.0)
+    wrong = replace(
+        recording.measurements[20], p_map_antenna=recording.measurements[20].p_map_antenna + 2.0
+    )
     spoilt = Recording(recording.first, recording.samples, [*recording.measurements, wrong])
     clean, graph = (WholeGraph(r, SmootherSettings(), NOISE) for r in (recording, spoilt))
     before, after = clean.solve(), graph.solve()
@@ -83,12 +87,20 @@ def test_between_nodes_it_leads_from_one_to_the_next_without_a_step(recording) -
 
 
 def test_an_outage_is_bridged_from_both_ends(cabin) -> None:
-    observations = [o for o in cabin.observations(13.0) if not (isinstance(o, GnssFix) and 7.5 < o.stamp_s < 10.5)]
-    states = BatchGraph(DualGraphSettings(standing={"is_used": False}), cabin.machine).smooth(observations)
+    observations = [
+        o
+        for o in cabin.observations(13.0)
+        if not (isinstance(o, GnssFix) and 7.5 < o.stamp_s < 10.5)
+    ]
+    states = BatchGraph(DualGraphSettings(standing={"is_used": False}), cabin.machine).smooth(
+        observations
+    )
     assert {state.status for state in states} == {SMOOTHED}
     stamps_s = np.array([state.stamp_s for state in states])
     np.testing.assert_allclose(np.diff(stamps_s), 0.01, atol=1e-6)  # one for each sample
-    distances = [np.linalg.norm((s.T_map_cabin - cabin.T_map_cabin(s.stamp_s))[:3, 3]) for s in states]
+    distances = [
+        np.linalg.norm((s.T_map_cabin - cabin.T_map_cabin(s.stamp_s))[:3, 3]) for s in states
+    ]
     assert max(distances) < 0.02  # online, inertia alone is off by decimetres after three seconds
     # The end of one step is the beginning of the next: a step of the trajectory would show as a wrong velocity.
     p = np.array([state.T_map_cabin[:3, 3] for state in states])

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from plugins.estimation.compiled_correction import corrected
+from executive_plugins.estimation.filters.compiled_correction import corrected
 
 
 def problem(n: int, m: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -19,7 +18,9 @@ def test_it_is_the_conditional_of_the_joint_distribution(n, m) -> None:
     after, error = corrected(P, H, residual, noise, 1e9)
     information = np.linalg.inv(P) + H.T @ np.linalg.solve(noise, H)
     np.testing.assert_allclose(after, np.linalg.inv(information), atol=1e-10)
-    np.testing.assert_allclose(error, np.linalg.solve(information, H.T @ np.linalg.solve(noise, residual)), atol=1e-10)
+    np.testing.assert_allclose(
+        error, np.linalg.solve(information, H.T @ np.linalg.solve(noise, residual)), atol=1e-10
+    )
 
 
 def test_the_gate_is_the_squared_mahalanobis_distance() -> None:

@@ -2,7 +2,7 @@
 
 import math
 
-from plugins.estimation.doorkeeper import Doorkeeper
+from executive_plugins.estimation.gate.doorkeeper import Doorkeeper
 
 
 def admitted(stamps, jump_s=0.5):
@@ -50,7 +50,12 @@ def test_a_clock_that_goes_back_for_good_is_followed_after_a_second() -> None:
 
 def test_late_samples_are_no_clock_that_was_set_back() -> None:
     late = [3.0 + k / 4 for k in range(8)]
-    assert admitted([50.0, 50.25, *late[:4], 50.5, *late[4:], 50.75])[0] == [50.0, 50.25, 50.5, 50.75]
+    assert admitted([50.0, 50.25, *late[:4], 50.5, *late[4:], 50.75])[0] == [
+        50.0,
+        50.25,
+        50.5,
+        50.75,
+    ]
     assert admitted([50.0, 50.25, *reversed(late)])[0] == [50.0, 50.25]
     assert admitted([50.0, 50.25, *[3.0] * 9])[0] == [50.0, 50.25]
 

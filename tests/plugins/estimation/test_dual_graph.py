@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.cabin.estimator import INITIALISING
+from executive_plugins.estimation.graph.dual_graph import DualGraph
+from executive_plugins.estimation.graph.dual_graph_settings import DualGraphSettings
 
 from executive.errors import ConfigError
 from executive.geometry.pose import inverse
 from executive.geometry.rotation import log_so3
 from executive.messages.gnss import GnssFix
-from plugins.estimation.cabin_estimator import INITIALISING
-from plugins.estimation.dual_graph import DualGraph
-from plugins.estimation.dual_graph_settings import DualGraphSettings
 
 
 def test_a_swinging_cabin_is_followed_to_millimetres(cabin, begin, run, errors_m) -> None:
@@ -17,7 +17,10 @@ def test_a_swinging_cabin_is_followed_to_millimetres(cabin, begin, run, errors_m
     states = run(estimator, cabin.observations(16.0))
     assert errors_m(cabin, states, 6.0).mean() < 0.005
     assert errors_m(cabin, states).max() < 0.02
-    heading = [log_so3((inverse(cabin.T_map_cabin(s.stamp_s)) @ s.T_map_cabin)[:3, :3])[2] for s in states[-150:]]
+    heading = [
+        log_so3((inverse(cabin.T_map_cabin(s.stamp_s)) @ s.T_map_cabin)[:3, :3])[2]
+        for s in states[-150:]
+    ]
     assert np.degrees(np.abs(heading)).mean() < 0.08
     assert {s.status for s in states} == {INITIALISING, "GLOBAL"}
     assert estimator.refused == {}
@@ -45,7 +48,9 @@ def test_velocity_and_rate_are_those_of_the_cabin(cabin, begin, run) -> None:
         np.testing.assert_allclose(state.w_map_cabin_in_cabin, [0, 0, cabin.turn(t)[1]], atol=2e-3)
 
 
-def test_a_standing_chassis_holds_the_estimate_without_satellites(cabin, begin, shifted, run, errors_m) -> None:
+def test_a_standing_chassis_holds_the_estimate_without_satellites(
+    cabin, begin, shifted, run, errors_m
+) -> None:
     observations = shifted(cabin.observations(20.0), lambda t: None if t > 10 else np.zeros(3))
     assert errors_m(cabin, run(begin(), observations)).max() < 0.05
 
@@ -66,7 +71,9 @@ def test_in_a_process_of_its_own_it_follows_the_cabin_as_well(cabin, begin, run,
     for observation in cabin.observations(9.0):
         states += run(estimator, [observation])
         if isinstance(observation, GnssFix):
-            estimator._host.wait(60.0)  # on the machine it has 50 ms; here, as long as others leave it none
+            estimator._host.wait(
+                60.0
+            )  # on the machine it has 50 ms; here, as long as others leave it none
     assert errors_m(cabin, states, 6.0).max() < 0.06
     assert states[-1].status == "GLOBAL"
 

@@ -4,9 +4,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.live.modes import Mode
 
 from executive.geometry.pose import inverse
-from plugins.estimation.estimator_modes import Mode
 
 NO_STANDING = {"is_used": False}
 
@@ -19,18 +19,29 @@ def test_lidar_carries_it_through_an_outage_in_a_swing(
     observations = shifted(cabin.observations(24.0), lambda t: None if 8 < t < 20 else np.zeros(3))
     states = run(estimator, with_lidar(cabin, observations))
     assert errors_m(cabin, states).max() < 0.12
-    assert [c.after for c in estimator.changes] == [Mode.SUSPECT, Mode.FALLBACK, Mode.RECOVERING, Mode.GLOBAL]
+    assert [c.after for c in estimator.changes] == [
+        Mode.SUSPECT,
+        Mode.FALLBACK,
+        Mode.RECOVERING,
+        Mode.GLOBAL,
+    ]
     assert "no good fix" in reasons(estimator, Mode.FALLBACK)[0]
     back = next(c.stamp_s for c in estimator.changes if c.after == Mode.GLOBAL)
     assert 20.0 < back < 21.5
     assert errors_m(cabin, states, 21.5).max() < 0.02
-    std_m = [np.sqrt(np.trace(s.covariance[3:, 3:])) for s in states if s.is_ready and 10 < s.stamp_s < 20]
+    std_m = [
+        np.sqrt(np.trace(s.covariance[3:, 3:]))
+        for s in states
+        if s.is_ready and 10 < s.stamp_s < 20
+    ]
     assert std_m[-1] > 1.2 * std_m[0]  # what is only reckoned is known worse and worse
     away = [s for s in states if s.is_ready and 10 < s.stamp_s < 20]
     assert np.median(errors_m(cabin, away) / std_m) < 2
 
 
-def test_the_odometry_frame_does_not_step_when_satellites_come_back(cabin, begin, shifted, run, errors_m) -> None:
+def test_the_odometry_frame_does_not_step_when_satellites_come_back(
+    cabin, begin, shifted, run, errors_m
+) -> None:
     estimator = begin(standing=NO_STANDING)
     observations = shifted(cabin.observations(16.0), lambda t: None if 7 < t < 13 else np.zeros(3))
     states = [s for s in run(estimator, observations) if s.is_ready]  # six seconds on inertia alone
@@ -47,10 +58,14 @@ def test_the_odometry_frame_does_not_step_when_satellites_come_back(cabin, begin
     assert np.linalg.norm(T_map_odom[:3, 3]) > 0.01
 
 
-def test_spikes_of_good_covariance_move_nothing(cabin, begin, shifted, run, errors_m, reasons) -> None:
+def test_spikes_of_good_covariance_move_nothing(
+    cabin, begin, shifted, run, errors_m, reasons
+) -> None:
     estimator = begin()
     spike = np.array([2.0, 2.5, 1.0])
-    observations = shifted(cabin.observations(14.0), lambda t: spike * (8 < t < 8.4 or 10 < t < 10.1))
+    observations = shifted(
+        cabin.observations(14.0), lambda t: spike * (8 < t < 8.4 or 10 < t < 10.1)
+    )
     states = run(estimator, observations)
     assert errors_m(cabin, states).max() < 0.03
     assert estimator.refused["gnss_left: outlier"] >= 8
@@ -58,7 +73,9 @@ def test_spikes_of_good_covariance_move_nothing(cabin, begin, shifted, run, erro
     assert states[-1].status == "GLOBAL"
 
 
-def test_a_plateau_of_a_metre_is_waited_out_on_lidar(cabin, begin, with_lidar, shifted, run, errors_m) -> None:
+def test_a_plateau_of_a_metre_is_waited_out_on_lidar(
+    cabin, begin, with_lidar, shifted, run, errors_m
+) -> None:
     estimator = begin()
     observations = shifted(cabin.observations(18.0), lambda t: np.array([1.0, 0, 0]) * (8 < t < 13))
     states = run(estimator, with_lidar(cabin, observations))
@@ -68,19 +85,27 @@ def test_a_plateau_of_a_metre_is_waited_out_on_lidar(cabin, begin, with_lidar, s
     assert back < 14.5
 
 
-def test_a_slow_ramp_is_flagged_and_taken_back(cabin, begin, with_lidar, shifted, run, errors_m, reasons) -> None:
+def test_a_slow_ramp_is_flagged_and_taken_back(
+    cabin, begin, with_lidar, shifted, run, errors_m, reasons
+) -> None:
     estimator = begin(standing=NO_STANDING)
-    observations = shifted(cabin.observations(20.0), lambda t: np.array([0.1, 0, 0]) * min(max(t - 7, 0), 20))
+    observations = shifted(
+        cabin.observations(20.0), lambda t: np.array([0.1, 0, 0]) * min(max(t - 7, 0), 20)
+    )
     states = run(estimator, with_lidar(cabin, observations, std_m=0.002, std_rad=0.0002))
     assert "against the odometry" in " ".join(reasons(estimator, Mode.SUSPECT))
     assert errors_m(cabin, states).max() < 0.3
     assert states[-1].status in ("FALLBACK", "RECOVERING")
 
 
-def test_a_change_of_datum_is_believed_in_the_end_and_flagged(cabin, begin, with_lidar, shifted, run, reasons) -> None:
+def test_a_change_of_datum_is_believed_in_the_end_and_flagged(
+    cabin, begin, with_lidar, shifted, run, reasons
+) -> None:
     estimator = begin()
     observations = shifted(cabin.observations(22.0), lambda t: np.array([3.0, 4.0, 0]) * (t > 6))
     state = run(estimator, with_lidar(cabin, observations))[-1]
-    np.testing.assert_allclose(state.T_map_cabin[:3, 3] - cabin.T_map_cabin(state.stamp_s)[:3, 3], [3, 4, 0], atol=0.03)
+    np.testing.assert_allclose(
+        state.T_map_cabin[:3, 3] - cabin.T_map_cabin(state.stamp_s)[:3, 3], [3, 4, 0], atol=0.03
+    )
     assert "anchored anew" in reasons(estimator, Mode.GLOBAL)[-1]
     assert estimator.changes[-1].stamp_s < 21.0

@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
+from executive_plugins.estimation.cabin.estimator import INITIALISING
 
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.odometry import LidarIncrement
-from plugins.estimation.cabin_estimator import INITIALISING
 
 
 def test_fixes_late_and_out_of_order_are_used_within_the_lag(cabin, begin, run, errors_m) -> None:
@@ -36,23 +36,33 @@ def test_fixes_later_than_the_lag_are_refused_and_counted(cabin, begin, run) -> 
     assert estimator.refused["gnss_left: too late"] == 5
 
 
-def test_every_kind_of_bad_sample_is_refused_and_changes_nothing(cabin, begin, with_lidar, run) -> None:
+def test_every_kind_of_bad_sample_is_refused_and_changes_nothing(
+    cabin, begin, with_lidar, run
+) -> None:
     good, bad = begin(), begin()
     wild = np.array([0.0, 0.0, 900.0])
     for k, observation in enumerate(with_lidar(cabin, cabin.observations(7.0))):
         run(good, [observation])
         run(bad, [observation])
-        if isinstance(observation, ImuSample) and k and k % 50 == 0:  # of two stamps, none is the right one
+        if (
+            isinstance(observation, ImuSample) and k and k % 50 == 0
+        ):  # of two stamps, none is the right one
             bad.add_imu(observation)
             bad.add_imu(replace(observation, stamp_s=observation.stamp_s - 100.0))
             bad.add_imu(replace(observation, stamp_s=observation.stamp_s + 100.0))
             bad.add_imu(replace(observation, stamp_s=float("nan")))
-            bad.add_imu(replace(observation, stamp_s=observation.stamp_s + 1e-4, specific_force_m_s2=wild))
+            bad.add_imu(
+                replace(observation, stamp_s=observation.stamp_s + 1e-4, specific_force_m_s2=wild)
+            )
         if isinstance(observation, GnssFix) and k % 7 == 0:
             bad.add_gnss(observation)
             bad.add_gnss(replace(observation, antenna="gnss_roof"))
             bad.add_gnss(replace(observation, stamp_s=observation.stamp_s + 50.0))
-            bad.add_gnss(replace(observation, stamp_s=observation.stamp_s + 1e-3, covariance_enu_m2=np.eye(3)))
+            bad.add_gnss(
+                replace(
+                    observation, stamp_s=observation.stamp_s + 1e-3, covariance_enu_m2=np.eye(3)
+                )
+            )
         if isinstance(observation, LidarIncrement):
             bad.add_odometry(observation)
             bad.add_odometry(replace(observation, to_s=observation.from_s))
@@ -74,7 +84,9 @@ def test_a_gap_of_inertial_samples_is_bridged_or_begins_anew(cabin, begin, run, 
         end_s = 4.0 + gap_s
         estimator = begin(restart_after_s=2.0)
         observations = [
-            o for o in cabin.observations(end_s + 1.0) if not (isinstance(o, ImuSample) and 4.0 < o.stamp_s < end_s)
+            o
+            for o in cabin.observations(end_s + 1.0)
+            if not (isinstance(o, ImuSample) and 4.0 < o.stamp_s < end_s)
         ]
         state = run(estimator, observations)[-1]
         assert state.status == status
@@ -82,7 +94,9 @@ def test_a_gap_of_inertial_samples_is_bridged_or_begins_anew(cabin, begin, run, 
             assert errors_m(cabin, [state])[0] < 0.05
 
 
-def test_after_all_clocks_have_gone_back_for_good_it_begins_anew(cabin, begin, run, errors_m) -> None:
+def test_after_all_clocks_have_gone_back_for_good_it_begins_anew(
+    cabin, begin, run, errors_m
+) -> None:
     estimator = begin()
     run(estimator, cabin.observations(104.0, start_s=100.0))
     states = run(estimator, cabin.observations(9.0))
@@ -93,7 +107,13 @@ def test_after_all_clocks_have_gone_back_for_good_it_begins_anew(cabin, begin, r
     assert errors_m(cabin, again).max() < 0.03
 
 
-def test_a_gap_of_inertial_samples_in_mid_swing_is_followed_by_satellites(cabin, begin, run, errors_m) -> None:
-    observations = [o for o in cabin.observations(13.0) if not (isinstance(o, ImuSample) and 8.5 < o.stamp_s < 10.0)]
+def test_a_gap_of_inertial_samples_in_mid_swing_is_followed_by_satellites(
+    cabin, begin, run, errors_m
+) -> None:
+    observations = [
+        o
+        for o in cabin.observations(13.0)
+        if not (isinstance(o, ImuSample) and 8.5 < o.stamp_s < 10.0)
+    ]
     states = run(begin(), observations)
     assert errors_m(cabin, states, 11.5).max() < 0.03

@@ -2,15 +2,18 @@
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.filters.error_state_ekf import (
+    ErrorStateEkf,
+    ErrorStateEkfSettings,
+)
+from executive_plugins.estimation.filters.error_state_ekf_clone import CloningFilter
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import Inertial, InertialState, retract
 
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import exp_so3, from_rpy, log_so3
 from executive.messages.gnss import GnssFix
 from executive.messages.odometry import LidarIncrement
-from plugins.estimation.error_state_ekf import ErrorStateEkf, ErrorStateEkfSettings
-from plugins.estimation.error_state_ekf_clone import CloningFilter
-from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import Inertial, InertialState, retract
 
 NOISE = InertialNoise(1e-3, 1e-2, 1e-5, 1e-4, 0.03, 9.81)
 STD = np.repeat([0.003, 0.02], 3)
@@ -42,7 +45,9 @@ def outage_error(cabin, machine, with_lidar):
             estimator.add_odometry(waiting.pop(0))
         if 7 < observation.stamp_s < 17 and round(observation.stamp_s * 100) % 10 == 0:
             state = estimator.state()
-            worst = max(worst, np.linalg.norm((state.T_map_cabin - cabin.T_map_cabin(state.stamp_s))[:3, 3]))
+            worst = max(
+                worst, np.linalg.norm((state.T_map_cabin - cabin.T_map_cabin(state.stamp_s))[:3, 3])
+            )
     assert "odometry lidar_horizontal: outlier" not in estimator.refused
     return worst
 
@@ -68,12 +73,16 @@ def kalman():
     kalman = CloningFilter(state, A @ A.T + 1e-4 * np.eye(15), NOISE)
     kalman.clone()
     for k in range(1, 11):
-        kalman.predict(Inertial(k / 100, np.array([0.3, -0.1, 0.5]), np.array([0.4, 0.1, 9.9]), 0.01))
+        kalman.predict(
+            Inertial(k / 100, np.array([0.3, -0.1, 0.5]), np.array([0.4, 0.1, 9.9]), 0.01)
+        )
     return kalman
 
 
 def test_the_derivative_by_both_errors_is_that_of_finite_differences(kalman):
-    T = pose(kalman._R.T @ kalman.state.R_map_imu, kalman._R.T @ (kalman.state.p_map_imu - kalman._p))
+    T = pose(
+        kalman._R.T @ kalman.state.R_map_imu, kalman._R.T @ (kalman.state.p_map_imu - kalman._p)
+    )
     residual, H, _ = kalman._increment_residual(T)
     np.testing.assert_allclose(residual, 0, atol=1e-12)
     R, p, state = kalman._R, kalman._p, kalman.state
@@ -88,7 +97,9 @@ def test_the_derivative_by_both_errors_is_that_of_finite_differences(kalman):
 
 
 def test_a_perfect_increment_ties_the_two_poses(kalman):
-    T = pose(kalman._R.T @ kalman.state.R_map_imu, kalman._R.T @ (kalman.state.p_map_imu - kalman._p))
+    T = pose(
+        kalman._R.T @ kalman.state.R_map_imu, kalman._R.T @ (kalman.state.p_map_imu - kalman._p)
+    )
     T = T @ pose(exp_so3(np.array([0.002, 0, -0.001])), np.array([0.003, -0.002, 0.001]))
     before = np.linalg.eigvalsh(kalman.covariance)
     assert kalman.correct_by_increment(T, 1e-12 * np.eye(6), 1e9)

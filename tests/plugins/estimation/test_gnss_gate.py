@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.gate.gnss_gate import Compared, GnssGate, GnssGateSettings
+from executive_plugins.estimation.gate.measurements import Fix
 
 from executive.geometry.rotation import from_rpy
-from plugins.estimation.gnss_gate import Compared, GnssGate, GnssGateSettings
-from plugins.estimation.graph_measurements import Fix
 
 R_MAP_ODOMETRY = from_rpy(0.0, 0.0, 1.2)
 VELOCITY = np.array([0.8, -0.2, 0.0])
@@ -45,7 +45,9 @@ def test_a_ramp_that_the_estimate_follows_is_refused_by_the_odometry_alone(rng) 
         gate = GnssGate(GnssGateSettings())
         for k in range(200):
             ramp = np.array([0.1 * k / 20, 0, 0])
-            if gate.refusal(compare(k / 20, ramp, rng, estimate_error=ramp, has_odometry=has_odometry)):
+            if gate.refusal(
+                compare(k / 20, ramp, rng, estimate_error=ramp, has_odometry=has_odometry)
+            ):
                 return k / 20
         return np.inf
 

@@ -5,15 +5,15 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.cabin.estimator import INITIALISING
+from executive_plugins.estimation.filters.gnss_imu_filter import FALLBACK, GLOBAL, GnssImuFilter
+from executive_plugins.estimation.filters.gnss_imu_settings import GnssImuSettings
 
 from executive.errors import ConfigError
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import angle_between, from_rpy, log_so3
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
-from plugins.estimation.cabin_estimator import INITIALISING
-from plugins.estimation.gnss_imu_filter import FALLBACK, GLOBAL, GnssImuFilter
-from plugins.estimation.gnss_imu_settings import GnssImuSettings
 
 
 def run(estimator, observations, every_s=0.05):
@@ -99,7 +99,9 @@ def test_fixes_later_than_the_lag_are_refused_and_counted(cabin, start) -> None:
 
 def test_odometry_never_steps_when_satellites_come_back(cabin, start) -> None:
     estimator = start(standing={"is_used": False})
-    observations = (o for o in cabin.observations(16.0) if not (isinstance(o, GnssFix) and 7 < o.stamp_s < 13))
+    observations = (
+        o for o in cabin.observations(16.0) if not (isinstance(o, GnssFix) and 7 < o.stamp_s < 13)
+    )
     states = [s for s in run(estimator, observations) if s.is_ready]
     steps = {"map": [], "odom": []}
     for before, after in pairwise(states):
@@ -110,13 +112,20 @@ def test_odometry_never_steps_when_satellites_come_back(cabin, start) -> None:
 
 
 def test_a_standing_chassis_holds_the_estimate_without_satellites(cabin, estimator) -> None:
-    observations = (o for o in cabin.observations(30.0) if not (isinstance(o, GnssFix) and 10 < o.stamp_s < 28))
+    observations = (
+        o for o in cabin.observations(30.0) if not (isinstance(o, GnssFix) and 10 < o.stamp_s < 28)
+    )
     states = run(estimator, observations)
     _, position_m, heading_rad = errors(cabin, states)
     assert position_m.max() < 0.05
     assert np.degrees(heading_rad).max() < 0.6
     status = {round(s.stamp_s, 2): s.status for s in states}
-    assert (status[9.5], status[12.0], status[27.0], status[29.5]) == (GLOBAL, FALLBACK, FALLBACK, GLOBAL)
+    assert (status[9.5], status[12.0], status[27.0], status[29.5]) == (
+        GLOBAL,
+        FALLBACK,
+        FALLBACK,
+        GLOBAL,
+    )
 
 
 def test_refuses_to_initialise_while_the_cabin_turns(cabin, estimator) -> None:
@@ -153,36 +162,59 @@ def test_wrong_samples_are_refused_at_the_door_and_change_nothing(cabin, start) 
             bad.add_imu(observation)
             bad.add_imu(replace(observation, stamp_s=observation.stamp_s - 0.5))
             bad.add_imu(replace(observation, stamp_s=float("nan")))
-            bad.add_imu(replace(observation, stamp_s=observation.stamp_s + 1e-4, specific_force_m_s2=wild))
+            bad.add_imu(
+                replace(observation, stamp_s=observation.stamp_s + 1e-4, specific_force_m_s2=wild)
+            )
         if isinstance(observation, GnssFix) and k % 7 == 0:
             bad.add_gnss(replace(observation, antenna="gnss_roof"))
             bad.add_gnss(observation)
     reasons = {reason.split(": ")[1] for reason in bad.refused}
-    assert reasons == {"duplicate", "back in time", "stamp not finite", "out of range", "unknown antenna"}
+    assert reasons == {
+        "duplicate",
+        "back in time",
+        "stamp not finite",
+        "out of range",
+        "unknown antenna",
+    }
     np.testing.assert_allclose(bad.state().T_map_cabin, good.state().T_map_cabin, atol=1e-12)
 
 
 def test_an_outlying_or_uncertain_fix_moves_nothing(cabin, estimator) -> None:
     for observation in cabin.observations(12.0):
         if isinstance(observation, GnssFix) and 8 < observation.stamp_s < 8.6:
-            observation = replace(observation, geodetic=observation.geodetic + np.array([2e-5, 0, 0]))  # 2 m north
+            observation = replace(
+                observation, geodetic=observation.geodetic + np.array([2e-5, 0, 0])
+            )  # 2 m north
         if isinstance(observation, GnssFix) and 9 < observation.stamp_s < 9.5:
             observation = replace(observation, covariance_enu_m2=np.eye(3), is_rtk_fixed=False)
         estimator.add(observation)
-        if isinstance(observation, ImuSample) and 7 < observation.stamp_s < 9.9 and observation.frame == "imu_cabin":
+        if (
+            isinstance(observation, ImuSample)
+            and 7 < observation.stamp_s < 9.9
+            and observation.frame == "imu_cabin"
+        ):
             state = estimator.state()
-            assert np.linalg.norm(state.T_map_cabin[:3, 3] - cabin.T_map_cabin(state.stamp_s)[:3, 3]) < 0.03
+            assert (
+                np.linalg.norm(state.T_map_cabin[:3, 3] - cabin.T_map_cabin(state.stamp_s)[:3, 3])
+                < 0.03
+            )
     assert estimator.refused["gnss_left: outlier"] >= 8
     assert estimator.refused["gnss_left: too uncertain"] >= 8
 
 
-def test_fixes_that_agree_for_long_against_the_filter_are_believed_in_the_end(cabin, estimator) -> None:
+def test_fixes_that_agree_for_long_against_the_filter_are_believed_in_the_end(
+    cabin, estimator
+) -> None:
     for observation in cabin.observations(10.0):
         if isinstance(observation, GnssFix) and observation.stamp_s > 4:
-            observation = replace(observation, geodetic=observation.geodetic + np.array([0, 0, 3.0]))
+            observation = replace(
+                observation, geodetic=observation.geodetic + np.array([0, 0, 3.0])
+            )
         estimator.add(observation)
     state = estimator.state()
-    assert state.T_map_cabin[2, 3] - cabin.T_map_cabin(state.stamp_s)[2, 3] == pytest.approx(3.0, abs=0.1)
+    assert state.T_map_cabin[2, 3] - cabin.T_map_cabin(state.stamp_s)[2, 3] == pytest.approx(
+        3.0, abs=0.1
+    )
     assert state.status == GLOBAL
 
 
@@ -191,19 +223,30 @@ def test_a_gap_of_inertial_samples_is_bridged_or_begins_anew(cabin, start) -> No
         estimator = start(restart_after_s=2.0)
         end_s = 4.0 + gap_s
         observations = (
-            o for o in cabin.observations(end_s + 1.0) if not (isinstance(o, ImuSample) and 4.0 < o.stamp_s < end_s)
+            o
+            for o in cabin.observations(end_s + 1.0)
+            if not (isinstance(o, ImuSample) and 4.0 < o.stamp_s < end_s)
         )
         state = run(estimator, observations)[-1]
         assert state.status == status
         if state.is_ready:
-            assert np.linalg.norm(state.T_map_cabin[:3, 3] - cabin.T_map_cabin(state.stamp_s)[:3, 3]) < 0.05
+            assert (
+                np.linalg.norm(state.T_map_cabin[:3, 3] - cabin.T_map_cabin(state.stamp_s)[:3, 3])
+                < 0.05
+            )
 
 
 def test_a_gap_of_inertial_samples_in_mid_swing_is_followed_by_satellites(cabin, estimator) -> None:
-    observations = (o for o in cabin.observations(12.0) if not (isinstance(o, ImuSample) and 8.5 < o.stamp_s < 10.0))
+    observations = (
+        o
+        for o in cabin.observations(12.0)
+        if not (isinstance(o, ImuSample) and 8.5 < o.stamp_s < 10.0)
+    )
     stamps_s, position_m, heading_rad = errors(cabin, run(estimator, observations))
     assert estimator.refused == {}
-    assert np.degrees(heading_rad[(stamps_s > 10.0) & (stamps_s < 10.2)]).max() < 6  # the cabin turned by 60°
+    assert (
+        np.degrees(heading_rad[(stamps_s > 10.0) & (stamps_s < 10.2)]).max() < 6
+    )  # the cabin turned by 60°
     assert np.degrees(heading_rad[stamps_s > 11.0]).max() < 0.5
     assert position_m[stamps_s > 11.0].max() < 0.03
 

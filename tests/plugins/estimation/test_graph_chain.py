@@ -3,9 +3,8 @@
 import gtsam
 import numpy as np
 import pytest
-
-from plugins.estimation.graph_chain import GraphChain, node_of, nodes_of
-from plugins.estimation.graph_factors import keys
+from executive_plugins.estimation.graph.chain import GraphChain, node_of, nodes_of
+from executive_plugins.estimation.graph.factors import keys
 
 
 def tie(first: int, second: int, rng: np.random.Generator) -> gtsam.JacobianFactor:
@@ -15,7 +14,9 @@ def tie(first: int, second: int, rng: np.random.Generator) -> gtsam.JacobianFact
     graph = gtsam.GaussianFactorGraph()
     unit = gtsam.noiseModel.Unit.Create(15)
     for key, size in sizes.items():
-        graph.push_back(gtsam.JacobianFactor(key, rng.normal(0, 1, (15, size)), rng.normal(0, 1, 15), unit))
+        graph.push_back(
+            gtsam.JacobianFactor(key, rng.normal(0, 1, (15, size)), rng.normal(0, 1, 15), unit)
+        )
     return gtsam.JacobianFactor(graph)
 
 
@@ -55,7 +56,9 @@ def test_what_is_new_at_the_end_leaves_the_beginning_as_it_was(factors) -> None:
     extra = tie(4, 5, np.random.default_rng(9))
     chain.eliminate(range(6), [f for f in [*factors, extra] if min(nodes_of(f)) >= 4])
     assert [done.conditional for done in chain.backwards()][:1:-1] == old
-    np.testing.assert_allclose(solved(chain).vector(), reference([*factors, extra]).vector(), atol=1e-9)
+    np.testing.assert_allclose(
+        solved(chain).vector(), reference([*factors, extra]).vector(), atol=1e-9
+    )
 
 
 def test_nodes_that_are_dropped_leave_what_they_said_of_the_others(factors) -> None:

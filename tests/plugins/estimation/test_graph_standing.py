@@ -2,18 +2,19 @@
 
 import numpy as np
 import pytest
-
-from plugins.estimation.graph_measurements import Standing
-from plugins.estimation.graph_standing import StandingBelief
-from plugins.estimation.inertial_state import VELOCITY, Inertial, InertialState
-from plugins.estimation.smoother_settings import SmootherSettings
+from executive_plugins.estimation.gate.measurements import Standing
+from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
+from executive_plugins.estimation.graph.standing import StandingBelief
+from executive_plugins.estimation.inertial.state import VELOCITY, Inertial, InertialState
 
 ARM = np.array([0.2, -0.3, -0.4])
 
 
 def moving(v, rate=(0.0, 0.0, 0.0)) -> InertialState:
     sample = Inertial(1.0, np.array(rate, dtype=float), np.array([0.0, 0.0, 9.81]))
-    return InertialState(sample, np.eye(3), np.zeros(3), np.array(v, dtype=float), np.zeros(3), np.zeros(3))
+    return InertialState(
+        sample, np.eye(3), np.zeros(3), np.array(v, dtype=float), np.zeros(3), np.zeros(3)
+    )
 
 
 def known(std_m_s: float) -> np.ndarray:

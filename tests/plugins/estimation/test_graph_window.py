@@ -3,15 +3,15 @@
 import gtsam
 import numpy as np
 import pytest
+from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.graph.factors import fix_factor, keys, prior, velocity_factor
+from executive_plugins.estimation.graph.window import GraphWindow, UnsolvableError
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
+from executive_plugins.estimation.inertial.state import Inertial, InertialState, propagate, retract
 
 from executive.errors import DataError
 from executive.geometry.rotation import from_rpy, log_so3
-from plugins.estimation.graph_factors import fix_factor, keys, prior, velocity_factor
-from plugins.estimation.graph_measurements import Fix
-from plugins.estimation.graph_window import GraphWindow, UnsolvableError
-from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import Inertial, InertialState, propagate, retract
-from plugins.estimation.sample_buffer import SampleBuffer
 
 NOISE = InertialNoise(1e-3, 1e-2, 1e-5, 1e-4, 1e-2, 9.81)
 COVARIANCE = np.diag(np.repeat([0.02, 0.1, 0.05, 1e-3, 1e-2], 3) ** 2)
@@ -23,14 +23,20 @@ def samples() -> SampleBuffer:
     buffer = SampleBuffer()
     for k in range(201):
         t = k / 100
-        buffer.append(Inertial(t, np.array([0.1, -0.05, 0.8 * np.sin(t)]), np.array([np.cos(t), 0.3, 9.7]), 0.01))
+        buffer.append(
+            Inertial(
+                t, np.array([0.1, -0.05, 0.8 * np.sin(t)]), np.array([np.cos(t), 0.3, 9.7]), 0.01
+            )
+        )
     return buffer
 
 
 @pytest.fixture
 def first(samples) -> InertialState:
     bias = np.array([1e-3, -2e-3, 5e-4])
-    return InertialState(samples.at(0.0), from_rpy(0.1, -0.2, 1.0), np.array([1.0, 2.0, 3.0]), bias, bias, 10 * bias)
+    return InertialState(
+        samples.at(0.0), from_rpy(0.1, -0.2, 1.0), np.array([1.0, 2.0, 3.0]), bias, bias, 10 * bias
+    )
 
 
 def fixes(window, stamps_s, seed=0):
@@ -89,7 +95,9 @@ def test_forgetting_keeps_what_was_known(samples, first) -> None:
         lagged.forget_before(fix.stamp_s - 0.5)
     assert len(lagged) < 8 < len(whole)
     assert_same(whole.newest(), lagged.newest(), atol=2e-4)
-    np.testing.assert_allclose(np.sqrt(np.diag(lagged.covariance)), np.sqrt(np.diag(whole.covariance)), rtol=0.02)
+    np.testing.assert_allclose(
+        np.sqrt(np.diag(lagged.covariance)), np.sqrt(np.diag(whole.covariance)), rtol=0.02
+    )
 
 
 def test_a_prior_gives_its_covariance_back_in_our_axes(samples, first) -> None:
@@ -109,7 +117,9 @@ def test_a_priors_error_is_the_states_error_over_its_covariance(first) -> None:
     values.insert(x, gtsam.Pose3(gtsam.Rot3(moved.R_map_imu), moved.p_map_imu))
     values.insert(v, moved.v_map_imu)
     values.insert(b, gtsam.imuBias.ConstantBias(moved.accel_bias, moved.gyro_bias))
-    assert factor.error(values) == pytest.approx(0.5 * error @ np.linalg.solve(COVARIANCE, error), rel=1e-3)
+    assert factor.error(values) == pytest.approx(
+        0.5 * error @ np.linalg.solve(COVARIANCE, error), rel=1e-3
+    )
 
 
 def test_taking_fixes_back_leaves_what_was_before_them(samples, first) -> None:
@@ -126,7 +136,9 @@ def test_taking_fixes_back_leaves_what_was_before_them(samples, first) -> None:
     window.take_back("fix", 0.5)
     window.solve()
     clean.solve()
-    assert_same(window.newest(), clean.newest(), atol=1e-3)  # preintegrated about biases that were wrong for a while
+    assert_same(
+        window.newest(), clean.newest(), atol=1e-3
+    )  # preintegrated about biases that were wrong for a while
 
 
 def test_a_node_older_than_the_window_is_refused(samples, first) -> None:

@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
-
-from executive.geometry.rotation import exp_so3, log_so3
-from plugins.estimation.inertial_state import (
+from executive_plugins.estimation.inertial.measurement_models import (
+    antenna_residual,
+    rate_residual,
+    standing_residual,
+)
+from executive_plugins.estimation.inertial.state import (
     ACCEL_BIAS,
     DIMENSION,
     GYRO_BIAS,
@@ -19,7 +22,8 @@ from plugins.estimation.inertial_state import (
     rotation_step,
     skew,
 )
-from plugins.estimation.measurement_models import antenna_residual, rate_residual, standing_residual
+
+from executive.geometry.rotation import exp_so3, log_so3
 
 GRAVITY = 9.81
 
@@ -48,7 +52,9 @@ def test_rotation_step_is_the_exponential_for_small_and_large_angles() -> None:
     for angle in (0.0, 1e-9, 1e-6, 1e-4, 1e-2, 1.0, 3.0):
         vector = angle * np.array([0.6, -0.48, 0.64])
         np.testing.assert_allclose(rotation_step(vector), exp_so3(vector), atol=1e-11)
-    np.testing.assert_array_equal(skew(np.array([1.0, 2.0, 3.0])) @ [4.0, 5.0, 6.0], np.cross([1, 2, 3], [4, 5, 6]))
+    np.testing.assert_array_equal(
+        skew(np.array([1.0, 2.0, 3.0])) @ [4.0, 5.0, 6.0], np.cross([1, 2, 3], [4, 5, 6])
+    )
 
 
 def test_a_falling_sensor_feels_nothing_and_falls() -> None:
@@ -96,7 +102,9 @@ def test_measurement_jacobians_agree_with_finite_differences(residual) -> None:
     for i in range(DIMENSION):
         error = np.zeros(DIMENSION)
         error[i] = h
-        np.testing.assert_allclose(-(residual(retract(state, error))[0] - at_state) / h, H[:, i], atol=1e-5)
+        np.testing.assert_allclose(
+            -(residual(retract(state, error))[0] - at_state) / h, H[:, i], atol=1e-5
+        )
 
 
 def test_blocks_cover_the_error_state_once() -> None:

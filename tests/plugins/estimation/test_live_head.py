@@ -4,14 +4,8 @@ import pickle
 
 import numpy as np
 import pytest
-
-from executive.geometry.pose import inverse, pose
-from executive.geometry.rotation import exp_so3
-from executive.messages.base_state import BaseState
-from executive.messages.joints import JointSample
-from plugins.estimation.chassis import TurnJoint
-from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import (
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import (
     POSITION,
     ROTATION,
     Inertial,
@@ -20,9 +14,15 @@ from plugins.estimation.inertial_state import (
     propagate_through,
     skew,
 )
-from plugins.estimation.live_head import GAP, OUT_OF_RANGE, LiveHead
-from plugins.estimation.live_layout import SAMPLES
-from plugins.estimation.smoother_parcel import packed
+from executive_plugins.estimation.live.head import GAP, OUT_OF_RANGE, LiveHead
+from executive_plugins.estimation.live.layout import SAMPLES
+from executive_plugins.estimation.live.parcel import packed
+from executive_plugins.estimation.start.chassis import TurnJoint
+
+from executive.geometry.pose import inverse, pose
+from executive.geometry.rotation import exp_so3
+from executive.messages.base_state import BaseState
+from executive.messages.joints import JointSample
 
 NOISE = InertialNoise(2e-3, 3e-2, 4e-4, 5e-3, 0.1, 9.81)
 T_IMU_CABIN = pose(exp_so3(np.array([0.4, -0.2, 1.1])), np.array([0.3, -0.8, 0.5]))
@@ -46,7 +46,12 @@ def head(turn) -> LiveHead:
 
 def some_state(rng: np.random.Generator, stamp_s: float = 1.0) -> InertialState:
     sample = Inertial(stamp_s, rng.normal(0, 0.3, 3), np.array([0.5, -1.0, 9.5]))
-    return InertialState(sample, exp_so3(rng.normal(0, 1, 3)), *rng.normal(0, 1, (2, 3)), *rng.normal(0, 0.05, (2, 3)))
+    return InertialState(
+        sample,
+        exp_so3(rng.normal(0, 1, 3)),
+        *rng.normal(0, 1, (2, 3)),
+        *rng.normal(0, 0.05, (2, 3)),
+    )
 
 
 def some_samples(rng: np.random.Generator, count: int, begin_s: float = 1.0) -> list[Inertial]:
@@ -69,12 +74,20 @@ def test_going_on_is_the_strapdown_equations_and_a_report_a_chain_of_poses(head,
     go(head, samples)
     end, said = propagate_through(state, samples, 9.81), head.state("GLOBAL")
     np.testing.assert_allclose(said.T_map_cabin, T_map_imu(end) @ T_IMU_CABIN, atol=1e-12)
-    np.testing.assert_allclose(said.T_map_base, said.T_map_cabin @ turn.T_cabin_base(1.07), atol=1e-12)
-    np.testing.assert_allclose(said.T_odom_base, said.T_map_base, atol=1e-12)  # nothing has been corrected
+    np.testing.assert_allclose(
+        said.T_map_base, said.T_map_cabin @ turn.T_cabin_base(1.07), atol=1e-12
+    )
+    np.testing.assert_allclose(
+        said.T_odom_base, said.T_map_base, atol=1e-12
+    )  # nothing has been corrected
     h = 1e-6  # velocity and turn rate of a point of a body: by finite differences of a small motion
-    after = pose(end.R_map_imu @ exp_so3(h * end.rate), end.p_map_imu + h * end.v_map_imu) @ T_IMU_CABIN
+    after = (
+        pose(end.R_map_imu @ exp_so3(h * end.rate), end.p_map_imu + h * end.v_map_imu) @ T_IMU_CABIN
+    )
     np.testing.assert_allclose(said.v_map_cabin, (after - said.T_map_cabin)[:3, 3] / h, atol=1e-4)
-    np.testing.assert_allclose(said.T_map_cabin[:3, :3] @ said.w_map_cabin_in_cabin, end.R_map_imu @ end.rate)
+    np.testing.assert_allclose(
+        said.T_map_cabin[:3, :3] @ said.w_map_cabin_in_cabin, end.R_map_imu @ end.rate
+    )
     assert (said.stamp_s, said.status) == (samples[-1].stamp_s, "GLOBAL")
 
 
@@ -86,13 +99,17 @@ def test_the_covariance_is_carried_on_and_moved_to_the_cabin(head) -> None:
     go(head, samples[:1])
     for count in range(2, 13):
         go(head, samples[count - 1 : count])
-    end = propagate_through(state, samples[:11], 9.81)  # one of up to 50 ms ago will do: found at 1, 6 and 11
+    end = propagate_through(
+        state, samples[:11], 9.81
+    )  # one of up to 50 ms ago will do: found at 1, 6 and 11
     P = carry_covariance(state, root @ root.T, NOISE, end.stamp_s - state.stamp_s)
     R, arm = T_IMU_CABIN[:3, :3].T, T_IMU_CABIN[:3, 3]
     J = np.zeros((6, 6))
     J[:3, :3], J[3:, :3], J[3:, 3:] = R, -R @ skew(arm), R @ end.R_map_imu.T
     pick = np.r_[ROTATION, POSITION]
-    np.testing.assert_allclose(head.state("").covariance, J @ P[np.ix_(pick, pick)] @ J.T, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(
+        head.state("").covariance, J @ P[np.ix_(pick, pick)] @ J.T, rtol=1e-9, atol=1e-12
+    )
 
 
 def test_an_estimate_of_the_past_is_carried_on_and_only_the_map_steps(head) -> None:
@@ -117,7 +134,10 @@ def test_more_samples_than_the_ring_holds_change_nothing(head) -> None:
     rng = np.random.default_rng(4)
     state = some_state(rng)
     head.take(packed(state, np.eye(15)))
-    samples = [Inertial(1.0 + k / 400, np.zeros(3), np.array([0, 0, 9.81])) for k in range(1, SAMPLES + 300)]
+    samples = [
+        Inertial(1.0 + k / 400, np.zeros(3), np.array([0, 0, 9.81]))
+        for k in range(1, SAMPLES + 300)
+    ]
     go(head, samples)
     late = some_state(rng, stamp_s=samples[-201].stamp_s)
     head.take(packed(late, np.eye(15)))
@@ -133,7 +153,9 @@ def test_what_the_turn_joint_says_after_a_sample_counts_in_its_report(head, turn
     names, zeros = machine.joint_names, np.zeros(len(machine.joint_names))
     turn.update(JointSample(1.02, names, zeros + 0.9, zeros, zeros))
     head.turned()
-    np.testing.assert_allclose(head.state("").T_map_base, before.T_map_cabin @ turn.T_cabin_base(1.02), atol=1e-12)
+    np.testing.assert_allclose(
+        head.state("").T_map_base, before.T_map_cabin @ turn.T_cabin_base(1.02), atol=1e-12
+    )
     np.testing.assert_array_equal(head.state("").T_map_cabin, before.T_map_cabin)
 
 
@@ -179,6 +201,13 @@ def test_states_are_kept_as_they_were_locked_and_may_be_sent_to_another_process(
     with pytest.raises(AttributeError):
         kept[0].T_map_base = np.eye(4)
     sent = pickle.loads(pickle.dumps(kept[5]))
-    for name in ("T_map_base", "T_odom_base", "T_map_cabin", "v_map_cabin", "w_map_cabin_in_cabin", "covariance"):
+    for name in (
+        "T_map_base",
+        "T_odom_base",
+        "T_map_cabin",
+        "v_map_cabin",
+        "w_map_cabin_in_cabin",
+        "covariance",
+    ):
         np.testing.assert_array_equal(getattr(sent, name), getattr(kept[5], name))
     assert (sent.stamp_s, sent.status) == (kept[5].stamp_s, kept[5].status)

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
+from executive_plugins.estimation.filters.gnss_imu_settings import GnssImuSettings
 
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.rotation import from_rpy, yaw_of
+from executive.machine.rig import Rig
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
-from plugins.estimation.gnss_imu_filter import GnssImuFilter
-from plugins.estimation.gnss_imu_settings import GnssImuSettings
-from robot_models.rig import Rig
 
 DATUM = np.array([47.4084, 8.5106, 440.0])
 NOISE = {
@@ -26,7 +26,13 @@ NOISE = {
 def car():
     mounted = {"link": "base", "provenance": "guess"}
     imu = {"kind": "imu", "name": "imu", "rate_hz": 100, **NOISE, **mounted}
-    gnss = {"kind": "gnss", "name": "gnss", "rate_hz": 4, "horizontal_noise_m": 0.01, "vertical_noise_m": 0.02}
+    gnss = {
+        "kind": "gnss",
+        "name": "gnss",
+        "rate_hz": 4,
+        "horizontal_noise_m": 0.01,
+        "vertical_noise_m": 0.02,
+    }
     return Rig.model_validate({"name": "car", "sensors": {"imu": imu, "gnss": {**gnss, **mounted}}})
 
 
@@ -40,7 +46,9 @@ def drive(estimator, yaw, direction, seconds):
         u = max(0.0, t - 5.0)
         if k % 25 == 0:
             p = 0.5 * u * u * forward + rng.normal(0, 0.005, 3)
-            estimator.add_gnss(GnssFix(t, "gnss", geodetic_from_enu(p, DATUM), np.eye(3) * 1e-4, True))
+            estimator.add_gnss(
+                GnssFix(t, "gnss", geodetic_from_enu(p, DATUM), np.eye(3) * 1e-4, True)
+            )
         force = R.T @ (forward * (u > 0) + [0, 0, 9.81]) + rng.normal(0, 0.02, 3)
         estimator.add_imu(ImuSample(t, "imu", rng.normal(0, 0.002, 3), force))
         states.append(estimator.state())
@@ -56,7 +64,9 @@ def test_the_heading_is_found_forwards_backwards_and_sideways(car, yaw, directio
     ready = [state for state in states if state.is_ready]
     assert 8.0 < ready[0].stamp_s < 11.0
     assert abs(yaw_of(states[-1].T_map_base[:3, :3]) - yaw) < 0.02
-    np.testing.assert_allclose(states[-1].v_map_cabin, from_rpy(0, 0, yaw) @ direction * 9.0, atol=0.1)
+    np.testing.assert_allclose(
+        states[-1].v_map_cabin, from_rpy(0, 0, yaw) @ direction * 9.0, atol=0.1
+    )
 
 
 def test_at_rest_one_antenna_is_not_enough(car):

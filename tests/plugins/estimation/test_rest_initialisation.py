@@ -4,14 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import (
+    ACCEL_BIAS,
+    GYRO_BIAS,
+    ROTATION,
+    VELOCITY,
+    Inertial,
+)
+from executive_plugins.estimation.start.at_rest import RestInitialisation, RestSettings
 
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.rotation import log_so3
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
-from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import ACCEL_BIAS, GYRO_BIAS, ROTATION, VELOCITY, Inertial
-from plugins.estimation.rest_initialisation import RestInitialisation, RestSettings
 
 NOISE = InertialNoise(4e-4, 4e-3, 2e-5, 3e-4, 0.03, 9.81)
 ARMS = {"left": np.array([-1.0, 1.0, 1.2]), "right": np.array([-1.0, -1.0, 1.2])}
@@ -22,7 +28,9 @@ def at_rest(force: np.ndarray, std_m: float = 0.01):
     rng = np.random.default_rng(3)
     rest = RestInitialisation(RestSettings(), ARMS, NOISE)
     for k in range(300):
-        rest.add_sample(Inertial(k / 100, rng.normal(0, 1e-4, 3), force + rng.normal(0, 0.02, 3), 0.01))
+        rest.add_sample(
+            Inertial(k / 100, rng.normal(0, 1e-4, 3), force + rng.normal(0, 0.02, 3), 0.01)
+        )
         for name, arm in ARMS.items() if k % 5 == 0 else ():
             rest.add_fix(k / 100, name, arm + rng.normal(0, std_m, 3), std_m)
     return rest
@@ -30,7 +38,9 @@ def at_rest(force: np.ndarray, std_m: float = 0.01):
 
 def test_tilt_and_bias_are_one_error_until_the_machine_moves() -> None:
     state, P = at_rest(np.array([0.1, -0.05, 9.81])).state()
-    F = np.zeros((3, 15))  # of the acceleration seen in the map, by central differences: it stays known at rest
+    F = np.zeros(
+        (3, 15)
+    )  # of the acceleration seen in the map, by central differences: it stays known at rest
     for i, block in [*((i, ROTATION) for i in range(3)), *((i, ACCEL_BIAS) for i in range(3))]:
         step = np.zeros(3)
         step[i] = 1e-6
@@ -67,7 +77,8 @@ def test_the_chassis_accelerometer_halves_the_variance_of_the_tilt(cabin, begin)
 
     alone, together = first({"imu_cabin"}), first({"imu_cabin", "imu_base"})
     off = [
-        np.linalg.norm(log_so3(s.T_map_cabin[:3, :3] @ cabin.T_map_cabin(0.0)[:3, :3].T)[:2]) for s in (alone, together)
+        np.linalg.norm(log_so3(s.T_map_cabin[:3, :3] @ cabin.T_map_cabin(0.0)[:3, :3].T)[:2])
+        for s in (alone, together)
     ]
     assert off[0] > 0.003
     assert off[1] < 0.001
@@ -78,7 +89,9 @@ def test_a_chassis_sensor_that_is_mounted_otherwise_is_left_out(cabin, begin) ->
     estimator = begin()
     for observation in cabin.observations(3.0):
         if isinstance(observation, ImuSample) and observation.frame == "imu_base":
-            observation = replace(observation, specific_force_m_s2=np.roll(observation.specific_force_m_s2, 1))
+            observation = replace(
+                observation, specific_force_m_s2=np.roll(observation.specific_force_m_s2, 1)
+            )
         estimator.add(observation)
     off = log_so3(estimator.state().T_map_cabin[:3, :3] @ cabin.T_map_cabin(0.0)[:3, :3].T)
     assert np.linalg.norm(off) < 0.01
@@ -90,7 +103,9 @@ def test_fixes_five_times_noisier_are_no_motion_if_they_say_so(cabin, begin, err
             return observation
         std = 4 * np.sqrt(np.diag(observation.covariance_enu_m2))
         error = geodetic_from_enu(rng.normal(0, std), observation.geodetic)
-        return replace(observation, geodetic=error, covariance_enu_m2=25 * observation.covariance_enu_m2)
+        return replace(
+            observation, geodetic=error, covariance_enu_m2=25 * observation.covariance_enu_m2
+        )
 
     rng = np.random.default_rng(5)
     estimator = begin()
@@ -101,7 +116,9 @@ def test_fixes_five_times_noisier_are_no_motion_if_they_say_so(cabin, begin, err
 
 
 def test_less_certain_fixes_leave_the_first_state_less_certain() -> None:
-    good, poor = (np.sqrt(np.diag(at_rest(np.array([0, 0, 9.81]), std).state()[1])) for std in (0.01, 0.05))
+    good, poor = (
+        np.sqrt(np.diag(at_rest(np.array([0, 0, 9.81]), std).state()[1])) for std in (0.01, 0.05)
+    )
     assert poor[VELOCITY].min() > 2 * good[VELOCITY].max()
     assert poor[ROTATION].max() > 3 * good[ROTATION].max()  # the heading's
     np.testing.assert_allclose(poor[GYRO_BIAS], good[GYRO_BIAS], rtol=1e-6)
@@ -122,7 +139,11 @@ def test_what_a_start_waits_for_is_told_now_and_then(kind, change, reason, cabin
         if frame != kind:
             estimator.add(observation)
         elif change is not None:
-            estimator.add(replace(observation, **{k: v[: len(getattr(observation, k))] for k, v in change.items()}))
+            estimator.add(
+                replace(
+                    observation, **{k: v[: len(getattr(observation, k))] for k, v in change.items()}
+                )
+            )
     assert estimator.state().status == "INITIALISING"
     account = estimator.account()
     assert 1 <= len(account) <= 2  # once in five seconds
@@ -133,7 +154,9 @@ def test_a_machine_that_drives_is_told_by_its_fixes(cabin, begin) -> None:
     estimator = begin()
     for observation in cabin.observations(4.0):
         if isinstance(observation, GnssFix):
-            moved = geodetic_from_enu(np.array([0.3 * observation.stamp_s, 0, 0]), observation.geodetic)
+            moved = geodetic_from_enu(
+                np.array([0.3 * observation.stamp_s, 0, 0]), observation.geodetic
+            )
             observation = replace(observation, geodetic=moved)
         estimator.add(observation)
     assert estimator.account()[0].reason.startswith("waits for rest: the fixes of gnss_")

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
+from executive_plugins.estimation.graph.dual_graph import DualGraph
 
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.pose import pose
 from executive.messages.gnss import GnssFix
-from plugins.estimation.dual_graph import DualGraph
-from plugins.estimation.gnss_imu_filter import GnssImuFilter
 
 
 @pytest.fixture
@@ -22,7 +22,9 @@ def drive(cabin):
 
         def T_map_cabin(self, t: float) -> np.ndarray:
             rising_s, steady_s = min(max(t - 4.0, 0.0), 7.0), max(t - 11.0, 0.0)
-            return pose(None, np.array([0.05 * rising_s**2 + 0.7 * steady_s, 0, 0])) @ super().T_map_cabin(t)
+            return pose(
+                None, np.array([0.05 * rising_s**2 + 0.7 * steady_s, 0, 0])
+            ) @ super().T_map_cabin(t)
 
         def velocity(self, t: float, sensor: object) -> np.ndarray:
             return super().velocity(t, sensor) + [self.speed(t), 0, 0]
@@ -36,7 +38,10 @@ def worst_m(drive, estimator, observations, after_s) -> float:
         estimator.add(observation)
         state = estimator.state()
         if state.is_ready and state.stamp_s > after_s:
-            worst = max(worst, np.linalg.norm(state.T_map_cabin[:3, 3] - drive.T_map_cabin(state.stamp_s)[:3, 3]))
+            worst = max(
+                worst,
+                np.linalg.norm(state.T_map_cabin[:3, 3] - drive.T_map_cabin(state.stamp_s)[:3, 3]),
+            )
     return worst
 
 
@@ -53,7 +58,9 @@ def test_a_filter_in_doubt_about_its_place_does_not_believe_that_it_stands(drive
         is_wrong = isinstance(observation, GnssFix) and 9.0 < observation.stamp_s < 14.0
         if not is_wrong:
             return observation
-        return replace(observation, geodetic=geodetic_from_enu(np.array([0.0, 1.0, 0.0]), observation.geodetic))
+        return replace(
+            observation, geodetic=geodetic_from_enu(np.array([0.0, 1.0, 0.0]), observation.geodetic)
+        )
 
     observations = map(back_and_forth, drive.observations(18.0))
     assert worst_m(drive, start(), observations, 17.0) < 0.05

@@ -1,12 +1,18 @@
 """What lies in the block that two processes share is what was put there."""
 
 import numpy as np
-
-from plugins.estimation.estimator_modes import Mode
-from plugins.estimation.graph_estimate import Estimate
-from plugins.estimation.inertial_state import Inertial, InertialState
-from plugins.estimation.live_layout import LIVE, SAMPLES
-from plugins.estimation.smoother_parcel import MODES, is_finite, packed, packed_estimate, samples_from, unpacked
+from executive_plugins.estimation.inertial.state import Inertial, InertialState
+from executive_plugins.estimation.live.estimate import Estimate
+from executive_plugins.estimation.live.layout import LIVE, SAMPLES
+from executive_plugins.estimation.live.modes import Mode
+from executive_plugins.estimation.live.parcel import (
+    MODES,
+    is_finite,
+    packed,
+    packed_estimate,
+    samples_from,
+    unpacked,
+)
 
 
 def sample(rng: np.random.Generator) -> Inertial:
@@ -49,10 +55,14 @@ def test_an_estimate_with_a_number_missing_is_seen() -> None:
 
 def test_samples_are_read_around_the_end_of_the_ring_and_those_that_are_gone_are_left_out() -> None:
     block = np.zeros(1, LIVE)
-    for number in range(SAMPLES, SAMPLES + 3):  # the ring has been filled once, and three more have come
+    for number in range(
+        SAMPLES, SAMPLES + 3
+    ):  # the ring has been filled once, and three more have come
         block["samples"][0, number % SAMPLES]["stamp_s"] = number
     for number in range(3, SAMPLES):
         block["samples"][0, number]["stamp_s"] = number
-    assert [s.stamp_s for s in samples_from(block, SAMPLES - 2, SAMPLES + 3)] == list(range(SAMPLES - 2, SAMPLES + 3))
+    assert [s.stamp_s for s in samples_from(block, SAMPLES - 2, SAMPLES + 3)] == list(
+        range(SAMPLES - 2, SAMPLES + 3)
+    )
     assert [s.stamp_s for s in samples_from(block, 0, SAMPLES + 3)] == list(range(3, SAMPLES + 3))
     assert samples_from(block, 5, 5) == []

@@ -8,17 +8,22 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.graph.dual_graph_settings import DualGraphSettings
+from executive_plugins.estimation.graph.smoother_child import Start
+from executive_plugins.estimation.graph.smoother_process import (
+    InlineSmoother,
+    News,
+    ProcessSmoother,
+    SmootherHost,
+)
+from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import Inertial, InertialState
+from executive_plugins.estimation.live.head import LiveHead
+from executive_plugins.estimation.start.chassis import TurnJoint
 
 from executive.messages.imu import ImuSample
-from plugins.estimation.chassis import TurnJoint
-from plugins.estimation.dual_graph_settings import DualGraphSettings
-from plugins.estimation.graph_measurements import Fix
-from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import Inertial, InertialState
-from plugins.estimation.live_head import LiveHead
-from plugins.estimation.smoother_child import Start
-from plugins.estimation.smoother_process import InlineSmoother, News, ProcessSmoother, SmootherHost
-from plugins.estimation.smoother_settings import SmootherSettings
 
 NOISE = InertialNoise(1e-4, 1e-3, 1e-6, 1e-5, 1e-2, 9.81)
 PATIENCE_S = 150.0  # a child imports for a second, on a busy machine for many
@@ -44,7 +49,9 @@ class Rest:
             arm = np.array([1.0, 0, 0])
             self.host.add(Fix(self.k / 100, "gnss_left", arm, arm, 1e-4 * np.eye(3)))
         sample = ImuSample(self.k / 100, "imu_cabin", np.zeros(3), np.array([0, 0, 9.81]))
-        answered = self.head.step(sample.stamp_s, sample.angular_velocity_rad_s, sample.specific_force_m_s2)
+        answered = self.head.step(
+            sample.stamp_s, sample.angular_velocity_rad_s, sample.specific_force_m_s2
+        )
         return self.host.sampled(self.head, sample, 0.01, answered)
 
     def feed_until(self, is_so, has_fixes: bool = True) -> None:
@@ -91,7 +98,9 @@ def watched(child) -> list[object]:
     return sent
 
 
-def test_a_child_that_is_killed_is_replaced_at_the_next_measurement_by_one_that_is_ready(rest, host) -> None:
+def test_a_child_that_is_killed_is_replaced_at_the_next_measurement_by_one_that_is_ready(
+    rest, host
+) -> None:
     rest.feed_until_answered()
     np.testing.assert_allclose(rest.p, np.zeros(3), atol=1e-3)
     feed_until_a_spare_is_ready(rest)
@@ -102,18 +111,25 @@ def test_a_child_that_is_killed_is_replaced_at_the_next_measurement_by_one_that_
         rest.feed()
     assert host.restarts == 1
     assert host.child is spare
-    assert isinstance(sent[0], Start)  # it is at work already, from the last estimate: what remains is one update
+    assert isinstance(
+        sent[0], Start
+    )  # it is at work already, from the last estimate: what remains is one update
     assert rest.k / 100 - sent[0].state.stamp_s < 0.2
     rest.feed_until_answered()
     np.testing.assert_allclose(rest.p, np.zeros(3), atol=1e-3)
 
 
 def test_a_child_that_hangs_is_replaced_when_its_time_is_up(rest, host, monkeypatch) -> None:
-    assert DualGraphSettings().answer_within_s <= 1.0  # so that with one update it is back within two seconds
+    assert (
+        DualGraphSettings().answer_within_s <= 1.0
+    )  # so that with one update it is back within two seconds
     rest.feed_until_answered()
     feed_until_a_spare_is_ready(rest)
     clock = SimpleNamespace(now_s=time.monotonic() + 10.0)
-    monkeypatch.setattr("plugins.estimation.smoother_process.time", SimpleNamespace(monotonic=lambda: clock.now_s))
+    monkeypatch.setattr(
+        "executive_plugins.estimation.graph.smoother_process.time",
+        SimpleNamespace(monotonic=lambda: clock.now_s),
+    )
     rest.feed(has_fixes=False)  # all is answered: no deadline is left
     os.kill(host.child.process.pid, signal.SIGSTOP)
     spare, hung, sent = host.spare, host.child, watched(host.spare)
@@ -132,13 +148,16 @@ def test_a_child_that_hangs_is_replaced_when_its_time_is_up(rest, host, monkeypa
     np.testing.assert_allclose(rest.p, np.zeros(3), atol=1e-3)
 
 
-def test_a_child_that_answers_is_not_replaced_however_long_it_goes_on(rest, host, monkeypatch) -> None:
+def test_a_child_that_answers_is_not_replaced_however_long_it_goes_on(
+    rest, host, monkeypatch
+) -> None:
     rest.feed_until_answered()
     feed_until_a_spare_is_ready(rest)
     clock = SimpleNamespace(offset_s=0.0)
     real = time.monotonic
     monkeypatch.setattr(
-        "plugins.estimation.smoother_process.time", SimpleNamespace(monotonic=lambda: real() + clock.offset_s)
+        "executive_plugins.estimation.graph.smoother_process.time",
+        SimpleNamespace(monotonic=lambda: real() + clock.offset_s),
     )
     for _ in range(6):  # a deadline passes each time, with all answered or something new under way
         for _ in range(5):
@@ -160,7 +179,9 @@ def test_one_in_reserve_does_not_disturb_the_one_at_work(rest, host) -> None:
 def test_without_measurements_the_child_notices_that_time_passes(rest, host) -> None:
     rest.feed_until_answered()
     heard = []
-    rest.feed_until(lambda news: heard.append(news) or (news is not None and news.changes), has_fixes=False)
+    rest.feed_until(
+        lambda news: heard.append(news) or (news is not None and news.changes), has_fixes=False
+    )
     assert "no fix for" in heard[-1].changes[0].reason
 
 

@@ -1,10 +1,8 @@
 """The compiled equations against the same in matrices, for arrays of any layout."""
 
 import numpy as np
-
-from executive.geometry.rotation import exp_so3
-from plugins.estimation.inertial_noise import InertialNoise
-from plugins.estimation.inertial_state import (
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import (
     Inertial,
     InertialState,
     carry_covariance,
@@ -13,6 +11,8 @@ from plugins.estimation.inertial_state import (
     propagate,
     propagate_through,
 )
+
+from executive.geometry.rotation import exp_so3
 
 NOISE = InertialNoise(2e-3, 3e-2, 4e-4, 5e-3, 0.1, 9.81)
 STEP_S = 0.03
@@ -31,7 +31,9 @@ def test_covariance_is_carried_by_the_transition_of_errors() -> None:
     F = error_transition(state, STEP_S)
     white = np.repeat([2e-3**2, 3e-2**2, 3e-2**2 * STEP_S**2 / 3, 4e-4**2, 5e-3**2], 3) * STEP_S
     expected = F @ root @ root.T @ F.T + np.diag(white)
-    np.testing.assert_allclose(carry_covariance(state, root @ root.T, NOISE, STEP_S), expected, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(
+        carry_covariance(state, root @ root.T, NOISE, STEP_S), expected, rtol=1e-9, atol=1e-12
+    )
 
 
 def test_what_ties_the_state_to_another_is_carried_by_the_same_transition() -> None:
@@ -59,7 +61,11 @@ def test_read_only_and_transposed_arrays_give_the_same() -> None:
     locked.flags.writeable = False
     turned = InertialState(state.sample, np.asfortranarray(state.R_map_imu), *positions(state))
     sample = Inertial(1.01, locked, state.sample.force)
-    for a, b in zip(numbers(propagate(state, sample, 9.81)), numbers(propagate(turned, sample, 9.81)), strict=True):
+    for a, b in zip(
+        numbers(propagate(state, sample, 9.81)),
+        numbers(propagate(turned, sample, 9.81)),
+        strict=True,
+    ):
         np.testing.assert_array_equal(a, b)
 
 

@@ -4,16 +4,16 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
 
 from executive.arrays import Float
 from executive.geometry.pose import transform
 from executive.interfaces.motion import MotionPlanner
+from executive.machine.gripper import Gripper
+from executive.machine.machine import Machine, load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.stone import Stone, StoneState
-from plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
-from robot_models.gripper import Gripper
-from robot_models.machine import Machine, load_machine
 
 
 class FreeMotion(MotionPlanner):

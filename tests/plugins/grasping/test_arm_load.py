@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from executive_plugins.grasping.arm_load import ArmLoad
 
 from executive.geometry.pose import transform
-from plugins.grasping.arm_load import ArmLoad
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine
 
 
 def test_a_load_adds_its_weight_times_its_distance_to_the_boom(machine: Machine) -> None:
@@ -16,12 +16,16 @@ def test_a_load_adds_its_weight_times_its_distance_to_the_boom(machine: Machine)
     frames = Kinematics(machine).frames(q)
     arm_m = transform(frames["gripper"], machine.gripper.grasp_centre) - frames["boom"][:3, 3]
     axis = frames["boom"][:3, 1]  # the boom turns about its y
-    assert abs(added[boom]) == pytest.approx(abs(1000 * 9.81 * np.cross(arm_m, [0, 0, -1]) @ axis), rel=1e-4)
+    assert abs(added[boom]) == pytest.approx(
+        abs(1000 * 9.81 * np.cross(arm_m, [0, 0, -1]) @ axis), rel=1e-4
+    )
 
 
 def test_the_cabin_turns_about_an_upright_axis_and_carries_nothing(machine: Machine) -> None:
     turn = machine.arm_names.index(machine.turn_joint)
-    assert ArmLoad(machine).efforts(machine.posture("carry"), 3000.0)[turn] == pytest.approx(0.0, abs=1.0)
+    assert ArmLoad(machine).efforts(machine.posture("carry"), 3000.0)[turn] == pytest.approx(
+        0.0, abs=1.0
+    )
 
 
 def test_the_arm_holds_its_payload_and_not_ten_times_it(machine: Machine) -> None:

@@ -6,20 +6,20 @@ import sys
 from pathlib import Path
 
 import pytest
+from executive_plugins.grasping.outcome_net import load_net
 
 from executive.errors import UnknownPluginError
 from executive.registry import VERBS, installed, load_verb
-from plugins.grasping.outcome_net import load_net
 
 
 def executive(*words: str) -> subprocess.CompletedProcess[str]:
-    code = f"import sys; sys.argv = ['executive', *{list(words)!r}]; from executive.cli import main; main()"
+    code = f"import sys; sys.argv = ['executive', *{list(words)!r}]; from executive.commands.main import main; main()"
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
 
 
 @pytest.mark.parametrize("verb", ["grasp-data", "grasp-train"])
 def test_help_is_light(verb: str) -> None:
-    code = f"import sys; sys.argv = ['executive', '{verb}', '--help']; from executive.cli import main\n"
+    code = f"import sys; sys.argv = ['executive', '{verb}', '--help']; from executive.commands.main import main\n"
     code += "try: main()\nexcept SystemExit: print(sorted({'torch', 'mujoco', 'numba', 'scipy'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert verb in done.stdout
@@ -37,7 +37,9 @@ def test_labels_and_then_weights_come_from_two_commands(tmp_path: Path) -> None:
     labels, weights = str(tmp_path / "labels"), tmp_path / "weights" / "net.safetensors"
     made = executive("grasp-data", labels, "--stones", "2", "--grasps", "4")
     assert made.returncode == 0, made.stderr
-    trained = executive("grasp-train", labels, str(weights), "--epochs", "1", "--architecture", "four_layer")
+    trained = executive(
+        "grasp-train", labels, str(weights), "--epochs", "1", "--architecture", "four_layer"
+    )
     assert trained.returncode == 0, trained.stderr
     assert json.loads(trained.stdout)["training"]["architecture"] == "four_layer"
     load_net(weights)

@@ -2,20 +2,30 @@
 
 import numpy as np
 import pytest
-
-from plugins.grasping.frames import downward_frames, local_frames, outward_normals, turned_frames
+from executive_plugins.grasping.frames import (
+    downward_frames,
+    local_frames,
+    outward_normals,
+    turned_frames,
+)
 
 
 def cylinder(radius_m: float, length_m: float) -> np.ndarray:
-    angle, along = np.meshgrid(np.linspace(0, 2 * np.pi, 90, endpoint=False), np.linspace(0, length_m, 60))
-    return np.column_stack([along.ravel(), radius_m * np.cos(angle.ravel()), radius_m * np.sin(angle.ravel())])
+    angle, along = np.meshgrid(
+        np.linspace(0, 2 * np.pi, 90, endpoint=False), np.linspace(0, length_m, 60)
+    )
+    return np.column_stack(
+        [along.ravel(), radius_m * np.cos(angle.ravel()), radius_m * np.sin(angle.ravel())]
+    )
 
 
 def sphere(radius_m: float, n: int = 3000) -> np.ndarray:
     i = np.arange(n) + 0.5  # Fibonacci's spiral: even over the sphere
     polar, azimuth = np.arccos(1 - 2 * i / n), np.pi * (1 + 5**0.5) * i
     ring = np.sin(polar)
-    return radius_m * np.column_stack([np.cos(azimuth) * ring, np.sin(azimuth) * ring, np.cos(polar)])
+    return radius_m * np.column_stack(
+        [np.cos(azimuth) * ring, np.sin(azimuth) * ring, np.cos(polar)]
+    )
 
 
 def test_normals_of_a_sphere_point_outward() -> None:
@@ -56,7 +66,9 @@ def test_frames_are_right_handed_rotations() -> None:
 
 def test_an_unturned_approach_goes_into_the_stone_and_opens_across_the_axis() -> None:
     points = cylinder(0.4, 2.0)
-    frame = local_frames(points, outward_normals(points, np.array([1.0, 0, 0])), np.array([[1.0, 0.0, 0.4]]), 0.2)
+    frame = local_frames(
+        points, outward_normals(points, np.array([1.0, 0, 0])), np.array([[1.0, 0.0, 0.4]]), 0.2
+    )
     approach = turned_frames(frame, np.zeros(1), np.zeros(1))[0]
     np.testing.assert_allclose(approach[:, 0], [0, 0, -1], atol=0.05)
     assert abs(approach[1, 1]) > 0.99

@@ -2,11 +2,19 @@
 
 import numpy as np
 import pytest
+from executive_plugins.grasping.grasp_images import (
+    CHANNELS,
+    PER_VIEW,
+    PIXELS,
+    Images,
+    draw_images,
+    image_cube,
+    mirrored,
+)
 
 from executive.arrays import Float
 from executive.geometry.rotation import exp_so3
-from plugins.grasping.grasp_images import CHANNELS, PER_VIEW, PIXELS, Images, draw_images, image_cube, mirrored
-from robot_models.gripper import Gripper
+from executive.machine.gripper import Gripper
 
 CUBE = (np.zeros(3), 3.2)  # a pixel is 0.1 m
 HERE = np.array([[0.0, 0.0, 0.0]])
@@ -36,8 +44,13 @@ def test_what_is_not_the_target_has_channels_of_its_own_and_no_normals() -> None
 
 
 def test_of_two_points_in_a_pixel_the_nearest_to_each_end_counts_and_normals_are_averaged() -> None:
-    points, normals = np.array([[0.8, 1.05, 1.05], [2.4, 1.05, 1.05]]), np.array([[1.0, 0, 0], [0.5, 0.5, 0.7]])
-    np.testing.assert_allclose(draw(points, 2, normals)[0, :PER_VIEW, 10, 10], (0.75, 0.75, 0, 0, 0.75), atol=1e-6)
+    points, normals = (
+        np.array([[0.8, 1.05, 1.05], [2.4, 1.05, 1.05]]),
+        np.array([[1.0, 0, 0], [0.5, 0.5, 0.7]]),
+    )
+    np.testing.assert_allclose(
+        draw(points, 2, normals)[0, :PER_VIEW, 10, 10], (0.75, 0.75, 0, 0, 0.75), atol=1e-6
+    )
 
 
 def test_points_outside_the_cube_are_not_drawn() -> None:
@@ -51,7 +64,9 @@ def test_a_scene_moved_with_the_gripper_gives_the_same_images(gripper: Gripper) 
     R, t = exp_so3(np.array([0.3, -0.8, 0.5])), np.array([4.0, -2.0, 1.0])
     here = draw(points, 200, normals)
     moved = draw(points @ R.T + t, 200, normals @ R.T, R[None], t[None])
-    assert (np.abs(here - moved) > 1e-3).mean() < 1e-4  # a point on an edge of pixels may fall on its other side
+    assert (
+        np.abs(here - moved) > 1e-3
+    ).mean() < 1e-4  # a point on an edge of pixels may fall on its other side
 
 
 def test_a_gripper_of_another_scale_draws_the_same(gripper: Gripper) -> None:
@@ -59,7 +74,8 @@ def test_a_gripper_of_another_scale_draws_the_same(gripper: Gripper) -> None:
     points = corner + np.random.default_rng(0).uniform(0.05, 0.95, (50, 3)) * edge
     normals = np.tile([0.0, 0.0, 1.0], (50, 1))
     images = [
-        draw_images(points * s, np.ones(50, bool), normals, AS_IS, HERE, (corner * s, edge * s)) for s in (1, 0.05)
+        draw_images(points * s, np.ones(50, bool), normals, AS_IS, HERE, (corner * s, edge * s))
+        for s in (1, 0.05)
     ]
     np.testing.assert_allclose(*images, atol=1e-5)
 

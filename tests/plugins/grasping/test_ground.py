@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from plugins.grasping.ground import fill_ground, fit_ground
+from executive_plugins.grasping.ground import fill_ground, fit_ground
 
 BOX = np.array([[x, y, z] for x in (-0.4, 0.4) for y in (-0.4, 0.4) for z in (0.1, 0.7)])
 
@@ -18,7 +17,9 @@ def plain(slope: float = 0.0, without_m: float = 0.5, seed: int = 0) -> np.ndarr
 def test_finds_the_slope_of_a_plane() -> None:
     ground = fit_ground(plain(0.2), BOX, np.random.default_rng(0))
     np.testing.assert_allclose(ground.normal, np.array([-0.2, 0, 1]) / np.hypot(0.2, 1), atol=0.02)
-    np.testing.assert_allclose(ground.height(np.array([[1.0, 0.5], [-1.0, 0.0]])), [0.2, -0.2], atol=0.04)
+    np.testing.assert_allclose(
+        ground.height(np.array([[1.0, 0.5], [-1.0, 0.0]])), [0.2, -0.2], atol=0.04
+    )
 
 
 def test_neighbours_do_not_lift_the_ground() -> None:
@@ -34,7 +35,9 @@ def test_follows_undulations_about_its_plane() -> None:
     points[:, 2] += 0.08 * np.sin(2 * points[:, 0])
     ground = fit_ground(points, BOX, np.random.default_rng(0))
     x = np.array([-1.5, -0.8, 0.8, 1.5])
-    np.testing.assert_allclose(ground.height(np.column_stack([x, np.zeros(4)])), 0.08 * np.sin(2 * x), atol=0.04)
+    np.testing.assert_allclose(
+        ground.height(np.column_stack([x, np.zeros(4)])), 0.08 * np.sin(2 * x), atol=0.04
+    )
 
 
 def test_the_hidden_ground_is_filled_at_the_given_density() -> None:

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from executive_plugins.grasping.jaw_field import NEVER, JawField, build_jaw_field
 
 from executive.geometry.convex import depth_inside, half_spaces
-from plugins.grasping.jaw_field import NEVER, JawField, build_jaw_field
-from robot_models.gripper import Gripper
+from executive.machine.gripper import Gripper
 
 CELL_M = 0.05
 
@@ -16,7 +16,9 @@ def tables(gripper: Gripper) -> JawField:
 
 
 def cell_centres(tables: JawField) -> np.ndarray:
-    index = np.stack(np.meshgrid(*(np.arange(n) for n in tables.sweep.shape[1:]), indexing="ij"), axis=-1)
+    index = np.stack(
+        np.meshgrid(*(np.arange(n) for n in tables.sweep.shape[1:]), indexing="ij"), axis=-1
+    )
     return np.asarray(tables.origin + CELL_M * (index + 0.5))
 
 
@@ -62,6 +64,8 @@ def test_tips_dip_below_their_open_depth_on_the_way(tables: JawField, gripper: G
     assert tables.tip_b[-1] == pytest.approx(0.0, abs=0.01)
 
 
-def test_a_skin_brings_the_front_forward_by_its_thickness(gripper: Gripper, tables: JawField) -> None:
+def test_a_skin_brings_the_front_forward_by_its_thickness(
+    gripper: Gripper, tables: JawField
+) -> None:
     thick = build_jaw_field(gripper, CELL_M, 0.1, steps=2)
     assert thick.front[0].max() >= tables.front[0].max() + 0.09

@@ -4,14 +4,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from executive_plugins.grasping.evidence import NUMBERS
+from executive_plugins.grasping.grasp_images import CHANNELS, PIXELS
+from executive_plugins.grasping.grasp_training import train_weights
+from executive_plugins.grasping.labels import Labels, LabelSettings, make_labels, read_labels
+from executive_plugins.grasping.outcome_net import load_net
+from executive_plugins.grasping.training import (
+    TrainingSettings,
+    area_under_curve,
+    predictions,
+    split_by_stone,
+    train,
+    untrained,
+)
 
 from executive.errors import ConfigError, DataError
-from plugins.grasping.evidence import NUMBERS
-from plugins.grasping.grasp_images import CHANNELS, PIXELS
-from plugins.grasping.grasp_training import train_weights
-from plugins.grasping.labels import Labels, LabelSettings, make_labels, read_labels
-from plugins.grasping.outcome_net import load_net
-from plugins.grasping.training import TrainingSettings, area_under_curve, predictions, split_by_stone, train, untrained
 
 FEW = LabelSettings(grasps_per_stone=4)
 
@@ -81,7 +88,9 @@ def test_training_learns_what_the_costs_say_and_one_seed_gives_one_network() -> 
     np.testing.assert_array_equal(*(predictions(net, validation)[0] for net in nets))
 
 
-def test_the_data_card_counts_what_the_weights_have_learned_from(folder: Path, tmp_path: Path) -> None:
+def test_the_data_card_counts_what_the_weights_have_learned_from(
+    folder: Path, tmp_path: Path
+) -> None:
     settings = TrainingSettings(epochs=1, held_out=0.5, batch=4)
     card = train_weights(folder, tmp_path / "net.safetensors", settings, test_folder=folder)
     assert card["labels"] == FEW.model_dump(mode="json")

@@ -5,13 +5,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from executive_plugins.grasping.evidence import NUMBERS, Evidence
+from executive_plugins.grasping.grasp_images import CHANNELS, PIXELS, mirrored
+from executive_plugins.grasping.outcome_net import (
+    Architecture,
+    load_net,
+    new_net,
+    save_net,
+    success,
+)
+from executive_plugins.grasping.sampled_cnn import weights_file
 from safetensors.torch import save_file
 
 from executive.errors import DataError
-from plugins.grasping.evidence import NUMBERS, Evidence
-from plugins.grasping.grasp_images import CHANNELS, PIXELS, mirrored
-from plugins.grasping.outcome_net import Architecture, load_net, new_net, save_net, success
-from plugins.grasping.sampled_cnn import weights_file
 
 BOTH: list[Architecture] = ["four_layer", "two_stream"]
 

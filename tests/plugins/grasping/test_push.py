@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from executive_plugins.grasping.frames import downward_frames
+from executive_plugins.grasping.jaw_field import NEVER, JawField, build_jaw_field
+from executive_plugins.grasping.push import Clearance, Holds, Hypotheses, Outcome, push_and_close
 
 from executive.arrays import Float
 from executive.geometry.convex import depth_inside, half_spaces
 from executive.geometry.rotation import exp_so3
-from plugins.grasping.frames import downward_frames
-from plugins.grasping.jaw_field import NEVER, JawField, build_jaw_field
-from plugins.grasping.push import Clearance, Holds, Hypotheses, Outcome, push_and_close
-from robot_models.gripper import Gripper
+from executive.machine.gripper import Gripper
 
 CELL_M = 0.03
 DOWN = downward_frames(np.zeros(1))  # the jaws open along x
@@ -52,7 +52,9 @@ def test_the_push_stops_where_brute_force_first_touches(tables: JawField, grippe
     """The tables are on the safe side by about a cell, more where a face is steep: never deeper, hardly shallower."""
     rng = np.random.default_rng(3)
     stone = rng.normal(0, 0.25, (400, 3)) + (0, 0, 0.6)
-    faces = [half_spaces(hull) for parts in gripper.hulls(gripper.open_rad).values() for hull in parts]
+    faces = [
+        half_spaces(hull) for parts in gripper.hulls(gripper.open_rad).values() for hull in parts
+    ]
     for _ in range(5):
         R = DOWN @ exp_so3(rng.normal(0, 0.2, 3))
         holds = close(tables, stone, np.empty((0, 3)), R)
@@ -73,7 +75,9 @@ def test_a_block_is_held_from_above_by_both_jaws(tables: JawField) -> None:
     holds = close(tables, block(), ground())
     assert holds.outcome[0] == Outcome.HELD
     opening = 2 * tables.tip_b[holds.progress[0]]
-    np.testing.assert_allclose(opening, 1.0, atol=0.2)  # the width of the block, the jaws' thickness apart
+    np.testing.assert_allclose(
+        opening, 1.0, atol=0.2
+    )  # the width of the block, the jaws' thickness apart
     assert holds.contact[0, 0, 1] == pytest.approx(0.5, abs=0.05)
     assert holds.contact[0, 1, 1] == pytest.approx(-0.5, abs=0.05)
 
@@ -93,7 +97,9 @@ def test_without_ground_the_gripper_comes_as_deep_as_the_palm_allows(tables: Jaw
 def test_nothing_below_is_nothing_touched(tables: JawField) -> None:
     stone = block() + (9.0, 0.0, 0.0)
     tried = Hypotheses(DOWN, np.zeros((1, 3)), np.zeros(1, dtype=bool))
-    holds = push_and_close(tables, stone, np.ones(len(stone), dtype=bool), stone.mean(axis=0), tried, NO_ROOM)
+    holds = push_and_close(
+        tables, stone, np.ones(len(stone), dtype=bool), stone.mean(axis=0), tried, NO_ROOM
+    )
     assert holds.outcome[0] == Outcome.NOTHING_TOUCHED
 
 
@@ -101,7 +107,9 @@ def test_a_stone_beside_the_jaws_is_not_between_them(tables: JawField) -> None:
     stone = block(0.2, 0.2, 0.4)
     tried = Hypotheses(DOWN, np.array([[0.0, 0.8, 0.0]]), np.zeros(1, dtype=bool))
     points = np.concatenate([stone, ground()])
-    holds = push_and_close(tables, points, np.arange(len(points)) < len(stone), stone.mean(axis=0), tried, NO_ROOM)
+    holds = push_and_close(
+        tables, points, np.arange(len(points)) < len(stone), stone.mean(axis=0), tried, NO_ROOM
+    )
     assert holds.outcome[0] == Outcome.NOTHING_BETWEEN_JAWS
 
 
@@ -137,14 +145,22 @@ def test_a_centred_hypothesis_moves_to_the_middle_between_the_jaws(tables: JawFi
     aside = np.array([[0.15, 0.0, 0.0]])
     for is_centred, x in ((half, 0.15), (~half, 0.0)):
         holds = push_and_close(
-            tables, points, is_target, stone.mean(axis=0), Hypotheses(DOWN, aside, is_centred), NO_ROOM
+            tables,
+            points,
+            is_target,
+            stone.mean(axis=0),
+            Hypotheses(DOWN, aside, is_centred),
+            NO_ROOM,
         )
         assert holds.position[0, 0] == pytest.approx(x, abs=1e-6)
 
 
 def test_order_of_the_points_does_not_matter(tables: JawField) -> None:
     stone, others = block(), ground()
-    points, is_target = np.concatenate([stone, others]), np.arange(len(stone) + len(others)) < len(stone)
+    points, is_target = (
+        np.concatenate([stone, others]),
+        np.arange(len(stone) + len(others)) < len(stone),
+    )
     order = np.random.default_rng(0).permutation(len(points))
     tried = Hypotheses(DOWN, np.zeros((1, 3)), np.zeros(1, dtype=bool))
     a = push_and_close(tables, points, is_target, np.zeros(3), tried, NO_ROOM)

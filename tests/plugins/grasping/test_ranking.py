@@ -2,22 +2,28 @@
 
 import numpy as np
 import pytest
+from executive_plugins.grasping.frames import downward_frames
+from executive_plugins.grasping.ranking import paper_costs, ranked_rounds, spread
 
 from executive.geometry.rotation import exp_so3
-from plugins.grasping.frames import downward_frames
-from plugins.grasping.ranking import paper_costs, ranked_rounds, spread
 
 UP = np.array([0.0, 0.0, 1.0])
 STAGES = [("align_rad", 4), ("enclose_m", 2)]
 
 
 def order(align: list[float], enclose: list[float], distance: list[float]) -> list[list[int]]:
-    costs = {"align_rad": np.array(align), "enclose_m": np.array(enclose), "distance_m": np.array(distance)}
+    costs = {
+        "align_rad": np.array(align),
+        "enclose_m": np.array(enclose),
+        "distance_m": np.array(distance),
+    }
     return [passed.tolist() for passed in ranked_rounds(costs, STAGES, "distance_m")]
 
 
 def test_costs_of_a_gripper_straight_above_the_centre() -> None:
-    costs = paper_costs(downward_frames(np.zeros(1)), np.array([[0.0, 0.0, 2.0]]), np.array([0.0, 0.0, 0.5]), UP)
+    costs = paper_costs(
+        downward_frames(np.zeros(1)), np.array([[0.0, 0.0, 2.0]]), np.array([0.0, 0.0, 0.5]), UP
+    )
     assert costs["align_rad"][0] == pytest.approx(0.0)
     assert costs["enclose_m"][0] == pytest.approx(1.5)
     assert costs["distance_m"][0] == pytest.approx(0.0)

@@ -1,12 +1,12 @@
 """FCL's word on the gripper in a cloud, against half-spaces."""
 
 import numpy as np
+from executive_plugins.grasping.recheck import Recheck
 
 from executive.geometry.convex import depth_inside, half_spaces
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import exp_so3
-from plugins.grasping.recheck import Recheck
-from robot_models.gripper import Gripper
+from executive.machine.gripper import Gripper
 
 ALLOWED_M, MARGIN_M = 0.01, 1e-4  # nearer to the limit than this, the two may differ
 T = pose(exp_so3(np.array([0.4, -1.1, 0.3])), np.array([5.0, -2.0, 1.0]))
@@ -17,7 +17,9 @@ def test_what_is_deeper_than_allowed_is_what_half_spaces_say(gripper: Gripper) -
     faces = [half_spaces(hull) for hull in hulls]
     rng, recheck = np.random.default_rng(0), Recheck(gripper, ALLOWED_M)
     # About corners of the parts, where depths are small.
-    at = np.concatenate(hulls)[rng.integers(0, sum(map(len, hulls)), 600)] + rng.normal(0, 0.03, (600, 3))
+    at = np.concatenate(hulls)[rng.integers(0, sum(map(len, hulls)), 600)] + rng.normal(
+        0, 0.03, (600, 3)
+    )
     depth_m = np.max([depth_inside(part, at) for part in faces], axis=0)
     is_free = np.array([recheck.is_free(transform(T, point[None]), T) for point in at])
     clear = np.abs(depth_m - ALLOWED_M) > MARGIN_M

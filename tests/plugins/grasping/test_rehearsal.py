@@ -4,11 +4,11 @@ from itertools import product
 
 import numpy as np
 import pytest
+from executive_plugins.grasping.frames import downward_frames
+from executive_plugins.grasping.rehearsal import FALLEN_M, Rehearsal
 
 from executive.geometry.pose import pose
-from plugins.grasping.frames import downward_frames
-from plugins.grasping.rehearsal import FALLEN_M, Rehearsal
-from robot_models.gripper import Gripper
+from executive.machine.gripper import Gripper
 
 UP = np.array([0.0, 0.0, 1.0])
 ABOVE_M = 1.25  # of the palm over the ground: the tips close just above it

@@ -4,20 +4,20 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from executive_plugins.grasping import push
+from executive_plugins.grasping.recheck import Recheck
+from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
+from executive_plugins.grasping.way_in import WayIn
 
 from executive.arrays import Float
 from executive.errors import DataError
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import about_axis, angle_between
 from executive.interfaces.motion import MotionPlanner
+from executive.machine.gripper import Gripper
+from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import GraspPlan
-from plugins.grasping import push
-from plugins.grasping.recheck import Recheck
-from plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
-from plugins.grasping.way_in import WayIn
-from robot_models.gripper import Gripper
-from robot_models.machine import Machine
 
 SIDES_M = (1.3, 0.8, 0.65)
 HALF_TURN = about_axis(np.array([1.0, 0.0, 0.0]), np.pi)
@@ -45,7 +45,9 @@ def one_sided(make_box: Callable) -> Float:
     return np.asarray(box[rng.random(len(box)) < np.where(box[:, 0] > 0, 0.9, 0.5)])
 
 
-def test_a_slab_is_grasped_from_above_near_its_centre_without_slipping(planner: SampledAntipodal, scene: tuple) -> None:
+def test_a_slab_is_grasped_from_above_near_its_centre_without_slipping(
+    planner: SampledAntipodal, scene: tuple
+) -> None:
     best = plan(planner, scene).grasps[0]
     assert best.T_map_gripper[2, 0] < -0.95
     np.testing.assert_allclose(best.T_map_gripper[:2, 3], 0.0, atol=0.2)
@@ -53,7 +55,9 @@ def test_a_slab_is_grasped_from_above_near_its_centre_without_slipping(planner: 
     assert {"align_rad", "enclose_m", "distance_m"} <= set(best.costs)
 
 
-def test_no_returned_gripper_stands_in_the_cloud(planner: SampledAntipodal, scene: tuple, gripper: Gripper) -> None:
+def test_no_returned_gripper_stands_in_the_cloud(
+    planner: SampledAntipodal, scene: tuple, gripper: Gripper
+) -> None:
     for grasp in plan(planner, scene).grasps:
         assert WayIn(gripper).depth_m(scene[1].points, grasp.T_map_gripper) < 0.01
         assert Recheck(gripper, 0.01).is_free(scene[1].points, grasp.T_map_gripper)
@@ -64,14 +68,19 @@ def test_grasps_come_best_first_and_differ(planner: SampledAntipodal, scene: tup
     assert len(grasps) >= 3
     assert [g.score for g in grasps] == sorted((g.score for g in grasps), reverse=True)
     first, second = grasps[0].T_map_gripper, grasps[1].T_map_gripper
-    turn = min(angle_between(first[:3, :3], second[:3, :3]), angle_between(first[:3, :3] @ HALF_TURN, second[:3, :3]))
+    turn = min(
+        angle_between(first[:3, :3], second[:3, :3]),
+        angle_between(first[:3, :3] @ HALF_TURN, second[:3, :3]),
+    )
     assert np.linalg.norm(first[:3, 3] - second[:3, 3]) > 0.1 or turn > np.radians(20)
 
 
 def test_one_seed_gives_one_plan(planner: SampledAntipodal, scene: tuple) -> None:
     a, b = plan(planner, scene, 7), plan(planner, scene, 7)
     assert a.refused == b.refused
-    np.testing.assert_array_equal([g.T_map_gripper for g in a.grasps], [g.T_map_gripper for g in b.grasps])
+    np.testing.assert_array_equal(
+        [g.T_map_gripper for g in a.grasps], [g.T_map_gripper for g in b.grasps]
+    )
 
 
 def test_a_turned_and_shifted_scene_gives_the_same_grasp(
@@ -81,11 +90,17 @@ def test_a_turned_and_shifted_scene_gives_the_same_grasp(
     here = plan(planner, see(one_sided, make_field())).grasps[0].T_map_gripper
     there = inverse(T) @ plan(planner, see(one_sided, make_field(), T)).grasps[0].T_map_gripper
     np.testing.assert_allclose(there[:3, 3], here[:3, 3], atol=0.02)
-    assert min(angle_between(there[:3, :3], here[:3, :3] @ R) for R in (np.eye(3), HALF_TURN)) < np.radians(2)
+    assert min(
+        angle_between(there[:3, :3], here[:3, :3] @ R) for R in (np.eye(3), HALF_TURN)
+    ) < np.radians(2)
 
 
 def test_a_neighbour_at_0_3_m_is_avoided(
-    planner: SampledAntipodal, make_box: Callable, make_field: Callable, see: Callable, gripper: Gripper
+    planner: SampledAntipodal,
+    make_box: Callable,
+    make_field: Callable,
+    see: Callable,
+    gripper: Gripper,
 ) -> None:
     box = make_box((0.8, 0.8, 0.7))
     neighbour = box + (1.1, 0.0, 0.0)
@@ -104,7 +119,12 @@ def test_a_neighbour_at_0_3_m_is_avoided(
     ],
 )
 def test_what_cannot_be_held_gives_an_empty_plan_with_its_reason(
-    planner: SampledAntipodal, make_box: Callable, make_field: Callable, see: Callable, sides_m: tuple, reason: str
+    planner: SampledAntipodal,
+    make_box: Callable,
+    make_field: Callable,
+    see: Callable,
+    sides_m: tuple,
+    reason: str,
 ) -> None:
     refused = plan(planner, see(make_box(sides_m, 0.03), make_field()))
     assert refused.grasps == ()
@@ -122,7 +142,9 @@ def test_a_stone_out_of_reach_is_refused_as_such(planner_of: Callable, scene: tu
 def test_an_arm_too_weak_for_the_stone_out_there_refuses_it_as_such(
     machine: Machine, free_motion: MotionPlanner, scene: tuple
 ) -> None:
-    joints = tuple(joint.model_copy(update={"max_effort": 0.1 * joint.max_effort}) for joint in machine.joints)
+    joints = tuple(
+        joint.model_copy(update={"max_effort": 0.1 * joint.max_effort}) for joint in machine.joints
+    )
     weak = machine.model_copy(update={"joints": joints})
     planner = SampledAntipodal(SampledAntipodalSettings(samples=10, rehearsed=0), weak, free_motion)
     refused = plan(planner, scene)
@@ -133,7 +155,9 @@ def test_an_arm_too_weak_for_the_stone_out_there_refuses_it_as_such(
 def test_a_plan_compiles_nothing_that_the_start_has_not(
     machine: Machine, free_motion: MotionPlanner, scene: tuple
 ) -> None:
-    planner = SampledAntipodal(SampledAntipodalSettings(samples=10, rehearsed=0), machine, free_motion)
+    planner = SampledAntipodal(
+        SampledAntipodalSettings(samples=10, rehearsed=0), machine, free_motion
+    )
     planner.start()
     compiled = len(push._try_all.signatures)
     plan(planner, scene)
@@ -159,7 +183,10 @@ def test_a_cloud_in_another_frame_is_refused(planner: SampledAntipodal, scene: t
 
 
 def test_without_rehearsals_the_order_is_the_papers(planner_of: Callable, scene: tuple) -> None:
-    plain = plan(planner_of(samples=10, rehearsed=0, downward_yaws=0, keep_enclosing=500, keep_aligned=500), scene)
+    plain = plan(
+        planner_of(samples=10, rehearsed=0, downward_yaws=0, keep_enclosing=500, keep_aligned=500),
+        scene,
+    )
     distances = [grasp.costs["distance_m"] for grasp in plain.grasps]
     assert distances
     assert all("slip_m" not in grasp.costs for grasp in plain.grasps)

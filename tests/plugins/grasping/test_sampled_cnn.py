@@ -6,6 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from executive_plugins.grasping.recheck import Recheck
+from executive_plugins.grasping.rehearsal import FALLEN_M
+from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
 from pydantic import ValidationError
 
 from executive.arrays import Float
@@ -13,11 +16,8 @@ from executive.errors import DataError, ShapeError
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis, angle_between
 from executive.interfaces.motion import MotionPlanner
+from executive.machine.machine import Machine
 from executive.messages.grasp import GraspPlan
-from plugins.grasping.recheck import Recheck
-from plugins.grasping.rehearsal import FALLEN_M
-from plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
-from robot_models.machine import Machine
 
 SIDES_M = (1.3, 0.8, 0.65)
 HALF_TURN = about_axis(np.array([1.0, 0.0, 0.0]), np.pi)
@@ -25,11 +25,17 @@ HALF_TURN = about_axis(np.array([1.0, 0.0, 0.0]), np.pi)
 
 @pytest.fixture(scope="module")
 def plan(
-    machine: Machine, free_motion: MotionPlanner, make_box: Callable, make_field: Callable, see: Callable
+    machine: Machine,
+    free_motion: MotionPlanner,
+    make_box: Callable,
+    make_field: Callable,
+    see: Callable,
 ) -> Callable[..., GraspPlan]:
     slab = make_box(SIDES_M), make_field(without=np.array(SIDES_M[:2]) / 2)
 
-    def planned(scene: tuple[Float, Float] = slab, T: Float | None = None, **settings: object) -> GraspPlan:
+    def planned(
+        scene: tuple[Float, Float] = slab, T: Float | None = None, **settings: object
+    ) -> GraspPlan:
         planner = SampledCnn(SampledCnnSettings(samples=20, **settings), machine, free_motion)
         planner.start()
         return planner.plan(*see(*scene, T), np.eye(4), np.random.default_rng(0))
@@ -50,7 +56,12 @@ def test_grasps_come_by_predicted_success(plan: Callable) -> None:
 
 def test_the_papers_ranking_orders_what_is_predicted_to_succeed_by_distance(plan: Callable) -> None:
     grasps = plan(
-        ranking="paper", rehearsed=0, keep_aligned=5000, keep_enclosing=5000, downward_yaws=0, min_success=0.2
+        ranking="paper",
+        rehearsed=0,
+        keep_aligned=5000,
+        keep_enclosing=5000,
+        downward_yaws=0,
+        min_success=0.2,
     ).grasps
     assert grasps[0].costs["failure"] <= 0.8
     accepted = [g.costs["distance_m"] for g in grasps if g.costs["failure"] <= 0.8]
@@ -58,11 +69,15 @@ def test_the_papers_ranking_orders_what_is_predicted_to_succeed_by_distance(plan
 
 
 def test_when_nothing_is_predicted_to_succeed_the_likeliest_comes_first(plan: Callable) -> None:
-    failures = [g.costs["failure"] for g in plan(ranking="paper", rehearsed=0, min_success=1.0).grasps]
+    failures = [
+        g.costs["failure"] for g in plan(ranking="paper", rehearsed=0, min_success=1.0).grasps
+    ]
     assert failures[0] == min(failures)
 
 
-def test_what_slips_when_rehearsed_costs_its_share_of_a_fall_and_the_best_is_always_rehearsed(plan: Callable) -> None:
+def test_what_slips_when_rehearsed_costs_its_share_of_a_fall_and_the_best_is_always_rehearsed(
+    plan: Callable,
+) -> None:
     grasps = plan().grasps
     assert len(grasps) == 8
     assert "slip_m" in grasps[0].costs
@@ -71,7 +86,9 @@ def test_what_slips_when_rehearsed_costs_its_share_of_a_fall_and_the_best_is_alw
         assert grasp.score == pytest.approx(1 - grasp.costs["failure"] - cost / FALLEN_M, abs=0.011)
 
 
-def test_what_cannot_become_the_best_is_not_rehearsed_and_that_changes_no_choice(plan: Callable) -> None:
+def test_what_cannot_become_the_best_is_not_rehearsed_and_that_changes_no_choice(
+    plan: Callable,
+) -> None:
     grasps = plan().grasps
     spared = [g for g in grasps if "slip_m" not in g.costs]
     assert spared
@@ -101,7 +118,9 @@ def test_a_turned_and_shifted_scene_gives_the_same_grasp(plan: Callable, one_sid
     here = plan(one_sided).grasps[0].T_map_gripper
     there = inverse(T) @ plan(one_sided, T).grasps[0].T_map_gripper
     np.testing.assert_allclose(there[:3, 3], here[:3, 3], atol=0.02)
-    assert min(angle_between(there[:3, :3], here[:3, :3] @ R) for R in (np.eye(3), HALF_TURN)) < np.radians(2)
+    assert min(
+        angle_between(there[:3, :3], here[:3, :3] @ R) for R in (np.eye(3), HALF_TURN)
+    ) < np.radians(2)
 
 
 def test_one_thread_and_two_give_the_same_list(plan: Callable) -> None:
@@ -114,7 +133,9 @@ def test_one_thread_and_two_give_the_same_list(plan: Callable) -> None:
     finally:
         torch.set_num_threads(threads)
     assert [g.score for g in one.grasps] == [g.score for g in two.grasps]
-    np.testing.assert_array_equal([g.T_map_gripper for g in one.grasps], [g.T_map_gripper for g in two.grasps])
+    np.testing.assert_array_equal(
+        [g.T_map_gripper for g in one.grasps], [g.T_map_gripper for g in two.grasps]
+    )
 
 
 def test_next_to_a_neighbour_and_on_a_slope_no_returned_gripper_stands_in_the_cloud(
@@ -122,14 +143,19 @@ def test_next_to_a_neighbour_and_on_a_slope_no_returned_gripper_stands_in_the_cl
 ) -> None:
     stone, ground = one_sided
     tilt = pose(about_axis(np.array([0.6, 0.8, 0.0]), 0.15))
-    scene = transform(tilt, stone), transform(tilt, np.concatenate([ground, make_box(SIDES_M) + (0.0, 1.1, 0.0)]))
+    scene = (
+        transform(tilt, stone),
+        transform(tilt, np.concatenate([ground, make_box(SIDES_M) + (0.0, 1.1, 0.0)])),
+    )
     grasps = plan(scene).grasps
     assert grasps
     recheck = Recheck(machine.gripper, 0.01)
     assert all(recheck.is_free(np.concatenate(scene), grasp.T_map_gripper) for grasp in grasps)
 
 
-def test_a_cloud_with_a_point_that_is_no_number_is_refused(plan: Callable, one_sided: tuple) -> None:
+def test_a_cloud_with_a_point_that_is_no_number_is_refused(
+    plan: Callable, one_sided: tuple
+) -> None:
     stone, ground = one_sided
     with pytest.raises(ShapeError, match="not finite"):
         plan((stone, np.concatenate([ground, [[0.0, np.nan, 0.0]]])))

@@ -1,12 +1,12 @@
 """The open gripper on its way down."""
 
 import numpy as np
+from executive_plugins.grasping.frames import downward_frames
+from executive_plugins.grasping.way_in import WayIn
 
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import exp_so3
-from plugins.grasping.frames import downward_frames
-from plugins.grasping.way_in import WayIn
-from robot_models.gripper import Gripper
+from executive.machine.gripper import Gripper
 
 UP = np.array([0.0, 0.0, 1.0])
 DOWN = downward_frames(np.zeros(1))[0]
@@ -20,7 +20,9 @@ def test_a_point_in_the_palm_is_as_deep_as_its_distance_to_the_face(gripper: Gri
     assert way_in.depth_m(np.array([[50.0, 0.0, 0.8]]), T) == -np.inf
 
 
-def test_a_tilted_gripper_meets_on_its_way_what_it_does_not_meet_at_its_end(gripper: Gripper) -> None:
+def test_a_tilted_gripper_meets_on_its_way_what_it_does_not_meet_at_its_end(
+    gripper: Gripper,
+) -> None:
     R = exp_so3(np.array([0.0, 0.5, 0.0])) @ DOWN
     T = pose(R, np.array([0.0, 0.0, 1.0]))
     palm = gripper.hulls(gripper.open_rad)["palm"][0].mean(axis=0)

@@ -8,10 +8,10 @@ import pytest
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine, load_machine
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine, load_machine
 
 Z = np.array([0.0, 0.0, 1.0])
 # n·p = d, n away from the yard: ground 1.5 m below the cabin, two walls
@@ -42,8 +42,15 @@ class Yard:
         """The estimate's samples at 50 Hz around a scan; the turn joint turns with the cabin."""
         stamps = until_s + np.arange(-0.16, 0.021, 0.02)
         joints = np.repeat(self.joints[None], len(stamps), axis=0)
-        joints[:, self.machine.joint_names.index(self.machine.turn_joint)] = self.rate_rad_s * stamps
-        return Motion(stamps, np.array([self.T_map_cabin(s) for s in stamps]), self.machine.joint_names, joints)
+        joints[:, self.machine.joint_names.index(self.machine.turn_joint)] = (
+            self.rate_rad_s * stamps
+        )
+        return Motion(
+            stamps,
+            np.array([self.T_map_cabin(s) for s in stamps]),
+            self.machine.joint_names,
+            joints,
+        )
 
     def scan(self, lidar: str, stamp_s: float, columns: int = 900) -> LidarScan:
         """One revolution that ends at a time, each column with the pose of its own time."""
@@ -52,13 +59,21 @@ class Yard:
         for k in range(columns):
             t = stamp_s - REVOLUTION_S * (1 - (k + 1) / columns)
             a = 2 * np.pi * k / columns
-            d = np.column_stack([np.cos(elevation) * np.cos(a), np.cos(elevation) * np.sin(a), np.sin(elevation)])
+            d = np.column_stack(
+                [np.cos(elevation) * np.cos(a), np.cos(elevation) * np.sin(a), np.sin(elevation)]
+            )
             T = self.T_map_cabin(t) @ self.T_cabin[lidar]
             rises = (d @ T[:3, :3].T) @ PLANES[:, :3].T
-            ranges = np.where(rises > 1e-6, (PLANES[:, 3] - PLANES[:, :3] @ T[:3, 3]) / np.maximum(rises, 1e-6), np.inf)
+            ranges = np.where(
+                rises > 1e-6,
+                (PLANES[:, 3] - PLANES[:, :3] @ T[:3, 3]) / np.maximum(rises, 1e-6),
+                np.inf,
+            )
             nearest = ranges.min(axis=1)
             hit = (nearest > 1.0) & (nearest < 30)
-            points.append(d[hit] * (nearest[hit] + self.rng.normal(0, self.noise_m, hit.sum()))[:, None])
+            points.append(
+                d[hit] * (nearest[hit] + self.rng.normal(0, self.noise_m, hit.sum()))[:, None]
+            )
             stamps.append(np.full(hit.sum(), t))
         return LidarScan(stamp_s, lidar, np.vstack(points), np.concatenate(stamps))
 

@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
+from executive_plugins.mapping.graph_host import InlineGraph, ProcessGraph
+from executive_plugins.mapping.pair_graph import Node, Poses
+from executive_plugins.mapping.pose_constraint import PoseConstraint
 
 from executive.geometry.pose import pose
-from plugins.mapping.graph_host import InlineGraph, ProcessGraph
-from plugins.mapping.pair_graph import Node, Poses
-from plugins.mapping.pose_constraint import PoseConstraint
 
 P = 1e-4 * np.eye(6)
 STEP = pose(t=np.array([0.1, 0.0, 0.0]))
@@ -19,7 +19,13 @@ STEP = pose(t=np.array([0.1, 0.0, 0.0]))
 
 def node(number: int) -> Node:
     T = pose(t=np.array([0.1 * number, 0.0, 0.0]))
-    return Node(number, T, PoseConstraint(T, P), number % 3 == 0, PoseConstraint(STEP, P) if number else None)
+    return Node(
+        number,
+        T,
+        PoseConstraint(T, P),
+        number % 3 == 0,
+        PoseConstraint(STEP, P) if number else None,
+    )
 
 
 @pytest.fixture(scope="module")

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from executive_plugins.mapping.node_track import NodeTrack
+from executive_plugins.mapping.odometry_noise import OdometryNoise, OdometryNoiseSettings
+from executive_plugins.mapping.pair_graph import Poses
 
 from executive.geometry.pose import pose
-from plugins.mapping.node_track import NodeTrack
-from plugins.mapping.odometry_noise import OdometryNoise, OdometryNoiseSettings
-from plugins.mapping.pair_graph import Poses
 
 P = np.diag(np.repeat([0.002**2, 0.005**2], 3))
 SETTINGS = OdometryNoiseSettings(rotation_rad=0.001, position_m=0.004, correlation_s=2.0)
@@ -15,7 +15,9 @@ STEP = pose(t=np.array([0.1, 0.0, 0.0]))
 
 def test_increments_wander_with_time_but_no_farther_than_two_errors_lie_apart() -> None:
     noise = OdometryNoise(SETTINGS)
-    short, long = (noise.increment(STEP, duration_s, P, P).covariance for duration_s in (0.25, 900.0))
+    short, long = (
+        noise.increment(STEP, duration_s, P, P).covariance for duration_s in (0.25, 900.0)
+    )
     assert np.sqrt(np.diag(short)) == pytest.approx([0.0005] * 3 + [0.002] * 3)
     np.testing.assert_allclose(long, 2 * P, atol=1e-11)
 
@@ -28,7 +30,9 @@ def test_a_correction_loosens_the_motion_that_it_is_part_of() -> None:
 def test_anchors_that_share_an_error_count_as_one() -> None:
     noise = OdometryNoise(SETTINGS)
     often = noise.anchor(STEP, 1.0, P).covariance
-    np.testing.assert_allclose(often, 4 * P, rtol=1e-4)  # four seconds of such anchors are worth one pose
+    np.testing.assert_allclose(
+        often, 4 * P, rtol=1e-4
+    )  # four seconds of such anchors are worth one pose
     np.testing.assert_allclose(noise.anchor(STEP, np.inf, P).covariance, P, rtol=1e-4)
     assert noise.anchor(STEP, np.inf, None).covariance[5, 5] == SETTINGS.unknown_position_m**2
 
@@ -49,5 +53,7 @@ def test_a_track_forgets_the_oldest() -> None:
     assert track.next_number == 5
     assert track.poses().first == 2
     np.testing.assert_allclose(track.pose_of(4)[:3, 3], [0.4, 0.0, 0.0])
-    track.take(Poses(0, np.array([pose(t=np.array([9.0, 0.0, 0.0]))] * 3)))  # 0 and 1 are gone, 2 is not
+    track.take(
+        Poses(0, np.array([pose(t=np.array([9.0, 0.0, 0.0]))] * 3))
+    )  # 0 and 1 are gone, 2 is not
     np.testing.assert_allclose(track.pose_of(4)[:3, 3], [9.2, 0.0, 0.0])

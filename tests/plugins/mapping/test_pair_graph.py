@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from executive_plugins.mapping.pair_graph import Node, PairGraph
+from executive_plugins.mapping.pose_constraint import PoseConstraint
 
 from executive.errors import DataError, ShapeError
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import angle_between, exp_so3
-from plugins.mapping.pair_graph import Node, PairGraph
-from plugins.mapping.pose_constraint import PoseConstraint
 
 
 def covariance(rotation_rad: float, position_m: float) -> np.ndarray:
@@ -19,11 +19,15 @@ def on_circle(k: int) -> np.ndarray:
     return pose(exp_so3(np.array([0.0, 0.0, angle])), np.array([np.cos(angle), np.sin(angle), 1.5]))
 
 
-def perturbed(rng: np.random.Generator, T: np.ndarray, rotation_rad: float, position_m: float) -> np.ndarray:
+def perturbed(
+    rng: np.random.Generator, T: np.ndarray, rotation_rad: float, position_m: float
+) -> np.ndarray:
     return T @ pose(exp_so3(rng.normal(0, rotation_rad, 3)), rng.normal(0, position_m, 3))
 
 
-def chain(count: int, rng: np.random.Generator, with_matches: bool = True, anchored: int = 10) -> list[Node]:
+def chain(
+    count: int, rng: np.random.Generator, with_matches: bool = True, anchored: int = 10
+) -> list[Node]:
     """Nodes on a circle: increments of 1 mm, matches of 0.5 mm, a tie to an estimate of 5 mm now and then."""
     nodes, guess = [], on_circle(0)
     for k in range(count):
@@ -59,9 +63,13 @@ def test_perfect_increments_lead_to_the_true_poses() -> None:
 def test_matches_and_anchors_each_bring_it_nearer_to_the_truth() -> None:
     def rms_mm(with_matches: bool, anchored: int) -> float:
         runs = [chain(60, np.random.default_rng(seed), with_matches, anchored) for seed in range(6)]
-        return 1e3 * float(np.sqrt(np.mean([(errors_m(PairGraph(200), nodes) ** 2).mean() for nodes in runs])))
+        return 1e3 * float(
+            np.sqrt(np.mean([(errors_m(PairGraph(200), nodes) ** 2).mean() for nodes in runs]))
+        )
 
-    alone, matched, anchored, both = (rms_mm(*kind) for kind in ((False, 999), (True, 999), (False, 10), (True, 10)))
+    alone, matched, anchored, both = (
+        rms_mm(*kind) for kind in ((False, 999), (True, 999), (False, 10), (True, 10))
+    )
     assert matched < 0.95 * alone
     assert anchored < 0.8 * alone
     assert both < 0.95 * anchored
@@ -74,7 +82,9 @@ def test_one_pair_of_measurements_is_weighted_by_their_covariances() -> None:
     graph = PairGraph(20)
     graph.add(Node(0, np.eye(4), first, True))
     poses = graph.add(Node(1, odometry.T, first, False, odometry, match))
-    assert poses.T_map_cabin[1][0, 3] == pytest.approx((0.10 / 4e-4 + 0.11 / 1e-4) / (1 / 4e-4 + 1 / 1e-4), abs=1e-6)
+    assert poses.T_map_cabin[1][0, 3] == pytest.approx(
+        (0.10 / 4e-4 + 0.11 / 1e-4) / (1 / 4e-4 + 1 / 1e-4), abs=1e-6
+    )
 
 
 def test_a_wild_match_is_held_back_by_the_kernel() -> None:
@@ -83,11 +93,15 @@ def test_a_wild_match_is_held_back_by_the_kernel() -> None:
     assert wild.match is not None
     shifted = PoseConstraint(wild.match.T @ pose(t=np.array([0.1, 0, 0])), wild.match.covariance)
     nodes[20] = Node(20, wild.T_map_cabin, wild.estimate, wild.is_anchor, wild.odometry, shifted)
-    assert errors_m(PairGraph(100), nodes).max() < 0.012  # plain least squares would follow it by eight centimetres
+    assert (
+        errors_m(PairGraph(100), nodes).max() < 0.012
+    )  # plain least squares would follow it by eight centimetres
 
 
 def test_a_window_forgets_old_nodes_but_not_what_they_knew() -> None:
-    nodes = chain(170, np.random.default_rng(1), with_matches=False)  # a kernel has its own way with old residuals
+    nodes = chain(
+        170, np.random.default_rng(1), with_matches=False
+    )  # a kernel has its own way with old residuals
     whole, windowed = PairGraph(1000), PairGraph(40)
     for node in nodes:
         everything, newest = whole.add(node), windowed.add(node)

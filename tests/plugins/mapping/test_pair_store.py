@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from executive_plugins.mapping.pair_graph import Poses
+from executive_plugins.mapping.pair_store import PairStore
 
 from executive.geometry.pose import pose
-from plugins.mapping.pair_graph import Poses
-from plugins.mapping.pair_store import PairStore
 
 HERE = np.eye(4)
 
@@ -33,7 +33,9 @@ def test_a_pose_that_moves_takes_its_points_with_it(store: PairStore) -> None:
     before = shown(store)
     store.move(moved(0.2))
     assert store.is_stale
-    np.testing.assert_allclose(shown(store).mean(axis=0) - before.mean(axis=0), [0.2, 0, 0], atol=2e-3)
+    np.testing.assert_allclose(
+        shown(store).mean(axis=0) - before.mean(axis=0), [0.2, 0, 0], atol=2e-3
+    )
 
 
 def test_less_than_half_a_voxel_is_left_alone(store: PairStore) -> None:
@@ -47,7 +49,9 @@ def test_less_than_half_a_voxel_is_left_alone(store: PairStore) -> None:
 def test_a_turn_counts_by_what_it_does_far_away(store: PairStore) -> None:
     store.add(0, ball(), HERE, HERE)
     angle = 0.004  # 2 cm at 5 m
-    turned = pose(np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]))
+    turned = pose(
+        np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    )
     store.move(Poses(0, turned[None]))
     assert store.is_stale
 

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from executive_plugins.mapping.pose_graph import PoseGraph, PoseGraphSettings
+from executive_plugins.mapping.voxel_map import VoxelMap, VoxelMapSettings
 
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import exp_so3
+from executive.machine.machine import Machine
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
-from plugins.mapping.pose_graph import PoseGraph, PoseGraphSettings
-from plugins.mapping.voxel_map import VoxelMap, VoxelMapSettings
-from robot_models.machine import Machine
 
 RATE_RAD_S = 0.35
 COARSE = {"voxel_m": 0.1, "smoothing_m": 0.0}  # for scans of few columns
@@ -32,11 +32,19 @@ def make_graph(machine: Machine, request: pytest.FixtureRequest) -> Callable[...
     return make
 
 
-def shaken(motion: Motion, rng: np.random.Generator, rotation_rad: float, position_m: float) -> Motion:
+def shaken(
+    motion: Motion, rng: np.random.Generator, rotation_rad: float, position_m: float
+) -> Motion:
     """An estimate that is off by an error which is another one for each pair."""
     error = pose(exp_so3(rng.normal(0, rotation_rad, 3)), rng.normal(0, position_m, 3))
     covariance = np.diag(np.repeat([rotation_rad**2, position_m**2], 3))
-    return Motion(motion.stamps_s, motion.T_map_cabin @ error, motion.joint_names, motion.joint_position, covariance)
+    return Motion(
+        motion.stamps_s,
+        motion.T_map_cabin @ error,
+        motion.joint_names,
+        motion.joint_position,
+        covariance,
+    )
 
 
 def told(motion: Motion, position_m: float) -> Motion:
@@ -46,7 +54,10 @@ def told(motion: Motion, position_m: float) -> Motion:
 
 def quick(yard: Any, stamp_s: float, columns: int = 90) -> list[LidarScan]:
     """A pair of few columns."""
-    return [yard.scan("lidar_vertical", stamp_s, columns), yard.scan("lidar_horizontal", stamp_s - 0.03, columns)]
+    return [
+        yard.scan("lidar_vertical", stamp_s, columns),
+        yard.scan("lidar_horizontal", stamp_s - 0.03, columns),
+    ]
 
 
 def test_planes_stay_planes_while_the_cabin_swings(
@@ -65,7 +76,12 @@ def test_matches_mend_an_estimate_that_jumps_about(
     make_graph: Callable, make_yard: Callable, off_planes: Callable, machine: Machine
 ) -> None:
     yard, rng = make_yard(RATE_RAD_S, noise_m=0.01), np.random.default_rng(0)
-    jumpy = {"rotation_rad": 0.03, "position_m": 0.15, "correlation_s": 0.05, "anchor_period_s": 0.1}
+    jumpy = {
+        "rotation_rad": 0.03,
+        "position_m": 0.15,
+        "correlation_s": 0.05,
+        "anchor_period_s": 0.1,
+    }
     graph = make_graph(odometry=jumpy, **COARSE)
     voxels = VoxelMap(VoxelMapSettings.model_validate(COARSE), machine)
     voxels.start()
@@ -77,7 +93,9 @@ def test_matches_mend_an_estimate_that_jumps_about(
     assert np.median(matched) < 0.75 * np.median(averaged)
 
 
-def test_pairs_at_rest_make_no_node_and_the_first_few_are_mapped(make_graph: Callable, make_yard: Callable) -> None:
+def test_pairs_at_rest_make_no_node_and_the_first_few_are_mapped(
+    make_graph: Callable, make_yard: Callable
+) -> None:
     yard, mapper = make_yard(0.0), make_graph(pairs_at_rest=3, **COARSE)
     sizes = []
     for k in range(6):
@@ -87,7 +105,9 @@ def test_pairs_at_rest_make_no_node_and_the_first_few_are_mapped(make_graph: Cal
     assert [np.array_equal(a.points, b.points) for a, b in pairwise(sizes[2:])] == [True] * 3
 
 
-def test_a_removed_stone_stays_away_when_later_fixes_move_the_map(make_graph: Callable, make_yard: Callable) -> None:
+def test_a_removed_stone_stays_away_when_later_fixes_move_the_map(
+    make_graph: Callable, make_yard: Callable
+) -> None:
     yard, mapper = make_yard(RATE_RAD_S), make_graph(min_points=1, **COARSE)
     d = np.random.default_rng(0).normal(size=(800, 3))
     stone_map = 0.4 * d / np.linalg.norm(d, axis=1)[:, None] + [5.0, 2.0, 0.6]
@@ -98,7 +118,9 @@ def test_a_removed_stone_stays_away_when_later_fixes_move_the_map(make_graph: Ca
 
     for k in range(5):
         stamp_s = 1 + 0.1 * k
-        stone = yard.as_scan(transform(inverse(yard.T_map_cabin(stamp_s)), stone_map), "lidar_horizontal", stamp_s)
+        stone = yard.as_scan(
+            transform(inverse(yard.T_map_cabin(stamp_s)), stone_map), "lidar_horizontal", stamp_s
+        )
         mapper.add_scan_pair([*quick(yard, stamp_s), stone], told(yard.motion(stamp_s), 0.2))
     assert stone_or_ghost() > 50
     ground = mapper.cloud().points
@@ -110,11 +132,15 @@ def test_a_removed_stone_stays_away_when_later_fixes_move_the_map(make_graph: Ca
         mapper.add_scan_pair(quick(yard, 1.5 + 0.1 * k), higher)
     moved = mapper.cloud().points
     assert np.median(ground[ground[:, 2] < 0.3, 2]) == pytest.approx(0.0, abs=0.01)
-    assert np.quantile(moved[np.abs(moved[:, 2]) < 0.3, 2], 0.25) > 0.05  # the first scans have followed
+    assert (
+        np.quantile(moved[np.abs(moved[:, 2]) < 0.3, 2], 0.25) > 0.05
+    )  # the first scans have followed
     assert stone_or_ghost() == 0
 
 
-def test_a_long_mission_costs_no_more_memory_than_a_short_one(make_graph: Callable, make_yard: Callable) -> None:
+def test_a_long_mission_costs_no_more_memory_than_a_short_one(
+    make_graph: Callable, make_yard: Callable
+) -> None:
     yard, mapper = make_yard(RATE_RAD_S), make_graph(window=20, **COARSE)
     for k in range(70):
         mapper.add_scan_pair(quick(yard, 1 + 0.1 * k, 20), yard.motion(1 + 0.1 * k))

@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from executive_plugins.mapping.scan_matching import ScanMatcher, ScanMatchingSettings
 
 from executive.geometry.pose import pose
 from executive.geometry.rotation import angle_between, exp_so3
-from plugins.mapping.scan_matching import ScanMatcher, ScanMatchingSettings
 
 STEP = pose(exp_so3(np.array([0.0, 0.0, 0.02])), np.array([0.02, 0.01, 0.0]))
 
@@ -15,8 +15,12 @@ STEP = pose(exp_so3(np.array([0.0, 0.0, 0.02])), np.array([0.02, 0.01, 0.0]))
 def corner(rng: np.random.Generator, noise_m: float = 0.01, walls: bool = True) -> np.ndarray:
     """Ground and two walls, 5,000 points."""
     ground = np.column_stack([rng.uniform(-5, 5, (3000, 2)), np.full(3000, -1.5)])
-    one = np.column_stack([np.full(1000, 5.0), rng.uniform(-5, 5, 1000), rng.uniform(-1.5, 1, 1000)])
-    other = np.column_stack([rng.uniform(-5, 5, 1000), np.full(1000, 5.0), rng.uniform(-1.5, 1, 1000)])
+    one = np.column_stack(
+        [np.full(1000, 5.0), rng.uniform(-5, 5, 1000), rng.uniform(-1.5, 1, 1000)]
+    )
+    other = np.column_stack(
+        [rng.uniform(-5, 5, 1000), np.full(1000, 5.0), rng.uniform(-1.5, 1, 1000)]
+    )
     points = np.vstack([ground, one, other]) if walls else ground
     return points + rng.normal(0, noise_m, points.shape)
 
@@ -28,7 +32,11 @@ def seen_from(T: np.ndarray, points: np.ndarray) -> np.ndarray:
 @pytest.fixture
 def make_matcher() -> Callable[..., tuple[ScanMatcher, list[np.ndarray]]]:
     def make(walls: bool = True, **settings: float) -> tuple[ScanMatcher, list[np.ndarray]]:
-        matcher, rng, poses = ScanMatcher(ScanMatchingSettings(**settings)), np.random.default_rng(0), [np.eye(4)]
+        matcher, rng, poses = (
+            ScanMatcher(ScanMatchingSettings(**settings)),
+            np.random.default_rng(0),
+            [np.eye(4)],
+        )
         for k in range(10):
             matcher.add(k, seen_from(poses[-1], corner(rng, walls=walls)))
             poses.append(poses[-1] @ STEP)
@@ -39,17 +47,25 @@ def make_matcher() -> Callable[..., tuple[ScanMatcher, list[np.ndarray]]]:
 
 def test_the_step_from_the_node_before_is_found(make_matcher: Callable) -> None:
     matcher, poses = make_matcher()
-    wrong = poses[10] @ pose(exp_so3(np.array([0.005, -0.004, 0.008])), np.array([0.05, -0.04, 0.03]))
-    match = matcher.match(seen_from(poses[10], corner(np.random.default_rng(1))), wrong, poses.__getitem__)
+    wrong = poses[10] @ pose(
+        exp_so3(np.array([0.005, -0.004, 0.008])), np.array([0.05, -0.04, 0.03])
+    )
+    match = matcher.match(
+        seen_from(poses[10], corner(np.random.default_rng(1))), wrong, poses.__getitem__
+    )
     assert match is not None
     assert np.linalg.norm(match.T[:3, 3] - STEP[:3, 3]) < 0.004
     assert angle_between(match.T[:3, :3], STEP[:3, :3]) < 0.001
 
 
-def test_open_ground_tells_height_and_tilt_only_and_the_covariance_says_so(make_matcher: Callable) -> None:
+def test_open_ground_tells_height_and_tilt_only_and_the_covariance_says_so(
+    make_matcher: Callable,
+) -> None:
     matcher, poses = make_matcher(walls=False, max_shift_m=10.0, max_turn_rad=1.0)
     match = matcher.match(
-        seen_from(poses[10], corner(np.random.default_rng(1), walls=False)), poses[10], poses.__getitem__
+        seen_from(poses[10], corner(np.random.default_rng(1), walls=False)),
+        poses[10],
+        poses.__getitem__,
     )
     assert match is not None
     std = np.sqrt(np.diag(match.covariance))
@@ -57,10 +73,15 @@ def test_open_ground_tells_height_and_tilt_only_and_the_covariance_says_so(make_
     assert std[2] > 5 * std[:2].max()
 
 
-def test_what_is_too_far_from_odometry_or_matches_little_is_not_believed(make_matcher: Callable) -> None:
+def test_what_is_too_far_from_odometry_or_matches_little_is_not_believed(
+    make_matcher: Callable,
+) -> None:
     matcher, poses = make_matcher(max_shift_m=0.03)
     seen = seen_from(poses[10], corner(np.random.default_rng(1)))
-    assert matcher.match(seen, poses[10] @ pose(t=np.array([0.06, 0.0, 0.0])), poses.__getitem__) is None
+    assert (
+        matcher.match(seen, poses[10] @ pose(t=np.array([0.06, 0.0, 0.0])), poses.__getitem__)
+        is None
+    )
     assert matcher.match(seen, poses[10], poses.__getitem__) is not None
     elsewhere = seen + np.array([0.0, 0.0, 1.0], dtype=np.float32)
     assert matcher.match(elsewhere, poses[10], poses.__getitem__) is None
@@ -68,4 +89,9 @@ def test_what_is_too_far_from_odometry_or_matches_little_is_not_believed(make_ma
 
 def test_the_first_pair_has_nothing_to_match() -> None:
     matcher = ScanMatcher(ScanMatchingSettings())
-    assert matcher.match(corner(np.random.default_rng(0)).astype(np.float32), np.eye(4), lambda node: np.eye(4)) is None
+    assert (
+        matcher.match(
+            corner(np.random.default_rng(0)).astype(np.float32), np.eye(4), lambda node: np.eye(4)
+        )
+        is None
+    )

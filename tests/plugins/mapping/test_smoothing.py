@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from plugins.mapping.voxel_grid import VoxelGrid
+from executive_plugins.mapping.voxel_grid import VoxelGrid
 
 
 def by_search(means: np.ndarray, counts: np.ndarray, reach_m: float) -> np.ndarray:

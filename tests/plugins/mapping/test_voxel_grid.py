@@ -2,13 +2,15 @@
 
 import numpy as np
 import pytest
+from executive_plugins.mapping.voxel_grid import VoxelGrid
 
 from executive.errors import DataError
-from plugins.mapping.voxel_grid import VoxelGrid
 
 
 def expected(points: np.ndarray, voxel_m: float) -> tuple[np.ndarray, np.ndarray]:
-    keys, inverse, counts = np.unique(np.floor(points / voxel_m), axis=0, return_inverse=True, return_counts=True)
+    keys, inverse, counts = np.unique(
+        np.floor(points / voxel_m), axis=0, return_inverse=True, return_counts=True
+    )
     means = np.zeros_like(keys)
     np.add.at(means, inverse.ravel(), points)
     return means / counts[:, None], counts

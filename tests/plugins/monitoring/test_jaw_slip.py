@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from executive_plugins.monitoring.jaw_slip import JawSlip, JawSlipSettings
 
 from executive.arrays import Float
+from executive.machine.machine import Machine, load_machine
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Trouble, Verdict
-from plugins.monitoring.jaw_slip import JawSlip, JawSlipSettings
-from robot_models.machine import Machine, load_machine
 
 NOISE_RAD = 5e-4  # more than twice the encoder's
 RATE_HZ = 100
@@ -19,7 +19,9 @@ def machine() -> Machine:
     return load_machine("m545")
 
 
-def watch(machine: Machine, openings_m: Float, lift_s: float = 2.0, seed: int = 0) -> Verdict | None:
+def watch(
+    machine: Machine, openings_m: Float, lift_s: float = 2.0, seed: int = 0
+) -> Verdict | None:
     """Feed one hold; the arm moves from a time on. Nothing may follow a verdict."""
     monitor = JawSlip(JawSlipSettings(), machine)
     monitor.begin_hold()
@@ -38,7 +40,13 @@ def samples(machine: Machine, openings_m: Float, lift_s: float, seed: int) -> li
         velocity = rng.normal(0, 2e-3, len(arm) + 1)
         velocity[1] += 0.2 * (i / RATE_HZ > lift_s)
         series.append(
-            JointSample(i / RATE_HZ, machine.joint_names, np.append(arm, jaw), velocity, np.zeros(len(arm) + 1))
+            JointSample(
+                i / RATE_HZ,
+                machine.joint_names,
+                np.append(arm, jaw),
+                velocity,
+                np.zeros(len(arm) + 1),
+            )
         )
     return series
 
@@ -52,7 +60,9 @@ def test_says_nothing_over_two_minutes_of_noise(machine: Machine, seed: int) -> 
     assert watch(machine, hold(120.0), seed=seed) is None
 
 
-def test_says_nothing_while_a_lifted_stone_settles_by_a_quarter_of_a_metre(machine: Machine) -> None:
+def test_says_nothing_while_a_lifted_stone_settles_by_a_quarter_of_a_metre(
+    machine: Machine,
+) -> None:
     openings = hold(30.0)
     t = np.arange(len(openings)) / RATE_HZ
     openings -= 0.25 * np.clip((t - 2.2) / 0.5, 0, 1)

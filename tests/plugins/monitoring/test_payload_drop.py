@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from executive_plugins.monitoring.payload import PayloadScale
+from executive_plugins.monitoring.payload_drop import PayloadDrop, PayloadDropSettings
 
 from executive.arrays import Float
+from executive.machine.machine import Machine, load_machine
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Trouble, Verdict
-from plugins.monitoring.payload import PayloadScale
-from plugins.monitoring.payload_drop import PayloadDrop, PayloadDropSettings
-from robot_models.machine import Machine, load_machine
 
 RATE_HZ = 50
 HELD_RAD = 0.4
@@ -31,7 +31,9 @@ class Series:
         self._machine, self._scale = machine, scale
         self._rng = np.random.default_rng(seed)
         self._share = next(s.effort_noise for s in machine.sensors_of("encoders"))
-        self._limits = np.array([joint.max_effort for joint in machine.joints] + [machine.jaw.max_effort])
+        self._limits = np.array(
+            [joint.max_effort for joint in machine.joints] + [machine.jaw.max_effort]
+        )
 
     def samples(
         self, mass_kg: Float, boom_rad_s: Float | float = 0.0, jaw_rad: Float | float = HELD_RAD
@@ -43,7 +45,9 @@ class Series:
         series = []
         for i in range(count):
             q[1] += boom_rad_s[i] / RATE_HZ
-            series.append(self._sample(i / RATE_HZ, np.append(q, jaw_rad[i]), boom_rad_s[i], mass_kg[i]))
+            series.append(
+                self._sample(i / RATE_HZ, np.append(q, jaw_rad[i]), boom_rad_s[i], mass_kg[i])
+            )
         return series
 
     def _sample(self, stamp_s: float, q: Float, boom_rad_s: float, mass_kg: float) -> JointSample:
@@ -70,7 +74,9 @@ def lifted(duration_s: float, mass_kg: float = 1800.0) -> Float:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_says_nothing_over_a_minute_of_carrying(machine: Machine, scale: PayloadScale, seed: int) -> None:
+def test_says_nothing_over_a_minute_of_carrying(
+    machine: Machine, scale: PayloadScale, seed: int
+) -> None:
     assert watch(machine, Series(machine, scale, seed).samples(lifted(60.0))) is None
 
 
@@ -97,7 +103,9 @@ def test_tells_nothing_when_the_ground_takes_over_a_stone_that_is_set_down(
     assert watch(machine, Series(machine, scale).samples(mass, speeds)) is None
 
 
-def test_tells_nothing_when_the_arm_leans_on_the_ground(machine: Machine, scale: PayloadScale) -> None:
+def test_tells_nothing_when_the_arm_leans_on_the_ground(
+    machine: Machine, scale: PayloadScale
+) -> None:
     mass = lifted(20.0)
     mass[500:] = -2500.0
     assert watch(machine, Series(machine, scale).samples(mass)) is None
@@ -113,7 +121,9 @@ def test_jaws_that_closed_at_the_lift_tell_nothing_about_a_loss_at_the_set_down(
     assert watch(machine, Series(machine, scale).samples(mass, speeds, jaws)) is None
 
 
-def test_tells_a_drop_on_the_way_down_by_the_jaws_that_close(machine: Machine, scale: PayloadScale) -> None:
+def test_tells_a_drop_on_the_way_down_by_the_jaws_that_close(
+    machine: Machine, scale: PayloadScale
+) -> None:
     mass = lifted(20.0)
     mass[500:] = 0.0
     speeds = np.where(np.arange(1000) > 350, -0.02, 0.0)

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from plugins.monitoring.smoothing import LowPass, RunningMedian
+from executive_plugins.monitoring.smoothing import LowPass, RunningMedian
 
 
 def test_the_median_waits_until_its_span_is_covered_and_ignores_a_spike() -> None:
@@ -27,4 +26,6 @@ def test_the_low_pass_tells_the_rate_of_a_ramp() -> None:
     low_pass = LowPass(0.2)
     for i in range(300):
         _, rate = low_pass.add(0.01 * i, np.array([0.01 * i * 3.0]))
-    assert rate[0] == pytest.approx(3.0, rel=0.05)  # sampled every 10 ms, the lag is half a sample short
+    assert rate[0] == pytest.approx(
+        3.0, rel=0.05
+    )  # sampled every 10 ms, the lag is half a sample short

@@ -7,17 +7,17 @@ from functools import cache
 import fcl
 import numpy as np
 import pytest
+from executive_plugins.motion.hermite import Hermite, HermiteSettings
 from scipy.spatial import ConvexHull
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import from_rpy
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine, load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.request import MoveRequest
 from executive.messages.trajectory import JointTrajectory
-from plugins.motion.hermite import Hermite, HermiteSettings
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine, load_machine
 
 DOWN = from_rpy(0.0, np.pi / 2, 0.0)
 T_MAP_BASE = pose(from_rpy(0.01, -0.015, 0.4), np.array([2.0, -1.0, 0.9]))
@@ -32,7 +32,10 @@ class Boulder:
 
     def depths(self, points_map: Float) -> Float:
         """Return about how deep points lie inside [m]."""
-        return np.asarray((1 - np.linalg.norm((points_map - self.centre) / self.radii, axis=-1)) * self.radii.min())
+        return np.asarray(
+            (1 - np.linalg.norm((points_map - self.centre) / self.radii, axis=-1))
+            * self.radii.min()
+        )
 
     def surface(self, rng: np.random.Generator) -> Float:
         """Return noisy points of its surface in the map, shape (N, 3)."""
@@ -44,7 +47,9 @@ class Boulder:
 class Site:
     """Stones in a ring about the base, at least 2.2 m apart."""
 
-    def __init__(self, machine: Machine, ring_m: tuple[float, float], size_m: float, seed: int) -> None:
+    def __init__(
+        self, machine: Machine, ring_m: tuple[float, float], size_m: float, seed: int
+    ) -> None:
         self.machine = machine
         self._ring_m, self._size_m = ring_m, size_m
         self.rng = np.random.default_rng(seed)
@@ -63,7 +68,9 @@ class Site:
         while True:
             azimuth, radius = self.rng.uniform([-np.pi, self._ring_m[0]], [np.pi, self._ring_m[1]])
             x, y = T_MAP_BASE[:2, 3] + radius * np.array([np.cos(azimuth), np.sin(azimuth)])
-            if all(np.hypot(x - s.centre[0], y - s.centre[1]) > 2.2 * self._size_m for s in self.stones):
+            if all(
+                np.hypot(x - s.centre[0], y - s.centre[1]) > 2.2 * self._size_m for s in self.stones
+            ):
                 return np.array([x, y, self.ground_height(x, y) + above_m])
 
     def _ground_points(self) -> Float:
@@ -85,7 +92,9 @@ class Site:
         R = yaw @ T_map_gripper[:3, :3]
         goal = pose(R, place + yaw @ (T_map_gripper[:3, 3] - self.stones[stone].centre))
         points = np.vstack([self.ground, *self.clouds[:stone], *self.clouds[stone + 1 :]])
-        return self._request(start, goal, points, transform(inverse(T_map_gripper), self.clouds[stone]))
+        return self._request(
+            start, goal, points, transform(inverse(T_map_gripper), self.clouds[stone])
+        )
 
     def _request(self, start: Float, goal: Float, points: Float, held: Float | None) -> MoveRequest:
         open_rad = self.machine.gripper.open_rad
@@ -113,18 +122,24 @@ class Judge:
             for shape in link.shapes
         ]
 
-    def deepest_in_site(self, request: MoveRequest, trajectory: JointTrajectory, but: int | None) -> float:
+    def deepest_in_site(
+        self, request: MoveRequest, trajectory: JointTrajectory, but: int | None
+    ) -> float:
         """Return how deep the arm goes into ground and stones [m], all but one stone."""
         deepest = -np.inf
         stones = [stone for i, stone in enumerate(self.site.stones) if i != but]
         for q in _fine(trajectory, 0.1):
             frames = self.kinematics.frames(q, request.jaw_rad)
             points = [
-                transform(frames[name], _filled(v)) for name, v, _ in self._parts if name in _carried(self.machine)
+                transform(frames[name], _filled(v))
+                for name, v, _ in self._parts
+                if name in _carried(self.machine)
             ]
             points_map = transform(request.T_map_base, np.vstack(points))
             sunk = self.site.ground_height(*points_map[:, :2].T) - points_map[:, 2]
-            deepest = max([deepest, sunk.max(), *(stone.depths(points_map).max() for stone in stones)])
+            deepest = max(
+                [deepest, sunk.max(), *(stone.depths(points_map).max() for stone in stones)]
+            )
         return float(deepest)
 
     def touches_itself(self, request: MoveRequest, trajectory: JointTrajectory) -> bool:

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from executive_plugins.motion.chain import link_frames
 
-from plugins.motion.chain import link_frames
-from robot_models.kinematics import Kinematics
-from robot_models.machine import load_machine
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import load_machine
 
 
 @pytest.mark.parametrize("model", ["m545", "mini"])
@@ -13,7 +13,9 @@ def test_agrees_with_pinocchio_at_random_postures(model: str) -> None:
     machine = load_machine(model)
     kinematics = Kinematics(machine)
     rng = np.random.default_rng(0)
-    q = rng.uniform(np.maximum(machine.lower, -7.0), np.minimum(machine.upper, 7.0), (50, len(machine.joints)))
+    q = rng.uniform(
+        np.maximum(machine.lower, -7.0), np.minimum(machine.upper, 7.0), (50, len(machine.joints))
+    )
     frames = link_frames(machine, q, 0.4)
     for k, posture in enumerate(q):
         expected = kinematics.frames(posture, 0.4)

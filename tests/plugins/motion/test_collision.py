@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from executive_plugins.motion.collision import CollisionCheck
+from executive_plugins.motion.obstacles import Obstacles
+from executive_plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
 
 from executive.arrays import Float
 from executive.geometry.pose import transform
-from plugins.motion.collision import CollisionCheck
-from plugins.motion.obstacles import Obstacles
-from plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine, load_machine
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine, load_machine
 
 OPEN_RAD = 0.9
 TOLERANCE_M = 0.05
@@ -25,7 +25,9 @@ def level(height_m: float) -> Float:
     return np.c_[xy, np.full(len(xy), height_m)]
 
 
-def check(machine: Machine, points: Float, start: Float, held: Float | None = None) -> CollisionCheck:
+def check(
+    machine: Machine, points: Float, start: Float, held: Float | None = None
+) -> CollisionCheck:
     body = None if held is None else held_body(machine, held)
     machine_check = SelfCollision(machine, machine_bodies(machine), 0.05, body)
     return CollisionCheck(machine_check, Obstacles(points, 11.0), start, OPEN_RAD, TOLERANCE_M)
@@ -42,7 +44,9 @@ def ball(centre: Float, radius_m: float) -> Float:
     return np.asarray(centre + radius_m * directions / np.linalg.norm(directions, axis=1)[:, None])
 
 
-def test_ground_just_below_the_tips_is_free_and_ground_above_them_is_a_hit(machine: Machine) -> None:
+def test_ground_just_below_the_tips_is_free_and_ground_above_them_is_a_hit(
+    machine: Machine,
+) -> None:
     carry = machine.posture("carry")
     elsewhere = machine.posture("scan")
     elsewhere[0] = np.pi
@@ -62,7 +66,12 @@ def test_says_which_posture_is_the_first_to_hit(machine: Machine) -> None:
     hit = check(machine, np.vstack([level(-3.0), ball(centre, 0.3)]), carry).first_hit(q)
     assert hit is not None
     assert 5 < hit.posture < 20
-    assert check(machine, np.vstack([level(-3.0), ball(centre, 0.3)]), carry).first_hit(q[: hit.posture]) is None
+    assert (
+        check(machine, np.vstack([level(-3.0), ball(centre, 0.3)]), carry).first_hit(
+            q[: hit.posture]
+        )
+        is None
+    )
 
 
 def test_a_stone_between_open_jaws_is_no_collision(machine: Machine) -> None:
@@ -76,7 +85,9 @@ def test_a_stone_between_open_jaws_is_no_collision(machine: Machine) -> None:
 def test_what_the_machine_touches_at_the_start_is_excused(machine: Machine) -> None:
     carry, away = machine.posture("carry"), machine.posture("carry")
     away[0] = 2.0
-    centre = transform(Kinematics(machine).gripper(carry), np.array([-0.1, 0.0, 0.0]))  # in the palm
+    centre = transform(
+        Kinematics(machine).gripper(carry), np.array([-0.1, 0.0, 0.0])
+    )  # in the palm
     points = np.vstack([level(-3.0), ball(centre, 0.15)])
     assert check(machine, points, carry).first_hit(carry[None]) is None
     assert check(machine, points, away).first_hit(carry[None]) is not None
@@ -105,7 +116,10 @@ def test_a_stone_on_the_ground_may_be_lifted_off_it(machine: Machine) -> None:
 
 def test_chassis_and_cabin_may_stand_among_points(machine: Machine) -> None:
     around = ball(np.array([0.0, 0.0, 0.5]), 1.0)
-    assert check(machine, around, machine.posture("carry")).first_hit(machine.posture("carry")[None]) is None
+    assert (
+        check(machine, around, machine.posture("carry")).first_hit(machine.posture("carry")[None])
+        is None
+    )
 
 
 def test_the_load_is_checked_against_the_machine(machine: Machine) -> None:

@@ -4,9 +4,9 @@ from itertools import product
 
 import numpy as np
 import pytest
+from executive_plugins.motion.convex import Convex
 
 from executive.errors import ShapeError
-from plugins.motion.convex import Convex
 
 CORNERS = np.array(list(product((-0.5, 0.5), (-1.0, 1.0), (-0.25, 0.25))))
 

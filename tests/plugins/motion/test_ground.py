@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from executive_plugins.motion.ground import ground_normal
 
 from executive.arrays import Float
-from plugins.motion.ground import ground_normal
 
 
 def slope(tilt_rad: float, noise_m: float = 0.015) -> Float:

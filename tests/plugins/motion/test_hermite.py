@@ -7,11 +7,11 @@ from executive.arrays import Float
 from executive.errors import ShapeError
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import angle_between, from_rpy
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine, load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.trajectory import JointTrajectory
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine, load_machine
 
 NOTHING = Cloud("map", np.zeros((0, 3)))
 RINGS = {"m545": ((4.0, 7.0), 1.0), "mini": ((2.8, 4.7), 0.6)}  # of the stones [m], and their size
@@ -22,7 +22,9 @@ def sampled(trajectory: JointTrajectory, step_s: float) -> Float:
 
 
 @pytest.mark.parametrize("seed", [0])
-def test_picks_and_places_hit_nothing_and_keep_every_limit(make_planner, make_site, make_judge, seed: int) -> None:
+def test_picks_and_places_hit_nothing_and_keep_every_limit(
+    make_planner, make_site, make_judge, seed: int
+) -> None:
     machine, planner = load_machine("m545"), make_planner("m545")
     q = machine.posture("scan")
     site = make_site(machine, *RINGS["m545"], seed)
@@ -53,7 +55,9 @@ def assert_keeps_limits(machine: Machine, trajectory: JointTrajectory, is_loaded
     assert ((fine >= machine.lower - 1e-3) & (fine <= machine.upper + 1e-3)).all()
 
 
-def test_arrives_and_leaves_straight_along_the_normal_without_turning(make_planner, make_site) -> None:
+def test_arrives_and_leaves_straight_along_the_normal_without_turning(
+    make_planner, make_site
+) -> None:
     machine, planner = load_machine("m545"), make_planner("m545")
     site = make_site(machine, *RINGS["m545"], 3)
     request = site.pick(machine.posture("carry"), 0, tilt_rad=0.0)
@@ -61,14 +65,18 @@ def test_arrives_and_leaves_straight_along_the_normal_without_turning(make_plann
     assert plan.trajectory is not None, plan.reason
     poses = gripper_poses(machine, request, plan.trajectory)
     offsets = poses[:, :3, 3] - request.T_map_gripper[:3, 3]
-    last = poses[len(poses) - 1 - np.argmax(np.linalg.norm(offsets[::-1], axis=1) > 0.7 * request.arrive_m) :]
+    last = poses[
+        len(poses) - 1 - np.argmax(np.linalg.norm(offsets[::-1], axis=1) > 0.7 * request.arrive_m) :
+    ]
     steps = last[:, :3, 3] - request.T_map_gripper[:3, 3]
     direction = steps[0] / np.linalg.norm(steps[0])
     beside = steps - np.outer(steps @ direction, direction)
     assert np.linalg.norm(beside, axis=1).max() < 0.01
     assert max(angle_between(T[:3, :3], request.T_map_gripper[:3, :3]) for T in last) < 0.01
     x, y = request.T_map_gripper[:2, 3]
-    normal = np.array([-0.09 * np.cos(0.9 * x), 0.056 * np.sin(0.7 * y), 1.0])  # of the site's ground
+    normal = np.array(
+        [-0.09 * np.cos(0.9 * x), 0.056 * np.sin(0.7 * y), 1.0]
+    )  # of the site's ground
     assert direction @ normal / np.linalg.norm(normal) > np.cos(0.1)
 
 
@@ -108,11 +116,29 @@ def vertical_pick(site, machine: Machine, stone: int) -> MoveRequest:
     base = pose(t=np.array([0.0, 0.0, machine.stance.base_height_m]) + [2.0, -1.0, 0.0])
     R = from_rpy(0.0, 0.0, 0.3 * stone) @ from_rpy(0.0, np.pi / 2, 0.0)
     palm = site.stones[stone].centre - R @ machine.gripper.grasp_centre
-    return MoveRequest(request.start, pose(R, palm), base, 0.4, 0.6, request.obstacles, None, machine.gripper.open_rad)
+    return MoveRequest(
+        request.start,
+        pose(R, palm),
+        base,
+        0.4,
+        0.6,
+        request.obstacles,
+        None,
+        machine.gripper.open_rad,
+    )
 
 
-def ask(planner, goal: Float, start: Float, obstacles: Cloud = NOTHING, leave_m: float = 0.0, arrive_m: float = 0.0):
-    return planner.move(MoveRequest(start, goal, np.eye(4), leave_m, arrive_m, obstacles, None, 0.9))
+def ask(
+    planner,
+    goal: Float,
+    start: Float,
+    obstacles: Cloud = NOTHING,
+    leave_m: float = 0.0,
+    arrive_m: float = 0.0,
+):
+    return planner.move(
+        MoveRequest(start, goal, np.eye(4), leave_m, arrive_m, obstacles, None, 0.9)
+    )
 
 
 def at_carry(machine: Machine, x: float, y: float, z: float) -> Float:
@@ -123,7 +149,12 @@ def at_carry(machine: Machine, x: float, y: float, z: float) -> Float:
 def test_the_way_straight_down_needs_no_detour_upwards(make_planner) -> None:
     machine = load_machine("m545")
     T = Kinematics(machine).gripper(machine.posture("carry"))
-    plan = ask(make_planner("m545"), pose(t=np.array([0.0, 0.0, -1.0])) @ T, machine.posture("carry"), arrive_m=1.0)
+    plan = ask(
+        make_planner("m545"),
+        pose(t=np.array([0.0, 0.0, -1.0])) @ T,
+        machine.posture("carry"),
+        arrive_m=1.0,
+    )
     assert plan.trajectory is not None, plan.reason
     heights = plan.path_map[:, 2]
     assert heights.max() < heights[0] + 0.02  # the line's end is bent into the travel
@@ -133,14 +164,23 @@ def test_the_way_straight_down_needs_no_detour_upwards(make_planner) -> None:
 def test_the_way_straight_up_is_the_leaving_alone(make_planner) -> None:
     machine = load_machine("m545")
     T = Kinematics(machine).gripper(machine.posture("carry"))
-    plan = ask(make_planner("m545"), pose(t=np.array([0.0, 0.0, 1.0])) @ T, machine.posture("carry"), leave_m=1.0)
+    plan = ask(
+        make_planner("m545"),
+        pose(t=np.array([0.0, 0.0, 1.0])) @ T,
+        machine.posture("carry"),
+        leave_m=1.0,
+    )
     assert plan.trajectory is not None, plan.reason
     assert (np.diff(plan.path_map[:, 2]) > -1e-3).all()
 
 
 def test_goes_where_it_stands_already_in_no_time(make_planner) -> None:
     machine = load_machine("m545")
-    plan = ask(make_planner("m545"), Kinematics(machine).gripper(machine.posture("carry")), machine.posture("carry"))
+    plan = ask(
+        make_planner("m545"),
+        Kinematics(machine).gripper(machine.posture("carry")),
+        machine.posture("carry"),
+    )
     assert plan.trajectory is not None, plan.reason
     assert plan.trajectory.duration_s < 0.5
 
@@ -148,7 +188,9 @@ def test_goes_where_it_stands_already_in_no_time(make_planner) -> None:
 def wall(azimuth_rad: float) -> Float:
     """Points of a wall that stands out from the machine, too high to be crossed."""
     radius, height = np.meshgrid(np.arange(2.5, 9.0, 0.1), np.arange(-0.9, 7.0, 0.1))
-    along = np.stack([np.cos(azimuth_rad) * radius, np.sin(azimuth_rad) * radius, height], axis=-1).reshape(-1, 3)
+    along = np.stack(
+        [np.cos(azimuth_rad) * radius, np.sin(azimuth_rad) * radius, height], axis=-1
+    ).reshape(-1, 3)
     across = np.array([-np.sin(azimuth_rad), np.cos(azimuth_rad), 0.0])
     return np.vstack([along + d * across for d in (-0.1, 0.0, 0.1)])
 
@@ -162,7 +204,9 @@ def test_swings_the_shorter_way_and_the_other_where_that_one_is_blocked(make_pla
     enclosed = ask(planner, goal, start, Cloud("map", np.vstack([wall(0.0), wall(np.pi)])))
     assert free.trajectory is not None
     assert blocked.trajectory is not None, blocked.reason
-    short, long = (t.position[-1, turn] - t.position[0, turn] for t in (free.trajectory, blocked.trajectory))
+    short, long = (
+        t.position[-1, turn] - t.position[0, turn] for t in (free.trajectory, blocked.trajectory)
+    )
     assert -np.pi < short < 0.0
     assert long == pytest.approx(short + 2 * np.pi, abs=0.05)
     assert enclosed.trajectory is None
@@ -182,7 +226,12 @@ def test_says_why_there_is_no_way(make_planner, make_site, x: float, z: float, w
     xy = np.random.default_rng(0).uniform(-9, 9, (30000, 2))
     ground = np.c_[xy, np.full(len(xy), -0.9)]
     plan = ask(
-        make_planner("m545"), at_carry(machine, x, 0.0, z), machine.posture("carry"), Cloud("map", ground), 0.3, 1.0
+        make_planner("m545"),
+        at_carry(machine, x, 0.0, z),
+        machine.posture("carry"),
+        Cloud("map", ground),
+        0.3,
+        1.0,
     )
     assert plan.trajectory is None
     assert words in plan.reason
@@ -210,7 +259,9 @@ def test_a_start_of_another_arm_is_refused(make_planner) -> None:
 
 
 @pytest.mark.parametrize("model", ["m545", "mini"])
-def test_a_sweep_goes_to_both_sides_and_back_in_the_scanning_posture(make_planner, model: str) -> None:
+def test_a_sweep_goes_to_both_sides_and_back_in_the_scanning_posture(
+    make_planner, model: str
+) -> None:
     machine, planner = load_machine(model), make_planner(model)
     start = machine.posture("carry")
     turn = machine.arm_names.index(machine.turn_joint)
@@ -220,10 +271,14 @@ def test_a_sweep_goes_to_both_sides_and_back_in_the_scanning_posture(make_planne
     trajectory = plan.trajectory
     assert_keeps_limits(machine, trajectory, is_loaded=False)
     turns = trajectory.position[:, turn]
-    assert (turns[0], turns.max(), turns.min(), turns[-1]) == pytest.approx((0.7, 1.7, -0.3, 0.7), abs=1e-6)
+    assert (turns[0], turns.max(), turns.min(), turns[-1]) == pytest.approx(
+        (0.7, 1.7, -0.3, 0.7), abs=1e-6
+    )
     sweeping = np.abs(trajectory.velocity[:, turn]) > 1e-6
     others = np.delete(trajectory.position, turn, axis=1)
-    np.testing.assert_allclose(others[sweeping], np.tile(np.delete(machine.posture("scan"), turn), (sweeping.sum(), 1)))
+    np.testing.assert_allclose(
+        others[sweeping], np.tile(np.delete(machine.posture("scan"), turn), (sweeping.sum(), 1))
+    )
     assert trajectory.duration_s >= 25.0
 
 
@@ -252,5 +307,9 @@ def test_obstacles_are_taken_where_the_base_stands(make_planner, make_site) -> N
     here, there = make_planner("m545").move(request), make_planner("m545").move(elsewhere)
     assert here.trajectory is not None, here.reason
     assert there.trajectory is not None
-    np.testing.assert_allclose(here.trajectory.position[-1], there.trajectory.position[-1], atol=1e-6)
-    np.testing.assert_allclose(transform(inverse(moved), there.path_map)[-1], here.path_map[-1], atol=1e-6)
+    np.testing.assert_allclose(
+        here.trajectory.position[-1], there.trajectory.position[-1], atol=1e-6
+    )
+    np.testing.assert_allclose(
+        transform(inverse(moved), there.path_map)[-1], here.path_map[-1], atol=1e-6
+    )

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from executive_plugins.motion.inverse_kinematics import InverseKinematics, InverseKinematicsSettings
 
 from executive.arrays import Float
 from executive.geometry.pose import pose
 from executive.geometry.rotation import angle_between, from_rpy
-from plugins.motion.inverse_kinematics import InverseKinematics, InverseKinematicsSettings
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine, load_machine
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine, load_machine
 
 DOWN = from_rpy(0.0, np.pi / 2, 0.0)  # the gripper's x axis points down
 
@@ -81,7 +81,10 @@ def test_refuses_what_is_too_far_away(m545: Solver) -> None:
 
 
 def test_refuses_a_gripper_that_looks_up(m545: Solver) -> None:
-    assert m545.ik.solve(pose(from_rpy(0.0, -np.pi / 2, 0.0), np.array([5.5, 0.0, 0.0])), m545.carry) is None
+    assert (
+        m545.ik.solve(pose(from_rpy(0.0, -np.pi / 2, 0.0), np.array([5.5, 0.0, 0.0])), m545.carry)
+        is None
+    )
 
 
 def test_asks_the_further_demand_of_each_solution(m545: Solver) -> None:
@@ -96,7 +99,9 @@ def test_asks_the_further_demand_of_each_solution(m545: Solver) -> None:
 
 
 def test_five_joints_reach_every_vertical_pick_in_their_ring(mini: Solver) -> None:
-    for azimuth, radius, yaw in np.random.default_rng(0).uniform([-3, 2.3, -3], [3, 4.8, 3], (100, 3)):
+    for azimuth, radius, yaw in np.random.default_rng(0).uniform(
+        [-3, 2.3, -3], [3, 4.8, 3], (100, 3)
+    ):
         place = np.array([radius * np.cos(azimuth), radius * np.sin(azimuth), 0.2])
         T = pose(from_rpy(0.0, 0.0, yaw) @ DOWN, place)
         q = mini.ik.solve(T, mini.carry)
@@ -104,7 +109,9 @@ def test_five_joints_reach_every_vertical_pick_in_their_ring(mini: Solver) -> No
         np.testing.assert_allclose(mini.kinematics.gripper(q), T, atol=2e-3)
 
 
-def test_five_joints_ignore_a_small_tilt_they_cannot_make_and_refuse_a_large_one(mini: Solver) -> None:
+def test_five_joints_ignore_a_small_tilt_they_cannot_make_and_refuse_a_large_one(
+    mini: Solver,
+) -> None:
     place = np.array([4.0, 0.0, 0.2])
     assert mini.ik.solve(pose(from_rpy(0.04, 0.0, 0.0) @ DOWN, place), mini.carry) is not None
     assert mini.ik.solve(pose(from_rpy(0.2, 0.0, 0.0) @ DOWN, place), mini.carry) is None

@@ -3,9 +3,9 @@
 import itertools
 
 import numpy as np
+from executive_plugins.motion.path import HermitePath, path_through
 
 from executive.arrays import Float
-from plugins.motion.path import HermitePath, path_through
 
 VELOCITY = np.array([0.5, 1.0])
 ACCELERATION = np.array([0.4, 0.8])
@@ -39,7 +39,9 @@ def test_its_tangent_is_continuous_and_the_slope_of_its_position() -> None:
 
 
 def test_a_rest_to_rest_interval_is_as_long_as_its_slowest_joint_needs() -> None:
-    path = path_through(np.array([[0.0, 0.0], [1.0, 0.1]]), np.zeros(1, dtype=bool), VELOCITY, ACCELERATION)
+    path = path_through(
+        np.array([[0.0, 0.0], [1.0, 0.1]]), np.zeros(1, dtype=bool), VELOCITY, ACCELERATION
+    )
     assert path.length == max(1.5 * 1.0 / 0.5, np.sqrt(6 * 1.0 / 0.4))
 
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from executive_plugins.motion.chain import link_frames
+from executive_plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
 
-from plugins.motion.chain import link_frames
-from plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
-from robot_models.machine import load_machine
+from executive.machine.machine import load_machine
 
 
 def ball(centre_m: tuple[float, float, float], radius_m: float) -> np.ndarray:
@@ -24,10 +24,17 @@ def test_the_named_postures_are_free(model: str) -> None:
 def test_a_gripper_folded_into_the_cabin_is_a_hit_and_named() -> None:
     machine = load_machine("m545")
     folded = machine.posture("scan")
-    for joint, value in {"J_BOOM": 0.4, "J_DIPPER": -1.1, "J_TELE": 0.3, "J_EE_PITCH": -2.2}.items():
+    for joint, value in {
+        "J_BOOM": 0.4,
+        "J_DIPPER": -1.1,
+        "J_TELE": 0.3,
+        "J_EE_PITCH": -2.2,
+    }.items():
         folded[machine.arm_names.index(joint)] = value
     q = np.linspace(machine.posture("scan"), folded, 40)
-    hit = SelfCollision(machine, machine_bodies(machine), 0.05).first_hit(link_frames(machine, q, 0.9))
+    hit = SelfCollision(machine, machine_bodies(machine), 0.05).first_hit(
+        link_frames(machine, q, 0.9)
+    )
     assert hit is not None
     assert hit[0] > 0
     assert {"cabin", "base", "boom"} & set(hit[1:])

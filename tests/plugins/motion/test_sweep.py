@@ -2,15 +2,18 @@
 
 import numpy as np
 import pytest
+from executive_plugins.motion.sweep import chain, slowed
 
 from executive.messages.trajectory import JointTrajectory
-from plugins.motion.sweep import chain, slowed
 
 
 def piece(begin: float, end: float) -> JointTrajectory:
     position = np.array([[begin], [(begin + end) / 2], [end]])
     return JointTrajectory(
-        ("a",), np.array([0.0, 1.0, 2.0]), position, np.array([[0.0], [0.75 * (end - begin)], [0.0]])
+        ("a",),
+        np.array([0.0, 1.0, 2.0]),
+        position,
+        np.array([[0.0], [0.75 * (end - begin)], [0.0]]),
     )
 
 

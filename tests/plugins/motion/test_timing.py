@@ -2,18 +2,20 @@
 
 import numpy as np
 import pytest
+from executive_plugins.motion.path import path_through
+from executive_plugins.motion.timing import Limits, time_path
 
 from executive.arrays import Float
 from executive.messages.trajectory import JointTrajectory
-from plugins.motion.path import path_through
-from plugins.motion.timing import Limits, time_path
 
 LIMITS = Limits(np.array([0.8, 0.3]), np.array([0.4, 0.3]), np.array([1.2, 1.0]))
 
 
 def timed(nodes: Float) -> JointTrajectory:
     is_dense = np.zeros(len(nodes) - 1, dtype=bool)
-    return time_path(("a", "b"), path_through(nodes, is_dense, LIMITS.velocity, LIMITS.acceleration), LIMITS)
+    return time_path(
+        ("a", "b"), path_through(nodes, is_dense, LIMITS.velocity, LIMITS.acceleration), LIMITS
+    )
 
 
 def random_nodes(seed: int) -> Float:
@@ -28,7 +30,9 @@ def test_keeps_velocity_and_acceleration_limits_by_finite_differences(seed: int)
     velocity = np.diff(q, axis=0) / 0.002
     acceleration = np.diff(velocity, axis=0) / 0.002
     assert (np.abs(velocity) <= LIMITS.velocity * 1.001).all()
-    assert (np.abs(acceleration) <= LIMITS.acceleration * 1.01).all()  # differences across a step of the jerk
+    assert (
+        np.abs(acceleration) <= LIMITS.acceleration * 1.01
+    ).all()  # differences across a step of the jerk
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -42,7 +46,9 @@ def test_starts_and_ends_at_rest_on_the_outer_nodes(seed: int) -> None:
 def test_velocities_are_the_slopes_of_the_positions() -> None:
     trajectory = timed(random_nodes(3))
     slope = np.gradient(trajectory.position, trajectory.times_s, axis=0)
-    np.testing.assert_allclose(slope[2:-2], trajectory.velocity[2:-2], atol=0.01)  # second order of a 30 ms step
+    np.testing.assert_allclose(
+        slope[2:-2], trajectory.velocity[2:-2], atol=0.01
+    )  # second order of a 30 ms step
 
 
 def test_a_single_turn_takes_hardly_longer_than_the_limits_allow() -> None:

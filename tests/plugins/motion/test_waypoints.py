@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from executive_plugins.motion.inverse_kinematics import InverseKinematics, InverseKinematicsSettings
+from executive_plugins.motion.waypoints import Line, Waypoints, hang_m, join
 
 from executive.geometry.rotation import angle_between
-from plugins.motion.inverse_kinematics import InverseKinematics, InverseKinematicsSettings
-from plugins.motion.waypoints import Line, Waypoints, hang_m, join
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine, load_machine
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine, load_machine
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -20,10 +20,14 @@ def machine() -> Machine:
 @pytest.fixture(scope="module")
 def waypoints(machine: Machine) -> Waypoints:
     kinematics = Kinematics(machine)
-    return Waypoints(machine, kinematics, InverseKinematics(InverseKinematicsSettings(), machine, kinematics))
+    return Waypoints(
+        machine, kinematics, InverseKinematics(InverseKinematicsSettings(), machine, kinematics)
+    )
 
 
-def test_a_line_is_straight_and_keeps_the_orientation(machine: Machine, waypoints: Waypoints) -> None:
+def test_a_line_is_straight_and_keeps_the_orientation(
+    machine: Machine, waypoints: Waypoints
+) -> None:
     direction = np.array([0.2, 0.1, 1.0]) / np.linalg.norm([0.2, 0.1, 1.0])
     line = waypoints.line_up(machine.posture("carry"), direction, 1.0)
     poses = np.array([Kinematics(machine).gripper(q) for q in line.nodes])
@@ -34,9 +38,14 @@ def test_a_line_is_straight_and_keeps_the_orientation(machine: Machine, waypoint
     assert max(angle_between(T[:3, :3], poses[0, :3, :3]) for T in poses) < 1e-2
 
 
-def test_a_line_ends_where_the_reach_ends_and_says_how_long_it_is(machine: Machine, waypoints: Waypoints) -> None:
+def test_a_line_ends_where_the_reach_ends_and_says_how_long_it_is(
+    machine: Machine, waypoints: Waypoints
+) -> None:
     line = waypoints.line_up(machine.posture("carry"), UP, 9.0)
-    climbed = Kinematics(machine).gripper(line.nodes[-1])[2, 3] - Kinematics(machine).gripper(line.nodes[0])[2, 3]
+    climbed = (
+        Kinematics(machine).gripper(line.nodes[-1])[2, 3]
+        - Kinematics(machine).gripper(line.nodes[0])[2, 3]
+    )
     assert 0.5 < line.length_m < 9.0
     assert climbed == pytest.approx(line.length_m, abs=0.01)
 
@@ -47,16 +56,22 @@ def test_a_line_of_no_length_is_its_low_end(machine: Machine, waypoints: Waypoin
     )
 
 
-def test_a_lift_comes_to_its_height_on_the_same_azimuth(machine: Machine, waypoints: Waypoints) -> None:
+def test_a_lift_comes_to_its_height_on_the_same_azimuth(
+    machine: Machine, waypoints: Waypoints
+) -> None:
     start = Kinematics(machine).gripper(machine.posture("carry"))
     q = waypoints.lift(machine.posture("carry"), start[2, 3] + 0.7)
     assert q is not None
     lifted = Kinematics(machine).gripper(q)
     assert lifted[2, 3] == pytest.approx(start[2, 3] + 0.7, abs=0.06)
-    assert np.arctan2(lifted[1, 3], lifted[0, 3]) == pytest.approx(np.arctan2(start[1, 3], start[0, 3]), abs=0.01)
+    assert np.arctan2(lifted[1, 3], lifted[0, 3]) == pytest.approx(
+        np.arctan2(start[1, 3], start[0, 3]), abs=0.01
+    )
 
 
-def test_a_lift_beyond_reach_goes_as_high_as_it_can_and_no_lift_is_none(machine: Machine, waypoints: Waypoints) -> None:
+def test_a_lift_beyond_reach_goes_as_high_as_it_can_and_no_lift_is_none(
+    machine: Machine, waypoints: Waypoints
+) -> None:
     carry = machine.posture("carry")
     height_m = Kinematics(machine).gripper(carry)[2, 3]
     highest = waypoints.lift(carry, 50.0)
@@ -71,11 +86,16 @@ def test_the_other_way_round_is_a_whole_turn_apart(machine: Machine, waypoints: 
     there[0] = 1.0
     assert waypoints.ways_round(here, there) == [0.0, -2 * np.pi]
     assert waypoints.ways_round(there, here) == [0.0, 2 * np.pi]
-    np.testing.assert_allclose(waypoints.shifted(there[None], 0.5)[0], there + [0.5, 0, 0, 0, 0, 0, 0])
+    np.testing.assert_allclose(
+        waypoints.shifted(there[None], 0.5)[0], there + [0.5, 0, 0, 0, 0, 0, 0]
+    )
 
 
 def test_joining_runs_up_the_one_line_and_down_the_other() -> None:
-    leave, arrive = Line(np.array([[0.0], [1.0], [2.0]]), 1.0), Line(np.array([[9.0], [8.0], [7.0]]), 1.0)
+    leave, arrive = (
+        Line(np.array([[0.0], [1.0], [2.0]]), 1.0),
+        Line(np.array([[9.0], [8.0], [7.0]]), 1.0),
+    )
     nodes, is_dense = join(leave, [np.array([4.0])], arrive)
     np.testing.assert_array_equal(nodes[:, 0], [0, 1, 2, 4, 7, 8, 9])
     np.testing.assert_array_equal(is_dense, [True, False, False, False, False, True])
@@ -83,4 +103,6 @@ def test_joining_runs_up_the_one_line_and_down_the_other() -> None:
 
 def test_hang_is_the_depth_of_the_lowest_point(machine: Machine) -> None:
     T = Kinematics(machine).gripper(machine.posture("carry"))
-    assert hang_m(T, np.array([[0.0, 0.0, 0.0], [1.2, 0.0, 0.0]])) == pytest.approx(-1.2 * T[2, 0], abs=1e-9)
+    assert hang_m(T, np.array([[0.0, 0.0, 0.0], [1.2, 0.0, 0.0]])) == pytest.approx(
+        -1.2 * T[2, 0], abs=1e-9
+    )

@@ -4,13 +4,13 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from executive_plugins.objects.growth import fit_of, merged
+from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis
 from executive.messages.segment import Segment
-from plugins.objects.growth import fit_of, merged
-from plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
 
 Z = np.array([0.0, 0.0, 1.0])
 
@@ -53,7 +53,10 @@ def test_half_a_view_fits_wholly_and_a_stranger_does_not() -> None:
 
 def test_a_merged_surface_is_bounded_whatever_comes() -> None:
     rng = np.random.default_rng(0)
-    assert len(merged(rng.uniform(0, 3, (50_000, 3)), rng.uniform(0, 3, (50_000, 3)), 0.03, 5000)) <= 5000
+    assert (
+        len(merged(rng.uniform(0, 3, (50_000, 3)), rng.uniform(0, 3, (50_000, 3)), 0.03, 5000))
+        <= 5000
+    )
 
 
 def test_twenty_views_neither_thicken_nor_lose_a_stone(objects: SqliteObjects) -> None:
@@ -66,10 +69,14 @@ def test_twenty_views_neither_thicken_nor_lose_a_stone(objects: SqliteObjects) -
     assert np.percentile(off, 99) < 0.03
 
 
-def test_what_a_turned_stone_shows_anew_joins_its_model_in_its_own_frame(objects: SqliteObjects) -> None:
+def test_what_a_turned_stone_shows_anew_joins_its_model_in_its_own_frame(
+    objects: SqliteObjects,
+) -> None:
     whole = block((3, 0, 0))
     objects.observe([segment(whole[whole[:, 2] > -0.1])], 0.0, False)
-    T = pose(about_axis(np.array([1.0, 0, 0]), np.pi), np.array([0, 4.0, 0.5]))  # upside down, elsewhere
+    T = pose(
+        about_axis(np.array([1.0, 0, 0]), np.pi), np.array([0, 4.0, 0.5])
+    )  # upside down, elsewhere
     objects.grasp(1, np.eye(4), 1.0)
     objects.release(1, T, 2.0, objects.stone(1).state.PLACED)
     seen = transform(T, block((3, 0, 0), seed=1))
@@ -96,10 +103,17 @@ def test_a_view_of_a_drifting_map_does_not_blur_the_model(objects: SqliteObjects
     first = objects.observe([segment(model)], 0.0, True)[0]
     objects.observe([segment(model + 0.06)], 1.0, False)
     stone = objects.stone(1)
-    off = np.min(np.abs(np.abs(transform(inverse(stone.T_map_object), stone.points_map)) - [0.5, 0.35, 0.25]), axis=1)
+    off = np.min(
+        np.abs(
+            np.abs(transform(inverse(stone.T_map_object), stone.points_map)) - [0.5, 0.35, 0.25]
+        ),
+        axis=1,
+    )
     assert np.percentile(off, 99) < 0.03
     assert objects.history(1)[-1].kind == "moved"
-    np.testing.assert_allclose(stone.T_map_object[:3, 3] - first.T_map_object[:3, 3], 0.06, atol=0.01)
+    np.testing.assert_allclose(
+        stone.T_map_object[:3, 3] - first.T_map_object[:3, 3], 0.06, atol=0.01
+    )
 
 
 def test_each_view_is_told_where_it_came_from_and_how_it_fitted(objects: SqliteObjects) -> None:
@@ -119,7 +133,9 @@ def test_a_pushed_stone_keeps_its_whole_model(objects: SqliteObjects) -> None:
     np.testing.assert_allclose(stone.points_map.mean(axis=0), [3.3, 0.3, 0], atol=0.02)
 
 
-def test_a_stone_seen_from_one_side_a_little_off_keeps_its_whole_model(objects: SqliteObjects) -> None:
+def test_a_stone_seen_from_one_side_a_little_off_keeps_its_whole_model(
+    objects: SqliteObjects,
+) -> None:
     """Mean and box of such a view are those of the side; the model used to be given up for it."""
     objects.observe([segment(block((3, 0, 0)))], 0.0, True)
     side = block((0, 0, 0), seed=1, count=8000)
@@ -134,7 +150,10 @@ def test_a_stone_seen_from_one_side_a_little_off_keeps_its_whole_model(objects: 
 
 def test_a_turned_stone_is_seen_afresh(objects: SqliteObjects) -> None:
     objects.observe([segment(block((3, 0, 0)))], 0.0, True)
-    turned = transform(pose(about_axis(np.array([0, 1.0, 0]), np.pi / 2), np.array([3.2, 0, 3.0])), block((3, 0, 0), 1))
+    turned = transform(
+        pose(about_axis(np.array([0, 1.0, 0]), np.pi / 2), np.array([3.2, 0, 3.0])),
+        block((3, 0, 0), 1),
+    )
     stone = objects.observe([segment(turned - turned.mean(axis=0) + [3.2, 0, 0])], 1.0, False)[0]
     assert (stone.id, stone.seen_from_above) == (1, False)
     assert objects.history(1)[-1].kind == "replaced"

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
 
 from executive.arrays import Float
 from executive.errors import ConfigError, DataError
@@ -13,10 +14,11 @@ from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import about_axis, from_rpy
 from executive.messages.segment import Segment
 from executive.messages.stone import StoneState
-from plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
 
 
-def box(centre: tuple[float, float, float], sides: tuple[float, float, float] = (1.0, 0.7, 0.5)) -> Float:
+def box(
+    centre: tuple[float, float, float], sides: tuple[float, float, float] = (1.0, 0.7, 0.5)
+) -> Float:
     """Points on the surface of a box, 5 cm apart."""
     axes = [np.arange(-s / 2, s / 2 + 1e-9, 0.05) for s in sides]
     grid = np.array(np.meshgrid(*axes)).reshape(3, -1).T
@@ -42,7 +44,9 @@ def objects(path: str) -> Iterator[SqliteObjects]:
     database.close()
 
 
-def test_a_first_sight_gives_each_stone_a_number_and_a_frame_at_its_centroid(objects: SqliteObjects) -> None:
+def test_a_first_sight_gives_each_stone_a_number_and_a_frame_at_its_centroid(
+    objects: SqliteObjects,
+) -> None:
     a, b = objects.observe([segment(box((3, 0, 0))), segment(box((0, 4, 0)))], 1.0, False)
     assert (a.id, b.id) == (1, 2)
     assert a.state is StoneState.ON_GROUND
@@ -50,7 +54,9 @@ def test_a_first_sight_gives_each_stone_a_number_and_a_frame_at_its_centroid(obj
     np.testing.assert_allclose(a.centroid_map, [3, 0, 0], atol=0.01)
 
 
-def test_the_same_stone_seen_again_keeps_its_number_whatever_the_order(objects: SqliteObjects) -> None:
+def test_the_same_stone_seen_again_keeps_its_number_whatever_the_order(
+    objects: SqliteObjects,
+) -> None:
     first = objects.observe([segment(box((3, 0, 0))), segment(box((0, 4, 0)))], 1.0, False)
     again = objects.observe([segment(box((0.05, 4, 0))), segment(box((3, 0.05, 0)))], 2.0, False)
     assert [stone.id for stone in again] == [first[1].id, first[0].id]
@@ -112,16 +118,23 @@ def test_a_stone_that_was_let_go_is_found_where_it_rolled_to(objects: SqliteObje
     found = objects.observe([segment(tipped)], 4.0, False)[0]
     assert found.id == stone.id
     np.testing.assert_allclose(found.centroid_map, [4.5, 1, 0], atol=0.01)
-    assert np.ptp(found.points_map[:, 2]) == pytest.approx(1.0, abs=0.05)  # what is seen replaced what was known
+    assert np.ptp(found.points_map[:, 2]) == pytest.approx(
+        1.0, abs=0.05
+    )  # what is seen replaced what was known
     assert not found.seen_from_above
-    elsewhere = objects.observe([segment(box((3, 0, 0)))], 5.0, False)[0]  # and now it is known to lie there
+    elsewhere = objects.observe([segment(box((3, 0, 0)))], 5.0, False)[
+        0
+    ]  # and now it is known to lie there
     assert elsewhere.id != stone.id
 
 
 def test_a_pebble_is_not_the_stone_that_rolled_away(objects: SqliteObjects) -> None:
     stone = objects.observe([segment(box((3, 0, 0)))], 1.0, True)[0]
     objects.set_state(stone.id, StoneState.LOST, 2.0)
-    assert objects.observe([segment(box((4.5, 0, 0), sides=(0.3, 0.3, 0.2)))], 3.0, False)[0].id != stone.id
+    assert (
+        objects.observe([segment(box((4.5, 0, 0), sides=(0.3, 0.3, 0.2)))], 3.0, False)[0].id
+        != stone.id
+    )
     assert objects.observe([segment(box((4.5, 1, 0)))], 4.0, False)[0].state is StoneState.ON_GROUND
 
 
@@ -141,7 +154,9 @@ def test_a_reopened_file_gives_the_same_stones(objects: SqliteObjects, path: str
 
 def test_what_returned_is_on_the_disk_for_another_reader(objects: SqliteObjects, path: str) -> None:
     objects.observe([segment(box((3, 0, 0)))], 1.0, True)
-    other = sqlite3.connect(f"file:{path}?mode=ro", uri=True)  # while the first is still open, as after a kill
+    other = sqlite3.connect(
+        f"file:{path}?mode=ro", uri=True
+    )  # while the first is still open, as after a kill
     assert other.execute("SELECT id, state FROM stones").fetchall() == [(1, "on_ground")]
     other.close()
 

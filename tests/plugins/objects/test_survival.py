@@ -10,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
 
 from executive.errors import ConfigError
 from executive.geometry.pose import pose
 from executive.geometry.rotation import from_rpy
 from executive.messages.segment import Segment
 from executive.messages.stone import StoneState
-from plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
 
 KILLS = 30
 
@@ -31,7 +31,11 @@ def found(path: Path) -> None:
     points = np.random.default_rng(0).uniform(-0.4, 0.4, (2000, 3))
     with closing(opened(path)) as database:
         for i in range(3):
-            database.observe([Segment(0, points + [3 * i, 0, 0], np.array([3.0 * i, 0, 0]), np.ones(3))], 0.0, True)
+            database.observe(
+                [Segment(0, points + [3 * i, 0, 0], np.array([3.0 * i, 0, 0]), np.ones(3))],
+                0.0,
+                True,
+            )
 
 
 def write_for_ever(path: Path, report: int) -> None:
@@ -124,7 +128,10 @@ def test_it_is_read_while_a_mission_writes(tmp_path: Path) -> None:
 def test_who_reads_cannot_change(tmp_path: Path) -> None:
     path = tmp_path / "objects.sqlite"
     found(path)
-    with closing(opened(path, read_only=True)) as reader, pytest.raises(ConfigError, match="opened to be read"):
+    with (
+        closing(opened(path, read_only=True)) as reader,
+        pytest.raises(ConfigError, match="opened to be read"),
+    ):
         reader.set_state(1, StoneState.LOST, 2.0)
 
 

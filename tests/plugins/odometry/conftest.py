@@ -7,15 +7,22 @@ import pytest
 
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import from_rpy
+from executive.machine.machine import Machine, load_machine
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
-from robot_models.machine import Machine, load_machine
 
 FRAME = "lidar_horizontal"
 # Ground, walls of a yard and a block, as (normal, offset): n·p = d, the sensor's height at z = 0.
 YARD = np.array(
-    [[0, 0, 1, -2.0], [1, 0, 0, 12.0], [-1, 0, 0, 9.0], [0, 1, 0, 10.0], [0, -1, 0, 8.0], [0.6, 0.8, 0, 9.0]]
+    [
+        [0, 0, 1, -2.0],
+        [1, 0, 0, 12.0],
+        [-1, 0, 0, 9.0],
+        [0, 1, 0, 10.0],
+        [0, -1, 0, 8.0],
+        [0.6, 0.8, 0, 9.0],
+    ]
 )
 Way = Callable[[float], np.ndarray]
 
@@ -23,7 +30,9 @@ Way = Callable[[float], np.ndarray]
 class Yard:
     """Scans, inertial and joint samples of the machine whose cabin turns; the chassis may travel along x."""
 
-    def __init__(self, planes: np.ndarray = YARD, rate_rad_s: float = 0.0, speed_m_s: float = 0.0) -> None:
+    def __init__(
+        self, planes: np.ndarray = YARD, rate_rad_s: float = 0.0, speed_m_s: float = 0.0
+    ) -> None:
         self.machine: Machine = load_machine("m545")
         self._planes, self._rate, self._speed = planes, rate_rad_s, speed_m_s
         self._rng = np.random.default_rng(0)
@@ -53,14 +62,20 @@ class Yard:
         azimuth = np.repeat(np.arange(450) * 2 * np.pi / 450, 16)
         elevation = np.tile(np.radians(np.linspace(-15, 15, 16)), 450)
         stamps = end_s - 0.1 + 0.1 * np.repeat(np.arange(1, 451) / 450, 16)
-        rays = np.c_[np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
+        rays = np.c_[
+            np.cos(elevation) * np.cos(azimuth),
+            np.cos(elevation) * np.sin(azimuth),
+            np.sin(elevation),
+        ]
         poses = np.array([self.T_world_lidar(t) for t in stamps[::16]]).repeat(16, axis=0)
         rays_world = np.einsum("nij,nj->ni", poses[:, :3, :3], rays)
         with np.errstate(divide="ignore", invalid="ignore"):
             ranges = (self._planes[:, 3] - poses[:, :3, 3] @ self._planes[:, :3].T) / (
                 rays_world @ self._planes[:, :3].T
             )
-        ranges = np.where(ranges > 0.1, ranges, np.inf).min(axis=1) + self._rng.normal(0, noise_m, len(rays))
+        ranges = np.where(ranges > 0.1, ranges, np.inf).min(axis=1) + self._rng.normal(
+            0, noise_m, len(rays)
+        )
         seen = ranges < 50
         return LidarScan(end_s, FRAME, (rays * ranges[:, None])[seen], stamps[seen])
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from executive_plugins.odometry.dead_reckoning import DeadReckoning
 
 from executive.messages.odometry import LidarIncrement
-from plugins.odometry.dead_reckoning import DeadReckoning
 
 
 def fed(yard, until_s: float, has_imu: bool = True) -> DeadReckoning:
@@ -19,7 +19,9 @@ def fed(yard, until_s: float, has_imu: bool = True) -> DeadReckoning:
 def increment(yard, from_s: float, std_m: float = 1e-4) -> LidarIncrement:
     """The true motion over 0.1 s, said to be so sure along each axis."""
     covariance = np.diag(np.repeat([1e-4, std_m], 3) ** 2)
-    return LidarIncrement(from_s, from_s + 0.1, "lidar_horizontal", yard.T_from_to(from_s, from_s + 0.1), covariance)
+    return LidarIncrement(
+        from_s, from_s + 0.1, "lidar_horizontal", yard.T_from_to(from_s, from_s + 0.1), covariance
+    )
 
 
 def test_a_cabin_that_turns_on_a_standing_chassis_needs_no_earlier_increment(yard) -> None:
@@ -45,7 +47,9 @@ def test_without_a_gyroscope_the_last_turn_goes_on(yard) -> None:
     assert np.abs(reckoning.path(0.9, 1.0).T_end_then(0.9) - np.eye(4)).max() < 1e-9
     for k in range(10):
         reckoning.correct(increment(turning, 0.1 * k))
-    np.testing.assert_allclose(reckoning.path(0.9, 1.0).T_end_then(0.9), turning.T_from_to(1.0, 0.9), atol=1e-3)
+    np.testing.assert_allclose(
+        reckoning.path(0.9, 1.0).T_end_then(0.9), turning.T_from_to(1.0, 0.9), atol=1e-3
+    )
 
 
 def test_an_unsure_increment_moves_the_speed_little(yard) -> None:

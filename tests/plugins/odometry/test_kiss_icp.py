@@ -2,20 +2,25 @@
 
 import numpy as np
 import pytest
+from executive_plugins.odometry.kiss_icp import KissIcp, KissIcpSettings
 
 from executive.geometry.pose import inverse, transform
 from executive.geometry.rotation import angle_between
 from executive.messages.lidar import LidarScan
-from plugins.odometry.kiss_icp import KissIcp, KissIcpSettings
 
-WORLD = np.random.default_rng(7).uniform([-20, -20, -2], [20, 20, 4], (6000, 3))  # a thicket, seen from all sides
+WORLD = np.random.default_rng(7).uniform(
+    [-20, -20, -2], [20, 20, 4], (6000, 3)
+)  # a thicket, seen from all sides
 
 
 def thicket(yard, end_s: float) -> LidarScan:
     """The same points from wherever the sensor is; rings on bare planes would hold a point-to-point match still."""
     stamps = np.linspace(end_s - 0.1, end_s, 61)[1:]
     parts = np.array_split(WORLD, 60)
-    points = [transform(inverse(yard.T_world_lidar(t)), part) for t, part in zip(stamps, parts, strict=True)]
+    points = [
+        transform(inverse(yard.T_world_lidar(t)), part)
+        for t, part in zip(stamps, parts, strict=True)
+    ]
     return LidarScan(end_s, "lidar_horizontal", np.vstack(points), np.repeat(stamps, 100))
 
 
@@ -62,10 +67,17 @@ def test_the_same_scans_give_the_same_answers(yard) -> None:
     for _ in range(2):
         turning = yard(rate_rad_s=0.3)
         odometry = started(turning)
-        answers.append([odometry.add_scan(thicket(turning, 0.1 * k)) for k in range(1, 7)][-1].T_from_to)
+        answers.append(
+            [odometry.add_scan(thicket(turning, 0.1 * k)) for k in range(1, 7)][-1].T_from_to
+        )
     np.testing.assert_array_equal(*answers)
 
 
 def test_scans_of_another_lidar_are_left_alone(yard) -> None:
     odometry = started(yard())
-    assert odometry.add_scan(LidarScan(0.1, "lidar_vertical", np.ones((500, 3)) * 5, np.full(500, 0.1))) is None
+    assert (
+        odometry.add_scan(
+            LidarScan(0.1, "lidar_vertical", np.ones((500, 3)) * 5, np.full(500, 0.1))
+        )
+        is None
+    )

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from executive_plugins.odometry.plane_fit import Guess, fit
+from executive_plugins.odometry.plane_map import PlaneMap
 
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import exp_so3, log_so3
-from plugins.odometry.plane_fit import Guess, fit
-from plugins.odometry.plane_map import PlaneMap
 
 STD = np.repeat([0.05, 0.1], 3)
 GROUND = np.array([[0, 0, 1.0, 0]])
@@ -62,7 +62,9 @@ def test_level_ground_leaves_heading_and_two_directions_to_the_guess() -> None:
 
 def test_a_scan_of_nothing_known_has_no_share() -> None:
     rng = np.random.default_rng(2)
-    fitted = fit(rng.uniform(20, 40, (300, 3)), mapped(CORNER, rng), Guess(np.eye(4), STD), 1.0, 0.3)
+    fitted = fit(
+        rng.uniform(20, 40, (300, 3)), mapped(CORNER, rng), Guess(np.eye(4), STD), 1.0, 0.3
+    )
     assert fitted.share == 0
     np.testing.assert_allclose(np.sqrt(np.diag(fitted.covariance)), STD)
 

@@ -1,10 +1,10 @@
 """A map of planes: no normals from rings, and no second scan from one place."""
 
 import numpy as np
+from executive_plugins.odometry.plane_map import PlaneMap
 
 from executive.geometry.pose import pose
 from executive.geometry.rotation import about_axis
-from plugins.odometry.plane_map import PlaneMap
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -22,7 +22,9 @@ def test_normals_of_ground_point_up_or_down() -> None:
 
 def test_a_ring_on_the_ground_gives_no_plane() -> None:
     angle = np.linspace(0, 2 * np.pi, 2000)
-    ring = np.c_[8 * np.cos(angle), 8 * np.sin(angle), np.random.default_rng(1).normal(0, 0.02, 2000)]
+    ring = np.c_[
+        8 * np.cos(angle), 8 * np.sin(angle), np.random.default_rng(1).normal(0, 0.02, 2000)
+    ]
     plane_map = PlaneMap(0.15, 0.45, 16, 10)
     plane_map.add(np.eye(4), ring)
     assert len(plane_map.planes.points) == 0

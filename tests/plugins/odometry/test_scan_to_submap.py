@@ -4,12 +4,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from executive_plugins.odometry.scan_to_submap import ScanToSubmap, ScanToSubmapSettings
 
 from executive.geometry.pose import inverse
 from executive.geometry.rotation import angle_between, log_so3
 from executive.messages.lidar import LidarScan
 from executive.messages.odometry import LidarIncrement
-from plugins.odometry.scan_to_submap import ScanToSubmap, ScanToSubmapSettings
 
 FRAME = "lidar_horizontal"
 FLAT = np.array([[0, 0, 1, -2.0]])
@@ -35,7 +35,9 @@ def followed(yard, until_s: float, has_imu: bool = True) -> list[LidarIncrement]
 
 
 @pytest.mark.parametrize(("rate_rad_s", "speed_m_s"), [(0.0, 0.0), (0.7, 0.0), (0.3, 1.0)])
-def test_the_chain_of_increments_is_the_sensors_motion(yard, rate_rad_s: float, speed_m_s: float) -> None:
+def test_the_chain_of_increments_is_the_sensors_motion(
+    yard, rate_rad_s: float, speed_m_s: float
+) -> None:
     moving = yard(rate_rad_s=rate_rad_s, speed_m_s=speed_m_s)
     increments = followed(moving, 1.5)
     assert len(increments) >= 13
@@ -57,7 +59,9 @@ def test_errors_of_increments_are_as_large_as_they_say(yard) -> None:
         E = inverse(swinging.T_from_to(increment.from_s, increment.to_s)) @ increment.T_from_to
         error = np.concatenate([log_so3(E[:3, :3]), E[:3, 3]])
         nees.append(error @ np.linalg.solve(increment.covariance, error) / 6)
-    assert 0.1 < np.mean(nees) < 1.5  # the doubt is set for rough ground and stones, not for even walls
+    assert (
+        0.1 < np.mean(nees) < 1.5
+    )  # the doubt is set for rough ground and stones, not for even walls
 
 
 def test_level_ground_alone_is_told_as_a_scene_that_holds_no_heading(yard) -> None:
@@ -100,7 +104,10 @@ def test_a_scan_of_another_place_is_refused_and_the_track_goes_on(yard) -> None:
 
 
 def test_many_refusals_in_a_row_begin_a_new_submap(yard) -> None:
-    here, there = yard(), yard(planes=np.array([[0, 0, 1, -4.0], [1, 0, 0, 5.0], [0, 1, 0, 6.0], [-1, 0, 0, 30.0]]))
+    here, there = (
+        yard(),
+        yard(planes=np.array([[0, 0, 1, -4.0], [1, 0, 0, 5.0], [0, 1, 0, 6.0], [-1, 0, 0, 30.0]])),
+    )
     odometry = started(here)
     odometry.add_scan(here.scan(0.1))
     answers = [odometry.add_scan(there.scan(0.1 * k)) for k in range(2, 15)]

@@ -1,10 +1,10 @@
 """A path undoes the distortion that its own motion makes."""
 
 import numpy as np
+from executive_plugins.odometry.sensor_path import SensorPath
 
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import exp_so3
-from plugins.odometry.sensor_path import SensorPath
 
 
 def way(t: float) -> np.ndarray:
@@ -17,7 +17,9 @@ def test_points_of_the_world_fall_together_again() -> None:
     world = rng.uniform(-10, 10, (200, 3))
     stamps = np.sort(rng.uniform(0, 0.1, 200))
     seen = np.array([transform(inverse(way(t)), p) for t, p in zip(stamps, world, strict=True)])
-    path = SensorPath.of(np.linspace(0, 0.1, 11), np.array([way(t) for t in np.linspace(0, 0.1, 11)]))
+    path = SensorPath.of(
+        np.linspace(0, 0.1, 11), np.array([way(t) for t in np.linspace(0, 0.1, 11)])
+    )
     undistorted = path.undistort(seen, stamps)
     # 10 ms apart, poses in between are off by less than ω² dt² / 8 of a point's 17 m: 0.2 mm.
     np.testing.assert_allclose(undistorted, transform(inverse(way(0.1)), world), atol=5e-4)

@@ -4,16 +4,16 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from executive_plugins.placing.slots import Slots, SlotsSettings
 
 from executive.arrays import Float
 from executive.geometry.pose import pose
 from executive.interfaces.motion import MotionPlanner
+from executive.machine.machine import Machine, load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.segment import Segment, Segmentation
 from executive.messages.stone import Stone, StoneState
-from plugins.placing.slots import Slots, SlotsSettings
-from robot_models.machine import Machine, load_machine
 
 # A gripper that hangs: x down, its jaws open along y.
 HANGING = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
@@ -38,7 +38,9 @@ class RingMotion(MotionPlanner):
 def block(at: tuple[float, float], height_m: float = 0.6, half_m: float = 0.4) -> Float:
     """Return the surface of a block on level ground, without its underside, shape (N, 3)."""
     x = np.arange(-half_m, half_m + 1e-9, 0.05)
-    grid = np.stack(np.meshgrid(x, x, np.arange(0.0, height_m + 1e-9, 0.05), indexing="ij"), axis=-1).reshape(-1, 3)
+    grid = np.stack(
+        np.meshgrid(x, x, np.arange(0.0, height_m + 1e-9, 0.05), indexing="ij"), axis=-1
+    ).reshape(-1, 3)
     outside = (np.abs(grid[:, :2]) > half_m - 1e-6).any(axis=1) | (grid[:, 2] > height_m - 1e-6)
     return np.asarray(grid[outside] + (*at, 0.0))
 
@@ -50,7 +52,9 @@ def level_ground(half_m: float = 9.5, height_m: float = 0.0) -> Float:
 
 
 def segmented(ground: Float, *stones: Float) -> Segmentation:
-    segments = tuple(Segment(i, points, points.mean(axis=0), np.ones(3)) for i, points in enumerate(stones))
+    segments = tuple(
+        Segment(i, points, points.mean(axis=0), np.ones(3)) for i, points in enumerate(stones)
+    )
     return Segmentation("map", segments, Cloud("map", ground), np.array([0.0, 0.0, 1.0, 0.0]))
 
 

@@ -10,23 +10,27 @@ from executive.errors import DataError
 from executive.geometry.convex import depth_inside, half_spaces, volume_and_centroid
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis
+from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
 from executive.messages.placement import Slot
-from robot_models.machine import Machine
 
 UP = np.array([0.0, 0.0, 1.0])
 BASE = pose(t=np.array([0.0, 0.0, 0.9]))
 
 
 def places(planner, segmentation, count: int = 7, T_map_base=BASE) -> np.ndarray:
-    return np.array([slot.position_map for slot in planner.slots(segmentation, T_map_base, count)]).reshape(-1, 3)
+    return np.array(
+        [slot.position_map for slot in planner.slots(segmentation, T_map_base, count)]
+    ).reshape(-1, 3)
 
 
 def gaps(xy: np.ndarray) -> np.ndarray:
     return cKDTree(xy).query(xy, k=2)[0][:, 1]
 
 
-def test_an_empty_site_has_equally_spaced_slots_on_one_arc(planner_of: Callable, site: tuple) -> None:
+def test_an_empty_site_has_equally_spaced_slots_on_one_arc(
+    planner_of: Callable, site: tuple
+) -> None:
     _, ground, segmented, _ = site
     p = places(planner_of(spacing_m=1.9), segmented(ground()))
     assert len(p) == 7
@@ -45,7 +49,9 @@ def test_slots_keep_off_segments(planner_of: Callable, site: tuple) -> None:
 
 def test_slots_lie_on_the_ground(planner_of: Callable, site: tuple) -> None:
     _, ground, segmented, _ = site
-    np.testing.assert_allclose(places(planner_of(), segmented(ground(height_m=-0.35)))[:, 2], -0.35, atol=1e-6)
+    np.testing.assert_allclose(
+        places(planner_of(), segmented(ground(height_m=-0.35)))[:, 2], -0.35, atol=1e-6
+    )
 
 
 def test_unknown_steep_and_rough_ground_holds_no_slot(planner_of: Callable, site: tuple) -> None:
@@ -95,7 +101,9 @@ def test_the_same_site_has_the_same_slots(planner_of: Callable, site: tuple) -> 
     np.testing.assert_array_equal(places(planner_of(), scene), places(planner_of(), scene))
 
 
-def test_a_stone_is_set_down_over_its_slot_just_above_the_ground(planner_of: Callable, site: tuple) -> None:
+def test_a_stone_is_set_down_over_its_slot_just_above_the_ground(
+    planner_of: Callable, site: tuple
+) -> None:
     _, ground, _, held = site
     stone, T_map_gripper = held((5.0, -2.0))
     slot = Slot(1, np.array([0.0, 6.0, 0.0]))
@@ -115,13 +123,17 @@ def test_a_stone_keeps_its_attitude_to_gravity_and_turns_with_the_cabin_first(
 ) -> None:
     _, ground, _, held = site
     stone, T_map_gripper = held((6.0, 0.0))
-    ways = planner_of().plan(stone, Slot(1, np.array([0.0, 6.0, 0.0])), T_map_gripper, Cloud("map", ground()), BASE)
+    ways = planner_of().plan(
+        stone, Slot(1, np.array([0.0, 6.0, 0.0])), T_map_gripper, Cloud("map", ground()), BASE
+    )
     motions = [way.T_map_gripper @ inverse(T_map_gripper) for way in ways]
     np.testing.assert_allclose([T[2, 2] for T in motions], 1.0)
     np.testing.assert_allclose(motions[0][:3, :3], about_axis(UP, np.pi / 2), atol=1e-6)
 
 
-def test_a_model_without_its_foot_is_not_driven_into_the_ground(planner_of: Callable, site: tuple) -> None:
+def test_a_model_without_its_foot_is_not_driven_into_the_ground(
+    planner_of: Callable, site: tuple
+) -> None:
     _, ground, _, held = site
     stone, T_map_gripper = held((5.0, -2.0))
     known = stone.points_map[stone.points_map[:, 2] > 0.12]
@@ -133,7 +145,9 @@ def test_a_model_without_its_foot_is_not_driven_into_the_ground(planner_of: Call
     assert whole[:, 2].min() == pytest.approx(0.05, abs=0.01)
 
 
-def test_opening_jaws_and_stone_keep_off_the_neighbours(planner_of: Callable, site: tuple, machine: Machine) -> None:
+def test_opening_jaws_and_stone_keep_off_the_neighbours(
+    planner_of: Callable, site: tuple, machine: Machine
+) -> None:
     block, ground, _, held = site
     stone, T_map_gripper = held((5.0, -2.0))
     neighbours = np.concatenate([block((-1.4, 6.0)), block((1.4, 6.0))])
@@ -144,7 +158,10 @@ def test_opening_jaws_and_stone_keep_off_the_neighbours(planner_of: Callable, si
         local = transform(inverse(way.T_map_gripper), neighbours)
         for angle in (machine.gripper.open_rad, 0.75 * machine.gripper.open_rad):
             for hulls in machine.gripper.hulls(angle).values():
-                assert max(float(depth_inside(half_spaces(hull), local).max()) for hull in hulls) < 0.02
+                assert (
+                    max(float(depth_inside(half_spaces(hull), local).max()) for hull in hulls)
+                    < 0.02
+                )
         moved = transform(way.T_map_gripper @ inverse(T_map_gripper), stone.points_map)
         assert cKDTree(neighbours).query(moved)[0].min() > 0.1
 
@@ -153,7 +170,10 @@ def test_a_taken_slot_has_no_way(planner_of: Callable, site: tuple) -> None:
     block, ground, _, held = site
     stone, T_map_gripper = held((5.0, -2.0))
     cloud = Cloud("map", np.concatenate([ground(), block((0.0, 6.0))]))
-    assert planner_of().plan(stone, Slot(1, np.array([0.0, 6.0, 0.0])), T_map_gripper, cloud, BASE) == ()
+    assert (
+        planner_of().plan(stone, Slot(1, np.array([0.0, 6.0, 0.0])), T_map_gripper, cloud, BASE)
+        == ()
+    )
 
 
 def test_a_slot_out_of_reach_has_no_way(planner_of: Callable, site: tuple) -> None:
@@ -166,4 +186,6 @@ def test_a_slot_out_of_reach_has_no_way(planner_of: Callable, site: tuple) -> No
 def test_a_cloud_in_another_frame_is_refused(planner_of: Callable, site: tuple) -> None:
     stone, T_map_gripper = site[3]((5.0, -2.0))
     with pytest.raises(DataError, match="frame 'map', got 'drone'"):
-        planner_of().plan(stone, Slot(1, np.zeros(3)), T_map_gripper, Cloud("drone", np.zeros((1, 3))), BASE)
+        planner_of().plan(
+            stone, Slot(1, np.zeros(3)), T_map_gripper, Cloud("drone", np.zeros((1, 3))), BASE
+        )

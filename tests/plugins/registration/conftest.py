@@ -28,7 +28,9 @@ class Scene:
     def errors(self, apply: Callable[[Float], Float]) -> tuple[float, float]:
         """Return the largest error over the site [m] and that at its centre [m] of a map from source to target."""
         corners = self.centre + np.array([[x, y, 0.0] for x in (-4, 0, 4) for y in (-4, 0, 4)])
-        in_source = transform(inverse(self.T_target_source), self.centre + (corners - self.centre) * self.stretch)
+        in_source = transform(
+            inverse(self.T_target_source), self.centre + (corners - self.centre) * self.stretch
+        )
         distances = np.linalg.norm(apply(in_source) - corners, axis=1)
         return float(distances.max()), float(distances[4])
 
@@ -37,7 +39,9 @@ def _stone(rng: np.random.Generator) -> Float:
     """Return corners of a convex stone of 0.5 to 1 m³ about the origin."""
     points = rng.normal(size=(26, 3))
     points *= (1 / np.linalg.norm(points, axis=1) * rng.uniform(0.85, 1.1, 26))[:, None]
-    points *= np.array([1.0, np.clip(rng.normal(0.76, 0.13), 0.5, 1), np.clip(rng.normal(0.55, 0.14), 0.35, 1)])
+    points *= np.array(
+        [1.0, np.clip(rng.normal(0.76, 0.13), 0.5, 1), np.clip(rng.normal(0.55, 0.14), 0.35, 1)]
+    )
     points *= (rng.uniform(0.5, 1.0) / ConvexHull(points).volume) ** (1 / 3)
     turned = points @ exp_so3(rng.normal(0, 0.25, 3)).T
     return np.asarray(turned @ exp_so3(np.array([0, 0, rng.uniform(-np.pi, np.pi)])).T)
@@ -78,10 +82,14 @@ def _world(
 
 
 def _add(scene: o3d.t.geometry.RaycastingScene, vertices: Float, faces: Float) -> None:
-    scene.add_triangles(o3d.core.Tensor(vertices.astype(np.float32)), o3d.core.Tensor(faces.astype(np.uint32)))
+    scene.add_triangles(
+        o3d.core.Tensor(vertices.astype(np.float32)), o3d.core.Tensor(faces.astype(np.uint32))
+    )
 
 
-def _seen(scene: o3d.t.geometry.RaycastingScene, origins: Float, directions: Float, noise: Float) -> Float:
+def _seen(
+    scene: o3d.t.geometry.RaycastingScene, origins: Float, directions: Float, noise: Float
+) -> Float:
     rays = np.column_stack([origins, directions]).astype(np.float32)
     ranges = scene.cast_rays(o3d.core.Tensor(rays))["t_hit"].numpy().astype(float)
     hit = ranges < 14
@@ -98,17 +106,27 @@ def _swept(scene: o3d.t.geometry.RaycastingScene, rng: np.random.Generator, rays
     swing = rng.uniform(-1.9, 1.9, rays)
     side = rng.choice([-0.6, 0.6], rays)
     origins = np.column_stack(
-        [1.3 * np.cos(swing) - side * np.sin(swing), 1.3 * np.sin(swing) + side * np.cos(swing), np.full(rays, 2.9)]
+        [
+            1.3 * np.cos(swing) - side * np.sin(swing),
+            1.3 * np.sin(swing) + side * np.cos(swing),
+            np.full(rays, 2.9),
+        ]
     )
     azimuth, elevation = swing + rng.uniform(-0.9, 0.9, rays), -rng.uniform(0.15, 1.3, rays)
     directions = np.column_stack(
-        [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
+        [
+            np.cos(elevation) * np.cos(azimuth),
+            np.cos(elevation) * np.sin(azimuth),
+            np.sin(elevation),
+        ]
     )
     points = _thin(_seen(scene, origins, directions, rng.normal(0, 0.012, rays)), 0.03)
     return points[np.linalg.norm(points[:, :2], axis=1) < 10]
 
 
-def _surveyed(scene: o3d.t.geometry.RaycastingScene, rng: np.random.Generator, rays: int, centre: Float) -> Float:
+def _surveyed(
+    scene: o3d.t.geometry.RaycastingScene, rng: np.random.Generator, rays: int, centre: Float
+) -> Float:
     """Return what a drone sees from twenty places around, warped smoothly by a centimetre or two."""
     around = rng.integers(20, size=rays) * 2 * np.pi / 20
     origins = centre + np.column_stack([7 * np.cos(around), 7 * np.sin(around), np.full(rays, 6.0)])
@@ -120,7 +138,11 @@ def _surveyed(scene: o3d.t.geometry.RaycastingScene, rng: np.random.Generator, r
 
 
 def scene_of(
-    seed: int, count: int = 7, rays: int = 250_000, survey_seed: int | None = None, stretch: float | None = None
+    seed: int,
+    count: int = 7,
+    rays: int = 250_000,
+    survey_seed: int | None = None,
+    stretch: float | None = None,
 ) -> Scene:
     """Return the scene of a seed; with `survey_seed` the drone flew over another site, which must be refused."""
     rng = np.random.default_rng(seed)

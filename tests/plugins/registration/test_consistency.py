@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from executive_plugins.registration.consistency import consistent_transforms
+from executive_plugins.registration.rigid import rigid_between
 
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import angle_between, exp_so3
-from plugins.registration.consistency import consistent_transforms
-from plugins.registration.rigid import rigid_between
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -24,7 +24,9 @@ def test_a_motion_is_found_among_nine_false_matches_in_ten(seed: int) -> None:
 def test_two_motions_are_both_found() -> None:
     rng = np.random.default_rng(0)
     source = rng.uniform(-4, 4, (40, 3))
-    motions = [pose(exp_so3(np.array([0, 0, angle])), np.array([angle, 0, 0])) for angle in (0.5, 2.0)]
+    motions = [
+        pose(exp_so3(np.array([0, 0, angle])), np.array([angle, 0, 0])) for angle in (0.5, 2.0)
+    ]
     target = np.vstack([transform(motions[0], source[:25]), transform(motions[1], source[25:])])
     found = consistent_transforms(target, source, 0.05, 0.0, 10)
     for motion, each in zip(motions, found[:2], strict=True):
@@ -32,7 +34,11 @@ def test_two_motions_are_both_found() -> None:
 
 
 def test_few_matches_vote_for_nothing() -> None:
-    assert consistent_transforms(np.zeros((3, 3)), np.zeros((3, 3)), 0.1, 0.0, 10).shape == (0, 4, 4)
+    assert consistent_transforms(np.zeros((3, 3)), np.zeros((3, 3)), 0.1, 0.0, 10).shape == (
+        0,
+        4,
+        4,
+    )
     rng = np.random.default_rng(0)
     lone = rng.uniform(-50, 50, (10, 3)), rng.uniform(-1, 1, (10, 3))
     assert consistent_transforms(*lone, 0.01, 0.0, 10).shape == (0, 4, 4)

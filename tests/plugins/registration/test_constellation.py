@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from executive_plugins.registration.constellation import constellation_transforms
 
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import angle_between, from_rpy
-from plugins.registration.constellation import constellation_transforms
 
 LEVEL = np.array([0.0, 0.0, 1.0, 0.0])
 
@@ -18,7 +18,9 @@ def seen_from(T: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_the_true_motion_is_among_the_first_although_centroids_are_off_and_stones_missing(seed: int) -> None:
+def test_the_true_motion_is_among_the_first_although_centroids_are_off_and_stones_missing(
+    seed: int,
+) -> None:
     rng = np.random.default_rng(seed)
     stones = np.column_stack([rng.uniform(-5, 5, (7, 2)), np.full(7, 0.4)])
     T = pose(from_rpy(*rng.normal(0, 0.05, 2), rng.uniform(-3, 3)), rng.uniform(-20, 20, 3))

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from plugins.registration.eigen import sorted_eigenvectors
+from executive_plugins.registration.eigen import sorted_eigenvectors
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -17,7 +16,9 @@ def test_agrees_with_lapack(seed: int) -> None:
     np.testing.assert_allclose(vectors.T @ np.diag(values) @ vectors, A, atol=1e-12 * expected[0])
 
 
-@pytest.mark.parametrize("A", [np.zeros((3, 3)), np.eye(3), np.diag([1.0, 3.0, 2.0]), np.ones((3, 3))])
+@pytest.mark.parametrize(
+    "A", [np.zeros((3, 3)), np.eye(3), np.diag([1.0, 3.0, 2.0]), np.ones((3, 3))]
+)
 def test_bears_equal_and_vanishing_eigenvalues(A: np.ndarray) -> None:
     values, vectors = sorted_eigenvectors(A)
     assert (np.diff(values) <= 1e-15).all()

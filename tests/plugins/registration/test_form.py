@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from plugins.registration.form import form_error
-from plugins.registration.similarity import Surface
+from executive_plugins.registration.form import form_error
+from executive_plugins.registration.similarity import Surface
 
 REACH_M = 0.10
 

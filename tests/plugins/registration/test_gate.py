@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from plugins.registration.gate import NOTHING, measure
-from plugins.registration.vote import matched_centroids
+from executive_plugins.registration.gate import NOTHING, measure
+from executive_plugins.registration.vote import matched_centroids
 
 
 def sheet(low: float, high: float, height: float = 0.0) -> np.ndarray:
@@ -15,18 +14,27 @@ def sheet(low: float, high: float, height: float = 0.0) -> np.ndarray:
 def test_a_half_seen_surface_agrees_by_the_way_that_covers_more() -> None:
     agreement = measure(sheet(0, 1), sheet(0, 2, 0.03), 0.1, 0.02)
     assert agreement.target.share == pytest.approx(1.0)
-    assert agreement.source.share == pytest.approx(0.55, abs=0.03)  # half, and a margin of the truncation
+    assert agreement.source.share == pytest.approx(
+        0.55, abs=0.03
+    )  # half, and a margin of the truncation
     assert agreement.better is agreement.target
     assert agreement.better.rmse_m == pytest.approx(0.03, abs=0.003)
 
 
 def test_surfaces_apart_share_nothing() -> None:
     agreement = measure(sheet(0, 1), sheet(0, 1, 0.2), 0.1, 0.02)
-    assert (agreement.source.share, agreement.target.share, agreement.better.rmse_m) == (0.0, 0.0, 0.0)
+    assert (agreement.source.share, agreement.target.share, agreement.better.rmse_m) == (
+        0.0,
+        0.0,
+        0.0,
+    )
 
 
 def test_agreements_add_up_as_one_surface() -> None:
-    good, bad = measure(sheet(0, 1), sheet(0, 1, 0.02), 0.1, 0.02), measure(sheet(0, 1), sheet(0, 1, 0.2), 0.1, 0.02)
+    good, bad = (
+        measure(sheet(0, 1), sheet(0, 1, 0.02), 0.1, 0.02),
+        measure(sheet(0, 1), sheet(0, 1, 0.2), 0.1, 0.02),
+    )
     both = sum([good, bad], NOTHING)
     assert both.source.share == pytest.approx(0.5)
     assert both.source.rmse_m == pytest.approx(good.source.rmse_m)

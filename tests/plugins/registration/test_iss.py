@@ -1,10 +1,10 @@
 """Normals and keypoints on shapes whose normals and corners are known."""
 
 import numpy as np
+from executive_plugins.registration.iss import salient_points, surface_shapes
+from executive_plugins.registration.neighbours import neighbours_within
 
 from executive.geometry.rotation import from_rpy
-from plugins.registration.iss import salient_points, surface_shapes
-from plugins.registration.neighbours import neighbours_within
 
 
 def box() -> np.ndarray:

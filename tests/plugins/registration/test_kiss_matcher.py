@@ -5,13 +5,16 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from executive_plugins.alignment.gicp import Gicp, GicpSettings
+from executive_plugins.registration.kiss_matcher import KissMatcher, KissMatcherSettings
+from executive_plugins.segmentation.ground_and_clusters import (
+    GroundAndClusters,
+    GroundAndClustersSettings,
+)
 
 from executive.errors import ConfigError
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
-from plugins.alignment.gicp import Gicp, GicpSettings
-from plugins.registration.kiss_matcher import KissMatcher, KissMatcherSettings
-from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
 
 
 def plugin() -> KissMatcher:
@@ -37,7 +40,9 @@ def test_a_survey_of_another_site_is_refused(make_scene: Callable) -> None:
     assert not register(scene.target, scene.source).accepted
 
 
-def test_a_missing_package_is_named_before_the_robot_starts(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_package_is_named_before_the_robot_starts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setitem(sys.modules, "kiss_matcher", None)
     with pytest.raises(ConfigError, match="pip install"):
         plugin().start()

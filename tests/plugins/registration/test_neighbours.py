@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
+from executive_plugins.registration.neighbours import neighbours_within
 from scipy.spatial.distance import cdist
-
-from plugins.registration.neighbours import neighbours_within
 
 
 @pytest.mark.parametrize(("count", "radius_m"), [(1, 0.1), (400, 0.05), (400, 0.3), (400, 5.0)])

@@ -11,13 +11,16 @@ from pathlib import Path
 import numpy as np
 import open3d as o3d
 import pytest
+from executive_plugins.alignment.gicp import Gicp, GicpSettings
+from executive_plugins.registration.segment_fpfh import SegmentFpfh, SegmentFpfhSettings
+from executive_plugins.segmentation.ground_and_clusters import (
+    GroundAndClusters,
+    GroundAndClustersSettings,
+)
 
 from executive.geometry.rotation import angle_between
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
-from plugins.alignment.gicp import Gicp, GicpSettings
-from plugins.registration.segment_fpfh import SegmentFpfh, SegmentFpfhSettings
-from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
 
 CLOUDS = Path(__file__).parents[4] / "shared" / "data" / "clouds"
 
@@ -36,12 +39,20 @@ def test_a_survey_is_laid_over_the_map(make_scene: Callable, seed: int, rays: in
     over_site_m, at_centre_m = scene.errors(found.apply)
     assert at_centre_m < 0.05
     assert over_site_m < 0.10
-    assert angle_between(found.T_target_source[:3, :3], scene.T_target_source[:3, :3]) < np.radians(1.0)
+    assert angle_between(found.T_target_source[:3, :3], scene.T_target_source[:3, :3]) < np.radians(
+        1.0
+    )
     assert found.scale == pytest.approx(1 / scene.stretch, abs=0.003)
     assert len(found.matched_segments) >= 3
-    assert {"segmentation", "description", "matching", "verification", "refinement", "gate", "total"} <= set(
-        found.timings_ms
-    )
+    assert {
+        "segmentation",
+        "description",
+        "matching",
+        "verification",
+        "refinement",
+        "gate",
+        "total",
+    } <= set(found.timings_ms)
 
 
 @pytest.mark.parametrize("seed", [300, 309])

@@ -7,21 +7,26 @@ from pathlib import Path
 import numpy as np
 import open3d as o3d
 import pytest
+from executive_plugins.alignment.gicp import Gicp, GicpSettings
+from executive_plugins.registration.segment_shot import SegmentShot, SegmentShotSettings
+from executive_plugins.segmentation.ground_and_clusters import (
+    GroundAndClusters,
+    GroundAndClustersSettings,
+)
 from pydantic import ValidationError
 
 from executive.geometry.rotation import angle_between
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
-from plugins.alignment.gicp import Gicp, GicpSettings
-from plugins.registration.segment_shot import SegmentShot, SegmentShotSettings
-from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
 
 CLOUDS = Path(__file__).parents[4] / "shared" / "data" / "clouds"
 
 
 def register(target: Cloud, source: Cloud, **settings: object) -> Alignment:
     segmentation = GroundAndClusters(GroundAndClustersSettings())
-    registrar = SegmentShot(SegmentShotSettings.model_validate(settings), segmentation, Gicp(GicpSettings()))
+    registrar = SegmentShot(
+        SegmentShotSettings.model_validate(settings), segmentation, Gicp(GicpSettings())
+    )
     registrar.start()
     return registrar.register(target, source, np.random.default_rng(0))
 
@@ -32,9 +37,20 @@ def test_shot_alone_lays_a_survey_over_the_map(make_scene: Callable, seed: int, 
     found = register(scene.target, scene.source, falls_back=False)
     assert found.accepted, found.reason
     assert scene.errors(found.apply)[1] < 0.05
-    assert angle_between(found.T_target_source[:3, :3], scene.T_target_source[:3, :3]) < np.radians(1.0)
+    assert angle_between(found.T_target_source[:3, :3], scene.T_target_source[:3, :3]) < np.radians(
+        1.0
+    )
     assert found.scale == pytest.approx(1 / scene.stretch, abs=0.003)
-    stages = {"segmentation", "keypoints", "description", "matching", "verification", "refinement", "gate", "total"}
+    stages = {
+        "segmentation",
+        "keypoints",
+        "description",
+        "matching",
+        "verification",
+        "refinement",
+        "gate",
+        "total",
+    }
     assert set(found.timings_ms) == stages
 
 
@@ -56,7 +72,10 @@ def test_a_survey_of_another_site_is_refused(make_scene: Callable) -> None:
 
 def test_where_shot_fails_constellations_find_it(make_scene: Callable) -> None:
     scene = make_scene(101, rays=120_000)
-    blind = {"shot_radius_m": 0.051, "feature_voxel_m": 0.05}  # no keypoint has enough points around it
+    blind = {
+        "shot_radius_m": 0.051,
+        "feature_voxel_m": 0.05,
+    }  # no keypoint has enough points around it
     assert not register(scene.target, scene.source, falls_back=False, **blind).accepted
     found = register(scene.target, scene.source, **blind)
     assert found.accepted, found.reason
@@ -67,10 +86,14 @@ def test_national_coordinates_keep_their_digits(make_scene: Callable) -> None:
     scene = make_scene(100, rays=120_000)
     near = register(scene.target, scene.source)
     utm = np.array([465_000.0, 5_250_000.0, 440.0])
-    far = register(Cloud("map", scene.target.points + utm), Cloud("survey", scene.source.points + utm))
+    far = register(
+        Cloud("map", scene.target.points + utm), Cloud("survey", scene.source.points + utm)
+    )
     assert far.accepted, far.reason
     moved = far.apply(scene.source.points[::100] + utm) - utm
-    np.testing.assert_allclose(moved, near.apply(scene.source.points[::100]), atol=0.005)  # another voxel grid
+    np.testing.assert_allclose(
+        moved, near.apply(scene.source.points[::100]), atol=0.005
+    )  # another voxel grid
 
 
 def test_the_same_clouds_give_the_same_bits(make_scene: Callable) -> None:

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from executive_plugins.registration.features import Features
+from executive_plugins.registration.iss import surface_shapes
+from executive_plugins.registration.neighbours import neighbours_within
+from executive_plugins.registration.shot import SHOT_LENGTH, reference_frame, shot_descriptors
+from executive_plugins.registration.shot_features import match_descriptors
 
 from executive.geometry.rotation import from_rpy
-from plugins.registration.features import Features
-from plugins.registration.iss import surface_shapes
-from plugins.registration.neighbours import neighbours_within
-from plugins.registration.shot import SHOT_LENGTH, reference_frame, shot_descriptors
-from plugins.registration.shot_features import match_descriptors
 
 
 def lump() -> np.ndarray:
@@ -21,7 +21,9 @@ def lump() -> np.ndarray:
 
 def described(points: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     normals, _ = surface_shapes(points, *neighbours_within(points, points, 0.12))
-    return shot_descriptors(points, normals, rows, neighbours_within(points, points[rows], 0.4), 0.4)
+    return shot_descriptors(
+        points, normals, rows, neighbours_within(points, points[rows], 0.4), 0.4
+    )
 
 
 @pytest.mark.parametrize("rpy", [(0.3, 0.2, -2.0), (3.0, -1.0, 0.5)])
@@ -30,7 +32,9 @@ def test_a_motion_turns_frames_and_leaves_descriptors(rpy: tuple[float, float, f
     before, frames = described(points, rows)
     after, turned = described(points @ R.T + [3.0, -2.0, 1.0], rows)
     same = np.abs(after - before).max(axis=1) < 1e-6
-    assert same.mean() >= 0.96  # where as many points lie ahead as behind, rounding decides the sign of x
+    assert (
+        same.mean() >= 0.96
+    )  # where as many points lie ahead as behind, rounding decides the sign of x
     np.testing.assert_allclose(turned[same], (frames @ R.T)[same], atol=1e-6)
 
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from executive_plugins.registration.similarity import Similarity, Surface, refine
 
 from executive.geometry.pose import pose
 from executive.geometry.rotation import angle_between, exp_so3
-from plugins.registration.similarity import Similarity, Surface, refine
 
 
 def yard(seed: int) -> np.ndarray:
@@ -29,7 +29,9 @@ def test_a_known_similarity_is_recovered(scale: float) -> None:
     centre = source.mean(axis=0)
     off[:3, 3] = truth.apply(centre[None])[0] + [0.08, -0.05, 0.06] - off[:3, :3] @ centre
     reaches_m = (0.4, 0.4, 0.3, 0.3, 0.2, 0.2, 0.15, 0.1, 0.1)
-    found = refine(Surface.thinned(yard(2), 0.08), source[::4], Similarity(off, 1.0), reaches_m, 0.04)
+    found = refine(
+        Surface.thinned(yard(2), 0.08), source[::4], Similarity(off, 1.0), reaches_m, 0.04
+    )
     assert found.scale == pytest.approx(scale, abs=0.001)
     assert np.linalg.norm(found.apply(source) - truth.apply(source), axis=1).max() < 0.02
     assert angle_between(found.T_target_source[:3, :3], R) < np.radians(0.15)
@@ -37,9 +39,21 @@ def test_a_known_similarity_is_recovered(scale: float) -> None:
 
 def test_the_scale_stays_within_its_bound_and_the_centre_in_place() -> None:
     points = yard(1)
-    found = refine(Surface.thinned(points, 0.08), points[::4] / 1.02, Similarity(np.eye(4), 1.0), (0.3,) * 5, 0.005)
+    found = refine(
+        Surface.thinned(points, 0.08),
+        points[::4] / 1.02,
+        Similarity(np.eye(4), 1.0),
+        (0.3,) * 5,
+        0.005,
+    )
     assert found.scale == pytest.approx(1.005)
-    rigid = refine(Surface.thinned(points, 0.08), points[::4] / 1.02, Similarity(np.eye(4), 1.0), (0.3,) * 5, 0.0)
+    rigid = refine(
+        Surface.thinned(points, 0.08),
+        points[::4] / 1.02,
+        Similarity(np.eye(4), 1.0),
+        (0.3,) * 5,
+        0.0,
+    )
     assert rigid.scale == 1.0
 
 

@@ -4,17 +4,20 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from executive_plugins.alignment.gicp import Gicp, GicpSettings
+from executive_plugins.registration.segment_fpfh import SegmentFpfh, SegmentFpfhSettings
+from executive_plugins.registration.segment_shot import SegmentShot, SegmentShotSettings
+from executive_plugins.registration.single_object import _rotations
+from executive_plugins.segmentation.ground_and_clusters import (
+    GroundAndClusters,
+    GroundAndClustersSettings,
+)
 
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import angle_between, exp_so3
 from executive.geometry.voxels import voxel_means
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment
-from plugins.alignment.gicp import Gicp, GicpSettings
-from plugins.registration.segment_fpfh import SegmentFpfh, SegmentFpfhSettings
-from plugins.registration.segment_shot import SegmentShot, SegmentShotSettings
-from plugins.registration.single_object import _rotations
-from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
 
 SEGMENTER = GroundAndClusters(GroundAndClustersSettings())
 SHOT = SegmentShot(SegmentShotSettings(), SEGMENTER, Gicp(GicpSettings()))
@@ -32,7 +35,9 @@ def site(make_scene: Callable) -> tuple[np.ndarray, tuple[Segment, ...]]:
 
 
 def around(points: np.ndarray, stone: Segment, radius_m: float = 1.8) -> Cloud:
-    return Cloud("map", points[np.linalg.norm(points[:, :2] - stone.centroid[:2], axis=1) < radius_m])
+    return Cloud(
+        "map", points[np.linalg.norm(points[:, :2] - stone.centroid[:2], axis=1) < radius_m]
+    )
 
 
 def tumbled(seed: int) -> np.ndarray:
@@ -64,7 +69,10 @@ def test_the_same_clouds_give_the_same_bits(site: tuple) -> None:
 @pytest.mark.parametrize("number", range(3))
 def test_another_stone_is_not_it(site: tuple, number: int) -> None:
     points, stones = site
-    found = SHOT.find(around(points, stones[number]), Cloud("map", transform(tumbled(2), stones[number + 1].points)))
+    found = SHOT.find(
+        around(points, stones[number]),
+        Cloud("map", transform(tumbled(2), stones[number + 1].points)),
+    )
     assert not found.accepted
     assert found.reason
 
@@ -86,11 +94,16 @@ def test_bare_ground_holds_nothing() -> None:
     found = SHOT.find(Cloud("map", ground), Cloud("map", rng.uniform(-0.5, 0.5, (900, 3))))
     assert not found.accepted
     assert "nothing of the object's size" in found.reason
-    assert not SHOT.find(Cloud("map", ground[:5]), Cloud("map", rng.uniform(-0.5, 0.5, (900, 3)))).accepted
+    assert not SHOT.find(
+        Cloud("map", ground[:5]), Cloud("map", rng.uniform(-0.5, 0.5, (900, 3)))
+    ).accepted
 
 
 def test_no_turn_is_far_from_those_that_are_tried() -> None:
     tried = list(_rotations(240))
     rng = np.random.default_rng(0)
-    drawn = [exp_so3(axis / np.linalg.norm(axis) * rng.uniform(0, np.pi)) for axis in rng.normal(size=(100, 3))]
+    drawn = [
+        exp_so3(axis / np.linalg.norm(axis) * rng.uniform(0, np.pi))
+        for axis in rng.normal(size=(100, 3))
+    ]
     assert max(min(angle_between(R, turn) for turn in tried) for R in drawn) < np.radians(40)

@@ -14,9 +14,9 @@ PROGRAM = """
 import json, sys
 import numpy as np
 from executive.messages.cloud import Cloud
-from plugins.alignment.gicp import Gicp, GicpSettings
-from plugins.registration.segment_shot import SegmentShot, SegmentShotSettings
-from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
+from executive_plugins.alignment.gicp import Gicp, GicpSettings
+from executive_plugins.registration.segment_shot import SegmentShot, SegmentShotSettings
+from executive_plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
 
 def compiled():
     ours = [module for name, module in sys.modules.items() if name.startswith("plugins.")]

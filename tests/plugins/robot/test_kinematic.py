@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from executive_plugins.robot.kinematic import KinematicRobot, KinematicSettings
 
 from executive.errors import RobotError
+from executive.machine.machine import load_machine
 from executive.messages.command import Follow, MoveJaws
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.trajectory import JointTrajectory
-from plugins.robot.kinematic import KinematicRobot, KinematicSettings
-from robot_models.machine import load_machine
 
 
 @pytest.fixture
@@ -35,7 +35,9 @@ def turn(machine, angle, duration):
 def test_arrives_at_the_trajectorys_end(robot, machine):
     robot.command(Follow(turn(machine, 1.0, 5.0)))
     samples = [o for o in robot.read(6.0) if isinstance(o, JointSample)]
-    assert samples[-1].of(machine.turn_joint)[0] == pytest.approx(machine.postures["scan"][machine.turn_joint] + 1.0)
+    assert samples[-1].of(machine.turn_joint)[0] == pytest.approx(
+        machine.postures["scan"][machine.turn_joint] + 1.0
+    )
 
 
 def test_at_rest_the_imu_measures_gravity_only(robot):
@@ -69,7 +71,9 @@ def test_a_stop_is_on_the_path_and_resume_goes_on_to_its_end(robot, machine):
 def test_closing_jaws_meet_the_pretended_stone(machine):
     robot = KinematicRobot(KinematicSettings(jaws_stop_at=0.3), machine)
     robot.command(MoveJaws(0.0, 1e4))
-    assert [o for o in robot.read(5.0) if isinstance(o, JointSample)][-1].of(machine.jaw.name)[0] == pytest.approx(0.3)
+    assert [o for o in robot.read(5.0) if isinstance(o, JointSample)][-1].of(machine.jaw.name)[
+        0
+    ] == pytest.approx(0.3)
 
 
 def test_can_be_told_to_fail(machine):

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
+from executive_plugins.segmentation.clusters import connected_clusters as clusters_within
 from scipy.cluster.hierarchy import fcluster, linkage
-
-from plugins.segmentation.clusters import connected_clusters as clusters_within
 
 
 def connected_clusters(points: np.ndarray, voxel_m: float) -> np.ndarray:
@@ -26,7 +25,9 @@ def test_blobs_apart_are_told_as_single_linkage_tells_them() -> None:
 @pytest.mark.parametrize(("gap_m", "count"), [(0.09, 1), (0.21, 2)])
 def test_gaps_below_a_voxel_join_and_above_two_separate(gap_m: float, count: int) -> None:
     for shift in np.linspace(0, 0.1, 7):
-        points = np.array([[shift, 0, 0], [shift + gap_m, 0, 0], [0.0, 0, 0]])[: 2 + (gap_m < 0.1 and shift < 0.1)]
+        points = np.array([[shift, 0, 0], [shift + gap_m, 0, 0], [0.0, 0, 0]])[
+            : 2 + (gap_m < 0.1 and shift < 0.1)
+        ]
         assert len(np.unique(connected_clusters(points, 0.1))) == count
 
 

@@ -2,12 +2,15 @@
 
 import numpy as np
 import pytest
+from executive_plugins.segmentation.ground_and_clusters import (
+    GroundAndClusters,
+    GroundAndClustersSettings,
+)
 
 from executive.errors import DataError
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import from_rpy
 from executive.messages.cloud import Cloud
-from plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
 
 SPOTS = np.array([[3.0, 0.0], [4.5, 2.5], [0.0, 5.0], [-4.0, 1.0], [5.0, -3.0]])
 
@@ -65,7 +68,10 @@ def test_nothing_but_rough_ground_has_no_segments() -> None:
 
 def test_a_board_lying_aslant_is_no_stone() -> None:
     rng = np.random.default_rng(3)
-    board = np.column_stack([rng.uniform(-0.6, 0.6, (3000, 2)), rng.normal(0, 0.004, 3000)]) @ from_rpy(0, 0.5, 0).T
+    board = (
+        np.column_stack([rng.uniform(-0.6, 0.6, (3000, 2)), rng.normal(0, 0.004, 3000)])
+        @ from_rpy(0, 0.5, 0).T
+    )
     points = np.vstack([site(), board + np.array([-5, -5, 0.6])])
     assert len(segmenter().segment(Cloud("map", points)).segments) == len(SPOTS)
 
@@ -73,15 +79,21 @@ def test_a_board_lying_aslant_is_no_stone() -> None:
 def test_a_flat_stone_is_no_ground() -> None:
     rng = np.random.default_rng(3)
     top = np.column_stack([rng.uniform(-0.7, 0.7, (2500, 2)), np.full(2500, 0.3)])
-    side = np.column_stack([rng.uniform(-0.7, 0.7, 1200), np.full(1200, -0.7), rng.uniform(0, 0.3, 1200)])
-    flat = np.vstack([top, side, side[:, [1, 0, 2]]]) + np.array([-5, -5, heights(np.array([[-5.0, -5.0]]))[0]])
+    side = np.column_stack(
+        [rng.uniform(-0.7, 0.7, 1200), np.full(1200, -0.7), rng.uniform(0, 0.3, 1200)]
+    )
+    flat = np.vstack([top, side, side[:, [1, 0, 2]]]) + np.array(
+        [-5, -5, heights(np.array([[-5.0, -5.0]]))[0]]
+    )
     found = segmenter().segment(Cloud("map", np.vstack([site(), flat]))).segments
     assert len(found) == len(SPOTS) + 1
 
 
 def test_the_answer_moves_with_the_frame() -> None:
     cloud = site()
-    T = pose(from_rpy(0.15, -0.1, 2.0), np.array([400_000.0, 5_200_000.0, 450.0]))  # a national grid
+    T = pose(
+        from_rpy(0.15, -0.1, 2.0), np.array([400_000.0, 5_200_000.0, 450.0])
+    )  # a national grid
     here = segmenter().segment(Cloud("map", cloud))
     there = segmenter().segment(Cloud("utm", transform(T, cloud)))
     assert there.frame == "utm"
@@ -89,7 +101,9 @@ def test_the_answer_moves_with_the_frame() -> None:
     for segment in here.segments:
         expected = transform(T, segment.centroid)
         nearest = min(np.linalg.norm(other.centroid - expected) for other in there.segments)
-        assert nearest < 0.02  # the ground's grid lies otherwise, so the cut differs by a few points
+        assert (
+            nearest < 0.02
+        )  # the ground's grid lies otherwise, so the cut differs by a few points
     moved_normal = T[:3, :3] @ here.ground_plane[:3]
     np.testing.assert_allclose(there.ground_plane[:3], moved_normal, atol=5e-3)
     ground = there.ground.points

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from executive_plugins.segmentation.ground_plane import fit_ground_plane, fit_plane, plane_heights
 
 from executive.errors import DataError
 from executive.geometry.rotation import from_rpy
-from plugins.segmentation.ground_plane import fit_ground_plane, fit_plane, plane_heights
 
 MAX_TILT_RAD = np.pi / 6
 

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from plugins.segmentation.parting import Parting
-from plugins.segmentation.watershed import basins
+from executive_plugins.segmentation.parting import Parting
+from executive_plugins.segmentation.watershed import basins
 
 PARTING = Parting(0.04, 0.05, 0.3, 60, 0.25, 0.16, 0.85)
 
@@ -17,7 +16,11 @@ def thinned(points: np.ndarray, voxel_m: float = 0.03) -> np.ndarray:
 
 def sphere(x: float, radius_m: float, count: int = 40_000) -> np.ndarray:
     directions = np.random.default_rng(0).normal(size=(count, 3))
-    points = radius_m * directions / np.linalg.norm(directions, axis=1)[:, None] + [x, 0.0, 0.7 * radius_m]
+    points = radius_m * directions / np.linalg.norm(directions, axis=1)[:, None] + [
+        x,
+        0.0,
+        0.7 * radius_m,
+    ]
     return points[points[:, 2] > 0.1]
 
 
@@ -45,14 +48,18 @@ def stones_in(*shapes: np.ndarray, voxel_m: float = 0.03) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize(
-    "shape", [sphere(0, 0.5), cylinder(0.3, 1.6), slab(0, (1.2, 0.8, 0.4))], ids=["sphere", "cylinder", "slab"]
+    "shape",
+    [sphere(0, 0.5), cylinder(0.3, 1.6), slab(0, (1.2, 0.8, 0.4))],
+    ids=["sphere", "cylinder", "slab"],
 )
 def test_one_shape_is_one_stone(shape: np.ndarray) -> None:
     assert len(stones_in(shape)) == 1
 
 
 def test_touching_spheres_are_parted_at_the_plane_between_them() -> None:
-    parts = sorted(stones_in(sphere(-0.5, 0.5), sphere(0.5, 0.5)), key=lambda part: part[:, 0].mean())
+    parts = sorted(
+        stones_in(sphere(-0.5, 0.5), sphere(0.5, 0.5)), key=lambda part: part[:, 0].mean()
+    )
     assert len(parts) == 2
     assert parts[0][:, 0].max() < 0.06  # a cell of the view from above
     assert parts[1][:, 0].min() > -0.06

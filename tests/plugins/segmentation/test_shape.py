@@ -1,9 +1,14 @@
 """Moments, boxes and planes of point sets."""
 
 import numpy as np
+from executive_plugins.segmentation.shape import (
+    counts_near,
+    moments,
+    planes_through,
+    principal_extents,
+)
 
 from executive.geometry.rotation import from_rpy
-from plugins.segmentation.shape import counts_near, moments, planes_through, principal_extents
 
 
 def test_moments_are_those_of_the_textbook() -> None:

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from executive_plugins.segmentation.terrain import fit_terrain
 
 from executive.errors import DataError
-from plugins.segmentation.terrain import fit_terrain
 
 LEVEL = np.array([0.0, 0.0, 1.0, 0.0])
 
@@ -32,7 +32,9 @@ def test_a_stone_is_not_climbed() -> None:
     points = ground(rng)
     on_stone = np.linalg.norm(points[:, :2] - [2, 3], axis=1) < 0.8
     top = rng.uniform(-0.56, 0.56, (600, 2)) + np.array([2, 3])
-    stone = np.column_stack([top, waves(top) + 0.25])  # flat, and low enough to be taken for ground at first
+    stone = np.column_stack(
+        [top, waves(top) + 0.25]
+    )  # flat, and low enough to be taken for ground at first
     terrain = fit_terrain(np.vstack([points[~on_stone], stone]), LEVEL, 1.0, 0.3, 0.2)
     np.testing.assert_allclose(terrain.heights_above(stone), 0.25, atol=0.06)
 

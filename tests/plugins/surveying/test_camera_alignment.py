@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from executive_plugins.surveying.camera_alignment import CameraAlignment, align_cameras, umeyama
 
 from executive.errors import DataError
 from executive.geometry.rotation import angle_between, exp_so3
-from plugins.surveying.camera_alignment import CameraAlignment, align_cameras, umeyama
 
 SCALE, R, T = 2.5, exp_so3(np.array([0.3, -0.2, 2.0])), np.array([30.0, -12.0, 7.0])
 

@@ -6,29 +6,35 @@ from pathlib import Path
 import numpy as np
 import open3d as o3d
 import pytest
+from executive_plugins.robot.mujoco.ray_mesh import joined, moved
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.settings import MujocoSettings
+from executive_plugins.surveying.camera_alignment import umeyama
+from executive_plugins.surveying.colmap import Colmap, ColmapSettings
+from executive_plugins.surveying.grid_flight import GridFlightSettings, fly, recorded
+from executive_plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
+from executive_plugins.surveying.photograph_folder import Photographs, read_photographs
+from executive_plugins.surveying.simulated_photographs import (
+    SimulatedPhotographs,
+    SimulatedPhotographsSettings,
+    take_photographs,
+)
+from executive_plugins.surveying.structure_from_motion import load_pycolmap
 from PIL import Image
 
 from executive.arrays import Float
 from executive.errors import ConfigError, DataError
 from executive.interfaces.robot import Robot
-from plugins.robot.mujoco.ray_mesh import joined, moved
-from plugins.robot.mujoco.robot import MujocoRobot
-from plugins.robot.mujoco.settings import MujocoSettings
-from plugins.surveying.camera_alignment import umeyama
-from plugins.surveying.colmap import Colmap, ColmapSettings
-from plugins.surveying.grid_flight import GridFlightSettings, fly, recorded
-from plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
-from plugins.surveying.photograph_folder import Photographs, read_photographs
-from plugins.surveying.simulated_photographs import (
-    SimulatedPhotographs,
-    SimulatedPhotographsSettings,
-    take_photographs,
-)
-from plugins.surveying.structure_from_motion import load_pycolmap
-from robot_models.machine import load_machine
+from executive.machine.machine import load_machine
 
 FLIGHT = GridFlightSettings(
-    strips=3, pictures=4, size_m=(6, 7), height_m=6, size_px=(640, 480), noise_m=0.1, centre_m=(5, 0)
+    strips=3,
+    pictures=4,
+    size_m=(6, 7),
+    height_m=6,
+    size_px=(640, 480),
+    noise_m=0.1,
+    centre_m=(5, 0),
 )
 SETTINGS = PhotogrammetrySettings.model_validate(
     {"motion": {"features": 1500, "neighbours": 6}, "depth": {"pixel_m": 0.025}}
@@ -42,20 +48,32 @@ class Flight:
         placement = {"sector_width_rad": 0.8, "min_radius_m": 3.5, "max_radius_m": 6.5}
         site = {"terrain": {"half_size_m": 9}, "stones": {"count": 3, "placement": placement}}
         self.robot = MujocoRobot(
-            MujocoSettings.model_validate({"site": site}), load_machine("m545"), np.random.default_rng(5)
+            MujocoSettings.model_validate({"site": site}),
+            load_machine("m545"),
+            np.random.default_rng(5),
         )
         self.robot.start()
-        self.poses = np.array(take_photographs(self.robot, FLIGHT, folder, np.random.default_rng(5)))
+        self.poses = np.array(
+            take_photographs(self.robot, FLIGHT, folder, np.random.default_rng(5))
+        )
         self.photographs = read_photographs(folder, None, 6)
 
     def distances(self, points: Float) -> Float:
         """Return how far points (N, 3) in the world are from ground and stones [m]."""
         site = self.robot.world.site
-        skins = [moved((s.vertices, s.triangles), T) for s, T in zip(site.stones, site.T_world_stones, strict=True)]
+        skins = [
+            moved((s.vertices, s.triangles), T)
+            for s, T in zip(site.stones, site.T_world_stones, strict=True)
+        ]
         vertices, triangles = joined([site.terrain.mesh(), *skins])
         scene = o3d.t.geometry.RaycastingScene(nthreads=1)
-        scene.add_triangles(o3d.core.Tensor(vertices.astype(np.float32)), o3d.core.Tensor(triangles.astype(np.uint32)))
-        return np.asarray(scene.compute_distance(o3d.core.Tensor(points.astype(np.float32))).numpy())
+        scene.add_triangles(
+            o3d.core.Tensor(vertices.astype(np.float32)),
+            o3d.core.Tensor(triangles.astype(np.uint32)),
+        )
+        return np.asarray(
+            scene.compute_distance(o3d.core.Tensor(points.astype(np.float32))).numpy()
+        )
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +109,11 @@ def test_one_seed_gives_one_cloud_to_the_last_bit(flight: Flight) -> None:
         flight.photographs.size_px,
     )
     settings = PhotogrammetrySettings.model_validate(
-        {"motion": {"features": 800, "neighbours": 5}, "depth": {"pixel_m": 0.05}, "max_scale_error": 0.5}
+        {
+            "motion": {"features": 800, "neighbours": 5},
+            "depth": {"pixel_m": 0.05},
+            "max_scale_error": 0.5,
+        }
     )
     first, again = (reconstruct(few, settings, np.random.default_rng(7)) for _ in range(2))
     assert len(first.cloud) > 1000
@@ -104,19 +126,27 @@ def test_pictures_of_nothing_in_common_find_no_place(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
     lines = ["name,x,y,z"]
     for i in range(6):
-        noise = Image.fromarray(rng.integers(0, 255, (24, 32, 3), dtype=np.uint8)).resize((320, 240))
+        noise = Image.fromarray(rng.integers(0, 255, (24, 32, 3), dtype=np.uint8)).resize(
+            (320, 240)
+        )
         noise.save(tmp_path / f"{i}.png")
         lines.append(f"{i}.png,{i % 2},{i},8")
     (tmp_path / "positions.csv").write_text("\n".join(lines))
-    survey = Colmap(ColmapSettings.model_validate({"photographs": tmp_path, "motion": {"features": 500}}))
+    survey = Colmap(
+        ColmapSettings.model_validate({"photographs": tmp_path, "motion": {"features": 500}})
+    )
     survey.start()
-    with pytest.raises(DataError, match=r"0 of 6 pictures found their place, at least 70% are wanted; lost: 0.png"):
+    with pytest.raises(
+        DataError, match=r"0 of 6 pictures found their place, at least 70% are wanted; lost: 0.png"
+    ):
         survey.survey(np.random.default_rng(0))
 
 
 def test_a_missing_package_is_named_with_its_cure(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pycolmap", None)  # as if it were not installed
-    with pytest.raises(ConfigError, match=r"needs the package pycolmap.*pip install 'pycolmap>=4\.2'"):
+    with pytest.raises(
+        ConfigError, match=r"needs the package pycolmap.*pip install 'pycolmap>=4\.2'"
+    ):
         load_pycolmap()
 
 
@@ -155,7 +185,9 @@ def test_recorded_positions_share_an_offset_and_have_noise_of_their_own() -> Non
     settings = GridFlightSettings(noise_m=0.5, offset_m=1.5)
     poses = fly(settings, np.random.default_rng(0))
     true = np.array([T[:3, 3] for T in poses])
-    errors = np.array([recorded(poses, settings, np.random.default_rng(seed)) - true for seed in range(200)])
+    errors = np.array(
+        [recorded(poses, settings, np.random.default_rng(seed)) - true for seed in range(200)]
+    )
     own = errors - errors.mean(axis=1, keepdims=True)
     # 200 flights of 36 pictures: 0.7 % of the noise, 3 % of the offset.
     assert own.std() == pytest.approx(0.5 * np.sqrt(35 / 36), rel=0.03)

@@ -4,23 +4,28 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from executive_plugins.surveying.photograph_folder import Photographs, read_photographs
 from PIL import Image
 
 from executive.errors import DataError
 from executive.geometry.geodesy import geodetic_from_enu
-from plugins.surveying.photograph_folder import Photographs, read_photographs
 
 ENU = np.array([[0.0, 0, 10], [5, 0, 11], [0, 8, 10], [5, 8, 9], [2, 3, 10], [-4, 2, 10.5]])
 NAMES = [f"flight 1 {i}.jpg" for i in range(6)]
 
 
-def shoot(folder: Path, tags: list[Image.Exif] | None = None, size: tuple[int, int] = (40, 30)) -> None:
+def shoot(
+    folder: Path, tags: list[Image.Exif] | None = None, size: tuple[int, int] = (40, 30)
+) -> None:
     for i, name in enumerate(NAMES):
         Image.new("RGB", size, (i, i, i)).save(folder / name, exif=tags[i] if tags else b"")
 
 
 def table(folder: Path, header: str, rows: np.ndarray) -> None:
-    lines = [f"{name}, {', '.join(f'{x:.9f}' for x in row)}" for name, row in zip(NAMES, rows, strict=True)]
+    lines = [
+        f"{name}, {', '.join(f'{x:.9f}' for x in row)}"
+        for name, row in zip(NAMES, rows, strict=True)
+    ]
     (folder / "positions.csv").write_text("\n".join([header, *lines, ""]))
 
 
@@ -62,7 +67,9 @@ def test_reads_local_positions_from_a_table(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("datum", [[47.4, 8.5, 440], [-33.9, -70.6, 520], [31.5, 35.4, -400]])
-def test_reads_geodetic_positions_from_a_table_and_from_tags_alike(tmp_path: Path, datum: list[float]) -> None:
+def test_reads_geodetic_positions_from_a_table_and_from_tags_alike(
+    tmp_path: Path, datum: list[float]
+) -> None:
     rows = geodetic(np.array(datum))
     shoot(tmp_path, [gps(*row.tolist()) for row in rows])
     from_tags = read_photographs(tmp_path, None, 6)
@@ -94,7 +101,9 @@ def test_names_a_folder_that_is_missing_or_nearly_empty(tmp_path: Path) -> None:
 
 def test_names_pictures_without_a_position(tmp_path: Path) -> None:
     shoot(tmp_path)
-    with pytest.raises(DataError, match=r"6 of 6 pictures have no position \(no positions.csv .*flight 1 0.jpg"):
+    with pytest.raises(
+        DataError, match=r"6 of 6 pictures have no position \(no positions.csv .*flight 1 0.jpg"
+    ):
         read_photographs(tmp_path, None, 6)
     table(tmp_path, "name,x,y,z", ENU)
     text = (tmp_path / "positions.csv").read_text().splitlines()
@@ -111,7 +120,10 @@ def test_names_pictures_without_a_position(tmp_path: Path) -> None:
         ("name,x,y,z\na.jpg,1,2\n", "positions.csv:2: 'a.jpg,1,2' is no name and three numbers"),
         ("name,x,y,z\na.jpg,1,2,3\nb.jpg,1,two,3\n", "positions.csv:3: 'b.jpg,1,two,3'"),
         ("name,x,y,z\na.jpg,1,nan,3\n", "positions.csv:2"),
-        ("name,lat,lon,alt\na.jpg,2683000,1247000,440\n", "a.jpg: 2.683e.06, 1.247e.06 is no latitude and longitude"),
+        (
+            "name,lat,lon,alt\na.jpg,2683000,1247000,440\n",
+            "a.jpg: 2.683e.06, 1.247e.06 is no latitude and longitude",
+        ),
     ],
 )
 def test_names_the_line_of_a_table_that_is_wrong(tmp_path: Path, text: str, words: str) -> None:
@@ -121,11 +133,15 @@ def test_names_the_line_of_a_table_that_is_wrong(tmp_path: Path, text: str, word
         read_photographs(tmp_path, None, 6)
 
 
-def test_names_a_picture_that_cannot_be_read_and_pictures_of_several_cameras(tmp_path: Path) -> None:
+def test_names_a_picture_that_cannot_be_read_and_pictures_of_several_cameras(
+    tmp_path: Path,
+) -> None:
     shoot(tmp_path)
     table(tmp_path, "name,x,y,z", ENU)
     Image.new("RGB", (50, 30)).save(tmp_path / NAMES[2])
-    with pytest.raises(DataError, match=r"several sizes \(flight 1 0.jpg 40×30, flight 1 2.jpg 50×30\)"):
+    with pytest.raises(
+        DataError, match=r"several sizes \(flight 1 0.jpg 40×30, flight 1 2.jpg 50×30\)"
+    ):
         read_photographs(tmp_path, None, 6)
     (tmp_path / NAMES[2]).write_bytes(b"no picture")
     with pytest.raises(DataError, match=r"flight 1 2.jpg: no readable picture"):

@@ -5,16 +5,16 @@ from pathlib import Path
 import numpy as np
 import pycolmap
 import pytest
+from executive_plugins.surveying.depth_maps import DepthSettings, confirmed, find_ground, make_view
+from executive_plugins.surveying.fusion import below_flight, fuse
+from executive_plugins.surveying.grid_flight import look
+from executive_plugins.surveying.plane_sweep import View, sweep
+from executive_plugins.surveying.structure_from_motion import PosedPicture
 from PIL import Image
 from scipy.ndimage import gaussian_filter, map_coordinates
 
 from executive.errors import DataError
 from executive.geometry.pose import inverse
-from plugins.surveying.depth_maps import DepthSettings, confirmed, find_ground, make_view
-from plugins.surveying.fusion import below_flight, fuse
-from plugins.surveying.grid_flight import look
-from plugins.surveying.plane_sweep import View, sweep
-from plugins.surveying.structure_from_motion import PosedPicture
 
 UP = np.array([0.0, 0.0, 1.0])
 CELL_M = 0.02
@@ -42,7 +42,13 @@ def drawn(position: list[float], aim: list[float], step_m: float = 0.0, gain: fl
 
 
 def around(step_m: float = 0.0, tilt_m: float = 0.0) -> list[View]:
-    places = [[0.0, 0.05, 4.0], [1.2, 0.0, 4.0], [-1.2, 0.1, 4.2], [0.1, 1.2, 3.9], [0.0, -1.2, 4.1]]
+    places = [
+        [0.0, 0.05, 4.0],
+        [1.2, 0.0, 4.0],
+        [-1.2, 0.1, 4.2],
+        [0.1, 1.2, 3.9],
+        [0.0, -1.2, 4.1],
+    ]
     return [drawn(place, [tilt_m, 0.0, 0.0], step_m, 1 + 0.1 * i) for i, place in enumerate(places)]
 
 
@@ -68,7 +74,9 @@ def test_sees_a_block_and_the_ground_beside_it() -> None:
     views = around(step_m=0.4)
     depth, score = sweep(views[0], views[1:], UP, np.linspace(-0.2, 0.6, 28), 5)
     seen = points_of(views[0], depth)
-    off_edge = np.abs(np.abs(seen[..., :2]).max(axis=-1) - 0.5) > 0.12  # windows that do not straddle it
+    off_edge = (
+        np.abs(np.abs(seen[..., :2]).max(axis=-1) - 0.5) > 0.12
+    )  # windows that do not straddle it
     found = np.isfinite(depth) & (score > 0.6) & off_edge
     error = np.abs(seen[..., 2] - heights(seen[..., :2], 0.4))[found]
     on_top = (np.abs(seen[..., :2]) < 0.38).all(axis=-1) & found
@@ -143,14 +151,18 @@ def test_a_view_has_no_lens_distortion_and_the_pixels_of_its_size(tmp_path: Path
     camera.params = [400.0, 240.0, 180.0, -0.15]
     u, v = np.meshgrid(np.arange(480) + 0.5, np.arange(360) + 0.5)
     straight = np.array(camera.cam_from_img(np.stack([u.ravel(), v.ravel()], axis=1)))
-    bright = (straight[:, 0] > 0.4).reshape(360, 480)  # all that is right of x = 0.4 z in the pinhole's view
+    bright = (straight[:, 0] > 0.4).reshape(
+        360, 480
+    )  # all that is right of x = 0.4 z in the pinhole's view
     Image.fromarray((200 * bright).astype(np.uint8)).save(tmp_path / "edge.png")
     picture = PosedPicture("edge.png", camera, np.eye(4), np.arange(3))
     view = make_view(picture, tmp_path, np.eye(4), 200.0)
     assert view.grey.shape == (180, 240)
     edge = 0.4 * view.K[0, 0] + view.K[0, 2]
     for row in view.grey[20:160]:
-        assert np.interp(100, row[150:], np.arange(150, 240)) == pytest.approx(edge, abs=0.5)  # half a pixel
+        assert np.interp(100, row[150:], np.arange(150, 240)) == pytest.approx(
+            edge, abs=0.5
+        )  # half a pixel
 
 
 def test_names_a_picture_that_is_cut_short_or_turned(tmp_path: Path) -> None:

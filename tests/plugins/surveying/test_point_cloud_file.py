@@ -6,15 +6,17 @@ import laspy
 import numpy as np
 import open3d as o3d
 import pytest
+from executive_plugins.surveying.point_cloud_file import PointCloudFile, PointCloudFileSettings
 
 from executive.errors import DataError
-from plugins.surveying.point_cloud_file import PointCloudFile, PointCloudFileSettings
 
 SITE = np.random.default_rng(1).uniform(0, 8, (2000, 3))
 
 
 def survey(path: Path, points: np.ndarray) -> np.ndarray:
-    assert o3d.io.write_point_cloud(path, o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points)))
+    assert o3d.io.write_point_cloud(
+        path, o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
+    )
     return PointCloudFile(PointCloudFileSettings(path=path)).survey(np.random.default_rng(0)).points
 
 
@@ -45,10 +47,14 @@ def test_refuses_what_is_no_site(tmp_path: Path, points: np.ndarray, words: str)
 
 def test_a_wide_site_is_allowed_by_a_setting(tmp_path: Path) -> None:
     path = tmp_path / "quarry.ply"
-    assert o3d.io.write_point_cloud(path, o3d.geometry.PointCloud(o3d.utility.Vector3dVector(SITE * 100)))
+    assert o3d.io.write_point_cloud(
+        path, o3d.geometry.PointCloud(o3d.utility.Vector3dVector(SITE * 100))
+    )
     with pytest.raises(DataError, match=r"[78]\d\d.* across is no site"):
         PointCloudFile(PointCloudFileSettings(path=path)).survey(np.random.default_rng(0))
-    wide = PointCloudFile(PointCloudFileSettings(path=path, max_extent_m=1000)).survey(np.random.default_rng(0))
+    wide = PointCloudFile(PointCloudFileSettings(path=path, max_extent_m=1000)).survey(
+        np.random.default_rng(0)
+    )
     assert len(wide) == len(SITE)
 
 
@@ -58,9 +64,15 @@ def test_reads_a_laz_in_national_coordinates(tmp_path: Path) -> None:
     data = laspy.LasData(header)
     data.xyz = SITE + header.offsets
     data.write(tmp_path / "site.laz")
-    points = PointCloudFile(PointCloudFileSettings(path=tmp_path / "site.laz")).survey(np.random.default_rng(0)).points
+    points = (
+        PointCloudFile(PointCloudFileSettings(path=tmp_path / "site.laz"))
+        .survey(np.random.default_rng(0))
+        .points
+    )
     assert np.abs(points).max() < 5
-    assert np.allclose(np.ptp(points, axis=0), np.ptp(SITE, axis=0), atol=2e-3)  # the file's own millimetre
+    assert np.allclose(
+        np.ptp(points, axis=0), np.ptp(SITE, axis=0), atol=2e-3
+    )  # the file's own millimetre
 
 
 def test_single_precision_in_national_coordinates_is_refused(tmp_path: Path) -> None:

@@ -2,13 +2,18 @@
 
 import numpy as np
 import pytest
+from executive_plugins.surveying.reconstruction import (
+    ReconstructionSettings,
+    merge,
+    own_frame,
+    warp,
+)
+from executive_plugins.surveying.simulated_drone import SimulatedDrone, SimulatedDroneSettings
 from scipy.spatial import cKDTree
 
 from executive.arrays import Float
 from executive.errors import ConfigError, DataError
 from executive.interfaces.robot import Scene
-from plugins.surveying.reconstruction import ReconstructionSettings, merge, own_frame, warp
-from plugins.surveying.simulated_drone import SimulatedDrone, SimulatedDroneSettings
 
 BALLS = np.array([[3.0, 2.0, 0.5], [5.0, -1.0, 0.5], [2.5, -4.0, 0.5], [5.5, 4.5, 0.5]])
 RADIUS = 0.5
@@ -38,7 +43,9 @@ PERFECT = {"depth_noise_m": 0, "point_noise_m": 0, "warp_m": 0, "scale_error": 0
 
 
 def drone(robot: object, **reconstruction: float) -> SimulatedDrone:
-    return SimulatedDrone(SimulatedDroneSettings.model_validate({"reconstruction": reconstruction}), robot)  # type: ignore[arg-type]
+    return SimulatedDrone(
+        SimulatedDroneSettings.model_validate({"reconstruction": reconstruction}), robot
+    )  # type: ignore[arg-type]
 
 
 def similarity(source: Float, target: Float) -> tuple[float, Float, Float]:
@@ -136,7 +143,9 @@ def test_refuses_a_robot_without_a_scene() -> None:
 
 
 def test_says_when_there_is_no_ground_below() -> None:
-    settings = SimulatedDroneSettings.model_validate({"flight": {"centre_m": (4, 0), "height_m": 8}})
+    settings = SimulatedDroneSettings.model_validate(
+        {"flight": {"centre_m": (4, 0), "height_m": 8}}
+    )
 
     class Void(Scene):
         def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:

@@ -5,18 +5,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from executive_plugins.viewing.rerun import RerunSettings, RerunViewer
 from rerun.chunk import RrdReader
 
 from executive.geometry.pose import pose
 from executive.geometry.rotation import from_rpy
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine, load_machine
 from executive.messages.base_state import BaseState
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
 from executive.messages.joints import JointSample
 from executive.messages.status_change import StatusChange
-from plugins.viewing.rerun import RerunSettings, RerunViewer
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine, load_machine
 
 # Rows of one entity: seconds of mission, and the values of one component.
 Rows = Callable[[str, str], list[tuple[float, list]]]
@@ -44,7 +44,11 @@ def rows(viewer: RerunViewer, tmp_path: Path) -> Rows:
         found = []
         for chunk in RrdReader(str(tmp_path / "recording.rrd")).stream():
             batch = chunk.to_record_batch()
-            if chunk.entity_path == entity and component in batch.schema.names and not chunk.is_static:
+            if (
+                chunk.entity_path == entity
+                and component in batch.schema.names
+                and not chunk.is_static
+            ):
                 stamps = batch["mission"].cast("int64").to_numpy() / 1e9
                 found += zip(stamps, batch[component].to_pylist(), strict=True)
         return sorted(found, key=lambda row: row[0])
@@ -54,13 +58,17 @@ def rows(viewer: RerunViewer, tmp_path: Path) -> Rows:
 
 def state_and_joints(machine: Machine, T_map_base: np.ndarray, arm: np.ndarray, t: float):
     T_map_cabin = T_map_base @ Kinematics(machine).frames(arm)[machine.cabin_link]
-    state = BaseState(t, T_map_base, T_map_base, T_map_cabin, np.zeros(3), np.zeros(3), np.eye(6), "GLOBAL")
+    state = BaseState(
+        t, T_map_base, T_map_base, T_map_cabin, np.zeros(3), np.zeros(3), np.eye(6), "GLOBAL"
+    )
     n = len(machine.joint_names)
     effort = np.append([0.5 * joint.max_effort for joint in machine.joints], 0.0)
     return state, JointSample(t, machine.joint_names, np.append(arm, 0.3), np.zeros(n), effort)
 
 
-def test_links_stand_where_kinematics_and_state_put_them(viewer: RerunViewer, machine: Machine, rows: Rows) -> None:
+def test_links_stand_where_kinematics_and_state_put_them(
+    viewer: RerunViewer, machine: Machine, rows: Rows
+) -> None:
     T_map_base = pose(from_rpy(0.05, -0.02, 1.0), np.array([3.0, 4.0, 0.5]))
     arm = machine.posture("carry")
     state, joints = state_and_joints(machine, T_map_base, arm, 2.0)
@@ -70,10 +78,14 @@ def test_links_stand_where_kinematics_and_state_put_them(viewer: RerunViewer, ma
     for link in ("base", "boom", "jaw_left"):
         rows_of_link = rows(f"/world/machine/{link}", "Transform3D:translation")
         assert [stamp for stamp, _ in rows_of_link] == [2.0]
-        np.testing.assert_allclose(rows_of_link[0][1][0], (T_map_base @ frames[link])[:3, 3], atol=1e-5)
+        np.testing.assert_allclose(
+            rows_of_link[0][1][0], (T_map_base @ frames[link])[:3, 3], atol=1e-5
+        )
 
 
-def test_the_machine_is_drawn_at_its_own_pace(viewer: RerunViewer, machine: Machine, rows: Rows) -> None:
+def test_the_machine_is_drawn_at_its_own_pace(
+    viewer: RerunViewer, machine: Machine, rows: Rows
+) -> None:
     for k in range(100):
         state, joints = state_and_joints(machine, np.eye(4), machine.posture("scan"), k / 100)
         viewer.show(k / 100, "state", state)
@@ -82,7 +94,9 @@ def test_the_machine_is_drawn_at_its_own_pace(viewer: RerunViewer, machine: Mach
     assert rows("/plots/effort/J_BOOM", "Scalars:scalars")[0][1] == [pytest.approx(0.5)]
 
 
-def test_an_unknown_pose_is_not_drawn_but_joints_are_plotted(viewer: RerunViewer, machine: Machine, rows: Rows) -> None:
+def test_an_unknown_pose_is_not_drawn_but_joints_are_plotted(
+    viewer: RerunViewer, machine: Machine, rows: Rows
+) -> None:
     _, joints = state_and_joints(machine, np.eye(4), machine.posture("scan"), 0.0)
     viewer.show(0.0, "joints", joints)
     assert rows("/world/machine/boom", "Transform3D:translation") == []
@@ -97,7 +111,9 @@ def test_a_large_cloud_is_thinned_evenly(viewer: RerunViewer, rows: Rows) -> Non
     np.testing.assert_allclose([drawn[0, 0], drawn[-1, 0]], [0, 1], atol=2e-3)
 
 
-def test_a_cloud_of_its_own_frame_is_kept_apart_from_the_site(viewer: RerunViewer, rows: Rows) -> None:
+def test_a_cloud_of_its_own_frame_is_kept_apart_from_the_site(
+    viewer: RerunViewer, rows: Rows
+) -> None:
     viewer.show(1.0, "survey", Cloud("drone", np.ones((10, 3))))
     assert rows("/world/survey", "Points3D:positions") == []
     assert len(rows("/survey/survey", "Points3D:positions")) == 1
@@ -114,8 +130,13 @@ def test_the_chosen_grasp_is_posed(viewer: RerunViewer, rows: Rows) -> None:
 def test_only_changes_of_the_tree_are_written(viewer: RerunViewer, rows: Rows) -> None:
     for k, status in enumerate(["RUNNING", "RUNNING", "SUCCESS"]):
         viewer.show(float(k), "tree", {"main": "RUNNING", "main/Segment": status})
-    assert rows("/states/main/Segment", "StateChange:state") == [(0.0, ["RUNNING"]), (2.0, ["SUCCESS"])]
-    assert [text for _, (text,) in rows("/tree", "TextDocument:text")][-1] == "main: RUNNING\n  Segment: SUCCESS"
+    assert rows("/states/main/Segment", "StateChange:state") == [
+        (0.0, ["RUNNING"]),
+        (2.0, ["SUCCESS"]),
+    ]
+    assert [text for _, (text,) in rows("/tree", "TextDocument:text")][
+        -1
+    ] == "main: RUNNING\n  Segment: SUCCESS"
 
 
 def test_a_lane_of_its_own_tells_which_leaf_runs(viewer: RerunViewer, rows: Rows) -> None:
@@ -136,7 +157,9 @@ def test_nothing_is_written_before_it_is_opened(machine: Machine) -> None:
     viewer.close()
 
 
-def test_how_the_estimator_stands_has_a_lane_and_its_reasons_are_in_the_log(viewer: RerunViewer, rows: Rows) -> None:
+def test_how_the_estimator_stands_has_a_lane_and_its_reasons_are_in_the_log(
+    viewer: RerunViewer, rows: Rows
+) -> None:
     viewer.show(3.0, "estimator", StatusChange(2.9, "INITIALISING", "GLOBAL", ""))
     viewer.show(5.0, "estimator", StatusChange(4.9, "GLOBAL", "SUSPECT", "no fix for 0.7 s"))
     lane = rows("/states/estimator", "StateChange:state")

@@ -3,9 +3,8 @@
 from itertools import product
 
 import numpy as np
-
-from plugins.viewing.palette import of_heights, of_number
-from plugins.viewing.solids import mesh
+from executive_plugins.viewing.palette import of_heights, of_number
+from executive_plugins.viewing.solids import mesh
 
 
 def volume(vertices: np.ndarray, triangles: np.ndarray) -> float:
@@ -45,7 +44,9 @@ def test_normals_point_away_from_the_middle() -> None:
 def test_neighbouring_numbers_have_distinct_and_constant_colours() -> None:
     colours = [of_number(k) for k in range(8)]
     assert colours == [of_number(k) for k in range(8)]
-    distances = [np.linalg.norm(np.subtract(a, b)) for i, a in enumerate(colours) for b in colours[:i]]
+    distances = [
+        np.linalg.norm(np.subtract(a, b)) for i, a in enumerate(colours) for b in colours[:i]
+    ]
     assert min(distances) > 25
 
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from executive_plugins.robot.mujoco.follower import Follower
 
 from executive.errors import RobotError
+from executive.machine.machine import Machine, load_machine
 from executive.messages.trajectory import JointTrajectory
-from plugins.robot.mujoco.follower import Follower
-from robot_models.machine import Machine, load_machine
 
 DT_S = 0.0025
 
@@ -19,9 +19,14 @@ def machine() -> Machine:
 def quintic(machine: Machine, goal: np.ndarray, duration_s: float) -> JointTrajectory:
     """Move from the scanning posture to a goal with a fifth-order profile."""
     start, u = machine.posture("scan"), np.linspace(0, 1, 60)
-    share, slope = 10 * u**3 - 15 * u**4 + 6 * u**5, (30 * u**2 - 60 * u**3 + 30 * u**4) / duration_s
+    share, slope = (
+        10 * u**3 - 15 * u**4 + 6 * u**5,
+        (30 * u**2 - 60 * u**3 + 30 * u**4) / duration_s,
+    )
     position = start + np.outer(share, goal - start)
-    return JointTrajectory(machine.arm_names, u * duration_s, position, np.outer(slope, goal - start))
+    return JointTrajectory(
+        machine.arm_names, u * duration_s, position, np.outer(slope, goal - start)
+    )
 
 
 def test_follows_to_the_end_and_holds(machine: Machine) -> None:
@@ -36,7 +41,9 @@ def test_follows_to_the_end_and_holds(machine: Machine) -> None:
 
 
 @pytest.mark.parametrize("stop_s", [0.5, 2.0, 3.3, 5.0, 6.5])
-def test_a_stop_stays_on_the_path_within_the_acceleration_limits(machine: Machine, stop_s: float) -> None:
+def test_a_stop_stays_on_the_path_within_the_acceleration_limits(
+    machine: Machine, stop_s: float
+) -> None:
     start, goal = machine.posture("scan"), machine.posture("carry") + np.eye(7)[0] * 1.5
     follower = Follower(machine, start)
     follower.follow(quintic(machine, goal, 7.0), start)
@@ -49,9 +56,13 @@ def test_a_stop_stays_on_the_path_within_the_acceleration_limits(machine: Machin
         velocities.append(velocity)
     share = (np.array(positions) - start)[:, 0] / (goal - start)[0]
     # The path is a straight line in joint space (up to the Hermite pieces' 1e-6).
-    np.testing.assert_allclose(np.array(positions), start + np.outer(share, goal - start), atol=1e-5)
+    np.testing.assert_allclose(
+        np.array(positions), start + np.outer(share, goal - start), atol=1e-5
+    )
     acceleration = np.abs(np.diff(velocities, axis=0)).max(axis=0) / DT_S
-    assert (acceleration <= machine.max_acceleration * 1.05).all()  # the pieces' acceleration jumps a little
+    assert (
+        acceleration <= machine.max_acceleration * 1.05
+    ).all()  # the pieces' acceleration jumps a little
     assert not follower.is_moving
     assert share[-1] < 1.0 or stop_s > 6.0
 
@@ -74,7 +85,9 @@ def test_a_stop_in_mid_swing_is_quick(machine: Machine) -> None:
 def test_joints_that_are_not_named_hold(machine: Machine) -> None:
     start = machine.posture("scan")
     follower = Follower(machine, start)
-    follower.follow(JointTrajectory(("J_TELE",), np.array([0.0, 2.0]), [[0.0], [0.3]], [[0.0], [0.0]]), start)
+    follower.follow(
+        JointTrajectory(("J_TELE",), np.array([0.0, 2.0]), [[0.0], [0.3]], [[0.0], [0.0]]), start
+    )
     for _ in range(round(2.1 / DT_S)):
         position, _ = follower.advance(DT_S)
     np.testing.assert_allclose(position, start + 0.3 * np.eye(7)[3], atol=1e-12)
@@ -92,7 +105,9 @@ def test_refuses_what_the_arm_cannot_do(
     machine: Machine, joint: str, positions: tuple[float, float], words: str
 ) -> None:
     follower = Follower(machine, machine.posture("scan"))
-    trajectory = JointTrajectory((joint,), np.array([0.0, 20.0]), np.c_[positions].T, np.zeros((2, 1)))
+    trajectory = JointTrajectory(
+        (joint,), np.array([0.0, 20.0]), np.c_[positions].T, np.zeros((2, 1))
+    )
     with pytest.raises(RobotError, match=words):
         follower.follow(trajectory, machine.posture("scan"))
     assert not follower.is_moving

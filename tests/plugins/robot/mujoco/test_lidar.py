@@ -4,20 +4,20 @@ import mujoco
 import numpy as np
 import open3d as o3d
 import pytest
+from executive_plugins.robot.mujoco.physics import PhysicsSettings
+from executive_plugins.robot.mujoco.ray_mesh import RayMesh
+from executive_plugins.robot.mujoco.scene import SiteScene
+from executive_plugins.robot.mujoco.sensors import SensorSettings, SensorSuite
+from executive_plugins.robot.mujoco.site import Site
+from executive_plugins.robot.mujoco.stone_model import StoneModel
+from executive_plugins.robot.mujoco.terrain import TerrainSettings, make_terrain
+from executive_plugins.robot.mujoco.world import World
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis
+from executive.machine.machine import load_machine
 from executive.messages.lidar import LidarScan
-from plugins.robot.mujoco.physics import PhysicsSettings
-from plugins.robot.mujoco.ray_mesh import RayMesh
-from plugins.robot.mujoco.scene import SiteScene
-from plugins.robot.mujoco.sensors import SensorSettings, SensorSuite
-from plugins.robot.mujoco.site import Site
-from plugins.robot.mujoco.stone_model import StoneModel
-from plugins.robot.mujoco.terrain import TerrainSettings, make_terrain
-from plugins.robot.mujoco.world import World
-from robot_models.machine import load_machine
 
 MACHINE = load_machine("m545")
 STEP_S = 0.01
@@ -39,12 +39,16 @@ def level_site(T_world_stone: Float, *sides: float) -> Site:
 def distance_to_cuboid(points: Float, sides: Float) -> Float:
     """Return the distance to the surface of a cuboid about the origin [m]."""
     beyond = np.abs(points) - np.array(sides) / 2
-    return np.where((beyond > 0).any(axis=1), np.linalg.norm(np.maximum(beyond, 0), axis=1), -beyond.max(axis=1))
+    return np.where(
+        (beyond > 0).any(axis=1), np.linalg.norm(np.maximum(beyond, 0), axis=1), -beyond.max(axis=1)
+    )
 
 
 def test_rays_hit_a_sphere_and_a_plane_at_the_range_of_the_formula() -> None:
     sphere = o3d.geometry.TriangleMesh.create_sphere(1.0, 200)
-    mesh = RayMesh([(np.asarray(sphere.vertices) + np.array([5, 0, 0]), np.asarray(sphere.triangles))])
+    mesh = RayMesh(
+        [(np.asarray(sphere.vertices) + np.array([5, 0, 0]), np.asarray(sphere.triangles))]
+    )
     rng = np.random.default_rng(0)
     directions = np.array([1.0, 0, 0]) + rng.uniform(-0.3, 0.3, (500, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
@@ -52,7 +56,9 @@ def test_rays_hit_a_sphere_and_a_plane_at_the_range_of_the_formula() -> None:
     b = 5 * directions[:, 0]
     inside = b**2 - 24
     hits = inside > 0.01
-    assert np.allclose(ranges[hits], b[hits] - np.sqrt(inside[hits]), atol=2e-3)  # chords of 1/200 of the circle
+    assert np.allclose(
+        ranges[hits], b[hits] - np.sqrt(inside[hits]), atol=2e-3
+    )  # chords of 1/200 of the circle
     assert np.isinf(ranges[inside < 0]).all()
     assert np.isinf(RayMesh([]).cast(np.zeros((3, 6), np.float32))).all()
 
@@ -74,7 +80,9 @@ def test_the_scene_is_ground_and_stones_also_while_a_stone_moves() -> None:
     assert np.isinf(up).all()
 
 
-def sweep(site: Site, turn_rad_s: float, stone_m_s: float, duration_s: float = 0.6) -> tuple[World, list[LidarScan]]:
+def sweep(
+    site: Site, turn_rad_s: float, stone_m_s: float, duration_s: float = 0.6
+) -> tuple[World, list[LidarScan]]:
     """Turn the cabin and slide the stone along y, both evenly, and return the scans after the first."""
     world = World(MACHINE, site, PhysicsSettings())
     suite = SensorSuite(MACHINE, site, SensorSettings(), world.model, np.random.default_rng(0))
@@ -95,7 +103,9 @@ def in_world(world: World, scan: LidarScan, turn_rad_s: float, stamps_s: Float) 
     T_base_cabin = inverse(world.T_world_base) @ world.T_world_body("cabin")
     points = transform(MACHINE.sensors[scan.frame].T_link_sensor, scan.points_lidar)
     c, s = np.cos(turn_rad_s * stamps_s), np.sin(turn_rad_s * stamps_s)
-    turned = np.c_[c * points[:, 0] - s * points[:, 1], s * points[:, 0] + c * points[:, 1], points[:, 2]]
+    turned = np.c_[
+        c * points[:, 0] - s * points[:, 1], s * points[:, 0] + c * points[:, 1], points[:, 2]
+    ]
     return turned + T_base_cabin[:3, 3] + world.T_world_base[:3, 3]
 
 
@@ -119,8 +129,12 @@ def test_a_still_scan_lies_on_ground_and_stone_with_the_noise_of_the_description
         error = (ranges[down] - expected)[is_ground]
         assert error.std() == pytest.approx(NOISE_M, rel=0.06)
         assert abs(error.mean()) < 4 * NOISE_M / np.sqrt(len(error))
-        stone = points[distance_to_cuboid(transform(inverse(T_STONE), points), np.array(SIDES)) < 0.1]
-        assert (stone[:, 2] > 0.15).sum() > 50 or scan.frame == "lidar_vertical"  # its plane passes by
+        stone = points[
+            distance_to_cuboid(transform(inverse(T_STONE), points), np.array(SIDES)) < 0.1
+        ]
+        assert (
+            stone[:, 2] > 0.15
+        ).sum() > 50 or scan.frame == "lidar_vertical"  # its plane passes by
 
 
 def test_points_corrected_by_the_true_motion_lie_on_the_stone_and_uncorrected_ones_do_not() -> None:
@@ -133,9 +147,15 @@ def test_points_corrected_by_the_true_motion_lie_on_the_stone_and_uncorrected_on
         for scan in scans:
             if scan.frame != "lidar_horizontal":
                 continue
-            stamps = scan.point_stamps_s if use_own_stamps else np.full(len(scan.points_lidar), scan.stamp_s)
+            stamps = (
+                scan.point_stamps_s
+                if use_own_stamps
+                else np.full(len(scan.points_lidar), scan.stamp_s)
+            )
             points = in_world(world, scan, rate, stamps)
-            near = points[(np.linalg.norm(points - T_STONE[:3, 3], axis=1) < 1.5) & (points[:, 2] > 0.2)]
+            near = points[
+                (np.linalg.norm(points - T_STONE[:3, 3], axis=1) < 1.5) & (points[:, 2] > 0.2)
+            ]
             residuals.append(distance_to_cuboid(transform(to_stone, near), np.array(SIDES)))
         return float(np.sqrt((np.concatenate(residuals) ** 2).mean()))
 
@@ -150,8 +170,12 @@ def test_a_stone_under_way_is_seen_where_it_is_at_the_time_of_each_point() -> No
     for scan in scans:
         if scan.frame != "lidar_horizontal":
             continue
-        points = in_world(world, scan, 0.0, scan.point_stamps_s) - speed * scan.point_stamps_s[:, None] * [0, 1, 0]
-        near = points[(np.linalg.norm(points - T_STONE[:3, 3], axis=1) < 1.5) & (points[:, 2] > 0.2)]
+        points = in_world(world, scan, 0.0, scan.point_stamps_s) - speed * scan.point_stamps_s[
+            :, None
+        ] * [0, 1, 0]
+        near = points[
+            (np.linalg.norm(points - T_STONE[:3, 3], axis=1) < 1.5) & (points[:, 2] > 0.2)
+        ]
         distance = distance_to_cuboid(transform(inverse(T_STONE), near), np.array(SIDES))
         # A slice of 25 ms stands for its middle: up to 0.8 · 12.5 ms = 1 cm more than the noise.
         assert len(near) > 30

@@ -6,21 +6,23 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+from executive_plugins.robot.mujoco.oracle import MujocoOracle
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.settings import MujocoSettings
 
 from executive.arrays import Float
 from executive.geometry.pose import pose
 from executive.geometry.rotation import about_axis, quaternion_wxyz
 from executive.interfaces.oracle import Attempt, MissionView
+from executive.machine.machine import load_machine
 from executive.messages.base_state import BaseState
 from executive.messages.placement import Slot
 from executive.messages.stone import Stone, StoneState
-from plugins.robot.mujoco.oracle import MujocoOracle
-from plugins.robot.mujoco.robot import MujocoRobot
-from plugins.robot.mujoco.settings import MujocoSettings
-from robot_models.machine import load_machine
 
 MACHINE = load_machine("m545")
-SETTINGS = MujocoSettings.model_validate({"site": {"stones": {"count": 2}, "terrain": {"half_size_m": 10}}})
+SETTINGS = MujocoSettings.model_validate(
+    {"site": {"stones": {"count": 2}, "terrain": {"half_size_m": 10}}}
+)
 FAR = np.array([-8.0, 0.0, 3.0])  # in the air, away from everything
 STEP_S = 0.01
 
@@ -55,7 +57,13 @@ class Show:
             self.time_s = round(self.time_s + STEP_S, 6)
 
     def truth(self, **view: Any) -> dict[str, Any]:
-        parts: dict[str, Any] = {"states": (), "stones": (), "first_stones": (), "slots": {}, "attempts": ()}
+        parts: dict[str, Any] = {
+            "states": (),
+            "stones": (),
+            "first_stones": (),
+            "slots": {},
+            "attempts": (),
+        }
         return MujocoOracle(self.robot).truth(MissionView(**(parts | view)))
 
 
@@ -65,10 +73,14 @@ def position(show: Show, stone: str) -> Float:
 
 def stone(stone_id: int, T_map_object: Float) -> Stone:
     centre = T_map_object[:3, 3]
-    return Stone(stone_id, StoneState.ON_GROUND, centre[None], centre, T_map_object, seen_from_above=False)
+    return Stone(
+        stone_id, StoneState.ON_GROUND, centre[None], centre, T_map_object, seen_from_above=False
+    )
 
 
-def attempt(started_s: float, ended_s: float, centroid: Sequence[float], stone_id: int = 1) -> Attempt:
+def attempt(
+    started_s: float, ended_s: float, centroid: Sequence[float], stone_id: int = 1
+) -> Attempt:
     return Attempt(stone_id, started_s, ended_s, "placed", (centroid[0], centroid[1], centroid[2]))
 
 
@@ -77,7 +89,9 @@ def test_slot_errors_are_horizontal_distances_of_the_true_centroid() -> None:
     seen = stone(9, pose(t=position(show, "stone_2") + np.array([0.1, 0.05, 0.1])))
     show.put("stone_2", np.array([3.0, -4.0, 0.5]))
     show.play(0.2)
-    stones = show.truth(first_stones=[seen], slots={9: Slot(1, np.array([3.3, -4.4, 0.0]))})["stones"]
+    stones = show.truth(first_stones=[seen], slots={9: Slot(1, np.array([3.3, -4.4, 0.0]))})[
+        "stones"
+    ]
     assert stones[1]["id"] == 2
     assert stones[1]["held_object"] == 9
     assert stones[1]["slot_error_m"] == pytest.approx(0.5)
@@ -103,7 +117,9 @@ def test_database_errors_compare_the_tracked_frame_with_the_true_motion() -> Non
     assert report["database_error_m"] == pytest.approx(0, abs=1e-9)
     assert report["database_error_rad"] == pytest.approx(0, abs=1e-9)
     off = pose(about_axis(np.array([1.0, 0.0, 0.0]), 0.1), np.array([0.03, 0.0, 0.04]))
-    wrong = pose(off[:3, :3] @ faithful.T_map_object[:3, :3], faithful.T_map_object[:3, 3] + off[:3, 3])
+    wrong = pose(
+        off[:3, :3] @ faithful.T_map_object[:3, :3], faithful.T_map_object[:3, 3] + off[:3, 3]
+    )
     report = show.truth(first_stones=[first], stones=[stone(1, wrong)])["stones"][0]
     assert report["database_error_m"] == pytest.approx(0.05)
     assert report["database_error_rad"] == pytest.approx(0.1)
@@ -133,9 +149,9 @@ def test_a_stone_that_rose_was_lifted_and_one_that_fell_from_the_jaws_was_droppe
     show.put("stone_1", start)
     show.play(0.5)
     late_s = show.time_s - 0.2
-    grasps = show.truth(attempts=[attempt(begin_s, begin_s + 0.6, start), attempt(late_s, show.time_s, start)])[
-        "grasps"
-    ]
+    grasps = show.truth(
+        attempts=[attempt(begin_s, begin_s + 0.6, start), attempt(late_s, show.time_s, start)]
+    )["grasps"]
     assert [grasp["dropped"] for grasp in grasps] == [True, False]
     assert [grasp["lifted"] for grasp in grasps] == [True, False]
 
@@ -223,7 +239,9 @@ def test_estimates_are_held_against_the_cabin() -> None:
     states = [state(0.0, 9.0, "INITIALISING"), state(0.05, 0.01), state(0.1, 0.03)]
     estimate = show.truth(states=states)["estimate"]
     distances = {"mean": 0.02, "std": 0.01, "max": 0.03}
-    assert estimate["error_m"] == pytest.approx(distances | {"bias": 0.02, "component_std": 0.01 / 3})
+    assert estimate["error_m"] == pytest.approx(
+        distances | {"bias": 0.02, "component_std": 0.01 / 3}
+    )
     assert estimate["error_rad"]["max"] == pytest.approx(0, abs=1e-6)
     assert show.truth()["estimate"] == {}
 
@@ -242,16 +260,22 @@ def test_a_real_run_without_commands_hits_nothing() -> None:
 def test_a_run_that_ended_before_its_first_step_has_a_truth_too() -> None:
     robot = MujocoRobot(SETTINGS, MACHINE, np.random.default_rng(1))
     robot.start()
-    truth = MujocoOracle(robot).truth(MissionView((), (), (), {}, [attempt(0.0, 0.0, (5.0, 0.0, 0.3))]))
+    truth = MujocoOracle(robot).truth(
+        MissionView((), (), (), {}, [attempt(0.0, 0.0, (5.0, 0.0, 0.3))])
+    )
     assert truth["grasps"] == [{"object": 1, "lifted": False, "dropped": False}]
     assert truth["collisions"] == []
 
 
 def test_an_empty_site_has_a_truth_too() -> None:
-    settings = MujocoSettings.model_validate({"site": {"stones": {"count": 0}, "terrain": {"half_size_m": 10}}})
+    settings = MujocoSettings.model_validate(
+        {"site": {"stones": {"count": 0}, "terrain": {"half_size_m": 10}}}
+    )
     robot = MujocoRobot(settings, MACHINE, np.random.default_rng(1))
     robot.start()
     robot.read(0.5)
-    truth = MujocoOracle(robot).truth(MissionView((), (), (), {}, [attempt(0.1, 0.2, (5.0, 0.0, 0.3))]))
+    truth = MujocoOracle(robot).truth(
+        MissionView((), (), (), {}, [attempt(0.1, 0.2, (5.0, 0.0, 0.3))])
+    )
     assert truth["stones"] == []
     assert truth["grasps"] == [{"object": 1, "lifted": False, "dropped": False}]

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from executive_plugins.robot.mujoco import photographs
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.settings import MujocoSettings
+from executive_plugins.robot.mujoco.surface_texture import ground_skin, stone_skin
 
 from executive.errors import RobotError
 from executive.geometry.pose import pose
-from plugins.robot.mujoco import photographs
-from plugins.robot.mujoco.robot import MujocoRobot
-from plugins.robot.mujoco.settings import MujocoSettings
-from plugins.robot.mujoco.surface_texture import ground_skin, stone_skin
-from robot_models.machine import load_machine
+from executive.machine.machine import load_machine
 
 SIZE, ANGLE = (320, 240), 1.2
 SITE = {"terrain": {"half_size_m": 9}, "stones": {"count": 3}}
@@ -37,7 +37,9 @@ def rays(T: np.ndarray) -> np.ndarray:
     """Return the unit ray of each pixel in the world, shape (height · width, 3)."""
     width, height = SIZE
     focal = width / 2 / np.tan(ANGLE / 2)
-    u, v = np.meshgrid((np.arange(width) + 0.5 - width / 2) / focal, (np.arange(height) + 0.5 - height / 2) / focal)
+    u, v = np.meshgrid(
+        (np.arange(width) + 0.5 - width / 2) / focal, (np.arange(height) + 0.5 - height / 2) / focal
+    )
     in_camera = np.stack([u.ravel(), v.ravel(), np.ones(u.size)], axis=1)
     return (in_camera / np.linalg.norm(in_camera, axis=1, keepdims=True)) @ T[:3, :3].T
 
@@ -87,7 +89,9 @@ def test_a_computer_that_cannot_draw_says_what_to_install(monkeypatch: pytest.Mo
             raise RuntimeError("no display")
 
     monkeypatch.setattr(mujoco.egl, "GLContext", NoScreen)
-    with pytest.raises(RobotError, match=r"cannot draw without a screen \(no display\); install EGL.*libegl1"):
+    with pytest.raises(
+        RobotError, match=r"cannot draw without a screen \(no display\); install EGL.*libegl1"
+    ):
         photographs._screen(SIZE)
 
 

@@ -2,19 +2,19 @@
 
 import numpy as np
 import pytest
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.settings import MujocoSettings
+from executive_plugins.robot.mujoco.site import SiteSettings
+from executive_plugins.robot.mujoco.stones import StoneSettings
 
 from executive.errors import RobotError
+from executive.machine.machine import load_machine
 from executive.messages.command import Follow, MoveJaws, SwitchLidars
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.observation import Observation
 from executive.messages.trajectory import JointTrajectory
-from plugins.robot.mujoco.robot import MujocoRobot
-from plugins.robot.mujoco.settings import MujocoSettings
-from plugins.robot.mujoco.site import SiteSettings
-from plugins.robot.mujoco.stones import StoneSettings
-from robot_models.machine import load_machine
 
 EMPTY = MujocoSettings(site=SiteSettings(stones=StoneSettings(count=0)))
 
@@ -27,7 +27,9 @@ def started(seed: int = 0, model: str = "m545") -> MujocoRobot:
 
 def ticks(robot: MujocoRobot, until_s: float) -> list[Observation]:
     begin = round(robot.world.time_s / 0.05)
-    return [o for tick in range(begin, round(until_s / 0.05)) for o in robot.read((tick + 1) * 0.05)]
+    return [
+        o for tick in range(begin, round(until_s / 0.05)) for o in robot.read((tick + 1) * 0.05)
+    ]
 
 
 @pytest.mark.parametrize("model", ["m545", "mini"])
@@ -36,7 +38,9 @@ def test_measures_every_joint_of_any_machine(model: str) -> None:
     samples = [o for o in ticks(robot, 0.5) if isinstance(o, JointSample)]
     machine = load_machine(model)
     assert samples[-1].names == machine.joint_names
-    np.testing.assert_allclose(samples[-1].position[:-1], machine.posture("scan"), atol=2e-3)  # encoder noise
+    np.testing.assert_allclose(
+        samples[-1].position[:-1], machine.posture("scan"), atol=2e-3
+    )  # encoder noise
 
 
 def test_a_call_for_the_same_time_gives_nothing_and_each_batch_is_in_order() -> None:
@@ -60,7 +64,9 @@ def test_lidars_measure_only_while_switched_on() -> None:
 
 def test_one_seed_gives_one_stream_and_another_another() -> None:
     first, again, other = (
-        np.array([o.specific_force_m_s2 for o in ticks(started(seed), 0.2) if isinstance(o, ImuSample)])
+        np.array(
+            [o.specific_force_m_s2 for o in ticks(started(seed), 0.2) if isinstance(o, ImuSample)]
+        )
         for seed in (1, 1, 2)
     )
     np.testing.assert_array_equal(first, again)
@@ -72,7 +78,9 @@ def test_a_stop_in_mid_swing_brings_the_machine_to_rest_while_the_jaws_keep_thei
     robot.command(MoveJaws(0.6, 20e3))
     u = np.linspace(0, 1, 50)
     share, slope = 10 * u**3 - 15 * u**4 + 6 * u**5, (30 * u**2 - 60 * u**3 + 30 * u**4) / 6
-    robot.command(Follow(JointTrajectory(("J_TURN",), u * 6, 1.5 * share[:, None], 1.5 * slope[:, None])))
+    robot.command(
+        Follow(JointTrajectory(("J_TURN",), u * 6, 1.5 * share[:, None], 1.5 * slope[:, None]))
+    )
     ticks(robot, 3.0)
     assert robot.world.arm.velocity()[0] > 0.3
     robot.stop()
@@ -84,9 +92,14 @@ def test_a_stop_in_mid_swing_brings_the_machine_to_rest_while_the_jaws_keep_thei
 
 def test_rays_from_above_find_the_ground() -> None:
     robot = started()
-    origins, down = np.array([[6.0, 0.0, 10.0], [0.0, 6.0, 10.0]]), np.array([[0.0, 0, -1], [0, 0, -1]])
+    origins, down = (
+        np.array([[6.0, 0.0, 10.0], [0.0, 6.0, 10.0]]),
+        np.array([[0.0, 0, -1], [0, 0, -1]]),
+    )
     heights = 10.0 - robot.cast_rays(origins, down)
-    np.testing.assert_allclose(heights, robot.world.site.terrain.height_at(origins[:, :2]), atol=0.02)
+    np.testing.assert_allclose(
+        heights, robot.world.site.terrain.height_at(origins[:, :2]), atol=0.02
+    )
 
 
 def test_a_robot_that_was_not_started_says_so() -> None:

@@ -5,24 +5,26 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 import pytest
+from executive_plugins.robot.mujoco.physics import PhysicsSettings
+from executive_plugins.robot.mujoco.sensors import SensorSettings, SensorSuite
+from executive_plugins.robot.mujoco.site import Site
+from executive_plugins.robot.mujoco.terrain import TerrainSettings, make_terrain
+from executive_plugins.robot.mujoco.world import World
 
 from executive.errors import ConfigError
 from executive.geometry.geodesy import enu_from_geodetic
+from executive.machine.machine import Machine, load_machine
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.observation import Observation
-from plugins.robot.mujoco.physics import PhysicsSettings
-from plugins.robot.mujoco.sensors import SensorSettings, SensorSuite
-from plugins.robot.mujoco.site import Site
-from plugins.robot.mujoco.terrain import TerrainSettings, make_terrain
-from plugins.robot.mujoco.world import World
-from robot_models.machine import Machine, load_machine
 
 MACHINE = load_machine("m545")
 STEP_S = 0.01
-FLAT = Site(make_terrain(TerrainSettings(undulation_m=0, roughness_m=0), np.random.default_rng(0)), (), ())
+FLAT = Site(
+    make_terrain(TerrainSettings(undulation_m=0, roughness_m=0), np.random.default_rng(0)), (), ()
+)
 WORLD = World(MACHINE, FLAT, PhysicsSettings())
 
 
@@ -41,13 +43,17 @@ def measure(
     return list(_steps(suite, duration_s, rate_rad_s))
 
 
-def _steps(suite: SensorSuite, duration_s: float, rate_rad_s: float) -> Iterator[tuple[float, Observation]]:
+def _steps(
+    suite: SensorSuite, duration_s: float, rate_rad_s: float
+) -> Iterator[tuple[float, Observation]]:
     data = mujoco.MjData(WORLD.model)
     data.qpos[:] = WORLD.data.qpos
     for k in range(1, round(duration_s / STEP_S) + 1):
         data.joint("J_TURN").qpos = rate_rad_s * k * STEP_S
         data.joint("J_TURN").qvel = rate_rad_s
-        yield from ((k * STEP_S, observation) for observation in suite.step(k * STEP_S, WORLD.model, data))
+        yield from (
+            (k * STEP_S, observation) for observation in suite.step(k * STEP_S, WORLD.model, data)
+        )
 
 
 def imu(samples: list[tuple[float, Observation]], frame: str) -> list[ImuSample]:
@@ -62,8 +68,12 @@ def test_an_imu_at_rest_measures_gravity_upwards_within_its_bias_and_noise() -> 
     # Four standard deviations of the start-up bias; white noise of 2,000 samples is good to 5 %.
     assert np.abs(force.mean(axis=0) - [0, 0, 9.81]).max() < 4 * sensor.accel_bias_m_s2
     assert np.abs(rate.mean(axis=0)).max() < 4 * sensor.gyro_bias_rad_s
-    assert np.allclose(np.diff(force, axis=0).std(axis=0) / np.sqrt(2), sensor.accel_noise_m_s2, rtol=0.06)
-    assert np.allclose(np.diff(rate, axis=0).std(axis=0) / np.sqrt(2), sensor.gyro_noise_rad_s, rtol=0.06)
+    assert np.allclose(
+        np.diff(force, axis=0).std(axis=0) / np.sqrt(2), sensor.accel_noise_m_s2, rtol=0.06
+    )
+    assert np.allclose(
+        np.diff(rate, axis=0).std(axis=0) / np.sqrt(2), sensor.gyro_noise_rad_s, rtol=0.06
+    )
 
 
 def test_an_imu_on_a_turning_cabin_measures_rate_and_centripetal_acceleration() -> None:
@@ -78,22 +88,34 @@ def test_an_imu_on_a_turning_cabin_measures_rate_and_centripetal_acceleration() 
 
 
 def test_biases_of_imus_differ_by_seed_and_walk() -> None:
-    starts = [imu(measure(0.2, seed=seed), "imu_base")[0].angular_velocity_rad_s for seed in range(30)]
+    starts = [
+        imu(measure(0.2, seed=seed), "imu_base")[0].angular_velocity_rad_s for seed in range(30)
+    ]
     sensor = MACHINE.sensors["imu_base"]
     expected = np.hypot(sensor.gyro_bias_rad_s, sensor.gyro_noise_rad_s)
-    assert np.std(starts) == pytest.approx(expected, rel=0.25)  # 90 values: 7 % at one standard deviation
+    assert np.std(starts) == pytest.approx(
+        expected, rel=0.25
+    )  # 90 values: 7 % at one standard deviation
     restless = sensor.model_copy(update={"gyro_walk_rad_s": 0.01, "gyro_noise_rad_s": 0.0})
     machine = MACHINE.model_copy(update={"sensors": MACHINE.sensors | {"imu_base": restless}})
-    rate = np.array([s.angular_velocity_rad_s for s in imu(measure(20, machine=machine), "imu_base")])
+    rate = np.array(
+        [s.angular_velocity_rad_s for s in imu(measure(20, machine=machine), "imu_base")]
+    )
     assert np.diff(rate, axis=0).std() == pytest.approx(0.01 * np.sqrt(STEP_S), rel=0.05)
 
 
 def test_fixes_are_geodetic_about_the_datum_with_the_noise_that_they_report() -> None:
     datum = (46.9, 7.4, 550.0)
-    fixes = [o for _, o in measure(40, datum=datum) if isinstance(o, GnssFix) and o.antenna == "gnss_left"]
+    fixes = [
+        o
+        for _, o in measure(40, datum=datum)
+        if isinstance(o, GnssFix) and o.antenna == "gnss_left"
+    ]
     sensor = MACHINE.sensors["gnss_left"]
     T = WORLD.T_world_body("cabin") @ sensor.T_link_sensor
-    errors = np.array([enu_from_geodetic(fix.geodetic, np.array(datum)) for fix in fixes]) - T[:3, 3]
+    errors = (
+        np.array([enu_from_geodetic(fix.geodetic, np.array(datum)) for fix in fixes]) - T[:3, 3]
+    )
     assert len(fixes) == 800 - 1  # 20 Hz; the last one is still on its way
     assert np.allclose(errors.std(axis=0), np.sqrt(np.diag(fixes[0].covariance_enu_m2)), rtol=0.1)
     assert np.abs(errors.mean(axis=0)).max() < 4 * sensor.vertical_noise_m / np.sqrt(len(fixes))
@@ -118,14 +140,22 @@ def test_observations_arrive_after_their_latency_and_never_before() -> None:
     for arrival_s, observation in samples:
         name = getattr(observation, "frame", None) or getattr(observation, "antenna", "encoders")
         latency_s = MACHINE.sensors[name].latency_s
-        assert observation.stamp_s + latency_s - 1e-9 <= arrival_s < observation.stamp_s + latency_s + STEP_S
+        assert (
+            observation.stamp_s + latency_s - 1e-9
+            <= arrival_s
+            < observation.stamp_s + latency_s + STEP_S
+        )
 
 
 def test_rates_are_those_of_the_description() -> None:
     samples = [o for _, o in measure(10.0)]
     assert len([o for o in samples if isinstance(o, JointSample)]) == 1000
     for sensor in MACHINE.sensors.values():
-        stamps = [o.stamp_s for o in samples if getattr(o, "frame", getattr(o, "antenna", "encoders")) == sensor.name]
+        stamps = [
+            o.stamp_s
+            for o in samples
+            if getattr(o, "frame", getattr(o, "antenna", "encoders")) == sensor.name
+        ]
         if stamps:
             assert np.allclose(np.diff(stamps), 1 / sensor.rate_hz)
 
@@ -155,32 +185,45 @@ def test_a_sensor_that_dropped_out_is_silent_for_its_span_and_changes_no_other()
     assert len(left) == 39 - 10
     assert {o.frame for _, o in holed if isinstance(o, LidarScan)} == {"lidar_horizontal"}
     others = [[o for _, o in run if isinstance(o, ImuSample)] for run in (whole, holed)]
-    assert all(np.array_equal(a.specific_force_m_s2, b.specific_force_m_s2) for a, b in zip(*others, strict=True))
+    assert all(
+        np.array_equal(a.specific_force_m_s2, b.specific_force_m_s2)
+        for a, b in zip(*others, strict=True)
+    )
 
 
 def test_refuses_a_dropout_of_a_sensor_that_the_machine_lacks() -> None:
     with pytest.raises(ConfigError, match=r"no sensor 'gnss_lef'\. Did you mean 'gnss_left'"):
         measure(0.1, dropouts=[{"sensor": "gnss_lef", "from_s": 0, "to_s": 1}])
     with pytest.raises(ValueError, match="must lie after from_s"):
-        SensorSettings.model_validate({"dropouts": [{"sensor": "gnss_left", "from_s": 2, "to_s": 1}]})
+        SensorSettings.model_validate(
+            {"dropouts": [{"sensor": "gnss_left", "from_s": 2, "to_s": 1}]}
+        )
 
 
 def test_one_seed_gives_one_stream() -> None:
     first, again, other = (measure(0.5, lidars=True, seed=seed) for seed in (1, 1, 2))
     scans = [[o for _, o in run if isinstance(o, LidarScan)] for run in (first, again, other)]
-    assert all(np.array_equal(a.points_lidar, b.points_lidar) for a, b in zip(*scans[:2], strict=True))
+    assert all(
+        np.array_equal(a.points_lidar, b.points_lidar) for a, b in zip(*scans[:2], strict=True)
+    )
     assert scans[0][0].points_lidar.shape != scans[2][0].points_lidar.shape or not np.allclose(
         scans[0][0].points_lidar, scans[2][0].points_lidar
     )
 
 
 def test_lidars_measure_whole_revolutions_while_they_are_on() -> None:
-    suite = SensorSuite(MACHINE, FLAT, SensorSettings(azimuth_stride=10), WORLD.model, np.random.default_rng(0))
+    suite = SensorSuite(
+        MACHINE, FLAT, SensorSettings(azimuth_stride=10), WORLD.model, np.random.default_rng(0)
+    )
     scans: list[tuple[float, LidarScan]] = []
     data = mujoco.MjData(WORLD.model)
     for k in range(1, 201):
         suite.lidars_on = 0.25 < k * STEP_S < 1.0
-        scans += [(k * STEP_S, o) for o in suite.step(k * STEP_S, WORLD.model, data) if isinstance(o, LidarScan)]
+        scans += [
+            (k * STEP_S, o)
+            for o in suite.step(k * STEP_S, WORLD.model, data)
+            if isinstance(o, LidarScan)
+        ]
     stamps = [scan.stamp_s for _, scan in scans if scan.frame == "lidar_vertical"]
     assert stamps == pytest.approx([0.4, 0.5, 0.6, 0.7, 0.8, 0.9])
     for _, scan in scans:

@@ -3,14 +3,14 @@
 import mujoco
 import numpy as np
 import pytest
+from executive_plugins.robot.mujoco.physics import PhysicsSettings, apply_physics
+from executive_plugins.robot.mujoco.site import Site, SiteSettings, make_site
+from executive_plugins.robot.mujoco.stone_placement import footprint, gap
+from executive_plugins.robot.mujoco.terrain import TERRAIN, TerrainSettings, make_terrain
 
 from executive.errors import ConfigError
 from executive.geometry.pose import transform
-from plugins.robot.mujoco.physics import PhysicsSettings, apply_physics
-from plugins.robot.mujoco.site import Site, SiteSettings, make_site
-from plugins.robot.mujoco.stone_placement import footprint, gap
-from plugins.robot.mujoco.terrain import TERRAIN, TerrainSettings, make_terrain
-from robot_models.machine import load_machine
+from executive.machine.machine import load_machine
 
 MACHINE = load_machine("m545")
 SMALL = {"half_size_m": 10}
@@ -41,22 +41,30 @@ def test_the_ground_is_level_under_the_machine_and_as_rough_as_asked_elsewhere()
 
 
 def test_rays_physics_and_formula_agree_on_the_height_of_the_ground() -> None:
-    ground = site(stones={"count": 0}, terrain={"half_size_m": 10, "undulation_m": 0.3, "roughness_m": 0.05}).terrain
+    ground = site(
+        stones={"count": 0}, terrain={"half_size_m": 10, "undulation_m": 0.3, "roughness_m": 0.05}
+    ).terrain
     model, data = world(Site(ground, (), ()))
     mujoco.mj_forward(model, data)
     vertices, triangles = ground.mesh()
     rng = np.random.default_rng(0)
     for x, y in rng.uniform(-9, 9, (50, 2)):
         geom, normal = np.zeros(1, np.int32), np.zeros(3)
-        down = mujoco.mj_ray(model, data, np.array([x, y, 9.0]), np.array([0, 0, -1.0]), None, 1, -1, geom, normal)
+        down = mujoco.mj_ray(
+            model, data, np.array([x, y, 9.0]), np.array([0, 0, -1.0]), None, 1, -1, geom, normal
+        )
         assert model.geom(int(geom[0])).name == TERRAIN
         # The triangle of the mesh over which the point lies.
         a, b, c = (vertices[triangles[:, k], :2] for k in range(3))
-        u, v = np.linalg.solve(np.stack([b - a, c - a], axis=-1), (np.array([x, y]) - a)[..., None])[..., 0].T
+        u, v = np.linalg.solve(
+            np.stack([b - a, c - a], axis=-1), (np.array([x, y]) - a)[..., None]
+        )[..., 0].T
         k = int(np.flatnonzero((u >= 0) & (v >= 0) & (u + v <= 1))[0])
         corners = vertices[triangles[k], 2]
         height = corners[0] + u[k] * (corners[1] - corners[0]) + v[k] * (corners[2] - corners[0])
-        assert 9 - down == pytest.approx(height, abs=1e-4)  # the same split of cells; single precision
+        assert 9 - down == pytest.approx(
+            height, abs=1e-4
+        )  # the same split of cells; single precision
         assert 9 - down == pytest.approx(float(ground.height_at(np.array([[x, y]]))[0]), abs=0.05)
 
 
@@ -66,7 +74,9 @@ def test_stones_lie_in_their_sector_with_gaps_on_the_ground() -> None:
     outlines = []
     for stone, T in zip(made.stones, made.T_world_stones, strict=True):
         radius, azimuth = np.hypot(*T[:2, 3]), np.arctan2(T[1, 3], T[0, 3])
-        assert 0.45 * MACHINE.reach_m - 0.3 < radius < 0.75 * MACHINE.reach_m + 0.3  # they roll a little
+        assert (
+            0.45 * MACHINE.reach_m - 0.3 < radius < 0.75 * MACHINE.reach_m + 0.3
+        )  # they roll a little
         assert abs(azimuth) < 1.4 + 0.1
         corners = transform(T, stone.hull)
         clearance = (corners[:, 2] - made.terrain.height_at(corners[:, :2])).min()
@@ -98,7 +108,10 @@ def test_masses_and_inertias_in_the_world_are_those_of_the_stones() -> None:
 def test_one_seed_gives_one_site_bit_for_bit() -> None:
     first, again, other = site(seed=4), site(seed=4), site(seed=5)
     assert np.array_equal(first.terrain.heights_m, again.terrain.heights_m)
-    assert all(np.array_equal(a, b) for a, b in zip(first.T_world_stones, again.T_world_stones, strict=True))
+    assert all(
+        np.array_equal(a, b)
+        for a, b in zip(first.T_world_stones, again.T_world_stones, strict=True)
+    )
     assert not np.array_equal(first.T_world_stones[0], other.T_world_stones[0])
 
 
@@ -110,7 +123,9 @@ def test_an_empty_site_and_stones_out_of_reach_are_sites_too() -> None:
 
 
 def test_says_that_there_is_no_room() -> None:
-    with pytest.raises(ConfigError, match=r"no room for 60 stones .* lower count or gap_m, or widen"):
+    with pytest.raises(
+        ConfigError, match=r"no room for 60 stones .* lower count or gap_m, or widen"
+    ):
         site(stones={"count": 60})
     with pytest.raises(ConfigError, match=r"min_radius_m 9 is beyond max_radius_m 6\.75"):
         site(stones={"placement": {"min_radius_m": 9}})

@@ -5,14 +5,14 @@ from pathlib import Path
 import numpy as np
 import open3d as o3d
 import pytest
+from executive_plugins.physics.quarried_block import block
+from executive_plugins.robot.mujoco.solid import inertia_about_origin, volume_and_centroid
+from executive_plugins.robot.mujoco.stone_meshes import read_skin
+from executive_plugins.robot.mujoco.stones import StoneSettings, make_stones
 from pydantic import ValidationError
 from scipy.spatial import ConvexHull
 
 from executive.errors import ConfigError
-from executive.geometry.quarried_block import block
-from plugins.robot.mujoco.solid import inertia_about_origin, volume_and_centroid
-from plugins.robot.mujoco.stone_meshes import read_skin
-from plugins.robot.mujoco.stones import StoneSettings, make_stones
 
 SCANS = Path(__file__).parents[5] / "shared" / "data" / "stones"
 
@@ -50,7 +50,9 @@ def test_blocks_have_the_volume_and_the_ratios_that_are_asked_for() -> None:
 
 
 def test_stones_weigh_what_their_volume_and_density_say() -> None:
-    stones = make_stones(StoneSettings(count=12, density_kg_m3=2500), 3000.0, np.random.default_rng(1))
+    stones = make_stones(
+        StoneSettings(count=12, density_kg_m3=2500), 3000.0, np.random.default_rng(1)
+    )
     assert [stone.name for stone in stones] == [f"stone_{i}" for i in range(1, 13)]
     for stone in stones:
         volume, centroid = volume_and_centroid(stone.vertices, stone.triangles)
@@ -63,7 +65,9 @@ def test_stones_weigh_what_their_volume_and_density_say() -> None:
 
 
 def test_one_seed_gives_one_set_of_stones() -> None:
-    first, again, other = (make_stones(StoneSettings(count=3), 3000.0, np.random.default_rng(s)) for s in (5, 5, 6))
+    first, again, other = (
+        make_stones(StoneSettings(count=3), 3000.0, np.random.default_rng(s)) for s in (5, 5, 6)
+    )
     assert all(np.array_equal(a.vertices, b.vertices) for a, b in zip(first, again, strict=True))
     assert not any(a.mass_kg == b.mass_kg for a, b in zip(first, other, strict=True))
 
@@ -83,10 +87,16 @@ def test_takes_only_meshes_that_can_be_lifted_each_once(tmp_path: Path) -> None:
         o3d.io.write_triangle_mesh(tmp_path / f"{i}.ply", box(side, side, side))
     stones = make_stones(StoneSettings(count=3, folder=tmp_path), 3000.0, np.random.default_rng(0))
     assert sorted(round(stone.mass_kg) for stone in stones) == [338, 583, 926]
-    with pytest.raises(ConfigError, match=r"only 3 of the 4 meshes .* weigh at most 3000 kg .* 4 are wanted: lower"):
+    with pytest.raises(
+        ConfigError, match=r"only 3 of the 4 meshes .* weigh at most 3000 kg .* 4 are wanted: lower"
+    ):
         make_stones(StoneSettings(count=4, folder=tmp_path), 3000.0, np.random.default_rng(0))
     assert len(
-        make_stones(StoneSettings(count=4, folder=tmp_path, max_mass_kg=30000), 3000.0, np.random.default_rng(0))
+        make_stones(
+            StoneSettings(count=4, folder=tmp_path, max_mass_kg=30000),
+            3000.0,
+            np.random.default_rng(0),
+        )
     )
 
 
@@ -94,13 +104,19 @@ def test_takes_only_meshes_that_can_be_lifted_each_once(tmp_path: Path) -> None:
     ("write", "words"),
     [
         (lambda f: None, r"holds no mesh; wanted are files \.obj, \.ply, \.stl"),
-        (lambda f: (f / "a.obj").write_text("this is no mesh\n"), r"a\.obj: no readable mesh; export it again"),
+        (
+            lambda f: (f / "a.obj").write_text("this is no mesh\n"),
+            r"a\.obj: no readable mesh; export it again",
+        ),
         (lambda f: (f / "a.ply").write_bytes(b"\x00" * 99), r"a\.ply: no readable mesh"),
         (
             lambda f: o3d.io.write_triangle_mesh(f / "a.ply", box(300, 200, 100)),
             r"a\.ply: 300 m across at scale 1, .*\.scale",
         ),
-        (lambda f: o3d.io.write_triangle_mesh(f / "a.ply", box(0.01, 0.01, 0.01)), r"0\.01 m across .* set .*\.scale"),
+        (
+            lambda f: o3d.io.write_triangle_mesh(f / "a.ply", box(0.01, 0.01, 0.01)),
+            r"0\.01 m across .* set .*\.scale",
+        ),
     ],
 )
 def test_refuses_a_folder_that_holds_no_stones(tmp_path: Path, write: object, words: str) -> None:

@@ -4,20 +4,20 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from executive_plugins.robot.mujoco.convex_mesh import hull_mesh
+from executive_plugins.robot.mujoco.physics import PhysicsSettings
+from executive_plugins.robot.mujoco.site import Site, SiteSettings, make_site
+from executive_plugins.robot.mujoco.stone_model import StoneModel
+from executive_plugins.robot.mujoco.stones import StoneSettings
+from executive_plugins.robot.mujoco.terrain import TerrainSettings, make_terrain
+from executive_plugins.robot.mujoco.world import World
 
 from executive.errors import ConfigError, RobotError
 from executive.geometry.pose import inverse, pose
+from executive.machine.kinematics import Kinematics
+from executive.machine.machine import Machine, load_machine
 from executive.messages.command import Follow, MoveJaws
 from executive.messages.trajectory import JointTrajectory
-from plugins.robot.mujoco.convex_mesh import hull_mesh
-from plugins.robot.mujoco.physics import PhysicsSettings
-from plugins.robot.mujoco.site import Site, SiteSettings, make_site
-from plugins.robot.mujoco.stone_model import StoneModel
-from plugins.robot.mujoco.stones import StoneSettings
-from plugins.robot.mujoco.terrain import TerrainSettings, make_terrain
-from plugins.robot.mujoco.world import World
-from robot_models.kinematics import Kinematics
-from robot_models.machine import Machine, load_machine
 
 BLOCK_M = (1.1, 0.84, 0.8)  # 2 t at 2,700 kg/m³
 
@@ -30,7 +30,9 @@ def level_world(machine: Machine, stones: Sequence[tuple[np.ndarray, np.ndarray]
         StoneModel.from_skin(f"stone_{i}", hull_mesh(corners * sides), 2700.0)
         for i, (sides, _) in enumerate(stones, start=1)
     ]
-    return World(machine, Site(terrain, tuple(models), tuple(T for _, T in stones)), PhysicsSettings())
+    return World(
+        machine, Site(terrain, tuple(models), tuple(T for _, T in stones)), PhysicsSettings()
+    )
 
 
 def run(world: World, duration_s: float) -> None:
@@ -46,16 +48,24 @@ def move(world: World, goal: np.ndarray) -> float:
     speed, acceleration = machine.loaded_max_velocity, machine.loaded_max_acceleration
     duration_s = max(1.0, (1.875 * way / speed).max(), np.sqrt(5.78 * way / acceleration).max())
     u = np.linspace(0, 1, 80)
-    share, slope = 10 * u**3 - 15 * u**4 + 6 * u**5, (30 * u**2 - 60 * u**3 + 30 * u**4) / duration_s
+    share, slope = (
+        10 * u**3 - 15 * u**4 + 6 * u**5,
+        (30 * u**2 - 60 * u**3 + 30 * u**4) / duration_s,
+    )
     trajectory = JointTrajectory(
-        machine.arm_names, u * duration_s, start + np.outer(share, goal - start), np.outer(slope, goal - start)
+        machine.arm_names,
+        u * duration_s,
+        start + np.outer(share, goal - start),
+        np.outer(slope, goal - start),
     )
     begin_s, worst_m = world.time_s, 0.0
     world.follow(Follow(trajectory))
     while world.is_moving:
         world.step()
         wanted = kinematics.gripper(trajectory.at(world.time_s - begin_s)[0])[:3, 3]
-        worst_m = max(worst_m, float(np.linalg.norm(kinematics.gripper(world.arm.position())[:3, 3] - wanted)))
+        worst_m = max(
+            worst_m, float(np.linalg.norm(kinematics.gripper(world.arm.position())[:3, 3] - wanted))
+        )
     return worst_m
 
 
@@ -79,7 +89,9 @@ def arm_over(machine: Machine, palm_above_ground_m: float) -> np.ndarray:
     kinematics, low, high = Kinematics(machine), 0.0, 1.769
     for _ in range(40):
         middle = (low + high) / 2
-        height = kinematics.gripper(hanging(0.95, -0.25, middle))[2, 3] + machine.stance.base_height_m
+        height = (
+            kinematics.gripper(hanging(0.95, -0.25, middle))[2, 3] + machine.stance.base_height_m
+        )
         low, high = (middle, high) if height > palm_above_ground_m else (low, middle)
     return hanging(0.95, -0.25, low)
 
@@ -90,8 +102,12 @@ def test_a_held_stone_of_two_tonnes_neither_creeps_nor_pulls_the_arm_off_its_pat
     tip_depth_m = gripper.tips(gripper.jaw_rad(BLOCK_M[1]))[0, 0]
     arm = arm_over(machine, tip_depth_m + 0.1)
     x, y = Kinematics(machine).gripper(arm)[:2, 3]
-    turned = np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])  # the jaws open along the world's x at yaw π/2
-    world = level_world(machine, [(np.array(BLOCK_M), pose(turned, np.array([x, y, BLOCK_M[2] / 2 + 0.005])))])
+    turned = np.array(
+        [[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]
+    )  # the jaws open along the world's x at yaw π/2
+    world = level_world(
+        machine, [(np.array(BLOCK_M), pose(turned, np.array([x, y, BLOCK_M[2] / 2 + 0.005])))]
+    )
     world.move_jaws(MoveJaws(machine.jaw.open_rad, 20e3))
     high = arm + np.array([0, 0.2, 0, 0, -0.2, 0, 0])
     move(world, high)
@@ -115,7 +131,16 @@ def test_the_boom_carries_what_the_jaws_hold() -> None:
     run(world, 1.0)
     boom = world.T_world_body("boom")[:3, 3]
     torque = 0.0
-    for name in ("boom", "dipper", "tele", "ee_pitch", "ee_roll", "gripper", "jaw_left", "jaw_right"):
+    for name in (
+        "boom",
+        "dipper",
+        "tele",
+        "ee_pitch",
+        "ee_roll",
+        "gripper",
+        "jaw_left",
+        "jaw_right",
+    ):
         link = machine.links[name]
         centre = world.T_world_body(name) @ np.append(link.com_m, 1.0)
         torque += link.mass_kg * 9.81 * (centre[0] - boom[0])
@@ -135,7 +160,8 @@ def test_the_jaws_close_at_their_speed_and_keep_to_the_commanded_angle() -> None
 
 
 @pytest.mark.parametrize(
-    ("command", "words"), [(MoveJaws(1.5, 1e3), "possible is 0.0 to 0.94 rad"), (MoveJaws(0.1, 9e4), "up to 35000 N")]
+    ("command", "words"),
+    [(MoveJaws(1.5, 1e3), "possible is 0.0 to 0.94 rad"), (MoveJaws(0.1, 9e4), "up to 35000 N")],
 )
 def test_refuses_what_the_jaws_cannot_do(command: MoveJaws, words: str) -> None:
     with pytest.raises(RobotError, match=words):
@@ -148,7 +174,9 @@ def test_two_runs_with_one_seed_are_equal_bit_for_bit() -> None:
     states = []
     for _ in range(2):
         world = World(
-            machine, make_site(settings, machine, PhysicsSettings(), np.random.default_rng(5)), PhysicsSettings()
+            machine,
+            make_site(settings, machine, PhysicsSettings(), np.random.default_rng(5)),
+            PhysicsSettings(),
         )
         world.move_jaws(MoveJaws(0.9, 20e3))
         move(world, machine.posture("carry"))

@@ -1,0 +1,90 @@
+"""A mission run once and recorded, and the truth about it where a simulator knows it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from executive import registry
+from executive.errors import DataError
+from executive.estimate.compare import compare
+from executive.estimate.run import Material
+from executive.estimate.run import Options as EstimateOptions
+from executive.interfaces.oracle import MissionView, Oracle
+from executive.messages.base_state import BaseState
+from executive.mission.mission import Mission
+from executive.mission.run import Options as RunOptions
+from executive.mission.run import Run
+from executive.tree.language import MissionFile
+from executive.tree.load import load_mission
+
+_LOGS = (".mcap", ".bag")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rehearsal:
+    """A recorded run.
+
+    Attributes:
+        log: What the robot measured.
+        oracle: Who knows the truth; none on a robot that has no oracle.
+        datum: Origin of the map: latitude [deg], longitude [deg], altitude [m]; none for the log's first fix.
+    """
+
+    log: Path
+    oracle: Oracle | None
+    datum: tuple[float, float, float] | None
+
+    def truth(self, states: Sequence[BaseState]) -> Mapping[str, Mapping[str, float]]:
+        """Return how far states were from the truth; only reports may ask."""
+        if self.oracle is None:
+            raise DataError(f"{self.log}: nobody knows the truth about this run")
+        view = MissionView(states=states, stones=(), first_stones=(), slots={}, attempts=())
+        errors: Mapping[str, Mapping[str, float]] = self.oracle.truth(view)["estimate"]
+        return errors
+
+
+def is_mission(name: Path) -> bool:
+    """Tell the name of a mission from a log: a log is a folder, or a file that is named as one."""
+    return not name.is_dir() and name.suffix not in _LOGS
+
+
+def rehearse(mission: str, overrides: Sequence[str], seed: int, folder: Path) -> Rehearsal:
+    """Run a mission to its end, whatever that is, and record what the robot measured.
+
+    Raises:
+        ConfigError: As `executive run`.
+    """
+    description = load_mission(mission, list(overrides))
+    log = folder / "rehearsal.mcap"
+    oracles: list[Oracle] = []
+
+    def watch(running: Mission) -> None:
+        if not oracles:
+            oracles.extend(_oracles(description, running))
+
+    Run(description, RunOptions(seed=seed, run_dir=folder / "run", record_log=log)).execute(watch)
+    settings = description.plugins["estimation"][0].settings
+    return Rehearsal(log, oracles[0] if oracles else None, getattr(settings, "datum", None))
+
+
+def compare_on(
+    rehearsal: Rehearsal, names: Sequence[str], options: EstimateOptions
+) -> dict[str, dict[str, Any]]:
+    """Return the report of each estimator on the run, against the truth where it is known."""
+    material = Material.read(rehearsal.log, options)
+    if rehearsal.datum is not None:
+        material = replace(material, datum=np.array(rehearsal.datum))
+    return compare(
+        material, names, options, rehearsal.truth if rehearsal.oracle is not None else None
+    )
+
+
+def _oracles(description: MissionFile, running: Mission) -> list[Oracle]:
+    name = description.plugins["robot"][0].name
+    if name not in {one.name for one in registry.installed(registry.ORACLES)}:
+        return []
+    oracle: Oracle = registry.load(registry.ORACLES, name)(running.services.plugins["robot"])
+    return [oracle]

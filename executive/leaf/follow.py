@@ -1,0 +1,69 @@
+"""Follow a trajectory to its end: the step that several leaves share."""
+
+from collections.abc import Generator
+
+import numpy as np
+
+from executive.leaf.context import Context
+from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.messages.command import START_TOLERANCE, Follow
+from executive.messages.trajectory import JointTrajectory
+
+_SETTLED = 0.002  # [rad] or [m]: at 8 m from the turning axis 2 mrad are 16 mm
+_GOAL_TOLERANCE = 0.02  # [rad] or [m]: what a servo under load may stand off for good
+_STALL_S = 2.0  # standing off the goal for so long: something is in the way
+_STALL_SPEED = 0.005  # [rad/s] or [m/s]
+_START_SHARE = 0.9  # of what a robot bears: it measures once more, with other noise
+
+
+def follow(context: Context, trajectory: JointTrajectory) -> Generator[None, None, Outcome]:
+    """Command a trajectory and wait for its end; if given up before, stop the machine along the path.
+
+    Fails without moving if the arm is not where the trajectory begins: a load that slips can push it after planning.
+    """
+    robot = context.plugin("robot")
+    away = np.abs(_position(context, trajectory) - trajectory.position[0])
+    if away.max() > _START_SHARE * START_TOLERANCE:
+        name = trajectory.names[int(away.argmax())]
+        return failed(f"{name} has moved {away.max():.3f} since the way was planned: plan again")
+    robot.command(Follow(trajectory))
+    is_over = False
+    try:
+        outcome = yield from _arrive(context, trajectory)
+        is_over = outcome.success
+    finally:
+        if not is_over:
+            robot.stop()
+    return outcome
+
+
+def _arrive(context: Context, trajectory: JointTrajectory) -> Generator[None, None, Outcome]:
+    started_s = still_since_s = context.now_s()
+    goal = trajectory.position[-1]
+    before = _position(context, trajectory)
+    before_s = started_s
+    while True:
+        yield None
+        now_s, position = context.now_s(), _position(context, trajectory)
+        error = np.abs(position - goal)
+        is_over = now_s - started_s >= trajectory.duration_s
+        if is_over and (error < _SETTLED).all():
+            return succeeded()
+        if (
+            now_s - before_s >= 0.5
+        ):  # speed by differences over half a second: encoder noise does not look like motion
+            if (np.abs(position - before) > _STALL_SPEED * (now_s - before_s)).any():
+                still_since_s = now_s
+            elif is_over and (error < _GOAL_TOLERANCE).all():
+                return succeeded(
+                    f"{trajectory.names[int(error.argmax())]} stands {error.max():.3f} off"
+                )
+            before, before_s = position, now_s
+        if is_over and now_s - still_since_s >= _STALL_S:
+            worst = int(error.argmax())
+            return failed(f"{trajectory.names[worst]} stands {error[worst]:.3f} off its goal")
+
+
+def _position(context: Context, trajectory: JointTrajectory) -> np.ndarray:
+    sample = context.joints()
+    return np.array([sample.of(name)[0] for name in trajectory.names])

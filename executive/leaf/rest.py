@@ -1,0 +1,61 @@
+"""Wait until the arm stands: the step before every plan that begins where the arm is."""
+
+from collections import deque
+from collections.abc import Generator
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.leaf.context import Context
+from executive.messages.command import START_TOLERANCE
+
+_STANDING = 0.01  # [rad/s] or [m/s]: a joint slower than this stands; five times the noise of a good encoder's speed
+_STAYING = (
+    0.4 * START_TOLERANCE
+)  # [rad] or [m]: so does one that has not strayed farther over the window
+_WINDOW_S = 1.0
+_LIMIT_S = 10.0  # the slowest stop along a path takes less
+
+
+class Rest:
+    """Tells whether joints stand: they hardly move, or shake on the spot, as the simulated jaws do in some postures."""
+
+    def __init__(self) -> None:
+        self._seen: deque[tuple[float, Float]] = deque()
+
+    def add(self, now_s: float, position: Float, velocity: Float) -> bool:
+        """Take note of a sample, positions and velocities (n,), and return whether the joints stand."""
+        self._seen.append((now_s, position))
+        while len(self._seen) > 1 and now_s - self._seen[1][0] >= _WINDOW_S:
+            self._seen.popleft()
+        is_whole = now_s - self._seen[0][0] >= _WINDOW_S
+        return bool(
+            (np.abs(velocity) < _STANDING).all() or (is_whole and (self.strayed() < _STAYING).all())
+        )
+
+    def strayed(self) -> Float:
+        """Return how far each joint strayed over the window [rad] or [m], shape (n,)."""
+        return np.asarray(np.ptp([position for _, position in self._seen], axis=0))
+
+
+def come_to_rest(context: Context) -> Generator[None, None, str]:
+    """Wait until no joint of the arm moves; the jaws may.
+
+    A motion that was given up ends along its path some ticks later: a plan made before that begins where the arm no
+    longer is.
+
+    Returns:
+        Why waiting was given up; empty if the arm stands.
+    """
+    rest, began_s, names = Rest(), context.now_s(), context.machine().arm_names
+    while True:
+        sample, now_s = context.joints(), context.now_s()
+        velocity = np.array([sample.of(name)[1] for name in names])
+        if rest.add(now_s, context.arm(), velocity):
+            return ""
+        if now_s - began_s >= _LIMIT_S:
+            worst = int(rest.strayed().argmax())
+            return (
+                f"{names[worst]} still moves, by {rest.strayed()[worst]:.3f} within the last second"
+            )
+        yield None

@@ -1,0 +1,36 @@
+"""The values that the leaves of one mission share, by key."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from executive.errors import ConfigError, did_you_mean
+
+
+class Store:
+    """A mission's own keys: two missions in one process do not see each other."""
+
+    def __init__(self, values: Mapping[str, Any] | None = None) -> None:
+        self._values: dict[str, Any] = dict(values or {})
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._values
+
+    def get(self, key: str) -> Any:
+        """Return a value.
+
+        Raises:
+            ConfigError: If the key was never written; it says the nearest.
+        """
+        if key not in self._values:
+            raise ConfigError(
+                f"key '{key}' is read before it is written{did_you_mean(key, self._values)}"
+            )
+        return self._values[key]
+
+    def set(self, key: str, value: Any) -> None:
+        """Write a value."""
+        self._values[key] = value
+
+    def keys(self) -> tuple[str, ...]:
+        """Return all keys, in the order of their first writing."""
+        return tuple(self._values)

@@ -1,0 +1,1 @@
+"""A machine read from data: joints, links, sensors, kinematics, and what is generated from them."""

@@ -1,0 +1,86 @@
+"""A joint of the arm, and the one that drives the jaws."""
+
+import math
+from typing import Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from executive.arrays import Float
+from executive.machine.origin import Origin, Vec3
+from executive.machine.provenance import Sourced
+
+
+class Limits(Sourced):
+    """How fast and how hard a joint may move: rad for revolute, m for prismatic joints."""
+
+    max_velocity: float = Field(gt=0, description="Largest speed [rad/s] or [m/s].")
+    max_acceleration: float = Field(gt=0, description="Largest acceleration [rad/s²] or [m/s²].")
+    max_jerk: float = Field(gt=0, description="Largest jerk [rad/s³] or [m/s³].")
+    max_effort: float = Field(gt=0, description="Largest torque [N·m] or force [N].")
+
+
+class Joint(Limits, Origin):
+    """One joint of the chain from the base to the gripper."""
+
+    name: str = Field(description="Unique name.")
+    kind: Literal["revolute", "continuous", "prismatic"] = Field(description="How it moves.")
+    parent: str = Field(description="Link that carries it.")
+    child: str = Field(description="Link that it moves; its frame is the joint's.")
+    axis: Vec3 = Field(description="Unit axis in the joint's frame.")
+    range: tuple[float, float] | None = Field(
+        None, description="Lower and upper end [rad] or [m]; none if continuous."
+    )
+    loaded_max_velocity: float | None = Field(
+        None, gt=0, description="Speed with a load, if lower."
+    )
+    loaded_max_acceleration: float | None = Field(
+        None, gt=0, description="Acceleration with a load, if lower."
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> "Joint":
+        if (self.kind == "continuous") != (self.range is None):
+            raise ValueError("a continuous joint has no range; any other has one")
+        if self.range is not None and self.range[0] >= self.range[1]:
+            raise ValueError(f"range must rise, got {list(self.range)}")
+        if not math.isclose(float(np.linalg.norm(self.axis)), 1.0, abs_tol=1e-9):
+            raise ValueError(f"axis must have length 1, got {list(self.axis)}")
+        return self
+
+    @property
+    def lower(self) -> float:
+        """Lower end [rad] or [m]; −inf if continuous."""
+        return -math.inf if self.range is None else self.range[0]
+
+    @property
+    def upper(self) -> float:
+        """Upper end [rad] or [m]; inf if continuous."""
+        return math.inf if self.range is None else self.range[1]
+
+    @property
+    def T_parent_joint(self) -> Float:
+        """Pose of the joint at zero in its parent link, shape (4, 4)."""
+        return self.T
+
+
+class Jaw(Limits):
+    """The one actuated jaw joint: it turns the left jaw, the right one mirrors it; 0 is closed, more is open."""
+
+    name: str = Field(description="Unique name.")
+    open_rad: float = Field(gt=0, lt=math.pi, description="Angle of the widest opening [rad].")
+
+    @property
+    def lower(self) -> float:
+        """Closed [rad]."""
+        return 0.0
+
+    @property
+    def upper(self) -> float:
+        """Widest opening [rad]."""
+        return self.open_rad
+
+    @property
+    def mirror_name(self) -> str:
+        """Name of the passive joint of the right jaw."""
+        return f"{self.name}_MIRROR"

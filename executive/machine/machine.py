@@ -1,0 +1,235 @@
+"""A machine as its folder's `robot.yaml` describes it: the single source of every geometric fact."""
+
+from collections.abc import Iterable
+from functools import cached_property
+from importlib.resources import files
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import yaml
+from pydantic import Field, ValidationError, model_validator
+
+from executive.arrays import Float
+from executive.errors import ConfigError, did_you_mean
+from executive.machine.gripper import SIDES, Gripper
+from executive.machine.joint import Jaw, Joint
+from executive.machine.link import Link
+from executive.machine.provenance import Sourced
+from executive.machine.rig import Rig
+
+_FOLDER = Path(str(files("executive_robot_models")))  # machines that come with the package
+_FILE = "robot.yaml"
+
+
+class Stance(Sourced):
+    """How the chassis stands, and what the machine can do as a whole."""
+
+    base_height_m: float = Field(
+        gt=0, description="Height of the base frame above level ground [m]."
+    )
+    payload_kg: float = Field(gt=0, description="Heaviest load of the gripper [kg].")
+    reach_m: float = Field(
+        gt=0, description="Farthest reach of the tips from the turning axis [m]."
+    )
+
+
+class Machine(Rig):
+    """Joints, links, sensors and gripper of one machine."""
+
+    turn_joint: str = Field(description="The joint that turns the cabin.")
+    stance: Stance
+    joints: tuple[Joint, ...] = Field(
+        min_length=1, description="The arm's joints, from the base to the gripper."
+    )
+    jaw: Jaw
+    gripper: Gripper
+    bodies: dict[str, Link] = Field(description="Links by name, without the gripper's.")
+    postures: dict[str, dict[str, float]] = Field(
+        description="Named joint positions; at least `scan` and `carry`."
+    )
+    allowed_collisions: tuple[tuple[str, str], ...] = Field(
+        (), description="Pairs of links that may touch, besides neighbours."
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> "Machine":
+        for before, joint in zip(self.joints, self.joints[1:], strict=False):
+            if joint.parent != before.child:
+                raise ValueError(
+                    f"joint {joint.name} has parent '{joint.parent}'; the chain needs '{before.child}'"
+                )
+        _known("turn_joint", [self.turn_joint], self.arm_names)
+        _known("joints", [n for j in self.joints[:-1] for n in (j.parent, j.child)], self.bodies)
+        _known("sensors", [s.link for s in self.sensors.values()], self.links)
+        _known(
+            "allowed_collisions", [n for pair in self.allowed_collisions for n in pair], self.links
+        )
+        if self.jaw.open_rad != self.gripper.open_rad:
+            raise ValueError(
+                f"jaw.open_rad {self.jaw.open_rad} differs from gripper.open_rad {self.gripper.open_rad}"
+            )
+        self._check_postures()
+        return self
+
+    def _check_postures(self) -> None:
+        for needed in ("scan", "carry"):
+            if needed not in self.postures:
+                raise ValueError(f"postures lacks `{needed}`")
+        for name, posture in self.postures.items():
+            if set(posture) != set(self.arm_names):
+                raise ValueError(f"posture {name} must give exactly {', '.join(self.arm_names)}")
+            beyond = [j.name for j in self.joints if not j.lower <= posture[j.name] <= j.upper]
+            if beyond:
+                raise ValueError(f"posture {name} is beyond the range of {', '.join(beyond)}")
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of all joints that are measured and driven: the arm's, then the jaw."""
+        return (*self.arm_names, self.jaw.name)
+
+    @property
+    def gripper_link(self) -> str:
+        """Name of the link that carries the jaws; its frame is the gripper's."""
+        return self.joints[-1].child
+
+    @cached_property
+    def links(self) -> dict[str, Link]:
+        """All links by name: the bodies, the gripper's palm, the jaws."""
+        return {
+            **self.bodies,
+            self.gripper_link: self.gripper.palm_link(self.gripper_link),
+            **self.gripper.links,
+        }
+
+    @cached_property
+    def fixed_parents(self) -> dict[str, str]:
+        """Each link's parent in the tree, the base left out."""
+        chain = {joint.child: joint.parent for joint in self.joints}
+        return chain | dict.fromkeys(SIDES, self.gripper_link)
+
+    @cached_property
+    def collision_pairs(self) -> tuple[tuple[str, str], ...]:
+        """Pairs of links that must not touch: all but neighbours and those that are allowed to."""
+        allowed = {frozenset(pair) for pair in self.allowed_collisions} | {frozenset(SIDES)}
+        allowed |= {frozenset(pair) for pair in self.fixed_parents.items()}
+        return tuple(pair for pair in combinations(self.links, 2) if frozenset(pair) not in allowed)
+
+    def posture(self, name: str) -> Float:
+        """Return the arm's positions of a named posture, in joint order, shape (n,).
+
+        Raises:
+            ConfigError: If there is no such posture.
+        """
+        if name not in self.postures:
+            raise ConfigError(
+                f"{self.name} has no posture '{name}'{did_you_mean(name, self.postures)}"
+            )
+        return np.array([self.postures[name][joint] for joint in self.arm_names])
+
+    @property
+    def payload_kg(self) -> float:
+        """Heaviest load of the gripper [kg]."""
+        return self.stance.payload_kg
+
+    @property
+    def reach_m(self) -> float:
+        """Farthest reach of the tips from the turning axis [m]."""
+        return self.stance.reach_m
+
+    @cached_property
+    def lower(self) -> Float:
+        """Lower ends of the arm's joints [rad] or [m], −inf where continuous, shape (n,)."""
+        return np.array([joint.lower for joint in self.joints])
+
+    @cached_property
+    def upper(self) -> Float:
+        """Upper ends of the arm's joints [rad] or [m], inf where continuous, shape (n,)."""
+        return np.array([joint.upper for joint in self.joints])
+
+    @cached_property
+    def max_velocity(self) -> Float:
+        """Largest speeds of the arm's joints [rad/s] or [m/s], shape (n,)."""
+        return np.array([joint.max_velocity for joint in self.joints])
+
+    @cached_property
+    def max_acceleration(self) -> Float:
+        """Largest accelerations of the arm's joints [rad/s²] or [m/s²], shape (n,)."""
+        return np.array([joint.max_acceleration for joint in self.joints])
+
+    @cached_property
+    def max_jerk(self) -> Float:
+        """Largest jerks of the arm's joints [rad/s³] or [m/s³], shape (n,)."""
+        return np.array([joint.max_jerk for joint in self.joints])
+
+    @cached_property
+    def loaded_max_velocity(self) -> Float:
+        """Largest speeds with a load in the gripper, shape (n,)."""
+        return np.array([joint.loaded_max_velocity or joint.max_velocity for joint in self.joints])
+
+    @cached_property
+    def loaded_max_acceleration(self) -> Float:
+        """Largest accelerations with a load in the gripper, shape (n,)."""
+        return np.array(
+            [joint.loaded_max_acceleration or joint.max_acceleration for joint in self.joints]
+        )
+
+
+def _known(field: str, names: Iterable[str], known: Iterable[str]) -> None:
+    known = list(known)
+    for name in names:
+        if name not in known:
+            raise ValueError(
+                f"{field} names '{name}', which the machine lacks{did_you_mean(name, known)}"
+            )
+
+
+def machine_folder(model: str) -> Path:
+    """Return the folder of a shipped machine's name, or the folder that a path names.
+
+    Raises:
+        ConfigError: If neither holds a robot.yaml; the message lists the shipped machines.
+    """
+    for folder in (_FOLDER / model, Path(model)):
+        if (folder / _FILE).is_file():
+            return folder
+    shipped = [path.parent.name for path in sorted(_FOLDER.glob(f"*/{_FILE}"))]
+    raise ConfigError(
+        f"no machine '{model}': neither shipped nor a folder with a {_FILE}{did_you_mean(model, shipped)}"
+    )
+
+
+def load_machine(model: str) -> Machine:
+    """Read a machine by the name of its folder under robot_models, or by a path to a folder.
+
+    Raises:
+        ConfigError: If there is none, or its robot.yaml is wrong; every wrong field is named with its cure.
+    """
+    path = machine_folder(model) / _FILE
+    try:
+        description = yaml.load(path.read_text(encoding="utf-8"), Loader=yaml.CSafeLoader)
+    except yaml.YAMLError as error:
+        raise ConfigError(f"{path}: not readable as YAML: {error}") from None
+    if not isinstance(description, dict):
+        raise ConfigError(
+            f"{path}: expected a mapping that describes a machine, got {type(description).__name__}"
+        )
+    try:
+        return Machine.model_validate(_with_names(description))
+    except ValidationError as error:
+        lines = [
+            f"{path}: {'.'.join(map(str, e['loc'])) or 'machine'}: {e['msg']}"
+            for e in error.errors()
+        ]
+        raise ConfigError("\n".join(lines)) from None
+
+
+def _with_names(description: dict[str, object]) -> dict[str, object]:
+    named = dict(description)
+    for key in ("bodies", "sensors"):
+        blocks = description.get(key)
+        if isinstance(blocks, dict):
+            named[key] = {
+                n: {"name": n, **b} if isinstance(b, dict) else b for n, b in blocks.items()
+            }
+    return named

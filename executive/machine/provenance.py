@@ -1,0 +1,49 @@
+"""Where a number of a machine's description comes from."""
+
+from enum import StrEnum
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from executive.config import Settings
+
+REST = "rest"
+
+
+class Source(StrEnum):
+    """Origin of a figure, most trusted first."""
+
+    MEASURED = "measured"  # on the machine, or in trials of the simulated one
+    PAPER = "paper"  # a publication, a data sheet, or a published description
+    GUESS = "guess"  # an engineer's estimate
+
+
+def _expand(value: object) -> object:
+    return {REST: value} if isinstance(value, str) else value
+
+
+# One word for a whole block, or fields by name and `rest` for the others.
+Provenance = Annotated[dict[str, Source], BeforeValidator(_expand)]
+
+
+class Sourced(Settings):
+    """A block of figures, each with its provenance."""
+
+    provenance: Provenance = Field(
+        description="measured, paper or guess: one word for the block, or by field with `rest` for the others."
+    )
+
+    @model_validator(mode="after")
+    def _check_provenance(self) -> "Sourced":
+        unknown = sorted(set(self.provenance) - set(type(self).model_fields) - {REST})
+        if unknown:
+            raise ValueError(
+                f"provenance names {', '.join(unknown)}, which the block does not have; use field names"
+            )
+        if REST not in self.provenance:
+            raise ValueError("provenance lacks `rest`, the source of the fields it does not name")
+        return self
+
+    def source_of(self, field: str) -> Source:
+        """Return where a field's figure comes from."""
+        return self.provenance.get(field, self.provenance[REST])

@@ -1,0 +1,176 @@
+"""Returns from the machine itself, found by the shapes of its links (Mascaro 2020, Sec. 4.2, step 1)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from scipy.spatial import ConvexHull
+
+from executive.arrays import Bool, Float, Int
+from executive.geometry.pose import inverse
+from executive.machine.machine import Machine
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _is_inside(
+    point: Float, planes: Float, first: int, last: int
+) -> bool:  # pragma: no cover - compiled
+    for p in range(first, last):
+        if (
+            planes[p, 0] * point[0] + planes[p, 1] * point[1] + planes[p, 2] * point[2]
+            > planes[p, 3]
+        ):
+            return False
+    return True
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _is_behind(
+    point: Float, planes: Float, first: int, last: int, inset: float
+) -> bool:  # pragma: no cover - compiled
+    """Tell whether the way from the sensor, the origin, to a point leads through a shape made smaller by an inset."""
+    begin, end = 0.0, 1.0
+    for p in range(first, last):
+        d = planes[p, 3] - inset
+        rise = planes[p, 0] * point[0] + planes[p, 1] * point[1] + planes[p, 2] * point[2]
+        if rise > 0.0:
+            end = min(end, d / rise)
+        elif rise < 0.0:
+            begin = max(begin, d / rise)
+        elif d < 0.0:
+            return False
+        if begin >= end:
+            return False
+    return begin > 0.0  # a sensor within a shape sees out of it
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _near_way(point: Float, sphere: Float) -> tuple[bool, bool]:  # pragma: no cover - compiled
+    """Tell whether the way from the origin to a point meets a sphere, and whether the point lies in it."""
+    x, y, z = point[0] - sphere[0], point[1] - sphere[1], point[2] - sphere[2]
+    square = sphere[3] * sphere[3]
+    if x * x + y * y + z * z <= square:
+        return True, True
+    along = point[0] * sphere[0] + point[1] * sphere[1] + point[2] * sphere[2]
+    length2 = point[0] ** 2 + point[1] ** 2 + point[2] ** 2
+    if along <= 0.0 or along >= length2:
+        return False, False
+    off2 = sphere[0] ** 2 + sphere[1] ** 2 + sphere[2] ** 2 - along * along / length2
+    return off2 <= square, False
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _own(
+    points: Float,
+    slices: Int,
+    planes: Float,
+    starts: Int,
+    spheres: Float,
+    casts: Bool,
+    inset: float,
+) -> Bool:  # pragma: no cover - compiled
+    """Tell which points are in a shape, within its sphere and behind all its planes, or in its shadow."""
+    found = np.zeros(len(points), dtype=np.bool_)
+    for n in range(len(points)):
+        s = slices[n]
+        for shape in range(len(starts) - 1):
+            is_near, is_in = _near_way(points[n], spheres[s, shape])
+            if not is_near:
+                continue
+            first, last = starts[shape], starts[shape + 1]
+            if (is_in and _is_inside(points[n], planes[s], first, last)) or (
+                casts[shape] and _is_behind(points[n], planes[s], first, last, inset)
+            ):
+                found[n] = True
+                break
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Hull:
+    """A padded convex shape in its link's frame: planes n·p ≤ d, shape (P, 4), and a sphere around it."""
+
+    link: str
+    planes: Float
+    centre: Float
+    radius_m: float
+
+
+class SelfFilter:
+    """Padded hulls of all links with their shadows, and the ball of a held stone.
+
+    A return behind a link is a shadow: the beam's edge caught the link, or the joints were a little elsewhere. The link
+    that carries the sensor casts none, for the sensor may sit within its hull.
+    """
+
+    def __init__(self, machine: Machine, padding_m: float, shadow_m: float = 0.0) -> None:
+        """Prepare the shapes.
+
+        Args:
+            machine: Its links' shapes are taken.
+            padding_m: Returns this near to a link are its own [m].
+            shadow_m: Returns whose ray passes this near to a link on its way are shadows; 0 for none [m].
+        """
+        shapes = [
+            (name, shape.vertices) for name, link in machine.links.items() for shape in link.shapes
+        ]
+        self._hulls = tuple(_hull(name, vertices, padding_m) for name, vertices in shapes)
+        counts = [len(hull.planes) for hull in self._hulls]
+        # The last shape has no planes: a ball alone, around what the gripper holds.
+        self._starts = np.concatenate([[0], np.cumsum([*counts, 0])]).astype(np.int64)
+        self._grasp_centre = machine.gripper.grasp_centre
+        self._inset_m = padding_m - shadow_m
+        self._has_shadows = shadow_m > 0
+        self._carriers = {sensor.name: sensor.link for sensor in machine.sensors_of("lidar")}
+
+    def inside(
+        self,
+        points_lidar: Float,
+        slices: Int,
+        lidar: str,
+        frames: list[Mapping[str, Float]],
+        held_radius_m: float,
+    ) -> Bool:
+        """Tell which returns lie on the machine, in its shadow, or on what it holds.
+
+        Args:
+            points_lidar: Returns in the sensor's frame [m], shape (N, 3).
+            slices: For each point the row of `frames` of its time, shape (N,).
+            lidar: Name of the sensor's frame.
+            frames: T_base_frame by name, for each slice of time.
+            held_radius_m: Radius of the ball around the space between the jaws [m]; 0 for none.
+        """
+        posed = [self._posed(frame, inverse(frame[lidar]), held_radius_m) for frame in frames]
+        planes, spheres = (np.array([each[k] for each in posed]) for k in (0, 1))
+        carrier = self._carriers[lidar]
+        casts: Bool = np.array(
+            [*(self._has_shadows and hull.link != carrier for hull in self._hulls), False]
+        )
+        return np.asarray(
+            _own(points_lidar, slices, planes, self._starts, spheres, casts, self._inset_m)
+        )
+
+    def _posed(
+        self, frames: Mapping[str, Float], T_lidar_base: Float, held_radius_m: float
+    ) -> tuple[Float, Float]:
+        """Return all planes and spheres in the sensor's frame, shapes (P, 4) and (S, 4)."""
+        planes, spheres = [], []
+        for hull in self._hulls:
+            T = T_lidar_base @ frames[hull.link]
+            normals = hull.planes[:, :3] @ T[:3, :3].T
+            planes.append(np.column_stack([normals, hull.planes[:, 3] + normals @ T[:3, 3]]))
+            spheres.append([*(T[:3, :3] @ hull.centre + T[:3, 3]), hull.radius_m])
+        T = T_lidar_base @ frames["gripper"]
+        spheres.append([*(T[:3, :3] @ self._grasp_centre + T[:3, 3]), held_radius_m])
+        return np.vstack(planes), np.array(spheres)
+
+
+def _hull(link: str, vertices: Float, padding_m: float) -> _Hull:
+    facets = ConvexHull(vertices).equations  # n·p + offset ≤ 0
+    planes = np.unique(np.round(np.column_stack([facets[:, :3], -facets[:, 3]]), 9), axis=0)
+    planes[:, 3] += padding_m
+    centre = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+    # √3: a padded box's corner is that much farther than its faces
+    radius_m = float(np.linalg.norm(vertices - centre, axis=1).max()) + np.sqrt(3) * padding_m
+    return _Hull(link, planes, centre, radius_m)

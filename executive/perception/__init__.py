@@ -1,1 +1,0 @@
-"""Segmentation and registration of clouds from files, without a mission."""

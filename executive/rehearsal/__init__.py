@@ -1,1 +1,0 @@
-"""Missions run once and recorded, for estimators to be compared on."""

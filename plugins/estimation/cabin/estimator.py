@@ -1,0 +1,215 @@
+"""What estimators of a cabin have in common: the door, the first state, and the head that goes on at each sample."""
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from executive_plugins.estimation.cabin.sensors import antennas_in_imu, cabin_imu
+from executive_plugins.estimation.cabin.settings import CabinSettings
+from executive_plugins.estimation.gate.doorkeeper import Doorkeeper
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import Inertial, InertialState
+from executive_plugins.estimation.live.head import OUT_OF_RANGE, LiveHead
+from executive_plugins.estimation.live.kernels import is_beyond_range
+from executive_plugins.estimation.start.chassis import StandingDetector, TurnJoint
+from executive_plugins.estimation.start.chassis_level import ChassisLevel
+from executive_plugins.estimation.start.first_state import FirstState
+
+from executive.arrays import Float
+from executive.geometry.geodesy import enu_from_geodetic
+from executive.geometry.pose import inverse
+from executive.interfaces.estimation import Estimator
+from executive.machine.rig import Rig
+from executive.messages.base_state import BaseState
+from executive.messages.gnss import GnssFix
+from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
+from executive.messages.status_change import StatusChange
+
+INITIALISING = "INITIALISING"
+_JUMP_S = 2.0  # an inertial stamp so far ahead is believed if the next one agrees; less is a gap, and bridged
+_STANDING_PERIOD_S = 0.1
+_TELL_PERIOD_S = 5.0  # of what a start waits for
+
+
+class CabinEstimator(Estimator):
+    """Takes samples at the door, finds the first state, and reports the head; how it is corrected is the heirs'."""
+
+    def __init__(self, settings: CabinSettings, machine: Rig) -> None:
+        self._cabin = settings
+        self._machine = machine
+
+    def start(self) -> None:
+        settings = self._cabin
+        imu = cabin_imu(self._machine, settings.imu)
+        self._noise = InertialNoise.of(imu, settings.noise_factor, settings.gravity_m_s2)
+        self._T_imu_cabin = inverse(imu.T_link_sensor)
+        self._antennas_imu = antennas_in_imu(self._machine, imu)
+        self._door = Doorkeeper()
+        self._turn = TurnJoint(self._machine)
+        self._standing = StandingDetector(settings.standing)
+        self._datum = None if settings.datum is None else np.array(settings.datum)
+        self._account: list[StatusChange] = []
+        self._told_s = -np.inf
+        memory = self._shared_memory()
+        self._head = LiveHead(
+            self._T_imu_cabin, self._turn, self._noise, settings.restart_after_s, memory
+        )
+        self._restart()
+
+    def _shared_memory(self) -> Any:
+        """Return what the head is to lie in, if another process reads it."""
+        return None
+
+    def _restart(self) -> None:
+        settings = self._cabin
+        level = ChassisLevel.of(
+            self._machine, settings.chassis_imu, self._T_imu_cabin, self._turn, self._standing
+        )
+        self._first = FirstState(
+            settings.rest, settings.moving_start, self._antennas_imu, self._noise, level
+        )
+        self._newest_s: float | None = None  # of the cabin's inertial sensor
+        self._is_begun = False
+        self._standing_s = -np.inf
+
+    @property
+    def refused(self) -> Mapping[str, int]:
+        """Number of refused samples by stream and reason."""
+        return dict(self._door.refused)
+
+    def add_imu(self, sample: ImuSample) -> None:
+        if not self._door.admits(sample.frame, sample.stamp_s, _JUMP_S):
+            return
+        if sample.frame == self._cabin.imu:
+            self._add_cabin_sample(sample)
+        elif sample.frame == self._cabin.chassis_imu and self._is_in_range(sample):
+            self._standing.add(
+                sample.stamp_s, sample.angular_velocity_rad_s, sample.specific_force_m_s2
+            )
+
+    def _is_in_range(self, sample: ImuSample) -> bool:
+        """Return whether a sensor can have measured that; count a sample that it cannot."""
+        if is_beyond_range(sample.angular_velocity_rad_s, sample.specific_force_m_s2):
+            self._door.refuse(sample.frame, "out of range")
+            return False
+        return True
+
+    def _add_cabin_sample(self, sample: ImuSample) -> None:
+        """Go on to a sample; what is here for each one is little, see `live_kernels`."""
+        before_s = self._newest_s
+        if not self._is_begun or before_s is None:
+            self._begin(sample)
+            return
+        answered = self._head.step(
+            sample.stamp_s, sample.angular_velocity_rad_s, sample.specific_force_m_s2
+        )
+        if answered >= 0:
+            self._newest_s = sample.stamp_s
+            self._sampled(sample, sample.stamp_s - before_s, answered)
+        elif answered == OUT_OF_RANGE:
+            self._door.refuse(sample.frame, "out of range")
+        else:
+            self._begin_again(sample)
+
+    def _begin_again(self, sample: ImuSample) -> None:
+        """Forget all after too long a gap, and begin with the sample after it."""
+        self._door.refuse(sample.frame, "gap, started again")
+        self._head.forget_samples()
+        self._restart()
+        self._begin(sample)
+
+    def _begin(self, sample: ImuSample) -> None:
+        if not self._is_in_range(sample):
+            return
+        since_last_s = 0.0 if self._newest_s is None else sample.stamp_s - self._newest_s
+        if not 0 <= since_last_s <= self._cabin.restart_after_s:
+            self._begin_again(sample)
+            return
+        self._newest_s = sample.stamp_s
+        inertial = Inertial(
+            sample.stamp_s, sample.angular_velocity_rad_s, sample.specific_force_m_s2, since_last_s
+        )
+        first = self._first.add_sample(inertial, self._turn.velocity_rad_s)
+        if first is not None:
+            self._is_begun = True
+            self._begun_at(*first)
+        elif self._first.waits_for and not 0 <= sample.stamp_s - self._told_s < _TELL_PERIOD_S:
+            self._told_s = sample.stamp_s
+            reason = f"waits for {self._first.waits_for}"
+            self._account.append(StatusChange(sample.stamp_s, INITIALISING, INITIALISING, reason))
+
+    @abstractmethod
+    def _begun_at(self, state: InertialState, covariance: Float) -> None:
+        """Begin at a state, and put it into the head; shape of the covariance (15, 15)."""
+
+    @abstractmethod
+    def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
+        """Do what is to be done after the head has gone on to a sample; see `SmootherHost.sampled`."""
+
+    def _position_of(self, fix: GnssFix) -> tuple[Float, Float] | None:
+        """Return a fix in the map, shape (3,), and its covariance (3, 3); count one that is too uncertain."""
+        noise = self._cabin.gnss_scale**2 * fix.covariance_enu_m2
+        if not fix.is_rtk_fixed or not 0 < np.diag(noise).max() < self._cabin.max_gnss_std_m**2:
+            self._door.refuse(fix.antenna, "too uncertain")
+            return None
+        if self._datum is None:
+            self._datum = np.array(fix.geodetic)
+        p_map = enu_from_geodetic(fix.geodetic, self._datum)
+        if not self._is_begun:
+            self._first.add_fix(fix.stamp_s, fix.antenna, p_map, noise)
+        return p_map, noise
+
+    def add_gnss(self, fix: GnssFix) -> None:
+        if fix.antenna not in self._antennas_imu:
+            self._door.refuse(fix.antenna, "unknown antenna")
+        elif self._admits_fix(fix):
+            position = self._position_of(fix)
+            if position is not None:
+                self._use_fix(fix, *position)
+
+    @abstractmethod
+    def _admits_fix(self, fix: GnssFix) -> bool:
+        """Return whether a fix's stamp is in order; count one that is not."""
+
+    @abstractmethod
+    def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
+        """Correct by a fix: the antenna in the map [m], shape (3,), and its covariance [m²], shape (3, 3)."""
+
+    def add_joints(self, sample: JointSample) -> None:
+        if not self._door.admits("joints", sample.stamp_s):
+            return
+        self._turn.update(sample)
+        self._head.turned()
+        is_due = sample.stamp_s - self._standing_s >= _STANDING_PERIOD_S - 1e-6
+        if is_due and self._standing.stands(sample.stamp_s):
+            self._standing_s = sample.stamp_s
+            self._use_standing(sample.stamp_s, self._turn.rate_cabin)
+
+    @abstractmethod
+    def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
+        """Correct by a chassis that stands, the cabin turning on it at a rate [rad/s], cabin axes, shape (3,)."""
+
+    def account(self) -> Sequence[StatusChange]:
+        """Return the changes that have a reason, and what each start waited for, every few seconds."""
+        return tuple(self._account)
+
+    @abstractmethod
+    def _status(self) -> str:
+        """Return how the estimator stands."""
+
+    def state(self) -> BaseState:
+        if self._is_begun and self._turn.is_known:
+            return self._head.state(self._status())
+        nowhere, zeros = np.eye(4), np.zeros(3)
+        return BaseState(
+            self._newest_s or 0.0,
+            nowhere,
+            nowhere,
+            nowhere,
+            zeros,
+            zeros,
+            1e6 * np.eye(6),
+            INITIALISING,
+        )

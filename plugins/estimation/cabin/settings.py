@@ -1,0 +1,42 @@
+"""Settings that estimators of a cabin have in common."""
+
+from executive_plugins.estimation.start.at_rest import RestSettings
+from executive_plugins.estimation.start.chassis import StandingSettings
+from executive_plugins.estimation.start.in_motion import MovingStartSettings
+from pydantic import Field
+
+from executive.config import Seconds, Settings
+
+
+class CabinSettings(Settings):
+    """Which sensors are used, and what they are worth; their noise comes from the machine's description."""
+
+    datum: tuple[float, float, float] | None = Field(
+        (47.4084, 8.5106, 440.0),
+        description="Origin of the map: latitude [deg], longitude [deg], altitude [m]; null for the first fix.",
+    )
+    imu: str = Field("imu_cabin", description="Inertial sensor on the cabin.")
+    chassis_imu: str = Field(
+        "imu_base", description="Inertial sensor on the chassis; need not exist."
+    )
+    gravity_m_s2: float = Field(9.81, gt=9.7, lt=9.9, description="Local gravity [m/s²].")
+    noise_factor: float = Field(
+        2.0, ge=1, le=100, description="Inertial noise on the machine over the data sheet's."
+    )
+    gnss_scale: float = Field(
+        1.0, gt=0, le=10, description="Factor on the fixes' own standard deviation."
+    )
+    max_gnss_std_m: float = Field(
+        0.1, gt=0, le=10, description="A fix worse than this is not used [m]."
+    )
+    restart_after_s: Seconds = Field(
+        5.0, gt=0, le=600, description="Gap of inertial samples that ends the estimate [s]."
+    )
+    rest: RestSettings = Field(default_factory=RestSettings, description="Initialisation at rest.")
+    moving_start: MovingStartSettings = Field(
+        default_factory=MovingStartSettings,
+        description="Heading from the first motion, with one antenna.",
+    )
+    standing: StandingSettings = Field(
+        default_factory=StandingSettings, description="Correction by a standing chassis."
+    )

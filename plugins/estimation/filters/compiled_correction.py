@@ -1,0 +1,110 @@
+"""The correction of a Kalman filter, compiled: several fall on one inertial sample, which must not wait for NumPy."""
+
+import math
+
+import numpy as np
+from numba import njit, types
+
+from executive.arrays import Float
+
+_VECTOR = types.Array(types.float64, 1, "A", readonly=True)
+_MATRIX = types.Array(types.float64, 2, "A", readonly=True)
+_NEW_VECTOR, _NEW_MATRIX = types.float64[::1], types.float64[:, ::1]
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _triangulate(S: Float) -> bool:
+    """Put the Cholesky factor of a symmetric matrix (m, m) into its lower triangle; return whether there is one."""
+    for i in range(S.shape[0]):
+        for j in range(i + 1):
+            rest = S[i, j]
+            for k in range(j):
+                rest -= S[i, k] * S[j, k]
+            if i > j:
+                S[i, j] = rest / S[j, j]
+            elif rest > 0.0:
+                S[i, i] = math.sqrt(rest)
+            else:  # not a number comes here as well
+                return False
+    return True
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _forward(L: Float, b: Float) -> None:
+    """Put L⁻¹ b in the place of b, for the lower triangle of L, shapes (m, m), (m, k)."""
+    for i in range(L.shape[0]):
+        for c in range(b.shape[1]):
+            rest = b[i, c]
+            for j in range(i):
+                rest -= L[i, j] * b[j, c]
+            b[i, c] = rest / L[i, i]
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _innovation(H: Float, P: Float, residual: Float, noise: Float) -> tuple[Float, Float]:
+    """Return (H P | residual), shape (m, n + 1), and H P Hᵀ + noise, shape (m, m)."""
+    m, n = H.shape
+    right, S = np.zeros((m, n + 1)), np.empty((m, m))
+    for i in range(m):
+        for k in range(n):
+            if H[i, k] != 0.0:  # most are
+                for j in range(n):
+                    right[i, j] += H[i, k] * P[k, j]
+        right[i, n] = residual[i]
+    for i in range(m):
+        for j in range(m):
+            S[i, j] = noise[i, j]
+            for k in range(n):
+                S[i, j] += right[i, k] * H[j, k]
+    return right, S
+
+
+@njit(  # type: ignore[untyped-decorator]
+    types.boolean(_MATRIX, _MATRIX, _VECTOR, _MATRIX, types.float64, _NEW_MATRIX, _NEW_VECTOR),
+    cache=True,
+)
+def _correct(
+    P: Float, H: Float, residual: Float, noise: Float, gate: float, after: Float, error: Float
+) -> bool:
+    """Do what `corrected` does, into arrays of the caller: to hand one back costs a microsecond."""
+    n = P.shape[0]
+    W, L = _innovation(H, P, residual, noise)
+    if not _triangulate(L):
+        return False
+    _forward(L, W)
+    distance2 = 0.0
+    error[:] = 0.0
+    for i in range(L.shape[0]):
+        distance2 += W[i, n] * W[i, n]
+        for j in range(n):
+            error[j] += W[i, j] * W[i, n]
+    if not distance2 <= gate:
+        return False
+    for i in range(n):
+        for j in range(i + 1):
+            value = 0.5 * (P[i, j] + P[j, i])
+            for k in range(L.shape[0]):
+                value -= W[k, i] * W[k, j]
+            after[i, j] = after[j, i] = value
+    return True
+
+
+def corrected(
+    P: Float, H: Float, residual: Float, noise: Float, gate: float
+) -> tuple[Float, Float] | None:
+    """Correct by measured − predicted = H · error + noise.
+
+    Args:
+        P: Covariance of the error before, shape (n, n).
+        H: Shape (m, n).
+        residual: Shape (m,).
+        noise: Covariance of the measurement, shape (m, m).
+        gate: Largest squared Mahalanobis distance that is believed.
+
+    Returns:
+        The covariance after, shape (n, n), and the error, shape (n,); None if it is not believed. With
+        H P Hᵀ + noise = L Lᵀ and W = L⁻¹ H P they are P − Wᵀ W and Wᵀ L⁻¹ residual: exactly symmetric, and positive
+        definite as long as the noise is not below rounding.
+    """
+    after, error = np.empty(P.shape), np.empty(len(P))
+    return (after, error) if _correct(P, H, residual, noise, gate, after, error) else None

@@ -1,0 +1,78 @@
+"""Estimation by inertial, satellite and lidar measurements in one error-state Kalman filter."""
+
+import numpy as np
+from executive_plugins.estimation.filters.error_state_ekf_clone import CloningFilter
+from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
+from executive_plugins.estimation.filters.gnss_imu_settings import GnssImuSettings
+from executive_plugins.estimation.inertial.state import InertialState, skew
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.errors import ConfigError
+from executive.geometry.pose import inverse
+from executive.machine.rig import Rig
+from executive.messages.odometry import LidarIncrement
+
+
+class ErrorStateEkfSettings(GnssImuSettings):
+    """Settings of the filter: those without lidar, and what lidar increments are worth."""
+
+    odometry_scale: float = Field(
+        1.0, gt=0, le=100, description="Factor on the increments' own standard deviation."
+    )
+    odometry_gate: float = Field(
+        32.0,
+        gt=0,
+        description="Largest squared Mahalanobis distance of an increment (χ², 6: 1 in 60,000).",
+    )
+
+
+class ErrorStateEkf(GnssImuFilter):
+    """The paper's other baseline, of the MSF kind (Nubert 2022, Sec. V; Lynen 2013).
+
+    It does what the inertial-satellite filter does, delays included: whatever is late by less than `lag_s` is used at
+    its own time. Lidar increments join as relative poses, so that an outage of the satellites costs the odometry's
+    drift and not the inertial sensor's. One frame only: a correction steps the map pose.
+    """
+
+    Settings = ErrorStateEkfSettings
+
+    def __init__(self, settings: ErrorStateEkfSettings, machine: Rig) -> None:
+        super().__init__(settings, machine)
+        self._lidar = settings
+
+    def add_odometry(self, increment: LidarIncrement) -> None:
+        stream = f"odometry {increment.frame}"
+        if self._door.admits(stream, increment.to_s):
+            self._queue(
+                stream, increment.to_s, lambda _: self._correct_by_increment(stream, increment)
+            )
+
+    def _make_filter(self, state: InertialState, covariance: Float) -> ErrorStateFilter:
+        self._cloning = CloningFilter(state, covariance, self._noise)
+        return self._cloning
+
+    def _correct_by_increment(self, stream: str, increment: LidarIncrement) -> None:
+        """Use the motion since the last increment's end, and remember the pose for the next; the first begins."""
+        kalman = self._cloning
+        if kalman.has_clone_at(increment.from_s):
+            T_imu_lidar = self._T_imu_lidar(increment.frame)
+            T_from_to = T_imu_lidar @ increment.T_from_to @ inverse(T_imu_lidar)
+            Ad = _adjoint(T_imu_lidar)
+            covariance = self._lidar.odometry_scale**2 * Ad @ increment.covariance @ Ad.T
+            if not kalman.correct_by_increment(T_from_to, covariance, self._lidar.odometry_gate):
+                self._door.refuse(stream, "outlier")
+        kalman.clone()
+
+    def _T_imu_lidar(self, frame: str) -> Float:
+        sensor = self._machine.sensors.get(frame)
+        if sensor is None or sensor.link != self._machine.cabin_link:
+            raise ConfigError(f"estimation: odometry of '{frame}', which is no sensor on the cabin")
+        return np.asarray(self._T_imu_cabin @ sensor.T_link_sensor)
+
+
+def _adjoint(T: Float) -> Float:
+    """Return the matrix that takes a motion (rotation, translation) in one frame to another, shape (6, 6)."""
+    R, t = T[:3, :3], T[:3, 3]
+    return np.block([[R, np.zeros((3, 3))], [skew(t) @ R, R]])

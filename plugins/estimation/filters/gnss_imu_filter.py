@@ -1,0 +1,126 @@
+"""Estimation by the cabin's inertial sensor, the satellite antennas and the turn joint."""
+
+from collections.abc import Callable
+
+import numpy as np
+from executive_plugins.estimation.cabin.estimator import CabinEstimator
+from executive_plugins.estimation.filters.correction import Correction
+from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.filters.gnss_imu_head import TrailingFilter
+from executive_plugins.estimation.filters.gnss_imu_settings import GnssImuSettings
+from executive_plugins.estimation.inertial.measurement_models import (
+    antenna_residual,
+    rate_residual,
+    standing_residual,
+)
+from executive_plugins.estimation.inertial.state import Inertial, InertialState
+
+from executive.arrays import Float
+from executive.machine.rig import Rig
+from executive.messages.gnss import GnssFix
+from executive.messages.imu import ImuSample
+from executive.messages.odometry import LidarIncrement
+
+GLOBAL, FALLBACK = "GLOBAL", "FALLBACK"
+_DOUBT_S = 2.0  # time after which a chassis that was seen to move may be taken to stand
+
+
+class GnssImuFilter(CabinEstimator):
+    """An error-state Kalman filter on the cabin; heading comes with the antennas' lever arms.
+
+    With one antenna it begins after the first metres of motion, and heading is known as far as the body accelerates.
+
+    The role of the paper's baseline, the two-state implicit filter: inertial and satellite measurements only (Nubert
+    2022, Sec. V). The filter itself trails by `lag_s`, so that measurements of whatever latency are used at their own
+    time and in order; the state at the newest inertial sample is predicted from it.
+    """
+
+    Settings = GnssImuSettings
+
+    def __init__(self, settings: GnssImuSettings, machine: Rig) -> None:
+        super().__init__(settings, machine)
+        self._settings = settings
+
+    def _restart(self) -> None:
+        super()._restart()
+        self._trailing: TrailingFilter | None = None
+        self._used_fix_s = -np.inf
+        self._gated = 0
+        self._moving_s = -np.inf
+
+    def _begun_at(self, state: InertialState, covariance: Float) -> None:
+        self._trailing = TrailingFilter(
+            self._make_filter(state, covariance), self._settings.lag_s, self._head
+        )
+        self._used_fix_s = state.stamp_s
+
+    def _make_filter(self, state: InertialState, covariance: Float) -> ErrorStateFilter:
+        return ErrorStateFilter(state, covariance, self._noise)
+
+    def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
+        if self._trailing is not None:
+            rate, force = sample.angular_velocity_rad_s, sample.specific_force_m_s2
+            self._trailing.add_sample(Inertial(sample.stamp_s, rate, force, since_last_s))
+
+    def _admits_fix(self, fix: GnssFix) -> bool:
+        return self._door.admits(fix.antenna, fix.stamp_s)
+
+    def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
+        antenna, stamp_s = fix.antenna, fix.stamp_s
+        self._queue(
+            antenna, stamp_s, lambda at: self._correct_by_fix(at, antenna, p_map_antenna, noise)
+        )
+
+    def add_odometry(self, increment: LidarIncrement) -> None:
+        """Take no notice: this filter is the one without lidar."""
+
+    def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
+        self._queue("joints", stamp_s, lambda at: self._correct_by_standing(at, rate_cabin))
+
+    def _queue(
+        self, stream: str, stamp_s: float, apply: Callable[[ErrorStateFilter], None]
+    ) -> None:
+        trailing = self._trailing
+        if trailing is not None and not trailing.add(
+            Correction(stamp_s, lambda: apply(trailing.kalman))
+        ):
+            self._door.refuse(stream, "too late")
+
+    def _correct_by_fix(
+        self, kalman: ErrorStateFilter, antenna: str, p_map_antenna: Float, noise: Float
+    ) -> None:
+        residual, H = antenna_residual(kalman.state, self._antennas_imu[antenna], p_map_antenna)
+        if kalman.correct(residual, H, noise, self._settings.gate):
+            self._used_fix_s = max(self._used_fix_s, kalman.state.stamp_s)
+            self._gated = 0
+            return
+        self._door.refuse(antenna, "outlier")
+        self._gated += 1
+        if (
+            self._gated >= self._settings.reacquire_after
+        ):  # so many agree against the filter: it is the one to doubt
+            kalman.doubt(float(np.linalg.norm(residual)), 0.5, 0.1)
+            self._gated = 0
+            self._moving_s = kalman.state.stamp_s  # in doubt it would believe anything
+
+    def _correct_by_standing(self, kalman: ErrorStateFilter, rate_cabin: Float) -> None:
+        """A chassis that drives smoothly looks as if it stood: what the filter contradicts is not believed soon."""
+        if kalman.state.stamp_s - self._moving_s < _DOUBT_S:
+            return
+        settings, gate = self._settings.standing, self._settings.gate
+        residual, H = standing_residual(kalman.state, self._T_imu_cabin[:3, 3])
+        if not kalman.correct(residual, H, settings.velocity_std_m_s**2 * np.eye(3), gate):
+            self._moving_s = kalman.state.stamp_s
+            return
+        if (
+            np.linalg.norm(rate_cabin) < settings.rate_std_rad_s
+        ):  # encoders differentiate well at rest only
+            residual, H = rate_residual(kalman.state, self._T_imu_cabin[:3, :3] @ rate_cabin)
+            kalman.correct(residual, H, settings.rate_std_rad_s**2 * np.eye(3), gate)
+
+    def _status(self) -> str:
+        return (
+            GLOBAL
+            if self._head.stamp_s - self._used_fix_s <= self._settings.fallback_after_s
+            else FALLBACK
+        )

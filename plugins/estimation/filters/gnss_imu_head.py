@@ -1,0 +1,70 @@
+"""A filter that trails the newest inertial sample, for measurements that come late."""
+
+from bisect import insort
+from collections import deque
+
+from executive_plugins.estimation.filters.correction import Correction
+from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.inertial.state import Inertial
+from executive_plugins.estimation.live.head import LiveHead
+from executive_plugins.estimation.live.parcel import packed
+
+_COVARIANCE_PERIOD_S = (
+    0.049  # without a correction the head's covariance is carried on from a newer one so often
+)
+
+
+class TrailingFilter:
+    """Uses measurements at their own time and in order, whatever is late by less than the lag.
+
+    Attributes:
+        kalman: The filter, `lag_s` behind the head.
+    """
+
+    def __init__(self, kalman: ErrorStateFilter, lag_s: float, head: LiveHead) -> None:
+        self.kalman = kalman
+        self._lag_s = lag_s
+        self._head = head
+        self._begin_s = kalman.state.stamp_s
+        self._samples: deque[Inertial] = deque()  # newer than the filter
+        self._corrections: list[Correction] = []
+        self._anchored_s = self._begin_s
+        head.take(packed(kalman.state, kalman.covariance))
+
+    def add(self, correction: Correction) -> bool:
+        """Take a correction; return whether it is in time. What is older than the first state, that one has in it."""
+        if correction.stamp_s > self._begin_s:
+            if correction.stamp_s < self.kalman.state.stamp_s:
+                return False
+            insort(self._corrections, correction)
+        return True
+
+    def add_sample(self, sample: Inertial) -> None:
+        """Move the filter on behind a sample that the head has gone on to; put the head where a correction says."""
+        self._samples.append(sample)
+        is_corrected = self._advance(sample.stamp_s - self._lag_s)
+        if not is_corrected and sample.stamp_s - self._anchored_s < _COVARIANCE_PERIOD_S:
+            return
+        self._anchored_s = sample.stamp_s
+        estimate = packed(self.kalman.state, self.kalman.covariance)
+        if is_corrected:
+            self._head.take(estimate)
+        else:
+            self._head.anchor(estimate)
+
+    def _advance(self, until_s: float) -> bool:
+        """Predict up to a time, correcting on the way by all that was measured until then; return whether any was."""
+        is_corrected = False
+        while self._corrections and self._corrections[0].stamp_s <= until_s:
+            correction = self._corrections.pop(0)
+            self._predict(correction.stamp_s)
+            correction.apply()
+            is_corrected = True
+        self._predict(until_s)
+        return is_corrected
+
+    def _predict(self, until_s: float) -> None:
+        while self._samples and self._samples[0].stamp_s <= until_s:
+            self.kalman.predict(self._samples.popleft())
+        if self._samples and self.kalman.state.stamp_s < until_s:
+            self.kalman.predict(self._samples[0].until(until_s))

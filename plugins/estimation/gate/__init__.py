@@ -1,0 +1,1 @@
+"""Which measurements an estimator takes: order in time, and tests of position fixes."""

@@ -1,0 +1,210 @@
+"""Which fixes to believe: by innovation, by agreement with the odometry over a window, and by many in a row."""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from executive_plugins.estimation.gate.measurements import Fix
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.config import Meters, Seconds, Settings
+
+_SIGMAS = 3.0  # of what fixes and odometry may differ by from noise alone
+_FEWEST = 6  # fixes that a drift can be told from
+
+
+class GnssGateSettings(Settings):
+    """When fixes are believed, doubted and believed again."""
+
+    innovation: float = Field(
+        22.0, gt=0, description="Largest squared Mahalanobis distance (χ², 3: 1 in 15,000)."
+    )
+    window_s: Seconds = Field(
+        3.0, gt=0, le=30, description="Time over which fixes must agree with the odometry [s]."
+    )
+    window_drift_m: Meters = Field(
+        0.1, gt=0, le=5, description="Largest drift of fixes against it over the window [m]."
+    )
+    recover_after: int = Field(
+        5, ge=1, le=1000, description="Fixes in a row that must agree to be believed again."
+    )
+    recover_after_s: Seconds = Field(
+        0.8, ge=0, le=60, description="Time over which they must agree [s]."
+    )
+    recover_drift_m: Meters = Field(0.04, gt=0, le=5, description="Largest drift among them [m].")
+    jump_m: Meters = Field(0.3, gt=0, le=10, description="Largest jump between two of them [m].")
+    odometry_drift: float = Field(
+        0.01, ge=0, le=0.5, description="Drift in fallback as a share of the way."
+    )
+    odometry_drift_m_s: float = Field(
+        0.01, ge=0, le=1, description="Drift in fallback in a second [m/s]."
+    )
+    inertial_drift_m_s2: float = Field(
+        0.5,
+        ge=0,
+        le=10,
+        description="Error of acceleration in fallback without lidar, 3° of tilt [m/s²].",
+    )
+    reanchor_after_s: Seconds = Field(
+        10.0,
+        gt=0,
+        le=600,
+        description="Fixes that agree for so long are believed wherever they are [s].",
+    )
+    unlock_after_s: Seconds = Field(
+        60.0,
+        gt=0,
+        le=3600,
+        description="Fixes refused for so long are believed whatever the odometry says [s].",
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compared:
+    """A fix beside what the estimate and the odometry say.
+
+    Attributes:
+        fix: The fix.
+        residual: Fix minus predicted antenna [m], shape (3,).
+        covariance: Of the residual [m²], shape (3, 3).
+        p_odometry_antenna: The antenna by odometry alone, in the odometry's own frame [m], shape (3,).
+        R_map_odometry: Attitude of that frame, shape (3, 3).
+        has_odometry: Whether that is a lidar's; else it is the estimate itself, which drifts without fixes.
+        slack_m: What it may be wrong by besides [m].
+    """
+
+    fix: Fix
+    residual: Float
+    covariance: Float
+    p_odometry_antenna: Float
+    R_map_odometry: Float
+    has_odometry: bool
+    slack_m: float = 0.0
+
+    @property
+    def distance2(self) -> float:
+        """Squared Mahalanobis distance."""
+        return float(self.residual @ np.linalg.solve(self.covariance, self.residual))
+
+    def moved_since(self, earlier: "Compared") -> Float:
+        """Return how much farther the fixes moved than the odometry, between two of them [m], shape (3,)."""
+        by_odometry = self.R_map_odometry @ (self.p_odometry_antenna - earlier.p_odometry_antenna)
+        return self.fix.p_map_antenna - earlier.fix.p_map_antenna - by_odometry
+
+
+class GnssGate:
+    """Judges fixes, and says why it refuses one.
+
+    The paper's gate compares raw consecutive fixes with a fixed distance (Nubert 2022, Sec. IV-C1), so that a wrong
+    fix which holds for a second is believed, and a slow drift always. Here a fix is compared with the estimate, and
+    many with the odometry, which a wrong fix cannot bend.
+    """
+
+    def __init__(self, settings: GnssGateSettings) -> None:
+        self._settings = settings
+        self._window: deque[Compared] = deque()
+        self._run: list[Compared] = []
+        self._refused_since_s: float | None = None
+
+    def forget_odometry(self) -> None:
+        """Begin anew, as the odometry has."""
+        self._window.clear()
+        self._run.clear()
+
+    def refusal(self, compared: Compared) -> str:
+        """Return why a fix is not to be believed while the estimate is global; empty if it is."""
+        if compared.distance2 > self._settings.innovation:
+            return f"{_norm(compared.residual):.2f} m off the estimate"
+        if not compared.has_odometry:
+            return ""
+        self._window.append(compared)
+        while self._window[0].fix.stamp_s < compared.fix.stamp_s - self._settings.window_s:
+            self._window.popleft()
+        drift_m = _drift(
+            tuple(self._window), self._settings.window_drift_m, 0.5 * self._settings.window_s
+        )
+        return f"drifted by {drift_m:.2f} m against the odometry" if drift_m else ""
+
+    def begin_recovery(self) -> None:
+        """Forget earlier agreement: the estimate has fallen back."""
+        self._run.clear()
+        self._refused_since_s = None
+
+    def is_in_line(self, compared: Compared) -> bool:
+        """Take a fix while fallen back; return whether it agrees with those before it."""
+        if self._refused_since_s is None:
+            self._refused_since_s = compared.fix.stamp_s
+        if self._run and not self._agrees(compared):
+            self._run = [compared]
+            return False
+        self._run.append(compared)
+        settings = self._settings
+        recent = self._since(compared.fix.stamp_s - settings.recover_after_s)
+        if compared.has_odometry and _drift(
+            recent, settings.recover_drift_m, 0.9 * settings.recover_after_s
+        ):
+            self._run = self._run[-1:]
+            return False
+        return True
+
+    def verdict(self, way_m: float, lost_s: float) -> str:
+        """Return why the run of fixes is to be believed again; empty if it is not yet.
+
+        Args:
+            way_m: Way since the last good fix [m].
+            lost_s: Time of the last good fix [s].
+        """
+        settings, last = self._settings, self._run[-1]
+        now_s = last.fix.stamp_s
+        off_m, lasted_s = _norm(last.residual), now_s - self._run[0].fix.stamp_s
+        enough = (
+            len(self._run) >= settings.recover_after and lasted_s >= settings.recover_after_s - 1e-6
+        )
+        spread_m = _SIGMAS * float(np.sqrt(np.linalg.eigvalsh(last.covariance)[-1]))
+        drift_m = settings.odometry_drift * way_m + settings.odometry_drift_m_s * (now_s - lost_s)
+        if not last.has_odometry:
+            drift_m += 0.5 * settings.inertial_drift_m_s2 * (now_s - lost_s) ** 2
+        if enough and off_m < spread_m + drift_m:
+            return f"{len(self._run)} fixes in a row agree, {off_m:.2f} m off"
+        if lasted_s > settings.reanchor_after_s:
+            return f"fixes agree for {lasted_s:.0f} s, {off_m:.2f} m off: anchored anew"
+        if (
+            self._refused_since_s is not None
+            and now_s - self._refused_since_s > settings.unlock_after_s
+        ):
+            return f"fixes refused for {settings.unlock_after_s:.0f} s, {off_m:.2f} m off: anchored anew"
+        return ""
+
+    def agreed(self, after_s: float) -> Sequence[Compared]:
+        """Return the fixes of the run from a time on, at most those of the time that recovery takes."""
+        since_s = self._run[-1].fix.stamp_s - self._settings.recover_after_s
+        return self._since(max(after_s, since_s))
+
+    def _since(self, stamp_s: float) -> tuple[Compared, ...]:
+        return tuple(c for c in self._run if c.fix.stamp_s >= stamp_s)
+
+    def _agrees(self, compared: Compared) -> bool:
+        last = self._run[-1]
+        waited_s = compared.fix.stamp_s - last.fix.stamp_s
+        if waited_s > self._settings.recover_after_s:
+            return False
+        return _norm(compared.moved_since(last)) < self._settings.jump_m + compared.slack_m
+
+
+def _drift(compared: Sequence[Compared], limit_m: float, least_s: float) -> float:
+    """Return how far fixes and odometry came apart from the first to the last third [m]; 0 within limit and noise."""
+    if len(compared) < _FEWEST or compared[-1].fix.stamp_s - compared[0].fix.stamp_s < least_s:
+        return 0.0
+    third = len(compared) // 3
+    newest = compared[-1]
+    by_odometry = np.array([c.p_odometry_antenna for c in compared]) @ newest.R_map_odometry.T
+    offsets = np.array([c.fix.p_map_antenna for c in compared]) - by_odometry
+    noise_m = _SIGMAS * float(np.sqrt(2 * np.trace(newest.fix.covariance) / third))
+    moved_m = _norm(offsets[-third:].mean(axis=0) - offsets[:third].mean(axis=0))
+    return moved_m if moved_m > limit_m + noise_m else 0.0
+
+
+def _norm(v: Float) -> float:
+    return float(np.linalg.norm(v))

@@ -1,0 +1,126 @@
+"""A whole recording smoothed at once: the reference that an online trajectory is held against."""
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from executive_plugins.estimation.cabin.sensors import cabin_imu
+from executive_plugins.estimation.gate.measurements import Measurement
+from executive_plugins.estimation.graph.dual_graph import DualGraph
+from executive_plugins.estimation.graph.dual_graph_settings import DualGraphSettings
+from executive_plugins.estimation.graph.smoother_process import InlineSmoother, SmootherHost
+from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
+from executive_plugins.estimation.graph.whole_graph import Recording, WholeGraph
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import Inertial, InertialState
+from executive_plugins.estimation.live.estimate import Estimate
+from executive_plugins.estimation.live.head import LiveHead
+from executive_plugins.estimation.live.parcel import packed
+from executive_plugins.estimation.start.chassis import TurnJoint
+
+from executive.arrays import Float
+from executive.errors import DataError
+from executive.geometry.pose import inverse
+from executive.interfaces.smoothing import TrajectorySmoother
+from executive.machine.rig import Rig
+from executive.messages.base_state import BaseState
+from executive.messages.joints import JointSample
+from executive.messages.observation import Observation
+from executive.messages.odometry import LidarIncrement
+
+SMOOTHED = "SMOOTHED"
+
+
+class _RecordingHost(InlineSmoother):
+    """Smooths inline, and keeps what it was given and what it answered, from each start on."""
+
+    def __init__(self, settings: SmootherSettings, noise: InertialNoise) -> None:
+        super().__init__(settings, noise)
+        self.recordings: list[Recording] = []
+
+    def begin(self, head: LiveHead, state: InertialState, covariance: Float) -> None:
+        self.recordings.append(Recording((state, covariance)))
+        super().begin(head, state, covariance)
+
+    def add(self, measurement: Measurement) -> None:
+        self.recordings[-1].measurements.append(measurement)
+        super().add(measurement)
+
+    def _updated(self, sample: Inertial) -> Estimate | None:
+        recording = self.recordings[-1]
+        recording.samples.append(sample)
+        estimate = super()._updated(sample)
+        if estimate is not None and (
+            not recording.estimates or estimate.state.stamp_s > recording.estimates[-1].stamp_s
+        ):
+            recording.estimates.append(estimate.state)
+        return estimate
+
+
+class _RecordingGraph(DualGraph):
+    """The online estimator, for its door, its first state and where the search begins."""
+
+    def _made_host(self) -> SmootherHost:
+        self.host = _RecordingHost(self._settings.smoother, self._noise)
+        return self.host
+
+
+class BatchGraph(TrajectorySmoother):
+    """The dual graph's main graph without its lag and without its gate: all nodes, all fixes, solved together.
+
+    There is one graph, for with the whole recording at hand an outage is bridged from both of its ends. What a fix is
+    worth is judged by the solution itself.
+    """
+
+    Settings = DualGraphSettings
+
+    def __init__(self, settings: DualGraphSettings, machine: Rig) -> None:
+        self._settings = settings
+        self._machine = machine
+
+    def smooth(self, observations: Iterable[Observation | LidarIncrement]) -> Sequence[BaseState]:
+        online = _RecordingGraph(self._settings, self._machine)
+        online.start()
+        try:
+            joints = list(_fed(online, observations))
+        finally:
+            online.close()
+        imu = cabin_imu(self._machine, self._settings.imu)
+        noise = InertialNoise.of(imu, self._settings.noise_factor, self._settings.gravity_m_s2)
+        graphs = [
+            WholeGraph(recording, self._settings.smoother, noise)
+            for recording in online.host.recordings
+        ]
+        turn = TurnJoint(self._machine)
+        head = LiveHead(inverse(imu.T_link_sensor), turn, noise, self._settings.restart_after_s)
+        answers, k = [], 0
+        for state, P in (pair for graph in graphs for pair in _smoothed(graph)):
+            while k < len(joints) and joints[k].stamp_s <= state.stamp_s:
+                turn.update(joints[k])
+                k += 1
+            head.turned()
+            if not head.take(packed(state, P), is_alone=True):
+                raise DataError(f"the smoothed state at {state.stamp_s:.2f} s is not finite")
+            answers.append(head.state(SMOOTHED))
+        return answers
+
+
+def _fed(
+    online: DualGraph, observations: Iterable[Observation | LidarIncrement]
+) -> Iterator[JointSample]:
+    """Feed everything; yield the joints on the way."""
+    for observation in observations:
+        online.add(observation)
+        if isinstance(observation, JointSample):
+            yield observation
+
+
+def _smoothed(graph: WholeGraph) -> Iterator[tuple[InertialState, Float]]:
+    """Yield the states at the samples of one graph, and the covariance of the node before each."""
+    if len(graph) < 2 or not graph.has_fix:
+        return
+    nodes = graph.solve()
+    for node, covariance in zip(range(len(nodes) - 1), graph.covariances(), strict=False):
+        if node == 0:
+            yield nodes[0], covariance
+        for state in graph.between(nodes, node):
+            if graph.is_sample(state.stamp_s):
+                yield state, covariance

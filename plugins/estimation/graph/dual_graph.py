@@ -1,0 +1,130 @@
+"""Estimation by two factor graphs over inertial, satellite and lidar measurements, propagated at each sample."""
+
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from executive_plugins.estimation.cabin.estimator import CabinEstimator
+from executive_plugins.estimation.gate.measurements import Fix, Increment, Measurement, Standing
+from executive_plugins.estimation.gate.unordered_door import UnorderedDoor
+from executive_plugins.estimation.graph.dual_graph_settings import DualGraphSettings
+from executive_plugins.estimation.graph.smoother_process import (
+    InlineSmoother,
+    ProcessSmoother,
+    SmootherHost,
+)
+from executive_plugins.estimation.inertial.state import InertialState, skew
+from executive_plugins.estimation.live.modes import Mode, ModeChange
+
+from executive.arrays import Float
+from executive.geometry.pose import inverse
+from executive.machine.rig import Rig
+from executive.messages.gnss import GnssFix
+from executive.messages.imu import ImuSample
+from executive.messages.odometry import LidarIncrement
+from executive.messages.status_change import StatusChange
+
+
+class DualGraph(CabinEstimator):
+    """The paper's estimator (Nubert 2022, Sec. IV): each inertial sample is propagated at once, and whenever a fix or
+    a lidar increment comes, the smoother's answer takes the propagation's place and is carried on to the newest sample.
+
+    Attributes:
+        changes: Changes of the mode since the start, with their reasons.
+    """
+
+    Settings = DualGraphSettings
+
+    def __init__(self, settings: DualGraphSettings, machine: Rig) -> None:
+        super().__init__(settings, machine)
+        self._settings = settings
+
+    def start(self) -> None:
+        super().start()
+        self._late_door = UnorderedDoor(self._door)
+        self._refused: Counter[str] = Counter()
+        self.changes: list[ModeChange] = []
+
+    def _shared_memory(self) -> Any:
+        self._host = self._made_host()
+        return self._host.memory
+
+    def _made_host(self) -> SmootherHost:
+        settings = self._settings
+        if settings.process:
+            return ProcessSmoother(settings.smoother, self._noise, settings.answer_within_s)
+        return InlineSmoother(settings.smoother, self._noise)
+
+    def close(self) -> None:
+        self._host.close()
+
+    def _restart(self) -> None:
+        super()._restart()
+        self._mode = Mode.GLOBAL
+
+    @property
+    def refused(self) -> Mapping[str, int]:
+        """Number of refused samples by stream and reason."""
+        return dict(self._door.refused + self._refused)
+
+    def _begun_at(self, state: InertialState, covariance: Float) -> None:
+        self._begun_s = state.stamp_s
+        self._host.begin(self._head, state, covariance)
+
+    def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
+        news = self._host.sampled(self._head, sample, since_last_s, answered)
+        if news is not None:
+            self._mode = news.mode
+            if news.changes or news.refused:
+                self.changes.extend(news.changes)
+                self._account += [
+                    StatusChange(c.stamp_s, str(c.before), str(c.after), c.reason)
+                    for c in news.changes
+                ]
+                self._refused.update(news.refused)
+
+    @property
+    def _now_s(self) -> float:
+        return self._newest_s if self._newest_s is not None else np.inf
+
+    def _admits_fix(self, fix: GnssFix) -> bool:
+        return self._late_door.admits(fix.antenna, fix.stamp_s, self._now_s)
+
+    def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
+        self._hand_over(
+            Fix(fix.stamp_s, fix.antenna, self._antennas_imu[fix.antenna], p_map_antenna, noise)
+        )
+
+    def add_odometry(self, increment: LidarIncrement) -> None:
+        if not increment.from_s < increment.to_s:
+            self._door.refuse(increment.frame, "stamps not in order")
+            return
+        if not self._late_door.admits(increment.frame, increment.to_s, self._now_s):
+            return
+        T_imu_lidar = self._T_imu_cabin @ self._machine.sensors[increment.frame].T_link_sensor
+        T_from_to = T_imu_lidar @ increment.T_from_to @ inverse(T_imu_lidar)
+        J = _adjoint(T_imu_lidar)
+        self._hand_over(
+            Increment(increment.from_s, increment.to_s, T_from_to, J @ increment.covariance @ J.T)
+        )
+
+    def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
+        rests = np.linalg.norm(rate_cabin) < self._settings.standing.rate_std_rad_s
+        rate_imu = self._T_imu_cabin[:3, :3] @ rate_cabin if rests else None
+        self._hand_over(Standing(stamp_s, self._T_imu_cabin[:3, 3], rate_imu))
+
+    def _hand_over(self, measurement: Measurement) -> None:
+        if self._is_begun and measurement.stamp_s > self._begun_s:
+            self._host.add(measurement)
+
+    def _status(self) -> str:
+        return self._mode.value
+
+
+def _adjoint(T: Float) -> Float:
+    """Return the map of (rotation, translation) errors in the second frame to the first, shape (6, 6)."""
+    J = np.zeros((6, 6))
+    J[:3, :3] = J[3:, 3:] = T[:3, :3]
+    J[3:, :3] = skew(T[:3, 3]) @ T[:3, :3]
+    return J

@@ -1,0 +1,189 @@
+"""From measurements and states to GTSAM's factors and back; the orders of its blocks stay in this file."""
+
+from collections.abc import Sequence
+
+import gtsam
+import numpy as np
+from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.sample_buffer import LONG_GAP_S
+from executive_plugins.estimation.inertial.state import (
+    ACCEL_BIAS,
+    DIMENSION,
+    GYRO_BIAS,
+    POSITION,
+    ROTATION,
+    VELOCITY,
+    Inertial,
+    InertialState,
+)
+from gtsam.symbol_shorthand import B, V, X
+
+from executive.arrays import Float
+from executive.geometry.pose import pose
+
+_HUBER = (
+    1.345  # 95 % efficient on Gaussian noise; kernels that descend (Tukey, Geman-McClure) diverged
+)
+_INTEGRATION_VARIANCE = (
+    1e-10  # of position within a sample [m²/s]: what the rectangle rule leaves out
+)
+GAP_ACCELERATION_M_S2 = 1.0  # what the machine may do unseen in a gap of inertial samples
+GAP_RATE_RAD_S = 0.8
+_LEAST_VARIANCE = 1e-12  # so that a first state that is known perfectly has an inverse
+# GTSAM orders a node as pose (rotation, position in body axes), velocity, bias (accelerometer, gyro).
+_ORDER = np.r_[ROTATION, POSITION, VELOCITY, ACCEL_BIAS, GYRO_BIAS]
+
+
+def keys(node: int) -> tuple[int, int, int]:
+    """Return the keys of a node's pose, velocity and bias."""
+    return X(node), V(node), B(node)
+
+
+def preintegration(noise: InertialNoise, gap_s: float = 0.0) -> gtsam.PreintegrationCombinedParams:
+    """Return the parameters of preintegration (Forster 2017); a gap of the samples is paid for with covariance."""
+    params = gtsam.PreintegrationCombinedParams.MakeSharedU(noise.gravity_m_s2)
+    eye = np.eye(3)
+    params.setAccelerometerCovariance(
+        (noise.accel_density**2 + gap_s * GAP_ACCELERATION_M_S2**2) * eye
+    )
+    params.setGyroscopeCovariance((noise.gyro_density**2 + gap_s * GAP_RATE_RAD_S**2) * eye)
+    params.setIntegrationCovariance(_INTEGRATION_VARIANCE * eye)
+    params.setBiasAccCovariance(noise.accel_bias_walk**2 * eye)
+    params.setBiasOmegaCovariance(noise.gyro_bias_walk**2 * eye)
+    return params
+
+
+def bias_of(state: InertialState) -> gtsam.imuBias.ConstantBias:
+    """Return the biases of a state."""
+    return gtsam.imuBias.ConstantBias(state.accel_bias, state.gyro_bias)
+
+
+def insert(values: gtsam.Values, node: int, state: InertialState) -> None:
+    """Enter a state as a node's values."""
+    x, v, b = keys(node)
+    values.insert(x, gtsam.Pose3(pose(state.R_map_imu, state.p_map_imu)))
+    values.insert(v, state.v_map_imu)
+    values.insert(b, bias_of(state))
+
+
+def extract(
+    values: gtsam.Values, node: int, sample: Inertial, step: gtsam.VectorValues | None = None
+) -> InertialState:
+    """Read a node's values, moved by a step if there is one, as a state at the end of a sample."""
+    x, v, b = keys(node)
+    T, velocity, bias = values.atPose3(x), values.atVector(v), values.atConstantBias(b).vector()
+    if step is not None:
+        T, velocity, bias = T.retract(step.at(x)), velocity + step.at(v), bias + step.at(b)
+    return InertialState(
+        sample,
+        T.rotation().matrix(),
+        np.array(T.translation()),
+        np.array(velocity),
+        bias[3:].copy(),
+        bias[:3].copy(),
+    )
+
+
+def covariance_of(R_node: Float, R_map_imu: Float) -> Float:
+    """Return the error's covariance in our order and axes from the root's square-root information, (15, 15) each."""
+    root = np.linalg.solve(R_node, np.eye(DIMENSION))
+    J = np.zeros((DIMENSION, DIMENSION))
+    J[_ORDER] = np.eye(DIMENSION)
+    J[POSITION] = R_map_imu @ J[POSITION]
+    root = J @ root
+    return np.asarray(root @ root.T)
+
+
+def prior(node: int, state: InertialState, covariance: Float) -> list[gtsam.NonlinearFactor]:
+    """Return one factor on all of a node with a full covariance, linear about the state."""
+    J = np.eye(DIMENSION)[_ORDER]
+    J[3:6] = J[3:6] @ _rotated(state.R_map_imu)
+    P = J @ covariance @ J.T + _LEAST_VARIANCE * np.eye(DIMENSION)
+    root = np.linalg.cholesky(np.linalg.inv(P)).T
+    x, v, b = keys(node)
+    unit = gtsam.noiseModel.Unit.Create(DIMENSION)
+    linear = gtsam.JacobianFactor(
+        x, root[:, :6], v, root[:, 6:9], b, root[:, 9:], np.zeros(DIMENSION), unit
+    )
+    values = gtsam.Values()
+    insert(values, node, state)
+    return [gtsam.LinearContainerFactor(linear, values)]
+
+
+def _rotated(R_map_imu: Float) -> Float:
+    """Return the map from our error to the same with its position in IMU axes, shape (15, 15)."""
+    J = np.eye(DIMENSION)
+    J[POSITION, POSITION] = R_map_imu.T
+    return J
+
+
+def inertial_factor(
+    nodes: tuple[int, int], first: InertialState, samples: Sequence[Inertial], noise: InertialNoise
+) -> gtsam.NonlinearFactor:
+    """Preintegrate samples between two nodes; forces act in the attitude of a sample's middle, as in `propagate`.
+
+    Args:
+        nodes: The earlier node and the later one.
+        first: The state at the earlier node, for its time and its biases.
+        samples: Those after it, the last one ending at the later node; at least one.
+        noise: Of the inertial sensor.
+    """
+    gap_s = max(sample.since_last_s for sample in samples)
+    sums = gtsam.PreintegratedCombinedMeasurements(
+        preintegration(noise, gap_s if gap_s > LONG_GAP_S else 0.0), bias_of(first)
+    )
+    steps_s = np.diff([first.stamp_s, *(sample.stamp_s for sample in samples)])
+    rates = np.array([sample.rate for sample in samples])
+    forces = np.array([sample.force for sample in samples])
+    turning = np.cross(rates - first.gyro_bias, forces - first.accel_bias)
+    half_turned = forces + 0.5 * steps_s[:, None] * turning
+    for force, rate, step_s in zip(half_turned, rates, steps_s.tolist(), strict=True):
+        sums.integrateMeasurement(force, rate, step_s)
+    (x0, v0, b0), (x1, v1, b1) = keys(nodes[0]), keys(nodes[1])
+    return gtsam.CombinedImuFactor(x0, v0, x1, v1, b0, b1, sums)
+
+
+def fix_factor(node: int, fix: Fix) -> gtsam.NonlinearFactor:
+    """Return |p + R l − z| with the lever arm inside.
+
+    The paper moves the antenna to the IMU beforehand (Nubert 2022, Eq. (8)–(9)), which turns an error of heading into
+    one of position; here it corrects the heading.
+    """
+    gaussian = gtsam.noiseModel.Gaussian.Covariance(fix.covariance)
+    robust = gtsam.noiseModel.Robust.Create(
+        gtsam.noiseModel.mEstimator.Huber.Create(_HUBER), gaussian
+    )
+    return gtsam.GPSFactorArm(X(node), fix.p_map_antenna, fix.arm_imu, robust)
+
+
+def between_factor(
+    first: int, second: int, T_first_second: Float, covariance: Float
+) -> gtsam.NonlinearFactor:
+    """Return a lidar increment as a relative pose (Nubert 2022, Sec. IV-A4a)."""
+    gaussian = gtsam.noiseModel.Gaussian.Covariance(covariance)
+    robust = gtsam.noiseModel.Robust.Create(
+        gtsam.noiseModel.mEstimator.Huber.Create(_HUBER), gaussian
+    )
+    return gtsam.BetweenFactorPose3(X(first), X(second), gtsam.Pose3(T_first_second), robust)
+
+
+def pose_factor(node: int, T_map_imu: Float, covariance: Float) -> gtsam.NonlinearFactor:
+    """Return a pseudo-global lidar pose (Sec. IV-A4b); covariance of (rotation, translation) in IMU axes, (6, 6)."""
+    gaussian = gtsam.noiseModel.Gaussian.Covariance(covariance)
+    robust = gtsam.noiseModel.Robust.Create(
+        gtsam.noiseModel.mEstimator.Huber.Create(_HUBER), gaussian
+    )
+    return gtsam.PriorFactorPose3(X(node), gtsam.Pose3(T_map_imu), robust)
+
+
+def velocity_factor(node: int, v_map_imu: Float, std_m_s: float) -> gtsam.NonlinearFactor:
+    """Return a velocity that is known otherwise [m/s]."""
+    return gtsam.PriorFactorVector(V(node), v_map_imu, gtsam.noiseModel.Isotropic.Sigma(3, std_m_s))
+
+
+def gyro_bias_factor(node: int, gyro_bias: Float, std_rad_s: float) -> gtsam.NonlinearFactor:
+    """Return a gyro bias that is known otherwise [rad/s]; the accelerometer's is left as good as free."""
+    sigmas = np.concatenate([np.full(3, 10.0), np.full(3, std_rad_s)])
+    bias = gtsam.imuBias.ConstantBias(np.zeros(3), gyro_bias)
+    return gtsam.PriorFactorConstantBias(B(node), bias, gtsam.noiseModel.Diagonal.Sigmas(sigmas))

@@ -1,0 +1,184 @@
+"""One process that smooths: measurements go in by a pipe; samples and estimates lie in memory that both have."""
+
+import multiprocessing
+import signal
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from typing import Any
+
+import numpy as np
+from executive_plugins.estimation.gate.measurements import Measurement
+from executive_plugins.estimation.graph.smoother import GraphSmoother
+from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import InertialState
+from executive_plugins.estimation.live.estimate import Estimate
+from executive_plugins.estimation.live.layout import ANSWERS, LIVE
+from executive_plugins.estimation.live.modes import ModeChange
+from executive_plugins.estimation.live.parcel import is_finite, pack_into, samples_from
+
+from executive.arrays import Float
+
+_LEAVE_S = 1.0  # time that a child is given to end by itself
+_SPAWN_S = 60.0  # time that a child may take to import what it needs, on a machine that is busy
+_IDLE_S = 0.05  # without measurements it looks so often whether samples have come
+_SOON_S = 0.001  # and so often while a measurement waits for its sample
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Where to begin.
+
+    Attributes:
+        epoch: Number of the beginning; estimates carry it.
+        state: The state.
+        covariance: Of its error, shape (15, 15).
+        first_sample: Number of the first sample to go on with.
+    """
+
+    epoch: int
+    state: InertialState
+    covariance: Float
+    first_sample: int
+
+
+Words = tuple[Sequence[ModeChange], Mapping[str, int]]
+Batch = list[Start | Measurement]
+
+
+class SmootherChild:
+    """A child process; it says once that it is ready.
+
+    Attributes:
+        process: The process.
+    """
+
+    def __init__(self, settings: SmootherSettings, noise: InertialNoise, memory: Any) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._connection, theirs = context.Pipe()
+        self.process = context.Process(
+            target=_serve, args=(theirs, memory, settings, noise), daemon=True
+        )
+        self.process.start()
+        theirs.close()
+        self._ready_by_s = time.monotonic() + _SPAWN_S
+        self._is_ready = False
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether it takes batches.
+
+        Raises:
+            EOFError, OSError: If it has died, or takes too long to begin.
+        """
+        if not self._is_ready and self._connection.poll(0):
+            self._is_ready = self._connection.recv()
+        if not self._is_ready and time.monotonic() > self._ready_by_s:
+            raise OSError("the smoother's process does not begin")
+        return self._is_ready
+
+    def send(self, batch: Batch) -> None:
+        """Hand over a batch.
+
+        Raises:
+            OSError: If it has died.
+        """
+        self._connection.send(batch)
+
+    def words(self) -> Words:
+        """Return the next words that it has sent; only to be called when there are any.
+
+        Raises:
+            EOFError, OSError: If it has died.
+        """
+        words: Words = self._connection.recv()
+        return words
+
+    def close(self) -> None:
+        """Ask it to leave, and end it if it does not."""
+        if self._is_ready and self.process.is_alive():
+            with suppress(OSError):  # it may have died just now
+                self._connection.send(None)
+            self.process.join(_LEAVE_S)
+        self.kill()
+
+    def kill(self) -> None:
+        """End it at once."""
+        self._connection.close()
+        self.process.kill()
+        self.process.join()
+
+
+def _serve(
+    connection: Connection, memory: Any, settings: SmootherSettings, noise: InertialNoise
+) -> None:
+    """Answer measurements with estimates; end with the parent."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
+    work = _Work(connection, memory, settings, noise)
+    try:
+        connection.send(True)
+        while True:
+            if connection.poll(work.patience_s):
+                batch: Batch | None = connection.recv()
+                if batch is None:
+                    return
+                work.take(batch)
+            work.update()
+    except (EOFError, OSError):  # nobody is there any more
+        return
+
+
+class _Work:
+    """The smoother, and what it has read and written of the shared block."""
+
+    def __init__(
+        self, connection: Connection, memory: Any, settings: SmootherSettings, noise: InertialNoise
+    ) -> None:
+        self._connection = connection
+        self._block = np.frombuffer(memory, LIVE, 1)
+        self._made = (settings, noise)
+        self._smoother: GraphSmoother | None = None
+        self._epoch, self._read, self._words, self._batches = 0, 0, 0, 0
+
+    @property
+    def patience_s(self) -> float:
+        """Time to wait for a batch before looking for samples [s]."""
+        return _SOON_S if self._smoother is not None and self._smoother.is_waiting else _IDLE_S
+
+    def take(self, batch: Batch) -> None:
+        self._batches += 1
+        for item in batch:
+            if isinstance(item, Start):
+                self._smoother = GraphSmoother(*self._made, item.state, item.covariance)
+                self._epoch, self._read = item.epoch, item.first_sample
+            elif self._smoother is not None:
+                self._smoother.add(item)
+
+    def update(self) -> None:
+        """Read the samples that have come, and answer if they have brought anything new."""
+        if self._smoother is not None:
+            end = int(self._block["published"][0])
+            for sample in samples_from(self._block, self._read, end):
+                self._smoother.add_sample(sample)
+            self._read = max(end, self._read)
+            if self._smoother.is_due:
+                self._answer(self._smoother.update())
+            self._block["handled"][0] = (
+                self._batches
+            )  # one in reserve, which has no smoother, writes nothing
+
+    def _answer(self, estimate: Estimate) -> None:
+        """Write the estimate, then say so; what has no room in the block goes first, by the pipe."""
+        number = int(self._block["answered"][0]) + 1
+        row = self._block["answers"][0][number % ANSWERS : number % ANSWERS + 1]
+        pack_into(row, estimate)
+        if not is_finite(row):
+            return
+        if estimate.changes or estimate.refused:
+            self._connection.send((estimate.changes, estimate.refused))
+            self._words += 1
+        row["epoch"], row["words"] = self._epoch, self._words
+        self._block["answered"][0] = number

@@ -1,0 +1,281 @@
+"""Where the smoother runs: beside the inertial path in a process of its own, or in line with it."""
+
+import logging
+import time
+from abc import ABC, abstractmethod
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from multiprocessing import get_context
+from typing import Any
+
+import numpy as np
+from executive_plugins.estimation.gate.measurements import Measurement
+from executive_plugins.estimation.graph.smoother import GraphSmoother
+from executive_plugins.estimation.graph.smoother_child import Batch, SmootherChild, Start
+from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import Inertial, InertialState
+from executive_plugins.estimation.live.estimate import Estimate
+from executive_plugins.estimation.live.head import LiveHead
+from executive_plugins.estimation.live.layout import ANSWERS, LIVE
+from executive_plugins.estimation.live.modes import Mode, ModeChange
+from executive_plugins.estimation.live.parcel import MODES, packed, packed_estimate, unpacked
+
+from executive.arrays import Float
+from executive.messages.imu import ImuSample
+
+_log = logging.getLogger(__name__)
+_MOST_BATCHES = 16  # under way at a time: so many fit into the pipe, and a child that hangs never blocks the sender
+_MEASUREMENT_S = 0.01  # what one may cost on a busy machine
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class News:
+    """What an estimate brought besides the state.
+
+    Attributes:
+        mode: How the estimator stands.
+        changes: Changes of the mode since the last news.
+        refused: Number of measurements refused since then, by stream and reason.
+    """
+
+    mode: Mode
+    changes: Sequence[ModeChange]
+    refused: Mapping[str, int]
+
+
+_NOTHING_BESIDES = tuple(News(mode, (), {}) for mode in MODES)
+
+
+class SmootherHost(ABC):
+    """Takes raw samples, gives estimates whenever there is a new one; never blocks for long.
+
+    Attributes:
+        memory: What the head's block is to lie in, for another process to read; None if there is no other.
+    """
+
+    memory: Any = None
+
+    @abstractmethod
+    def begin(self, head: LiveHead, state: InertialState, covariance: Float) -> None:
+        """Begin anew at a state, shape of the covariance (15, 15), and put it into the head."""
+
+    @abstractmethod
+    def add(self, measurement: Measurement) -> None:
+        """Hand over a measurement."""
+
+    @abstractmethod
+    def sampled(
+        self, head: LiveHead, sample: ImuSample, since_last_s: float, answered: int
+    ) -> News | None:
+        """Take notice of a sample to which the head has gone on; put a new estimate into it, if there is one.
+
+        Args:
+            head: The head.
+            sample: The sample.
+            since_last_s: Time since the one before [s].
+            answered: What the head has said to it.
+        """
+
+    @abstractmethod
+    def close(self) -> None:
+        """Release what the host owns."""
+
+
+class InlineSmoother(SmootherHost):
+    """Updates at the sample that reaches a measurement: the same samples always give the same estimates."""
+
+    def __init__(self, settings: SmootherSettings, noise: InertialNoise) -> None:
+        self._settings = settings
+        self._noise = noise
+
+    def begin(self, head: LiveHead, state: InertialState, covariance: Float) -> None:
+        self._smoother = GraphSmoother(self._settings, self._noise, state, covariance)
+        head.take(packed(state, covariance))
+
+    def add(self, measurement: Measurement) -> None:
+        self._smoother.add(measurement)
+
+    def sampled(
+        self, head: LiveHead, sample: ImuSample, since_last_s: float, answered: int
+    ) -> News | None:
+        rate, force = sample.angular_velocity_rad_s, sample.specific_force_m_s2
+        estimate = self._updated(Inertial(sample.stamp_s, rate, force, since_last_s))
+        if estimate is None:
+            return None
+        if not head.take(packed_estimate(estimate)):
+            return News(
+                estimate.mode, estimate.changes, {**estimate.refused, "smoother: not finite": 1}
+            )
+        return News(estimate.mode, estimate.changes, estimate.refused)
+
+    def _updated(self, sample: Inertial) -> Estimate | None:
+        """Hand over a sample; return a new estimate, if there is one."""
+        self._smoother.add_sample(sample)
+        return self._smoother.update() if self._smoother.is_due else None
+
+    def close(self) -> None:
+        """Own nothing."""
+
+
+class ProcessSmoother(SmootherHost):
+    """Updates in a child process, for GTSAM holds the interpreter's lock through a whole update.
+
+    An inertial sample costs no system call: the child finds it in the block, and leaves its estimates there. Only
+    measurements are sent. A child that died, or does not answer in time, is replaced by one that begins at the last
+    estimate. It stands by: to begin with a new process would cost the seconds that its imports take.
+
+    Attributes:
+        restarts: Number of children that had to be replaced.
+    """
+
+    def __init__(
+        self, settings: SmootherSettings, noise: InertialNoise, answer_within_s: float
+    ) -> None:
+        self._settings = settings
+        self._noise = noise
+        self._answer_within_s = answer_within_s
+        self.memory = get_context("spawn").RawArray("b", LIVE.itemsize)
+        self._block = np.frombuffer(self.memory, LIVE, 1)
+        self._published, self._handled = (
+            _counter(self.memory, name) for name in ("published", "handled")
+        )
+        self.restarts = 0
+        self._outbox: Batch = []
+        self._begun: Start | None = None
+        self._taken = self._words = self._sent = self._seen = 0
+        self._deadline_s: float | None = None
+        self.child = self._spawned()
+        self.spare: SmootherChild | None = None
+
+    def _spawned(self) -> SmootherChild:
+        return SmootherChild(self._settings, self._noise, self.memory)
+
+    def begin(self, head: LiveHead, state: InertialState, covariance: Float) -> None:
+        epoch = 1 if self._begun is None else self._begun.epoch + 1
+        self._begun = Start(epoch, state, covariance, head.samples)
+        head.take(packed(state, covariance))
+        head.epoch = epoch
+        self._outbox = [self._begun]
+        self._send()
+
+    def add(self, measurement: Measurement) -> None:
+        self._outbox.append(measurement)
+        self._send()
+
+    def sampled(
+        self, head: LiveHead, sample: ImuSample, since_last_s: float, answered: int
+    ) -> News | None:
+        self._published[0] = head.samples  # not before the sample is written
+        if self._deadline_s is not None and time.monotonic() > self._deadline_s:
+            self._look_after()
+        if answered == self._taken:
+            return None
+        self._taken = answered
+        return self._news(*head.take_answer(answered))
+
+    def _news(self, mode: int, words: int) -> News | None:
+        """Return what came with an estimate; None if it goes back to an earlier beginning."""
+        if mode < 0:
+            return None
+        if words == self._words:
+            return _NOTHING_BESIDES[mode]
+        changes: list[ModeChange] = []
+        refused: Counter[str] = Counter()
+        try:
+            while self._words < words:
+                more, counts = self.child.words()
+                self._words += 1
+                changes.extend(more)
+                refused.update(counts)
+        except (EOFError, OSError):
+            self._replace("died")
+        return News(MODES[mode], changes, refused)
+
+    def _send(self) -> None:
+        """Send what waits, if the child is ready; see that there is another one in reserve."""
+        try:
+            if not self.child.is_ready or self._sent - self._handled[0] >= _MOST_BATCHES:
+                return
+            self.child.send(self._outbox)
+        except (EOFError, OSError):
+            self._replace("died")
+            return
+        self._sent += 1
+        if self._deadline_s is None:
+            self._wait_for_answer(len(self._outbox))
+        self._outbox = []
+        if self.spare is None:  # not before, for the two would import side by side
+            self.spare = self._spawned()
+
+    def _wait_for_answer(self, measurements: int = 0) -> None:
+        """Give the child its time from now on, by the wall clock, the only one that a hung child obeys.
+
+        It is given more if many measurements have gathered, as when it takes over from another.
+        """
+        self._seen = self._handled[0]
+        self._deadline_s = time.monotonic() + self._answer_within_s + _MEASUREMENT_S * measurements
+
+    def _look_after(self) -> None:
+        handled = self._handled[0]
+        if handled == self._sent:
+            self._deadline_s = None
+        elif handled > self._seen:
+            self._wait_for_answer()
+        else:
+            self._replace("does not answer")
+
+    def _replace(self, reason: str) -> None:
+        _log.warning(
+            "the smoother's process %s; another one goes on from the last estimate", reason
+        )
+        self.restarts += 1
+        self.child.kill()
+        self._sent = self._handled[0] = self._words = 0
+        self._deadline_s = None
+        waiting = [item for item in self._outbox if not isinstance(item, Start)]
+        self._outbox = [*self._last_start(), *waiting]
+        self.child, self.spare = self.spare or self._spawned(), None
+        self._send()
+
+    def _last_start(self) -> list[Start]:
+        """Return the last estimate as a beginning, or the beginning itself if there is none since."""
+        if self._begun is None:
+            return []
+        number = int(self._block["answered"][0]) % ANSWERS
+        row = self._block["answers"][0][number : number + 1]
+        if row["epoch"][0] != self._begun.epoch:
+            return [self._begun]
+        state, covariance = unpacked(row)
+        return [Start(self._begun.epoch, state, covariance, self._first_after(state.stamp_s))]
+
+    def _first_after(self, stamp_s: float) -> int:
+        """Return the number of the first sample that is newer."""
+        first = self._published[0]
+        samples = self._block["samples"][0]
+        while (
+            first > max(0, self._published[0] - len(samples))
+            and samples[(first - 1) % len(samples)][0] > stamp_s
+        ):
+            first -= 1
+        return int(first)
+
+    def wait(self, patience_s: float) -> None:
+        """Wait until all that was sent is answered; for what has no clock to keep, such as a replay or a test."""
+        until_s = time.monotonic() + patience_s
+        while (self._outbox or self._handled[0] < self._sent) and time.monotonic() < until_s:
+            if self._outbox:
+                self._send()
+            self.child.process.join(0.001)
+
+    def close(self) -> None:
+        for child in (self.child, self.spare):
+            if child is not None:
+                child.close()
+
+
+def _counter(memory: Any, name: str) -> memoryview:
+    """Return one number of the block, which Python reads and writes at once, and in the order of its lines."""
+    offset = LIVE.fields[name][1]  # type: ignore[index]
+    return memoryview(np.frombuffer(memory, np.uint8)[offset : offset + 8]).cast("q")  # type: ignore[arg-type]

@@ -1,0 +1,212 @@
+"""One factor graph over a whole recording: the factors of the window, solved at once by Levenberg and Marquardt."""
+
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import gtsam
+import numpy as np
+from executive_plugins.estimation.gate.measurements import Fix, Increment, Measurement
+from executive_plugins.estimation.graph.factors import (
+    between_factor,
+    extract,
+    fix_factor,
+    inertial_factor,
+    insert,
+    keys,
+    prior,
+)
+from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
+from executive_plugins.estimation.graph.standing import StandingBelief
+from executive_plugins.estimation.inertial.measurement_models import antenna_residual
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
+from executive_plugins.estimation.inertial.state import (
+    DIMENSION,
+    POSITION,
+    ROTATION,
+    Inertial,
+    InertialState,
+    propagate,
+    retract,
+)
+
+from executive.arrays import Float
+from executive.geometry.rotation import log_so3
+
+_SAME_S = 5e-4  # as in the window
+_MOST_ITERATIONS = 30
+_ENOUGH = 1e-6  # relative decrease of the cost that ends the search
+_STANDING_SIGMAS = 5.0  # a chassis that is estimated to be so much faster does not stand
+
+
+@dataclass(slots=True)
+class Recording:
+    """What an estimator worked with from one start on: the first state, and all that its door let in.
+
+    Attributes:
+        first: The first state and its error's covariance (15, 15).
+        samples: Inertial samples after it.
+        measurements: Of whatever time, in order of arrival.
+        estimates: The newest states of the online smoother, in order of time: where the search begins.
+    """
+
+    first: tuple[InertialState, Float]
+    samples: list[Inertial] = field(default_factory=list)
+    measurements: list[Measurement] = field(default_factory=list)
+    estimates: list[InertialState] = field(default_factory=list)
+
+
+class WholeGraph:
+    """Solves one recording; fixes that the solution contradicts are left out, and it is solved again."""
+
+    def __init__(
+        self, recording: Recording, settings: SmootherSettings, noise: InertialNoise
+    ) -> None:
+        self._settings = settings
+        self._noise = noise
+        self._first, self._covariance = recording.first
+        self._samples = SampleBuffer()
+        for sample in (self._first.sample, *recording.samples):
+            self._samples.append(sample)
+        end_s = self._samples.newest_s
+        self._measurements = [
+            m
+            for m in recording.measurements
+            if _begin_s(m) > self._first.stamp_s and m.stamp_s <= end_s
+        ]
+        self._stamps_s = self._node_stamps(end_s)
+        self._initial = list(self._guessed([self._first, *recording.estimates]))
+        self.left_out = 0
+
+    def _node_stamps(self, end_s: float) -> list[float]:
+        """Return times of nodes: where something is measured, and so often that no inertial factor gets long."""
+        wanted = {
+            end_s,
+            *(m.stamp_s for m in self._measurements),
+            *map(_begin_s, self._measurements),
+        }
+        stamps_s = [self._first.stamp_s]
+        for stamp_s in sorted(wanted):
+            while stamp_s - stamps_s[-1] > 2 * self._settings.node_after_s:
+                stamps_s.append(stamps_s[-1] + self._settings.node_after_s)
+            if stamp_s - stamps_s[-1] > _SAME_S:
+                stamps_s.append(stamp_s)
+        return stamps_s
+
+    def _guessed(self, estimates: Sequence[InertialState]) -> Iterator[InertialState]:
+        """Yield a state for each node: the newest online estimate before it, carried on."""
+        known_s = [state.stamp_s for state in estimates]
+        for stamp_s in self._stamps_s:
+            i = max(bisect_left(known_s, stamp_s + _SAME_S) - 1, 0)
+            yield self._carried(estimates[i], stamp_s)
+
+    def _carried(self, state: InertialState, until_s: float) -> InertialState:
+        for sample in self._samples.between(state.stamp_s, until_s):
+            state = propagate(state, sample, self._noise.gravity_m_s2)
+        return state
+
+    def _node(self, stamp_s: float) -> int:
+        return bisect_left(self._stamps_s, stamp_s - _SAME_S)
+
+    @property
+    def has_fix(self) -> bool:
+        """Whether anything ties the recording to the map."""
+        return any(isinstance(m, Fix) for m in self._measurements)
+
+    def solve(self) -> list[InertialState]:
+        """Return the most probable states of the nodes."""
+        used = self._measurements
+        states = self._optimised(self._initial, used)
+        kept = [m for m in used if not self._contradicts(m, states)]
+        self.left_out = len(used) - len(kept)
+        return self._optimised(states, kept) if self.left_out else states
+
+    def _contradicts(self, measurement: Measurement, states: Sequence[InertialState]) -> bool:
+        if not isinstance(measurement, Fix):
+            return False
+        state = states[self._node(measurement.stamp_s)]
+        residual, _ = antenna_residual(state, measurement.arm_imu, measurement.p_map_antenna)
+        distance2 = float(residual @ np.linalg.solve(measurement.covariance, residual))
+        return distance2 > self._settings.gate.innovation
+
+    def _optimised(
+        self, states: Sequence[InertialState], measurements: Sequence[Measurement]
+    ) -> list[InertialState]:
+        graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+        for node, state in enumerate(states):
+            insert(values, node, state)
+        for factor in self._factors(states, measurements):
+            graph.push_back(factor)
+        params = gtsam.LevenbergMarquardtParams()
+        params.setLinearSolverType(
+            "MULTIFRONTAL_QR"
+        )  # Cholesky's squared condition throws, as in the window
+        params.setMaxIterations(_MOST_ITERATIONS)
+        params.setRelativeErrorTol(_ENOUGH)
+        values = gtsam.LevenbergMarquardtOptimizer(graph, values, params).optimize()
+        self._graph, self._values = graph, values
+        return [
+            extract(values, node, self._samples.at(stamp_s))
+            for node, stamp_s in enumerate(self._stamps_s)
+        ]
+
+    def _factors(
+        self, states: Sequence[InertialState], measurements: Sequence[Measurement]
+    ) -> Iterator[gtsam.NonlinearFactor]:
+        yield from prior(0, self._first, self._covariance)
+        for node in range(1, len(states)):
+            samples = self._samples.between(self._stamps_s[node - 1], self._stamps_s[node])
+            yield inertial_factor((node - 1, node), states[node - 1], samples, self._noise)
+        belief = StandingBelief(self._settings)
+        for measurement in measurements:
+            node = self._node(measurement.stamp_s)
+            if isinstance(measurement, Fix):
+                yield fix_factor(node, measurement)
+            elif isinstance(measurement, Increment):
+                first = self._node(measurement.from_s)
+                yield between_factor(first, node, measurement.T_from_to, measurement.covariance)
+            elif not self._moves(states[node], measurement.arm_imu):
+                yield from belief.factors(node, measurement, states[node])
+
+    def _moves(self, state: InertialState, arm_imu: Float) -> bool:
+        speed = state.v_map_imu + state.R_map_imu @ np.cross(state.rate, arm_imu)
+        return bool(
+            np.linalg.norm(speed) > _STANDING_SIGMAS * self._settings.standing_velocity_std_m_s
+        )
+
+    def covariances(self) -> Iterator[Float]:
+        """Yield the covariance of each node's error, as far as its pose, the rest zero, shape (15, 15)."""
+        marginals = gtsam.Marginals(self._graph, self._values)
+        for node in range(len(self._stamps_s)):
+            x = keys(node)[0]
+            R = self._values.atPose3(x).rotation().matrix()
+            J = np.zeros((DIMENSION, 6))
+            J[ROTATION, :3], J[POSITION, 3:] = np.eye(3), R
+            yield J @ marginals.marginalCovariance(x) @ J.T
+
+    def between(self, states: Sequence[InertialState], node: int) -> Iterator[InertialState]:
+        """Yield the states at the samples after a node up to the next, which they lead to without a step."""
+        begin, end = states[node], states[node + 1]
+        path = [begin]
+        for sample in self._samples.between(begin.stamp_s, end.stamp_s):
+            path.append(propagate(path[-1], sample, self._noise.gravity_m_s2))
+        reached = path[-1]
+        miss = np.zeros(DIMENSION)
+        miss[ROTATION] = log_so3(reached.R_map_imu.T @ end.R_map_imu)
+        miss[3:6] = end.v_map_imu - reached.v_map_imu
+        miss[POSITION] = end.p_map_imu - reached.p_map_imu
+        for state in path[1:]:
+            share = (state.stamp_s - begin.stamp_s) / (end.stamp_s - begin.stamp_s)
+            yield retract(state, share * miss)
+
+    def is_sample(self, stamp_s: float) -> bool:
+        """Return whether a sample ends at a time; nodes may stand within one."""
+        return self._samples.ends_at(stamp_s)
+
+    def __len__(self) -> int:
+        return len(self._stamps_s)
+
+
+def _begin_s(measurement: Measurement) -> float:
+    return measurement.from_s if isinstance(measurement, Increment) else measurement.stamp_s

@@ -1,0 +1,1 @@
+"""Inertial mechanisation: the state, its noise, and the samples it is made from."""

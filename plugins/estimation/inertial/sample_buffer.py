@@ -1,0 +1,47 @@
+"""The inertial samples of the last seconds, to be integrated between any two times."""
+
+from bisect import bisect_left, bisect_right
+
+from executive_plugins.estimation.inertial.state import Inertial
+
+LONG_GAP_S = 0.1  # samples further apart than this say little about what happened between them
+
+
+class SampleBuffer:
+    """Samples in order of time, each the mean since the one before."""
+
+    def __init__(self) -> None:
+        self._stamps_s: list[float] = []
+        self._samples: list[Inertial] = []
+
+    @property
+    def newest_s(self) -> float:
+        """Time of the newest sample [s]."""
+        return self._stamps_s[-1]
+
+    def append(self, sample: Inertial) -> None:
+        """Take a sample that is newer than all."""
+        self._stamps_s.append(sample.stamp_s)
+        self._samples.append(sample)
+
+    def at(self, stamp_s: float) -> Inertial:
+        """Return the part that ends at a time, of the sample that it falls into; the newest one goes on beyond."""
+        i = min(bisect_left(self._stamps_s, stamp_s), len(self._samples) - 1)
+        return self._samples[i].until(stamp_s)
+
+    def between(self, begin_s: float, end_s: float) -> list[Inertial]:
+        """Return the samples from one time to another, the last one split exactly there."""
+        if end_s <= begin_s:
+            return []
+        first, last = bisect_right(self._stamps_s, begin_s), bisect_left(self._stamps_s, end_s)
+        return [*self._samples[first:last], self.at(end_s)]
+
+    def ends_at(self, stamp_s: float) -> bool:
+        """Return whether a sample ends exactly at a time."""
+        i = bisect_left(self._stamps_s, stamp_s)
+        return i < len(self._stamps_s) and self._stamps_s[i] == stamp_s
+
+    def forget_before(self, stamp_s: float) -> None:
+        """Drop the samples that end before a time."""
+        count = bisect_left(self._stamps_s, stamp_s)
+        del self._stamps_s[:count], self._samples[:count]

@@ -1,0 +1,1 @@
+"""The estimate of this moment: the smoothed state, propagated by compiled inertial steps."""

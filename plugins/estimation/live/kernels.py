@@ -1,0 +1,272 @@
+"""The inertial path, compiled: one call a sample.
+
+Between two samples of 100 Hz the caches, and on many computers the branch predictor as well, are filled by others. What
+counts is then not the arithmetic, which takes a microsecond, but how much code and memory a sample touches: calls into
+NumPy of half a microsecond each take twenty. Hence one block, no array made on the way, and one function.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+from executive_plugins.estimation.inertial.strapdown import (
+    carry_covariance_into,
+    chain,
+    multiply,
+    turn_into,
+)
+from executive_plugins.estimation.live.layout import ANSWERS, ESTIMATE, LIVE, SAMPLES
+from executive_plugins.estimation.live.packed_state import ROW
+from numba import from_dtype, njit, types
+
+from executive.arrays import Float
+
+OUT_OF_RANGE, GAP = -1, -2
+_MAX_RATE_RAD_S = 35.0  # 2000 deg/s: the range of a MEMS sensor
+_MAX_FORCE_M_S2 = 160.0  # 16 g
+_COVARIANCE_PERIOD_S = 0.049  # it grows so slowly that one of up to 50 ms ago is good enough
+_TURN_AHEAD_S = 0.1  # for so long the turn joint is taken to go on as it went
+
+Block = np.ndarray[Any, Any]
+_LIVE, _ROW = from_dtype(LIVE)[::1], from_dtype(ROW)[::1]
+_ESTIMATE = from_dtype(ESTIMATE)[::1]
+_VECTOR = types.Array(types.float64, 1, "A", readonly=True)
+_N = 15
+MODES = 8  # more than there are
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _is_beyond(v: Float, bound: float) -> bool:
+    return bool(abs(v[0]) > bound or abs(v[1]) > bound or abs(v[2]) > bound)
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _propagate(s: Any, stamp_s: float, rate: Float, force: Float) -> None:
+    """Carry the state on to a sample, as `strapdown.advance` does."""
+    dt_s = stamp_s - s.stamp_s
+    half_s = 0.5 * dt_s
+    b = s.gyro_bias
+    turn_into(
+        half_s * (rate[0] - b[0]), half_s * (rate[1] - b[1]), half_s * (rate[2] - b[2]), s.half_turn
+    )
+    multiply(s.R, s.half_turn, s.R_middle)
+    multiply(s.R_middle, s.half_turn, s.R)
+    x, y, z = force[0] - s.accel_bias[0], force[1] - s.accel_bias[1], force[2] - s.accel_bias[2]
+    for i in range(3):
+        acceleration = s.R_middle[i, 0] * x + s.R_middle[i, 1] * y + s.R_middle[i, 2] * z
+        if i == 2:
+            acceleration -= s.gravity_m_s2
+        v = s.v[i] + dt_s * acceleration
+        s.p[i] += half_s * (s.v[i] + v)
+        s.v[i] = v
+        s.rate[i] = rate[i]
+    s.stamp_s = stamp_s
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _carry_covariance(s: Any) -> None:
+    """Find the covariance of the cabin's pose at the newest sample, in its axes, from that of the last estimate."""
+    dt_s = s.stamp_s - s.from_s
+    carry_covariance_into(s.from_P, s.from_R, s.from_rate, s.from_force, s.densities, dt_s, s.P)
+    T, R = s.T_imu_cabin, s.R
+    J = np.zeros((6, 6))
+    for i in range(3):
+        for j in range(3):
+            J[i, j] = T[j, i]
+            J[3 + i, 3 + j] = T[0, i] * R[j, 0] + T[1, i] * R[j, 1] + T[2, i] * R[j, 2]
+            k, m = (j + 1) % 3, (j + 2) % 3
+            J[3 + i, j] = T[k, 3] * T[m, i] - T[m, 3] * T[k, i]
+    for i in range(6):
+        for j in range(6):
+            total = 0.0
+            for a in range(6):
+                for b in range(6):
+                    total += J[i, a] * s.P[_pose_index(a), _pose_index(b)] * J[j, b]
+            s.covariance[i, j] = total
+    s.carried_s = s.stamp_s
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _pose_index(i: int) -> int:
+    """Return where rotation and position stand among the errors of the state, see `inertial_state`."""
+    return i if i < 3 else i + 3
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _place(s: Any, T: Float) -> None:
+    """Write the sensor's pose in the map."""
+    for i in range(3):
+        T[i, 0], T[i, 1], T[i, 2], T[i, 3] = s.R[i, 0], s.R[i, 1], s.R[i, 2], s.p[i]
+        T[3, i] = 0.0
+    T[3, 3] = 1.0
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _report(s: Any, row: Any) -> None:
+    """Write what a report holds, see `BaseState`."""
+    if not abs(s.stamp_s - s.carried_s) <= _COVARIANCE_PERIOD_S:
+        _carry_covariance(s)
+    ahead_s = min(_TURN_AHEAD_S, max(-_TURN_AHEAD_S, s.stamp_s - s.turn_s))
+    back_rad = -(s.turn_rad + ahead_s * s.turn_rad_s)
+    turn_into(back_rad * s.axis[0], back_rad * s.axis[1], back_rad * s.axis[2], s.half_turn)
+    for i in range(3):
+        for j in range(4):
+            s.T_cabin_base[i, j] = (
+                s.half_turn[i, 0] * s.T_joint_base[0, j]
+                + s.half_turn[i, 1] * s.T_joint_base[1, j]
+                + s.half_turn[i, 2] * s.T_joint_base[2, j]
+            )
+    _place(s, s.T_map_imu)
+    T = s.T_imu_cabin
+    chain(s.T_map_imu, T, row.T_map_cabin)
+    chain(row.T_map_cabin, s.T_cabin_base, row.T_map_base)
+    chain(s.T_odom_map, row.T_map_base, row.T_odom_base)
+    x, y, z = s.rate[0] - s.gyro_bias[0], s.rate[1] - s.gyro_bias[1], s.rate[2] - s.gyro_bias[2]
+    a, b, c = y * T[2, 3] - z * T[1, 3], z * T[0, 3] - x * T[2, 3], x * T[1, 3] - y * T[0, 3]
+    for i in range(3):
+        row.v_map_cabin[i] = s.v[i] + s.R[i, 0] * a + s.R[i, 1] * b + s.R[i, 2] * c
+        row.w_map_cabin_in_cabin[i] = T[0, i] * x + T[1, i] * y + T[2, i] * z
+    for i in range(6):
+        for j in range(6):
+            row.covariance[i, j] = s.covariance[i, j]
+
+
+@njit(types.void(_LIVE, _ROW), cache=True)  # type: ignore[untyped-decorator]
+def report(live: Block, row: Block) -> None:
+    """Write the report of the newest sample.
+
+    Args:
+        live: The block, shape (1,), dtype `LIVE`.
+        row: What is found, shape (1,), dtype `ROW`.
+    """
+    _report(live[0], row[0])
+
+
+@njit(types.boolean(_VECTOR, _VECTOR), cache=True)  # type: ignore[untyped-decorator]
+def is_beyond_range(rate: Float, force: Float) -> bool:
+    """Return whether a sensor of this kind cannot have measured that [rad/s], [m/s²], shape (3,) each."""
+    return bool(_is_beyond(rate, _MAX_RATE_RAD_S) or _is_beyond(force, _MAX_FORCE_M_S2))
+
+
+@njit(types.int64(_LIVE, types.float64, _VECTOR, _VECTOR, _ROW), cache=True)  # type: ignore[untyped-decorator]
+def step(live: Block, stamp_s: float, rate: Float, force: Float, row: Block) -> int:
+    """Propagate to a sample, keep it, and write the report.
+
+    Args:
+        live: The block, shape (1,), dtype `LIVE`.
+        stamp_s: End of the time that the sample stands for [s].
+        rate, force: As measured [rad/s], [m/s²], IMU axes, shape (3,) each; finite.
+        row: What is found, shape (1,), dtype `ROW`.
+
+    Returns:
+        The number of estimates that the smoother's process has answered; or, with nothing done, `OUT_OF_RANGE`, or
+        `GAP` where so much time has passed that the state is worth nothing.
+    """
+    s = live[0]
+    if is_beyond_range(rate, force):
+        return OUT_OF_RANGE
+    dt_s = stamp_s - s.stamp_s
+    if not 0 <= dt_s <= s.gap_s:
+        return GAP
+    kept = s.samples[s.written % SAMPLES]
+    kept.stamp_s = stamp_s
+    kept.since_last_s = dt_s
+    for i in range(3):
+        kept.rate[i] = rate[i]
+        kept.force[i] = force[i]
+    s.written += 1
+    _propagate(s, stamp_s, rate, force)
+    _report(s, row[0])
+    return int(s.answered)
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _correct_odometry(s: Any) -> None:
+    """Move the map under the odometry by what a correction moved the sensor (Nubert 2022, Eq. (11)).
+
+    The paper does so when the satellites come back; here each correction does, large or small:
+    T_odom_map ← T_odom_map · T_before · T_after⁻¹.
+    """
+    after, to_before = s.T_map_imu, np.empty((4, 4))
+    _place(s, after)
+    inverse = np.empty((4, 4))
+    for i in range(3):
+        for j in range(3):
+            inverse[i, j] = after[j, i]
+            inverse[3, j] = 0.0
+        inverse[i, 3] = -(
+            after[0, i] * after[0, 3] + after[1, i] * after[1, 3] + after[2, i] * after[2, 3]
+        )
+    inverse[3, 3] = 1.0
+    chain(s.T_before, inverse, to_before)
+    chain(s.T_odom_map, to_before, after)
+    for i in range(4):
+        for j in range(4):
+            s.T_odom_map[i, j] = after[i, j]
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _anchor(s: Any, e: Any) -> None:
+    """Carry the covariance on from an estimate from now on."""
+    s.from_s = e.sample.stamp_s
+    for i in range(3):
+        s.from_rate[i] = e.sample.rate[i] - e.gyro_bias[i]
+        s.from_force[i] = e.sample.force[i] - e.accel_bias[i]
+        for j in range(3):
+            s.from_R[i, j] = e.R[i, j]
+    for i in range(_N):
+        for j in range(_N):
+            s.from_P[i, j] = e.P[i, j]
+    s.carried_s = -math.inf
+
+
+@njit(types.void(_LIVE, _ESTIMATE), cache=True)  # type: ignore[untyped-decorator]
+def anchor(live: Block, estimate: Block) -> None:
+    """Carry the covariance on from an estimate, shape (1,), dtype `ESTIMATE`, and leave the state as it is."""
+    _anchor(live[0], estimate[0])
+
+
+@njit(types.void(_LIVE, _ESTIMATE, types.boolean), cache=True)  # type: ignore[untyped-decorator]
+def take(live: Block, estimate: Block, moves_map: bool) -> None:
+    """Put an estimate in the state's place, and carry it on through the samples that are newer.
+
+    Args:
+        live: The block, shape (1,), dtype `LIVE`.
+        estimate: What is taken, shape (1,), dtype `ESTIMATE`; finite.
+        moves_map: Whether it corrects a state before, so that the odometry frame goes on from that and the map moves.
+    """
+    s, e = live[0], estimate[0]
+    _place(s, s.T_before)
+    _anchor(s, e)
+    s.stamp_s = e.sample.stamp_s
+    for i in range(3):
+        s.p[i], s.v[i] = e.p[i], e.v[i]
+        s.gyro_bias[i], s.accel_bias[i] = e.gyro_bias[i], e.accel_bias[i]
+        s.rate[i] = e.sample.rate[i]
+        for j in range(3):
+            s.R[i, j] = e.R[i, j]
+    first = s.written
+    oldest = max(s.forgotten, s.written - SAMPLES)
+    while first > oldest and s.samples[(first - 1) % SAMPLES].stamp_s > s.stamp_s:
+        first -= 1
+    for k in range(first, s.written):
+        sample = s.samples[k % SAMPLES]
+        _propagate(s, sample.stamp_s, sample.rate, sample.force)
+    if moves_map:
+        _correct_odometry(s)
+
+
+@njit(types.int64(_LIVE, types.int64), cache=True)  # type: ignore[untyped-decorator]
+def take_answer(live: Block, number: int) -> int:
+    """Do what `take` does with an estimate that the smoother's process has left in the block.
+
+    Returns:
+        Its mode plus `MODES` times the number of words that were sent until then; −1, with nothing done, if it goes
+        back to an earlier beginning.
+    """
+    k = number % ANSWERS
+    answers = live[0].answers
+    if answers[k].epoch != live[0].epoch:
+        return -1
+    take(live, answers[k : k + 1], True)
+    return int(answers[k].mode + MODES * answers[k].words)

@@ -1,0 +1,112 @@
+"""The chassis below the cabin: where the turn joint puts it, and whether it stands."""
+
+from collections import deque
+
+import numpy as np
+from executive_plugins.estimation.inertial.state import rotation_step
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.config import RadiansPerSecond, Settings
+from executive.geometry.pose import inverse, pose
+from executive.machine.rig import Rig
+from executive.messages.joints import JointSample
+
+
+class TurnJoint:
+    """The joint that ties the cabin to the chassis, at its newest sample; where there is none, they are one body.
+
+    Attributes:
+        axis: Of the turn, cabin axes, shape (3,).
+        T_joint_base: The chassis in the cabin at an angle of zero, shape (4, 4).
+        stamp_s: Time of the newest sample [s]; −∞ before the first.
+        position_rad, velocity_rad_s: Angle and rate of that sample [rad], [rad/s]; zero before the first.
+    """
+
+    def __init__(self, machine: Rig) -> None:
+        self._name = machine.turn_joint
+        self.T_joint_base, self.axis = np.eye(4), np.array([0.0, 0.0, 1.0])
+        if machine.turn_joint is not None:
+            joint = machine.joints[machine.arm_names.index(machine.turn_joint)]
+            self.T_joint_base, self.axis = (
+                inverse(joint.T_parent_joint),
+                np.asarray(joint.axis, dtype=float),
+            )
+        self.stamp_s = -np.inf
+        self.position_rad = 0.0
+        self.velocity_rad_s = 0.0
+        self.is_known = self._name is None  # otherwise from the first sample on
+
+    @property
+    def rate_cabin(self) -> Float:
+        """Angular velocity of the cabin against the chassis, cabin axes [rad/s], shape (3,)."""
+        return self.axis * self.velocity_rad_s
+
+    def update(self, sample: JointSample) -> None:
+        """Take one joint sample."""
+        if self._name is None:
+            return
+        self.position_rad, self.velocity_rad_s, _ = sample.of(self._name)
+        self.stamp_s, self.is_known = sample.stamp_s, True
+
+    def T_cabin_base(self, stamp_s: float) -> Float:
+        """Return the chassis in the cabin at a time near the sample's, by its measured speed, shape (4, 4)."""
+        ahead_s = max(-0.1, min(0.1, stamp_s - self.stamp_s))
+        angle_rad = self.position_rad + ahead_s * self.velocity_rad_s
+        return np.asarray(pose(rotation_step(-angle_rad * self.axis)) @ self.T_joint_base)
+
+
+class StandingSettings(Settings):
+    """When the chassis counts as standing, and what that is worth.
+
+    A chassis that no inertial sensor watches never counts as standing.
+    """
+
+    is_used: bool = Field(
+        True, description="Whether to correct by a standing chassis; nothing else assumes one."
+    )
+    max_rate_std_rad_s: RadiansPerSecond = Field(
+        0.01, gt=0, le=0.2, description="Largest spread of the chassis' angular velocity [rad/s]."
+    )
+    max_force_std_m_s2: float = Field(
+        0.1, gt=0, le=5, description="Largest spread of its specific force [m/s²]."
+    )
+    velocity_std_m_s: float = Field(
+        0.01, gt=0, le=1, description="Speed that a standing chassis may have [m/s]."
+    )
+    rate_std_rad_s: RadiansPerSecond = Field(
+        0.005, gt=0, le=1, description="Turn that it may have [rad/s]."
+    )
+
+
+class StandingDetector:
+    """Judges from the chassis' own inertial sensor over half a second whether it stands."""
+
+    _WINDOW = 50
+
+    def __init__(self, settings: StandingSettings) -> None:
+        self._settings = settings
+        self._window: deque[Float] = deque(maxlen=self._WINDOW)
+        self._newest_s = -np.inf
+
+    def add(self, stamp_s: float, rate: Float, force: Float) -> None:
+        """Take one inertial sample of the chassis."""
+        if stamp_s - self._newest_s > 0.1:
+            self._window.clear()
+        self._newest_s = stamp_s
+        self._window.append(np.concatenate([rate, force]))
+
+    def stands(self, stamp_s: float) -> bool:
+        """Return whether the chassis is seen to stand around a time, and that is to be made use of."""
+        return self._settings.is_used and self._is_quiet(stamp_s)
+
+    def force(self, stamp_s: float) -> Float | None:
+        """Return the mean specific force of a chassis that stands, its sensor's axes [m/s²], shape (3,); else None."""
+        return np.mean(self._window, axis=0)[3:] if self._is_quiet(stamp_s) else None
+
+    def _is_quiet(self, stamp_s: float) -> bool:
+        if len(self._window) < self._WINDOW or abs(stamp_s - self._newest_s) > 0.1:
+            return False
+        spread = np.std(self._window, axis=0)
+        is_quiet = spread[:3].max() < self._settings.max_rate_std_rad_s
+        return bool(is_quiet and spread[3:].max() < self._settings.max_force_std_m_s2)

@@ -1,0 +1,47 @@
+"""What is up, by the accelerometer of the chassis: a second opinion for a cabin that rests on it."""
+
+from executive_plugins.estimation.start.chassis import StandingDetector, TurnJoint
+
+from executive.arrays import Float
+from executive.machine.rig import Rig
+from executive.machine.sensor import Imu
+
+
+class ChassisLevel:
+    """The chassis' inertial sensor as a level, through the turn joint.
+
+    Attributes:
+        accel_bias_m_s2: Bias of its accelerometer at switch-on, standard deviation [m/s²].
+    """
+
+    def __init__(
+        self, sensor: Imu, T_imu_cabin: Float, turn: TurnJoint, standing: StandingDetector
+    ) -> None:
+        self.accel_bias_m_s2 = max(sensor.accel_bias_m_s2, 1e-3)
+        self._R_base_sensor = sensor.T_link_sensor[:3, :3]
+        self._R_imu_cabin = T_imu_cabin[:3, :3]
+        self._turn = turn
+        self._standing = standing
+
+    @classmethod
+    def of(
+        cls, rig: Rig, name: str, T_imu_cabin: Float, turn: TurnJoint, standing: StandingDetector
+    ) -> "ChassisLevel | None":
+        """Return the level of a rig whose chassis carries an inertial sensor of that name; None of another."""
+        sensor = rig.sensors.get(name)
+        if not isinstance(sensor, Imu) or sensor.link == rig.cabin_link:
+            return None
+        return cls(sensor, T_imu_cabin, turn, standing)
+
+    def up_imu(self, stamp_s: float) -> Float | None:
+        """Return what is up in axes of the cabin's sensor, shape (3,); None unless the chassis is seen to stand."""
+        force = self._standing.force(stamp_s)
+        if force is None or not self._turn.is_known:
+            return None
+        up = (
+            self._R_imu_cabin
+            @ self._turn.T_cabin_base(stamp_s)[:3, :3]
+            @ self._R_base_sensor
+            @ force
+        )
+        return up / (up @ up) ** 0.5

@@ -1,0 +1,73 @@
+"""The first state: from rest with two antennas, from the first metres of motion with one."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import Inertial, InertialState
+from executive_plugins.estimation.start.at_rest import RestInitialisation, RestSettings
+from executive_plugins.estimation.start.chassis_level import ChassisLevel
+from executive_plugins.estimation.start.in_motion import MovingStart, MovingStartSettings
+
+from executive.arrays import Float
+
+_PERIOD_S = 0.1  # between looks for rest, which cost milliseconds, where a long rest is followed for its end
+
+
+class FirstState:
+    """Collects samples and fixes until a state is known.
+
+    Attributes:
+        waits_for: What is missing, as far as it is known; empty before the first look.
+    """
+
+    def __init__(
+        self,
+        rest: RestSettings,
+        moving: MovingStartSettings,
+        antennas_imu: Mapping[str, Float],
+        noise: InertialNoise,
+        chassis: ChassisLevel | None,
+    ) -> None:
+        self._max_rate_rad_s = rest.max_rate_rad_s
+        self._has_heading = len(antennas_imu) > 1
+        self._rest = RestInitialisation(rest, antennas_imu, noise, chassis)
+        self._moving = MovingStart(moving, next(iter(antennas_imu.values())), noise)
+        self._tried_s = -math.inf
+        self.waits_for = ""
+
+    def add_fix(
+        self, stamp_s: float, antenna: str, p_map_antenna: Float, covariance: Float
+    ) -> None:
+        """Take the measured position of an antenna in the map [m], and its covariance [m²], shape (3, 3)."""
+        self._rest.add_fix(
+            stamp_s, antenna, p_map_antenna, float(np.sqrt(np.diag(covariance).max()))
+        )
+        self._moving.add_fix(stamp_s, p_map_antenna)
+
+    def add_sample(
+        self, sample: Inertial, turn_rate_rad_s: float
+    ) -> tuple[InertialState, Float] | None:
+        """Take an inertial sample; return the state at it and its error's covariance (15, 15), once there is one.
+
+        A cabin that turns steadily would look at rest to its own sensor, but for the turn joint's rate.
+        """
+        self._rest.add_sample(sample)
+        at_rest = None
+        if abs(turn_rate_rad_s) >= self._max_rate_rad_s:
+            self.waits_for = (
+                f"rest: the cabin turns on its chassis at {abs(turn_rate_rad_s):.3f} rad/s"
+            )
+        elif sample.stamp_s - self._tried_s >= _PERIOD_S:
+            self._tried_s = sample.stamp_s
+            at_rest = self._rest.state()
+            self.waits_for = self._rest.waits_for or (
+                "" if self._has_heading else "motion, which gives the heading"
+            )
+        if self._has_heading:
+            return at_rest
+        self._moving.add_sample(sample)
+        if at_rest is not None:
+            self._moving.begin(*at_rest)
+        return self._moving.state()

@@ -1,0 +1,152 @@
+"""The first state with one antenna: level at rest, heading from the first metres of motion."""
+
+from collections import deque
+
+import numpy as np
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import (
+    ACCEL_BIAS,
+    POSITION,
+    ROTATION,
+    VELOCITY,
+    Inertial,
+    InertialState,
+    propagate,
+)
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.config import Meters, Seconds, Settings
+
+
+class MovingStartSettings(Settings):
+    """How much motion tells the heading; used where there is one antenna only."""
+
+    distance_m: Meters = Field(
+        8.0, gt=0, le=1000, description="Way from the rest position that is needed [m]."
+    )
+    duration_s: Seconds = Field(
+        20.0, gt=0, le=300, description="Time since rest after which it is given up [s]."
+    )
+    max_misfit: float = Field(
+        0.15, gt=0, lt=1, description="Largest misfit of the two paths, as a share of the way."
+    )
+
+
+class MovingStart:
+    """Dead-reckons from rest with an unknown heading, and turns that path until it lies on the fixes' path.
+
+    The inertial path is right up to one turn about the vertical, as gravity has levelled it, so the turn that fits best
+    is the heading. Nothing is assumed of how the body moves: sideways or backwards will do.
+    """
+
+    def __init__(
+        self, settings: MovingStartSettings, antenna_imu: Float, noise: InertialNoise
+    ) -> None:
+        self._settings = settings
+        self._antenna_imu = antenna_imu
+        self._noise = noise
+        self._state: InertialState | None = None
+
+    def begin(self, state: InertialState, covariance: Float) -> None:
+        """Begin anew at rest, with any heading; the newest fixes lie where the antenna rests."""
+        self._state, self._covariance = state, covariance
+        self._rest_s = state.stamp_s
+        self._origin = state.p_map_imu + state.R_map_imu @ self._antenna_imu
+        self._path: deque[tuple[float, Float]] = deque()
+        self._fixes: deque[tuple[float, Float]] = deque()
+
+    def add_sample(self, sample: Inertial) -> None:
+        """Carry the dead reckoning on; after too long without an answer it is dropped."""
+        if self._state is None:
+            return
+        if sample.stamp_s - self._rest_s > self._settings.duration_s:
+            self._state = None
+            return
+        self._state = propagate(self._state, sample, self._noise.gravity_m_s2)
+        self._path.append(
+            (sample.stamp_s, self._state.p_map_imu + self._state.R_map_imu @ self._antenna_imu)
+        )
+
+    def add_fix(self, stamp_s: float, p_map_antenna: Float) -> None:
+        """Take the measured position of the antenna in the map."""
+        if self._state is not None and stamp_s > self._rest_s:
+            self._fixes.append((stamp_s, p_map_antenna))
+
+    def state(self) -> tuple[InertialState, Float] | None:
+        """Return the state at the newest sample and its error's covariance (15, 15), or None: not far enough."""
+        if self._state is None or not self._is_far():
+            return None
+        elapsed_s, measured, reckoned = self._paths()
+        (cosine, sine), velocity, misfit_m = _fit(elapsed_s, measured, reckoned)
+        misfit = misfit_m / float(np.linalg.norm(measured[-1]))
+        if max(misfit, abs(np.hypot(cosine, sine) - 1)) > self._settings.max_misfit:
+            if np.linalg.norm(measured[-1]) > 3 * self._settings.distance_m:
+                self._state = None  # more way will not help: wait for the next rest
+            return None
+        R = _about_vertical(float(np.arctan2(sine, cosine)))
+        return self._turned(R, velocity), self._doubted(misfit)
+
+    def _is_far(self) -> bool:
+        if len(self._fixes) < 8 or not self._path or self._path[-1][0] < self._fixes[-1][0]:
+            return False
+        return bool(np.linalg.norm(self._fixes[-1][1] - self._origin) > self._settings.distance_m)
+
+    def _paths(self) -> tuple[Float, Float, Float]:
+        """Return times since rest (n,) [s], and fixes and reckoned positions from the rest position (n, 3) [m]."""
+        stamps = np.array([stamp_s for stamp_s, _ in self._fixes])
+        path_s, path = (
+            np.array([s for s, _ in self._path]),
+            np.array([p for _, p in self._path]) - self._origin,
+        )
+        reckoned = np.column_stack([np.interp(stamps, path_s, path[:, i]) for i in range(3)])
+        return stamps - self._rest_s, np.array([p for _, p in self._fixes]) - self._origin, reckoned
+
+    def _turned(self, R: Float, velocity: Float) -> InertialState:
+        """Turn the reckoned state about the rest position, and lay its end on the last fix."""
+        state = self._state
+        if state is None:
+            raise RuntimeError("the moving start has not begun")
+        v = R @ state.v_map_imu + velocity
+        fix_s, p_fix = self._fixes[-1]
+        p = p_fix + (state.stamp_s - fix_s) * v - R @ state.R_map_imu @ self._antenna_imu
+        return InertialState(
+            state.sample, R @ state.R_map_imu, p, v, state.gyro_bias, state.accel_bias
+        )
+
+    def _doubted(self, misfit: float) -> Float:
+        """Widen the covariance at rest by what dead reckoning has added: as much as the two paths disagree."""
+        P = self._covariance.copy()
+        R_imu_map = self._state.R_map_imu.T if self._state is not None else np.eye(3)
+        level = float(np.sqrt(np.linalg.eigvalsh(P[ROTATION, ROTATION])[0])) + 0.01
+        heading = misfit + 0.02
+        P[ROTATION, ROTATION] = R_imu_map @ np.diag([level**2, level**2, heading**2]) @ R_imu_map.T
+        P[ROTATION, ACCEL_BIAS] = P[ACCEL_BIAS, ROTATION] = (
+            0.0  # the tie of rest, which dead reckoning has loosened
+        )
+        P[VELOCITY, VELOCITY] = 0.5**2 * np.eye(3)
+        P[POSITION, POSITION] = 0.1**2 * np.eye(3)
+        return P
+
+
+def _fit(elapsed_s: Float, measured: Float, reckoned: Float) -> tuple[Float, Float, float]:
+    """Fit measured = turn · reckoned + v t + constant in the horizontal, by linear least squares.
+
+    The speed v is there because rest ends some tenths of a second before it is noticed.
+
+    Returns:
+        (cosine, sine) of the turn, not normalised: a length of 1 speaks for the fit; v [m/s], shape (3,), horizontal;
+        largest misfit [m].
+    """
+    n = len(elapsed_s)
+    (x, y), one, none = reckoned[:, :2].T, np.ones(n), np.zeros(n)
+    east = np.column_stack([x, -y, elapsed_s, none, one, none])
+    north = np.column_stack([y, x, none, elapsed_s, none, one])
+    A, b = np.vstack([east, north]), measured[:, :2].T.ravel()
+    solution = np.linalg.lstsq(A, b, rcond=None)[0]
+    return solution[:2], np.append(solution[2:4], 0.0), float(np.abs(A @ solution - b).max())
+
+
+def _about_vertical(yaw_rad: float) -> Float:
+    c, s = np.cos(yaw_rad), np.sin(yaw_rad)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

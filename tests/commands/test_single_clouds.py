@@ -1,0 +1,159 @@
+"""`executive segment` and `executive register` on files that are whole, foreign, hostile, or not there."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import open3d as o3d
+import pytest
+
+from executive.clouds.coloured_ply import write_parts
+from executive.clouds.reader import read_points
+from executive.geometry.pose import inverse, pose, transform
+from executive.geometry.rotation import angle_between, from_rpy
+
+T_TRUE = pose(from_rpy(0.02, -0.03, 1.1), np.array([6.0, -4.0, 2.0]))
+
+
+def executive(*words: object) -> subprocess.CompletedProcess:
+    code = f"import sys; sys.argv = ['executive', *{[str(w) for w in words]!r}]; from executive.commands.main import main; main()"
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+
+
+def site(sampling_seed: int) -> np.ndarray:
+    """Five lumps on waves of ground, ten metres across."""
+    shape, rng = np.random.default_rng(1), np.random.default_rng(sampling_seed)
+    xy = rng.uniform(-5, 5, (50_000, 2))
+    parts = [np.column_stack([xy, 0.04 * np.sin(xy[:, 0])])]
+    for i in range(5):
+        d = rng.normal(size=(8000, 3))
+        d /= np.linalg.norm(d, axis=1)[:, None]
+        waves, squeeze = shape.normal(0, 2, (3, 3)), shape.uniform(0.6, 1.0, 3)
+        lump = d * (0.6 * (1 + 0.12 * np.sin(d @ waves).sum(axis=1)))[:, None] * squeeze
+        angle, distance = 1.2566 * i + shape.uniform(-0.3, 0.3), shape.uniform(1.8, 4.0)
+        lump += [distance * np.cos(angle), distance * np.sin(angle), 0.25]
+        parts.append(lump[lump[:, 2] > 0])
+    points = np.vstack(parts)
+    return points + rng.normal(0, 0.008, points.shape)
+
+
+def write(path: Path, points: np.ndarray) -> Path:
+    if path.suffix == ".ply":
+        write_parts(path, [points])
+    else:
+        assert o3d.io.write_point_cloud(
+            path, o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
+        )
+    return path
+
+
+@pytest.fixture(scope="module")
+def target(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(tmp_path_factory.mktemp("clouds") / "target.ply", site(2))
+
+
+def test_segments_are_listed_and_written(target: Path, tmp_path: Path) -> None:
+    ended = executive("segment", target, "--json", "--out", tmp_path / "parts.ply")
+    assert ended.returncode == 0, ended.stderr
+    segments = json.loads(ended.stdout)["segments"]
+    assert [s["id"] for s in segments] == list(range(5))
+    assert len(read_points(tmp_path / "parts.ply")) == sum(s["points"] for s in segments)
+    written = o3d.io.read_point_cloud(str(tmp_path / "parts.ply"))
+    assert len(np.unique(np.asarray(written.colors), axis=0)) == 5
+
+
+@pytest.mark.parametrize("method", ["segment_shot", "segment_fpfh"])
+def test_a_pcd_is_registered_with_a_ply_and_merged(
+    target: Path, tmp_path: Path, method: str
+) -> None:
+    source = write(tmp_path / "source.pcd", transform(inverse(T_TRUE), site(3)))
+    ended = executive(
+        "register", source, target, "--method", method, "--json", "--out", tmp_path / "both.ply"
+    )
+    assert ended.returncode == 0, ended.stderr
+    found = json.loads(ended.stdout)
+    assert found["accepted"]
+    assert angle_between(np.array(found["T"])[:3, :3], T_TRUE[:3, :3]) < np.radians(1)
+    assert {"reason", "rmse_m", "overlap", "matched_segments", "scale"} <= set(found)
+    assert found["timings_ms"]["total"] > 0
+    assert len(read_points(tmp_path / "both.ply")) == len(read_points(source)) + len(
+        read_points(target)
+    )
+
+
+def test_a_refusal_has_status_1_and_a_reason(target: Path, tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    bare = np.column_stack([rng.uniform(-5, 5, (20_000, 2)), rng.normal(0, 0.01, 20_000)])
+    ended = executive(
+        "register",
+        write(tmp_path / "bare.ply", bare),
+        target,
+        "--json",
+        "--out",
+        tmp_path / "no.ply",
+    )
+    assert ended.returncode == 1
+    assert not json.loads(ended.stdout)["accepted"]
+    assert "too few stones in view" in ended.stderr
+    assert not (tmp_path / "no.ply").exists()
+
+
+CLAIM = b"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n" + b"".join(
+    b"property float %c\n" % axis for axis in b"xyz"
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "says"),
+    [
+        (
+            "claim.ply",
+            CLAIM + b"end_header\n" + b"\0" * 1200,
+            "cut short: the header promises 4000000000 points",
+        ),
+        ("empty.ply", b"", "lacks a header"),
+        ("nan.xyz", b"nan 2 3\n1 nan 6\n", "none of its 2 points is finite"),
+        ("one.xyz", b"1 2 3\n", "0 m across is no site"),
+        ("same.xyz", b"1 2 3\n" * 500, "0 m across is no site"),
+        ("few.xyz", b"1 2 3\n4 5 6\n", "has no ground"),
+        ("photo.jpg", b"\xff\xd8", "not a kind of cloud"),
+    ],
+)
+def test_hostile_clouds_are_a_message_and_status_2(
+    tmp_path: Path, name: str, content: bytes, says: str
+) -> None:
+    (tmp_path / name).write_bytes(content)
+    ended = executive("segment", tmp_path / name)
+    assert ended.returncode == 2, ended.stderr
+    assert says in ended.stderr
+    assert name in ended.stderr or "cloud of 2 points" in ended.stderr
+    assert "Traceback" not in ended.stderr
+
+
+def test_a_cloud_in_millimetres_is_named(target: Path, tmp_path: Path) -> None:
+    source = write(tmp_path / "mm.ply", 1000 * site(3))
+    ended = executive("register", source, target)
+    assert ended.returncode == 2
+    assert "in millimetres it would be 10" in ended.stderr
+
+
+def test_a_truncated_cloud_is_refused(target: Path, tmp_path: Path) -> None:
+    (tmp_path / "cut.ply").write_bytes(target.read_bytes()[:-1000])
+    ended = executive("register", tmp_path / "cut.ply", target)
+    assert ended.returncode == 2
+    assert "cut.ply: cut short" in ended.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--method", "segment_shott"], "Did you mean 'segment_shot'?"),
+        (["--out", "no/such/place.ply"], "--out: "),
+    ],
+)
+def test_wrong_options_are_named(target: Path, words: list[str], says: str) -> None:
+    ended = executive("register", target, target, *words)
+    assert ended.returncode == 2
+    assert says in ended.stderr
