@@ -1,7 +1,7 @@
 """The import names of the folders: `plugins/` is installed as `executive_plugins`, and so on.
 
-Nobody else's `plugins` or `trees` can then stand in the way, and ours stand in nobody's. All other facts about the
-package are in pyproject.toml.
+Nobody else's `plugins` or `trees` can then stand in the way, and ours stand in nobody's. All other
+facts about the package are in pyproject.toml.
 """
 
 from setuptools import find_packages, setup

@@ -1,4 +1,5 @@
-"""Make the pictures of docs/perception.md: two clouds before and after registration, and their segments.
+"""Make the pictures of docs/perception.md: two clouds before and after registration, and their
+segments.
 
 python docs/perception_pictures.py drone.ply lidar.ply
 """

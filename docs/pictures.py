@@ -3,7 +3,8 @@
     python docs/pictures.py site
     python docs/pictures.py recording RUN_DIR SECONDS
 
-The second needs a Vulkan driver: a graphics card's, or the software one of Debian's mesa-vulkan-drivers.
+The second needs a Vulkan driver: a graphics card's, or the software one of Debian's
+mesa-vulkan-drivers.
 """
 
 import os
@@ -50,7 +51,9 @@ def site(seed: int = 1) -> Path:
 
 
 def recording(run_dir: str, seconds: float) -> Path:
-    """Show a run's recording at a mission time in the viewer, without a screen, and save what it shows."""
+    """Show a run's recording at a mission time in the viewer, without a screen, and save what it
+    shows.
+    """
     from rerun.experimental import ViewerClient
 
     path = IMAGES / "recording.png"

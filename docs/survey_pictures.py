@@ -1,6 +1,7 @@
-"""Make the pictures of the page on surveying: a photograph, and the cloud that such photographs became.
+"""Make the pictures of the page on surveying: a photograph and the cloud made of such photographs.
 
-executive run map_site --set surveying.plugin=simulated_photographs --set surveying.folder=photographs
+executive run map_site --set surveying.plugin=simulated_photographs \\
+    --set surveying.folder=photographs
 executive survey photographs --out survey.ply
 python docs/survey_pictures.py photographs survey.ply
 """
@@ -33,7 +34,7 @@ def photograph(folder: Path) -> Path:
 
 
 def cloud(file: Path) -> Path:
-    """Draw the cloud from above and from the side: brightness by slope, colour by height above the ground."""
+    """Draw the cloud from above and from the side: brightness by slope, colour by height."""
     points = read_points(file)
     points = points - np.median(points, axis=0)
     shade = _shade(points)

@@ -20,7 +20,8 @@ def checked(
 ) -> NDArray[Any]:
     """Return a read-only array of the wanted shape; `None` stands for any length.
 
-    A fresh contiguous array is kept and locked, not copied: hand it over and do not write to it afterwards.
+    A fresh contiguous array is kept and locked, not copied: hand it over and do not write to it
+    afterwards.
 
     Raises:
         ShapeError: If the shape differs or a value is not finite.
@@ -35,8 +36,9 @@ def checked(
     if not fits:
         wanted = "(" + ", ".join("N" if n is None else str(n) for n in shape) + ")"
         raise ShapeError(f"{name} has shape {array.shape}, expected {wanted}")
-    # The sum of squares is finite only if all are, and costs a fifth on small arrays; it may also overflow.
-    # On large ones it would wake the threads of the linear algebra, which spin for milliseconds.
+    # The sum of squares is finite only if all are, and costs a fifth on small arrays; it may also
+    # overflow. On large ones it would wake the threads of the linear algebra, which spin for
+    # milliseconds.
     is_surely_finite = (
         array.size <= _SMALL and array.dtype.kind == "f" and math.isfinite(np.vdot(array, array))
     )

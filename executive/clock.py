@@ -34,7 +34,9 @@ class SimulatedClock(Clock):
 
 
 class WallClock(Clock):
-    """Monotonic wall time; `advance` waits for the next multiple of dt, and a late tick is not made up for."""
+    """Monotonic wall time; `advance` waits for the next multiple of dt, and a late tick is not made
+    up for.
+    """
 
     def __init__(self) -> None:
         self._origin_s = time.monotonic()

@@ -40,7 +40,8 @@ def parse_quantity(value: Any, dimension: str) -> float:
     """Turn `"120 deg"` into SI; a plain number is SI already.
 
     Raises:
-        ValueError: If it is no number, has no known unit, or a unit of another dimension; the message lists the units.
+        ValueError: If it is no number, has no known unit, or a unit of another dimension; the
+            message lists the units.
     """
     if isinstance(value, bool) or value is None:
         raise ValueError(f"expected {_expected(dimension)}, got {value!r}")

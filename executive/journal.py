@@ -1,7 +1,8 @@
 """The append-only record of what a mission intended, did and verified.
 
-One JSON object a line: sequence, tick, time, kind, node path, payload, and a checksum over the line and its
-predecessor's checksum, so that a lost, changed or swapped line shows. Nothing in it depends on the wall clock.
+One JSON object a line: sequence, tick, time, kind, node path, payload, and a checksum over the line
+and its predecessor's checksum, so that a lost, changed or swapped line shows. Nothing in it depends
+on the wall clock.
 """
 
 import hashlib

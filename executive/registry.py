@@ -107,7 +107,9 @@ def settings_of(capability: str, name: str) -> type[Settings]:
 
 
 def dependencies_of(plugin: type[Plugin]) -> tuple[str, ...]:
-    """Return the names of a plugin's constructor parameters after `settings`: services and capabilities."""
+    """Return the names of a plugin's constructor parameters after `settings`: services and
+    capabilities.
+    """
     return tuple(inspect.signature(plugin).parameters)[1:]
 
 

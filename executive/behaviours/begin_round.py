@@ -8,7 +8,9 @@ from executive.messages.stone import StoneState
 
 
 class BeginRound(Condition):
-    """Make all placed stones movable again; the map and the identities stay (Mascaro 2020, Sec. 6.1, experiment 2)."""
+    """Make all placed stones movable again; the map and the identities stay (Mascaro 2020, Sec.
+    6.1, experiment 2).
+    """
 
     needs = ("objects",)
 

@@ -28,8 +28,8 @@ class CloseGripperSettings(Settings):
 class CloseGripper(Action):
     """Close the jaws, and if they hold something, say so to the database, the map and the monitors.
 
-    Mascaro 2020, Sec. 4.5: the gripper's pose is stored with the stone, and the map forgets a sphere of R_obj = 1 m,
-    see `removal`.
+    Mascaro 2020, Sec. 4.5: the gripper's pose is stored with the stone, and the map forgets a
+    sphere of R_obj = 1 m, see `removal`.
     """
 
     Settings = CloseGripperSettings

@@ -7,9 +7,11 @@ from executive.leaf.outcome import Outcome, failed, succeeded
 
 
 class DetectSlip(Condition):
-    """Succeed while no monitor has seen the held stone slip or drop (Mascaro 2020, Sec. 6.3); fail with the verdict.
+    """Succeed while no monitor has seen the held stone slip or drop (Mascaro 2020, Sec. 6.3); fail
+    with the verdict.
 
-    As the first child of a `reactive_sequence` it cancels the motion beside it the moment that trouble is seen.
+    As the first child of a `reactive_sequence` it cancels the motion beside it the moment that
+    trouble is seen.
     """
 
     needs = ("monitoring",)

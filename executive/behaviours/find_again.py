@@ -25,8 +25,9 @@ class FindAgainSettings(Settings):
 class FindAgain(Action):
     """Look for a dropped or missed stone in the fresh map and update what the database knows of it.
 
-    Its whole model is looked for first, however it lies now and whatever it leans on, so that it keeps model and
-    rotation. If that is refused, the map is segmented, and what is seen there may replace the model.
+    Its whole model is looked for first, however it lies now and whatever it leans on, so that it
+    keeps model and rotation. If that is refused, the map is segmented, and what is seen there may
+    replace the model.
     """
 
     Settings = FindAgainSettings
@@ -61,12 +62,15 @@ class FindAgain(Action):
         )
         if stone.id not in numbers:
             return failed(
-                f"stone {stone.id} was not found within {self.settings.radius:.1f} m of its last place"
+                f"stone {stone.id} was not found within {self.settings.radius:.1f} m of "
+                "its last place"
             )
         return succeeded()
 
     def _not_placed(self, segmentation: Segmentation) -> list[Any]:
-        """Leave out segments that are stones which stand in their slots: those are not looked for."""
+        """Leave out segments that are stones which stand in their slots:
+        those are not looked for.
+        """
         stones = self.context.plugin("objects").stones()
         placed = [
             s.centroid_map[:2]

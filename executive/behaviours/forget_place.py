@@ -18,10 +18,11 @@ class ForgetPlaceSettings(Settings):
 
 
 class ForgetPlace(Condition):
-    """Take a stone out of the map that may have been pushed; the database keeps it, and the next scan shows it anew.
+    """Take a stone out of the map that may have been pushed; the database keeps it, and the next
+    scan shows it anew.
 
-    Without it, the map shows the stone twice after that scan: it is found again where it no longer lies, or its model
-    grows by the surface of both poses.
+    Without it, the map shows the stone twice after that scan: it is found again where it no longer
+    lies, or its model grows by the surface of both poses.
     """
 
     Settings = ForgetPlaceSettings

@@ -25,8 +25,8 @@ class HasArrivedSettings(Settings):
 class HasArrived(Condition):
     """Succeed if the gripper stands at the placement and the stone has not fallen.
 
-    A stone whose lowest point hung deeper than its model knows meets the ground early, shifts in the jaws, and looks
-    as if it slipped; it has arrived all the same.
+    A stone whose lowest point hung deeper than its model knows meets the ground early, shifts in
+    the jaws, and looks as if it slipped; it has arrived all the same.
     """
 
     Settings = HasArrivedSettings

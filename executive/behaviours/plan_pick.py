@@ -36,7 +36,8 @@ class PlanPickSettings(Settings):
 class PlanPick(Action):
     """Find the first grasp with a free way to it; it and those before it are taken off the list.
 
-    Grasps unlike those that this node has tried on the stone before come first: what slipped once slips again.
+    Grasps unlike those that this node has tried on the stone before come first: what slipped once
+    slips again.
     """
 
     Settings = PlanPickSettings

@@ -60,7 +60,8 @@ class PlanPlacement(Action):
                     )
                 reasons.append(f"slot {slot.id}: {plan.reason}")
         return failed(
-            f"no way to any of {len(inputs['free_slots'])} slots: {'; '.join(dict.fromkeys(reasons))}"
+            f"no way to any of {len(inputs['free_slots'])} slots: "
+            f"{'; '.join(dict.fromkeys(reasons))}"
         )
 
     def _way_to(

@@ -28,11 +28,12 @@ class ReleaseStoneSettings(Settings):
 
 
 class ReleaseStone(Action):
-    """Open the jaws a little and move the stone's model by the gripper's motion since the grasp (Mascaro 2020, Eq. 3).
+    """Open the jaws a little and move the stone's model by the gripper's motion since the grasp
+    (Mascaro 2020, Eq. 3).
 
-    Only a little: jaws that open wide beside another stone push it away. Deviation from the paper: a stone that is let
-    go without a placement is believed on the ground below, for nothing holds it in the air: one that has slid out of
-    the jaws did not rise with them.
+    Only a little: jaws that open wide beside another stone push it away. Deviation from the paper:
+    a stone that is let go without a placement is believed on the ground below, for nothing holds it
+    in the air: one that has slid out of the jaws did not rise with them.
     """
 
     Settings = ReleaseStoneSettings

@@ -31,11 +31,12 @@ class RelocateAndRealignSettings(Settings):
 
 
 class RelocateAndRealign(Action):
-    """Correct a relocated stone's pose by aligning its model with the fresh map (Mascaro 2020, Sec. 4.5).
+    """Correct a relocated stone's pose by aligning its model with the fresh map (Mascaro 2020, Sec.
+    4.5).
 
-    It needs a scan of the stone's new place. A stone that settled beyond the aligner's basin is looked for anew by
-    registration, however it lies. What that refuses, too, is noted and not made: the pose from the gripper's motion
-    (Eq. 3) stands.
+    It needs a scan of the stone's new place. A stone that settled beyond the aligner's basin is
+    looked for anew by registration, however it lies. What that refuses, too, is noted and not made:
+    the pose from the gripper's motion (Eq. 3) stands.
     """
 
     Settings = RelocateAndRealignSettings
@@ -65,7 +66,9 @@ class RelocateAndRealign(Action):
         )
 
     def _correct(self, stone: Stone) -> Generator[Job, Any, tuple[str, Alignment, str]]:
-        """Return by which method, the motion in the map, and why it is not to be believed, if it is not."""
+        """Return by which method, the motion in the map, and why it is not to be believed, if it is
+        not.
+        """
         source = Cloud("map", stone.points_map)
         target = self._map_around(stone)
         aligned: Alignment = yield self.context.job(

@@ -18,7 +18,9 @@ class ScanSwingSettings(Settings):
 
 
 class ScanSwing(Action):
-    """Map the surroundings by swinging the cabin about its present heading (Mascaro 2020, Sec. 6.2)."""
+    """Map the surroundings by swinging the cabin about its present heading (Mascaro 2020, Sec.
+    6.2).
+    """
 
     Settings = ScanSwingSettings
     needs = ("robot", "mapping", "motion")

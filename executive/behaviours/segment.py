@@ -16,10 +16,11 @@ _CELL_M = 0.03  # Mascaro 2020, Table 3: res_voxel
 
 
 class Segment(Action):
-    """Segment the map (Mascaro 2020, Sec. 4.3), merged with the drone's where there is one (Sec. 4.4, step 6).
+    """Segment the map (Mascaro 2020, Sec. 4.3), merged with the drone's where there is one (Sec.
+    4.4, step 6).
 
-    The paper merges matched segments pair by pair; segmenting the merged map gives the same models and also those
-    stones that only one of the two maps shows.
+    The paper merges matched segments pair by pair; segmenting the merged map gives the same models
+    and also those stones that only one of the two maps shows.
     """
 
     needs = ("mapping", "segmentation", "objects")
@@ -55,7 +56,9 @@ class Segment(Action):
         return succeeded(f"{len(stones)} stones", segmentation=segmentation, stones=list(stones))
 
     def _in_reach(self, points: np.ndarray) -> np.ndarray:
-        """Keep the part of the survey that the lidar map can confirm: the rest is nobody's business here."""
+        """Keep the part of the survey that the lidar map can confirm: the rest is nobody's business
+        here.
+        """
         base = self.context.state().T_map_base[:2, 3]
         radius_m = self.context.machine().reach_m + 1.0
         return np.asarray(points[np.hypot(*(points[:, :2] - base).T) < radius_m])

@@ -9,7 +9,9 @@ from executive.messages.stone import StoneState
 
 
 class SelectLargest(Condition):
-    """Choose the stone of most points that lies on the ground (Mascaro 2020, Sec. 5.1); fails when none is left."""
+    """Choose the stone of most points that lies on the ground (Mascaro 2020, Sec. 5.1); fails when
+    none is left.
+    """
 
     needs = ("objects",)
     outputs = {"stone": Port(int, "id of the stone")}

@@ -8,9 +8,11 @@ from executive.messages.stone import Stone, StoneState
 
 
 class TakeUpAgain(Condition):
-    """Make stones movable again that were set aside before others were placed; fail if there is none.
+    """Make stones movable again that were set aside before others were placed; fail if there is
+    none.
 
-    What stood in their way may be gone. Where nothing has moved since, another try would end as the last one did.
+    What stood in their way may be gone. Where nothing has moved since, another try would end as the
+    last one did.
     """
 
     needs = ("objects",)

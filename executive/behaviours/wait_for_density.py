@@ -28,10 +28,11 @@ class WaitForDensitySettings(Settings):
 
 
 class WaitForDensity(Action):
-    """Wait while the cabin swings until most of the region of interest is seen densely (Mascaro 2020, Sec. 4.3).
+    """Wait while the cabin swings until most of the region of interest is seen densely (Mascaro
+    2020, Sec. 4.3).
 
-    The region is the part of the ground in front that the arm reaches. Its mean density would be carried by the few
-    square metres next to the machine, so each one counts by itself.
+    The region is the part of the ground in front that the arm reaches. Its mean density would be
+    carried by the few square metres next to the machine, so each one counts by itself.
     """
 
     Settings = WaitForDensitySettings
@@ -53,7 +54,9 @@ class WaitForDensity(Action):
                 yield None
 
     def _dense_share(self, places: Float, heading_rad: float) -> float:
-        """Return the share of the region's cells of a square metre that hold enough points, shape (N, 2)."""
+        """Return the share of the region's cells of a square metre that hold enough points, shape
+        (N, 2).
+        """
         reach = int(np.ceil(self.context.machine().reach_m))
         inside = (np.abs(places) < reach).all(axis=1)
         cells = np.floor(places[inside]).astype(np.int64) + reach

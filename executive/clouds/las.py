@@ -1,4 +1,6 @@
-"""Points from LAS and LAZ files: whole numbers times a scale plus an offset, of all returns and classes."""
+"""Points from LAS and LAZ files: whole numbers times a scale plus an offset, of all returns and
+classes.
+"""
 
 import struct
 from pathlib import Path
@@ -59,7 +61,8 @@ def _check_header(path: Path, header: Any) -> None:
     wanted = header.offset_to_point_data + header.point_count * header.point_format.size
     if not header.are_points_compressed and path.stat().st_size < wanted:
         raise DataError(
-            f"{path}: cut short: the header promises {header.point_count} points ({wanted} bytes), the file has "
+            f"{path}: cut short: the header promises {header.point_count} points "
+            f"({wanted} bytes), the file has "
             f"{path.stat().st_size} bytes; copy or export it again"
         )
     unit = _unit(header.vlrs)
@@ -70,7 +73,9 @@ def _check_header(path: Path, header: Any) -> None:
 
 
 def _unit(records: Any) -> str:
-    """Return the unit that the file's coordinate system names, or nothing if it is the metre or not told."""
+    """Return the unit that the file's coordinate system names, or nothing if it is the metre or not
+    told.
+    """
     keys = {
         key.id: key.value_offset
         for record in records.get("GeoKeyDirectoryVlr")
@@ -98,6 +103,7 @@ def _check_box(path: Path, header: Any, points: Float) -> None:
     slack = _BOX_SLACK * float((high - low).max()) + 2 * header.scales
     if (points.min(axis=0) < low - slack).any() or (points.max(axis=0) > high + slack).any():
         raise DataError(
-            f"{path}: has points out of the box of its header ({low} to {high}): one of both is damaged; "
+            f"{path}: has points out of the box of its header ({low} to {high}): one of "
+            "both is damaged; "
             "copy or export it again"
         )

@@ -1,4 +1,6 @@
-"""LZF, the compression inside PCD files (Lehmann's liblzf): runs of bytes, and references to bytes before."""
+"""LZF, the compression inside PCD files (Lehmann's liblzf): runs of bytes, and references to bytes
+before.
+"""
 
 import numpy as np
 from numba import njit
@@ -6,7 +8,9 @@ from numba import njit
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def decompress(packed: np.ndarray, size: int) -> np.ndarray:
-    """Return the first bytes, as many as can be unpacked but at most `size`; damaged input ends the result early."""
+    """Return the first bytes, as many as can be unpacked but at most `size`; damaged input ends the
+    result early.
+    """
     out = np.empty(size, dtype=np.uint8)
     i, o = 0, 0
     while i < len(packed) and o < size:

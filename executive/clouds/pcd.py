@@ -15,7 +15,8 @@ _MOST_PACKED = 90  # a byte of LZF holds at most 88
 
 
 def read_pcd(path: Path) -> Float:
-    """Return the points of a PCD file [m], shape (N, 3); the viewpoint in its header is not applied.
+    """Return the points of a PCD file [m], shape (N, 3); the viewpoint in its header is not
+    applied.
 
     Raises:
         DataError: If it is cut short, or its header or a line cannot be understood.
@@ -54,7 +55,8 @@ def _read_compressed(path: Path, header: PcdHeader, size: int) -> Float:
         raise _cut_short(path, header, f"{lengths[0]} packed bytes", f"{max(0, size - 8)} bytes")
     if lengths[1] < wanted or wanted > _MOST_PACKED * len(packed):
         raise DataError(
-            f"{path}: {header.count} points cannot be in {len(packed)} packed bytes; export it again"
+            f"{path}: {header.count} points cannot be in {len(packed)} packed bytes; "
+            "export it again"
         )
     collector = PointCollector(path, header.count)
     starts = (
@@ -78,6 +80,7 @@ def _read_compressed(path: Path, header: PcdHeader, size: int) -> Float:
 
 def _cut_short(path: Path, header: PcdHeader, wanted: str, found: str) -> DataError:
     return DataError(
-        f"{path}: cut short: the header promises {header.count} points ({wanted}), the file has {found}; "
+        f"{path}: cut short: the header promises {header.count} points ({wanted}), the "
+        f"file has {found}; "
         "copy or export it again"
     )

@@ -107,6 +107,7 @@ def _fields(path: Path) -> tuple[dict[str, list[str]], int, int]:
     }
     if start < 0 or stop < 0 or not {"FIELDS", "SIZE", "POINTS", "DATA"} <= set(fields):
         raise DataError(
-            f"{path}: no PCD file: it lacks a header with FIELDS, SIZE, POINTS and DATA; export it again"
+            f"{path}: no PCD file: it lacks a header with FIELDS, SIZE, POINTS and "
+            "DATA; export it again"
         )
     return fields, stop + 1, len(lines)

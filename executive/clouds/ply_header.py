@@ -8,8 +8,10 @@ import numpy as np
 from executive.errors import DataError
 
 _CODES = {
-    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
-    "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
+    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2",
+    "ushort": "u2",
+    "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4",
+    "float32": "f4",
     "double": "f8", "float64": "f8",
 }  # fmt: skip
 _ORDERS = {"ascii": "=", "binary_little_endian": "<", "binary_big_endian": ">"}
@@ -82,7 +84,8 @@ def read_ply_header(path: Path) -> PlyHeader:
     least = vertex.count * (2 * len(vertex.fields) if is_text else row.itemsize) - is_text
     if path.stat().st_size - header.start < least:
         raise DataError(
-            f"{path}: cut short: the header promises {vertex.count} points (at least {least} bytes), the file has "
+            f"{path}: cut short: the header promises {vertex.count} points (at least "
+            f"{least} bytes), the file has "
             f"{max(0, path.stat().st_size - header.start)} bytes; copy or export it again"
         )
     return header

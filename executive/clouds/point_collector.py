@@ -1,4 +1,6 @@
-"""Points gathered from a file piece by piece, thinned where they are too many, so that memory stays small."""
+"""Points gathered from a file piece by piece, thinned where they are too many, so that memory stays
+small.
+"""
 
 import logging
 from pathlib import Path
@@ -18,9 +20,10 @@ _FINEST_M = 0.01  # grid of the first thinning; the map's own is 3 cm
 class PointCollector:
     """Keep the finite points of a file, in its order, and count what is left out.
 
-    A coordinate that is not finite is how sensors mark a ray without a return: organised PCD files are full of them.
-    More points than `MOST` are thinned as they come, to the first point in each cell of a grid: of 1 cm, or coarser
-    until at most half of `MOST` are left. So memory does not grow with the file.
+    A coordinate that is not finite is how sensors mark a ray without a return: organised PCD files
+    are full of them. More points than `MOST` are thinned as they come, to the first point in each
+    cell of a grid: of 1 cm, or coarser until at most half of `MOST` are left. So memory does not
+    grow with the file.
     """
 
     def __init__(self, path: Path, most: int) -> None:
@@ -107,7 +110,8 @@ class PointCollector:
 def _once(points: Float) -> tuple[Float, int]:
     """Return the points without exact repetitions, in their order, and how many were left out.
 
-    By 64-bit digests: two of 10 million different points share one in 3 of a million clouds, and lose one of the two.
+    By 64-bit digests: two of 10 million different points share one in 3 of a million clouds, and
+    lose one of the two.
     """
     digests = _digests(points)
     ordered = np.sort(digests)
@@ -126,7 +130,9 @@ def _first(digests: np.ndarray) -> Int:
 
 
 def _digests(points: Float, grid_m: float | None = None) -> np.ndarray:
-    """Return a number for each point, the same for all points in a cell of a grid; without one, for equal points."""
+    """Return a number for each point, the same for all points in a cell of a grid; without one, for
+    equal points.
+    """
     digests = np.empty(len(points), dtype=np.uint64)
     for start in range(0, len(points), CHUNK):
         piece = points[start : start + CHUNK]

@@ -1,7 +1,9 @@
-"""Point clouds from files that users have, read strictly: a file that is cut short is refused, not padded.
+"""Point clouds from files that users have, read strictly: a file that is cut short is refused, not
+padded.
 
-Read piece by piece into one array: memory is at most that array, the file's content in double precision, and some
-megabytes. Common libraries warn of a truncated file on the terminal and return rubbish.
+Read piece by piece into one array: memory is at most that array, the file's content in double
+precision, and some megabytes. Common libraries warn of a truncated file on the terminal and return
+rubbish.
 """
 
 from collections.abc import Callable
@@ -27,7 +29,8 @@ _FARTHEST_M = 1e7  # national grids end before; beyond, a float has no centimetr
 def read_points(path: Path) -> Float:
     """Return the points of a file, shape (N, 3) [m], each once, in the file's order.
 
-    What cannot be a point is left out, and how many that were is told to the log: see `PointCollector`.
+    What cannot be a point is left out, and how many that were is told to the log: see
+    `PointCollector`.
 
     Raises:
         DataError: If it is missing, of another kind, cut short, empty, or holds absurd coordinates.
@@ -42,7 +45,8 @@ def read_points(path: Path) -> Float:
     if farthest > _FARTHEST_M:
         raise DataError(
             f"{path}: a coordinate of {farthest:.3g} m is beyond {_FARTHEST_M:.0e} m; "
-            "coordinates are in metres: scale or shift the cloud, or export it again if they are nonsense"
+            "coordinates are in metres: scale or shift the cloud, or export it again "
+            "if they are nonsense"
         )
     return points
 
@@ -51,8 +55,8 @@ def read_site(path: Path) -> Float:
     """Return the points of a file that holds a site in metres, shape (N, 3) [m].
 
     Raises:
-        DataError: As `read_points`; or if the cloud is too small, too wide or too coarse for a site, which is often
-            another unit.
+        DataError: As `read_points`; or if the cloud is too small, too wide or too coarse for a
+            site, which is often another unit.
     """
     points = read_points(path)
     check_site(path, points)

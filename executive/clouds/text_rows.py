@@ -26,7 +26,8 @@ def collect_lines(
 ) -> int:
     """Add the points of at most so many lines from a byte on and return how many there were.
 
-    Blank lines and what follows `#` or `//` are skipped; commas, semicolons, blanks and tabs separate.
+    Blank lines and what follows `#` or `//` are skipped; commas, semicolons, blanks and tabs
+    separate.
 
     Args:
         path: The file.
@@ -60,7 +61,9 @@ def count_lines(path: Path) -> int:
 
 
 def _blocks(path: Path, start: int, number: int) -> Iterator[tuple[int, str, bool]]:
-    """Give the text in blocks of whole lines, with the number of the first and whether it is a last one without end."""
+    """Give the text in blocks of whole lines, with the number of the first and whether it is a last
+    one without end.
+    """
     rest = b""
     with path.open("rb") as file:
         file.seek(start)
@@ -68,7 +71,8 @@ def _blocks(path: Path, start: int, number: int) -> Iterator[tuple[int, str, boo
             whole, end, rest = (rest + piece).rpartition(b"\n")
             if len(rest) > _LONGEST_LINE or b"\0" in piece:
                 raise DataError(
-                    f"{path}: no text of numbers, but binary or UTF-16; export it again, as plain text"
+                    f"{path}: no text of numbers, but binary or UTF-16; export it "
+                    "again, as plain text"
                 )
             yield number, whole.decode("utf-8", errors="replace"), False
             number += whole.count(b"\n") + len(end)
@@ -90,7 +94,8 @@ def _parse(
         for number, line in rows:
             if _DECIMAL_COMMAS.match(line):
                 raise DataError(
-                    f"{path}:{number}: '{line[:40]}' has decimal commas; export it with decimal points"
+                    f"{path}:{number}: '{line[:40]}' has decimal commas; export it with "
+                    "decimal points"
                 )
         rows = [(number, line.replace(",", " ").replace(";", " ")) for number, line in rows]
     try:
@@ -107,7 +112,8 @@ def _first_bad_line(
         if len(words) <= max(columns) or not all(_NUMBER.fullmatch(words[i]) for i in columns):
             if is_last:
                 return DataError(
-                    f"{path}: cut short: ends in line {number}, '{line[:40]}'; copy or export it again"
+                    f"{path}: cut short: ends in line {number}, '{line[:40]}'; copy or "
+                    "export it again"
                 )
             return DataError(f"{path}:{number}: expected x y z, got '{line[:40]}'; repair the line")
     return DataError(f"{path}: its lines cannot be read as numbers; export it again")

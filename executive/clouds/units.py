@@ -21,7 +21,8 @@ def check_site(path: Path, points: Float, most_m: float = 500.0) -> None:
     """Refuse a cloud that cannot be a site in metres, at most so wide [m].
 
     Raises:
-        DataError: If it is too wide or too narrow, or its coordinates too coarse; the message names the likely unit.
+        DataError: If it is too wide or too narrow, or its coordinates too coarse; the message names
+            the likely unit.
     """
     sample = points[:: 1 + len(points) // _SAMPLE]
     low, high = np.percentile(sample, _BULK, axis=0)
@@ -39,18 +40,21 @@ def check_site(path: Path, points: Float, most_m: float = 500.0) -> None:
         raise DataError(f"{path}: its x and y look like degrees; project it to metres")
     if whole < _LEAST_M:
         raise DataError(
-            f"{path}: {whole:.3g} m across is no site (at least {_LEAST_M:g} m); is its unit the metre?"
+            f"{path}: {whole:.3g} m across is no site (at least {_LEAST_M:g} m); is its "
+            "unit the metre?"
         )
     step = _step_m(sample)
     if step > _STEP_M:
         raise DataError(
-            f"{path}: its coordinates come in steps of {step:.2g} m: single precision, or too few digits, so far from "
+            f"{path}: its coordinates come in steps of {step:.2g} m: single precision, "
+            "or too few digits, so far from "
             "the origin; export it in double precision, or subtract an offset before"
         )
 
 
 def unit_hint(source: Float, target: Float) -> str:
-    """Say in what unit the source may be if the target is in metres, or the other way round; else nothing.
+    """Say in what unit the source may be if the target is in metres, or the other way round; else
+    nothing.
 
     Only after the two have been found not to fit: a small part of a site is small, too.
     """
@@ -82,14 +86,18 @@ def _rescale(whole: float, most_m: float) -> str:
 
 
 def _is_geographic(sample: Float) -> bool:
-    """Whether x and y can be degrees: within a globe's range, and next to nothing beside the heights."""
+    """Whether x and y can be degrees: within a globe's range, and next to nothing beside the
+    heights.
+    """
     sizes = np.ptp(sample, axis=0)
     in_range = np.abs(sample[:, 0]).max() <= 180 and np.abs(sample[:, 1]).max() <= 90
     return bool(in_range and 0 < sizes[:2].max() < 0.01 and sizes[2] > 20 * sizes[:2].max())
 
 
 def _step_m(sample: Float) -> float:
-    """Return the step [m] of which all coordinates of an axis of a national grid are multiples; 0 if there is none."""
+    """Return the step [m] of which all coordinates of an axis of a national grid are multiples; 0
+    if there is none.
+    """
     steps = [0.0]
     for values in sample.T:
         if np.abs(values).max() < _NATIONAL_M:

@@ -15,7 +15,8 @@ _COUNT = re.compile(rb"\s*\d+\s*\n")  # a PTS file begins with its number of poi
 
 
 def read_xyz(path: Path) -> Float:
-    """Return the points of a text file [m], shape (N, 3); a first line `x y z` or, in PTS files, a count is skipped.
+    """Return the points of a text file [m], shape (N, 3); a first line `x y z` or, in PTS files, a
+    count is skipped.
 
     Raises:
         DataError: If a line is none of three numbers or more; it is named.

@@ -12,7 +12,8 @@ GuessOption = Annotated[
     str | None,
     typer.Option(
         metavar="POSE",
-        help="Pose of the source in the target: x,y,z[,roll,pitch,yaw] (metres, degrees), or a file with a 4×4 matrix "
+        help="Pose of the source in the target: x,y,z[,roll,pitch,yaw] (metres, degrees), "
+        "or a file with a 4×4 matrix "
         "or an answer of register --json. None by default.",
     ),
 ]

@@ -1,4 +1,6 @@
-"""Where to begin an alignment: numbers on the command line, or a file that another command has written."""
+"""Where to begin an alignment: numbers on the command line, or a file that another command has
+written.
+"""
 
 import json
 from pathlib import Path
@@ -9,11 +11,15 @@ from executive.arrays import Float
 from executive.errors import ConfigError
 from executive.geometry.pose import pose_xyz_rpy
 
-_FORMS = "give x,y,z or x,y,z,roll,pitch,yaw (metres, degrees), or a file with a 4×4 matrix or an answer of --json"
+_FORMS = (
+    "give x,y,z or x,y,z,roll,pitch,yaw (metres, degrees), or a file with a 4×4 matrix or "
+    "an answer of --json"
+)
 
 
 def read_guess(text: str | None) -> tuple[Float, float]:
-    """Return T_target_source, shape (4, 4), and the source's scale; without a text, no motion and 1.
+    """Return T_target_source, shape (4, 4), and the source's scale; without a text, no motion and
+    1.
 
     Raises:
         ConfigError: If the text is neither numbers nor a file with a rigid motion.

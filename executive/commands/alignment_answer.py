@@ -43,6 +43,8 @@ def check_out(path: Path | None) -> None:
 
 
 def write_both(path: Path | None, found: Alignment, source: Float, target: Float) -> None:
-    """Write target and moved source, one colour each, if the motion was accepted and a path is given."""
+    """Write target and moved source, one colour each, if the motion was accepted and a path is
+    given.
+    """
     if path and found.accepted:
         write_parts(path, [target, found.apply(source)])

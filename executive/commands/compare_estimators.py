@@ -1,4 +1,6 @@
-"""The command that lays estimators side by side, on a recorded log or on a mission that it runs for that."""
+"""The command that lays estimators side by side, on a recorded log or on a mission that it runs for
+that.
+"""
 
 import json
 from pathlib import Path
@@ -41,7 +43,9 @@ def compare_estimators(  # noqa: PLR0913 - the options of the command line, each
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Run estimators over one log, or over one run of a mission, and lay their figures side by side."""
+    """Run estimators over one log, or over one run of a mission, and lay their figures side by
+    side.
+    """
     from executive.commands.recorded_mission import compare_on, is_mission, rehearse
     from executive.estimate.compare import compare, table
     from executive.estimate.run import Material, Options

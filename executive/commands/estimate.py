@@ -86,7 +86,8 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
         estimated = with_reference(material, estimated, _SMOOTHER)
     paths = write_files(out, material, estimated)
     _say(
-        f"{estimator} on {log}: {len(estimated.track.stamps_s)} states, {', '.join(map(str, paths))}"
+        f"{estimator} on {log}: {len(estimated.track.stamps_s)} states, "
+        f"{', '.join(map(str, paths))}"
     )
     if as_json:
         _answer(estimated.report)

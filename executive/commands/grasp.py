@@ -39,7 +39,9 @@ def grasp(  # noqa: PLR0913 - the options of the command line, each a parameter 
     seed: Annotated[int, typer.Option(min=0, help="All chance follows from it.")] = 1,
     as_json: JsonOption = False,
 ) -> None:
-    """Plan how to hold a stone of a cloud, best first; status 1 if it cannot be held, with the reasons."""
+    """Plan how to hold a stone of a cloud, best first; status 1 if it cannot be held, with the
+    reasons.
+    """
     import numpy as np
 
     from executive.commands.grasp_answer import answer, lines, write_answer
@@ -51,7 +53,8 @@ def grasp(  # noqa: PLR0913 - the options of the command line, each a parameter 
     plan = plan_grasps(scene, method, np.random.default_rng(seed))
     answered = answer(plan, segment, scene.T_map_base)
     _say(
-        f"{cloud}: {len(plan.grasps)} grasps of segment {segment}, {len(scene.stone.points_map)} points"
+        f"{cloud}: {len(plan.grasps)} grasps of segment {segment}, "
+        f"{len(scene.stone.points_map)} points"
     )
     _say("\n".join(lines(plan)))
     if out:

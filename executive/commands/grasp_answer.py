@@ -11,7 +11,9 @@ from executive.messages.grasp import Grasp, GraspPlan
 
 
 def answer(plan: GraspPlan, segment: int, T_map_base: Float) -> dict[str, Any]:
-    """Return what was planned, for which segment and machine; all poses in the frame of the cloud."""
+    """Return what was planned, for which segment and machine;
+    all poses in the frame of the cloud.
+    """
     return {
         "segment": segment,
         "T_map_base": T_map_base.tolist(),
@@ -31,7 +33,9 @@ def write_answer(path: Path, answered: dict[str, Any]) -> None:
 
 
 def lines(plan: GraspPlan) -> list[str]:
-    """Return what a person reads: the grasps, best first, and how many hypotheses were refused for which reason."""
+    """Return what a person reads: the grasps, best first, and how many hypotheses were refused for
+    which reason.
+    """
     found = []
     for number, grasp in enumerate(plan.grasps, 1):
         place = " ".join(f"{x:.2f}" for x in grasp.T_map_gripper[:3, 3])

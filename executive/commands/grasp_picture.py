@@ -1,4 +1,6 @@
-"""The picture of a grasp: the open gripper about its stone, from the side, along the jaws, and in space."""
+"""The picture of a grasp: the open gripper about its stone, from the side, along the jaws, and in
+space.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -61,7 +63,9 @@ def draw_grasp(
 def _draw_view(
     axes: Any, shown: list[Float], parts: Any, ij: tuple[int, int], reach_m: tuple[float, float]
 ) -> None:
-    """Draw points and the outline of each convex part in one plane of the gripper's frame, the palm on top."""
+    """Draw points and the outline of each convex part in one plane of the gripper's frame, the palm
+    on top.
+    """
     (i, j), (half_m, slice_m) = ij, reach_m
     for points, colour in zip(shown, (_AROUND, _STONE), strict=True):
         near = points[np.abs(points[:, 3 - i - j]) <= slice_m]

@@ -1,4 +1,6 @@
-"""What a grasp planner is given of a cloud from a file: a stone, its surroundings, a machine and its place."""
+"""What a grasp planner is given of a cloud from a file: a stone, its surroundings, a machine and
+its place.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +23,8 @@ Place = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraspScene:
-    """A stone of a cloud, and the machine that is to hold it; the cloud's frame is taken for the map.
+    """A stone of a cloud, and the machine that is to hold it; the cloud's frame is taken for the
+    map.
 
     Attributes:
         stone: The stone, its surface as segmented.
@@ -39,7 +42,8 @@ class GraspScene:
 
 
 def read_scene(path: Path, segment: int, model: str, place: Place | None) -> GraspScene:
-    """Read and segment a cloud, and put the machine at a place: x, y [m] and yaw [deg], or beside the stone.
+    """Read and segment a cloud, and put the machine at a place: x, y [m] and yaw [deg], or beside
+    the stone.
 
     Raises:
         ConfigError: If there is no such machine.

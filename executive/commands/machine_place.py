@@ -14,7 +14,9 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 
 def beside(stone: Segment, segmentation: Segmentation, machine: Machine) -> Float:
-    """Return T_map_base of a machine that faces a stone from the side with the most room, level on the ground."""
+    """Return T_map_base of a machine that faces a stone from the side with the most room, level on
+    the ground.
+    """
     around = 2 * np.pi * np.arange(_SIDES) / _SIDES
     away = np.column_stack([np.cos(around), np.sin(around)])
     places = stone.centroid[:2] + _SHARE * machine.reach_m * away
@@ -31,7 +33,9 @@ def beside(stone: Segment, segmentation: Segmentation, machine: Machine) -> Floa
 def standing(
     x_m: float, y_m: float, yaw_rad: float, segmentation: Segmentation, machine: Machine
 ) -> Float:
-    """Return T_map_base of a machine that stands level on the ground's plane at a place, shape (4, 4)."""
+    """Return T_map_base of a machine that stands level on the ground's plane at a place, shape (4,
+    4).
+    """
     *normal, offset = segmentation.ground_plane
     ground_m = (offset - normal[0] * x_m - normal[1] * y_m) / normal[2]
     return pose(

@@ -1,7 +1,9 @@
-"""The command line: one sub-command a verb; whatever is heavy is imported inside the command that needs it.
+"""The command line: one sub-command a verb; whatever is heavy is imported inside the command that
+needs it.
 
-Exit status: 0 done; 1 the mission failed or was stopped; 2 the input is wrong; 3 the robot or a plugin failed and
-was brought to a safe stop. People's text goes to standard error, `--json` answers to standard output.
+Exit status: 0 done; 1 the mission failed or was stopped; 2 the input is wrong; 3 the robot or a
+plugin failed and was brought to a safe stop. People's text goes to standard error, `--json` answers
+to standard output.
 """
 
 import json
@@ -21,7 +23,9 @@ from executive.commands.single_clouds import register, segment
 
 
 class _Verbs(TyperGroup):
-    """The verbs written below, and those that installed plugins bring: each is imported when it is asked for."""
+    """The verbs written below, and those that installed plugins bring: each is imported when it is
+    asked for.
+    """
 
     def list_commands(self, ctx: Any) -> list[str]:
         from executive.registry import VERBS, installed
@@ -233,7 +237,8 @@ def plugins_doctor(as_json: JsonOption = False) -> None:
     else:
         for finding in findings:
             print(
-                f"{'broken' if finding['problem'] else 'ok':7} {finding['capability']:13} {finding['name']}"
+                f"{'broken' if finding['problem'] else 'ok':7} "
+                f"{finding['capability']:13} {finding['name']}"
             )
         for finding in broken:
             print(f"warning: {finding['problem']}")

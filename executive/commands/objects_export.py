@@ -15,7 +15,8 @@ COLUMNS = ("stone", "stamp_s", "kind", "state", "x_m", "y_m", "z_m", "qw", "qx",
 
 
 def export_objects(folder: Path, known: Sequence[tuple[Stone, Sequence[StoneEvent]]]) -> None:
-    """Write stone_001.ply … (surfaces in the map, at the stones' present poses) and poses.csv (T_map_object).
+    """Write stone_001.ply … (surfaces in the map, at the stones' present poses) and poses.csv
+    (T_map_object).
 
     Raises:
         ConfigError: If the folder holds anything already, or cannot be made.
@@ -29,7 +30,8 @@ def export_objects(folder: Path, known: Sequence[tuple[Stone, Sequence[StoneEven
         ) from error
     if not is_empty:
         raise ConfigError(
-            f"--export: {folder} is not empty; name a new folder, so that no older stone stays in it"
+            f"--export: {folder} is not empty; name a new folder, so that no older "
+            "stone stays in it"
         )
     for stone, _ in known:
         write_ply(folder / f"stone_{stone.id:03}.ply", Cloud("map", stone.points_map))

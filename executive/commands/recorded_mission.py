@@ -30,7 +30,8 @@ class Rehearsal:
     Attributes:
         log: What the robot measured.
         oracle: Who knows the truth; none on a robot that has no oracle.
-        datum: Origin of the map: latitude [deg], longitude [deg], altitude [m]; none for the log's first fix.
+        datum: Origin of the map: latitude [deg], longitude [deg], altitude [m]; none for the log's
+            first fix.
     """
 
     log: Path

@@ -29,7 +29,9 @@ def database_of(run_dir: Path) -> Path:
 
 
 def plugin_of(run_dir: Path) -> str:
-    """Return the name of the objects plugin that the run's mission chose; the default one if it does not tell."""
+    """Return the name of the objects plugin that the run's mission chose; the default one if it
+    does not tell.
+    """
     path = RunFolder(run_dir).mission
     if not path.is_file():
         return _DEFAULT

@@ -1,4 +1,6 @@
-"""Estimators side by side on one log: Tables I and II of Nubert 2022, and what else one run tells."""
+"""Estimators side by side on one log: Tables I and II of Nubert 2022,
+and what else one run tells.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -10,15 +12,16 @@ from executive.estimate.measures import Track
 from executive.estimate.run import Estimated, Material, Options, estimate
 from executive.messages.base_state import BaseState
 
-# What a simulator says of estimated states: `error_m` and `error_rad`, each with mean, std and max of the magnitude;
-# of the first also the bias and a component's std.
+# What a simulator says of estimated states: `error_m` and `error_rad`, each with mean, std and max
+# of the magnitude; of the first also the bias and a component's std.
 Truth = Callable[[Sequence[BaseState]], Mapping[str, Mapping[str, float]]]
 
 
 def compare(
     material: Material, names: Sequence[str], options: Options, truth: Truth | None = None
 ) -> dict[str, dict[str, Any]]:
-    """Return the report of each estimator by name, with what its outages did to it, and the truth where it is known.
+    """Return the report of each estimator by name, with what its outages did to it, and the truth
+    where it is known.
 
     Raises:
         ConfigError, DataError: As `estimate`.
@@ -27,7 +30,9 @@ def compare(
 
 
 def reported(estimated: Estimated, truth: Truth | None = None) -> dict[str, Any]:
-    """Return the report of one estimator, with the largest step of its odometry frame and the end of each outage."""
+    """Return the report of one estimator, with the largest step of its odometry frame and the end
+    of each outage.
+    """
     return estimated.report | {
         "odometry_step_m": round(float(odometry_steps(estimated.track).max(initial=0.0)), 5),
         "outages": [
@@ -38,7 +43,9 @@ def reported(estimated: Estimated, truth: Truth | None = None) -> dict[str, Any]
 
 
 def odometry_steps(track: Track) -> Float:
-    """Return by how much the cabin moved in the odometry frame beyond v·dt, between samples [m], shape (n − 1,)."""
+    """Return by how much the cabin moved in the odometry frame beyond v·dt, between samples [m],
+    shape (n − 1,).
+    """
     T_map_odom = track.T_map_odom
     p_odom = np.linalg.inv(T_map_odom) @ track.T_map_cabin[:, :, 3:]
     moved = np.einsum("nij,nj->ni", T_map_odom[1:, :3, :3], np.diff(p_odom[:, :3, 0], axis=0))
@@ -49,7 +56,9 @@ def odometry_steps(track: Track) -> Float:
 def _with_recovery(
     outage: Mapping[str, Any], estimated: Estimated, truth: Truth | None
 ) -> dict[str, Any]:
-    """Add when the estimator was global again after the outage, and how far it was from the truth within."""
+    """Add when the estimator was global again after the outage, and how far it was from the truth
+    within.
+    """
     states = estimated.report["states"]
     begun = [state["status"] for state in states if state["time_s"] <= outage["to_s"]]
     back = [
@@ -108,7 +117,9 @@ def _outages(reports: Mapping[str, Mapping[str, Any]]) -> int:
 
 
 def _outage_lines(reports: Mapping[str, Mapping[str, Any]], i: int) -> list[list[str]]:
-    """Return what an outage did to each: at its end and at most, against the fixes left out or the truth."""
+    """Return what an outage did to each: at its end and at most, against the fixes left out or the
+    truth.
+    """
     outages = [report["outages"][i] for report in reports.values()]
     first = outages[0]
     title = (

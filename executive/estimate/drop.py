@@ -60,7 +60,9 @@ class Drop:
 
 
 def is_of(observation: Observation | LidarIncrement, sensor: str) -> bool:
-    """Return whether an observation is of a sensor, given by its kind or by the name of its frame."""
+    """Return whether an observation is of a sensor, given by its kind or by the name of
+    its frame.
+    """
     return sensor in (_KINDS[type(observation)], _name_of(observation))
 
 

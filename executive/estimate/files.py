@@ -13,7 +13,8 @@ from executive.estimate.run import Estimated, Material
 
 
 def write_files(out: Path, material: Material, estimated: Estimated) -> tuple[Path, ...]:
-    """Write the chassis' poses in the map to `out`; beside it those in the odometry frame, report, plot and reference.
+    """Write the chassis' poses in the map to `out`; beside it those in the odometry frame, report,
+    plot and reference.
 
     Raises:
         ConfigError: If they cannot be written.

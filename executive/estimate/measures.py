@@ -1,4 +1,6 @@
-"""How good a replayed estimate was: the measures of Nubert 2022, Sec. V, from the states and the fixes of one log."""
+"""How good a replayed estimate was: the measures of Nubert 2022, Sec. V, from the states and the
+fixes of one log.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -55,7 +57,8 @@ class FixErrors:
     Attributes:
         stamps_s: [s], shape (m,).
         p_map_antenna: The measured positions [m], shape (m, 3).
-        predicted_m: Of the state that was given out at that time, before the fix was known, shape (m, 3).
+        predicted_m: Of the state that was given out at that time, before the fix was known, shape
+            (m, 3).
         posterior_m: Of the state at that time, after it was taken in, shape (m, 3).
         is_dropped: Whether the estimator never saw the fix, shape (m,).
         antennas: Name of each fix's antenna, m of them.
@@ -107,9 +110,11 @@ def fix_errors(
 
 
 def consistency(track: Track) -> Float:
-    """Return by how much each correction moved the pose at its own time [m] (Nubert 2022, Sec. V-B1).
+    """Return by how much each correction moved the pose at its own time [m] (Nubert 2022, Sec.
+    V-B1).
 
-    The odometry frame is the propagated pose, so that a change of T_map_odom is a correction and nothing else.
+    The odometry frame is the propagated pose, so that a change of T_map_odom is a correction and
+    nothing else.
     """
     T_map_odom = track.T_map_odom
     p_odom = track.T_odom_base[1:, :3, 3]
@@ -119,7 +124,9 @@ def consistency(track: Track) -> Float:
 
 
 def outages(errors: FixErrors, drops: Sequence[Drop]) -> list[dict[str, Any]]:
-    """Return what became of the position in each outage of the satellites; the fixes left out are the reference."""
+    """Return what became of the position in each outage of the satellites; the fixes left out are
+    the reference.
+    """
     answers = []
     for drop in drops:
         inside = (
@@ -148,7 +155,9 @@ def outages(errors: FixErrors, drops: Sequence[Drop]) -> list[dict[str, Any]]:
 
 
 def spread(vectors: Float) -> Mapping[str, float | int]:
-    """Describe errors (n, 3): distance's mean, 95 % and largest, and the standard deviation of a component, n."""
+    """Describe errors (n, 3): distance's mean, 95 % and largest, and the standard deviation of a
+    component, n.
+    """
     if not len(vectors):
         return {"n": 0}
     distance = np.linalg.norm(vectors, axis=1)

@@ -1,4 +1,6 @@
-"""Sensors whose stamps are wrong by a constant: clocks that were not synchronised, filters that delay."""
+"""Sensors whose stamps are wrong by a constant: clocks that were not synchronised, filters that
+delay.
+"""
 
 from dataclasses import dataclass, replace
 

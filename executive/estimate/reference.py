@@ -1,4 +1,6 @@
-"""A reference for the figures: the whole log smoothed at once, and how far the online trajectory is from it."""
+"""A reference for the figures: the whole log smoothed at once, and how far the online trajectory is
+from it.
+"""
 
 from dataclasses import replace
 from typing import Any
@@ -15,7 +17,8 @@ _DIGITS = 6
 
 
 def with_reference(material: Material, estimated: Estimated, name: str) -> Estimated:
-    """Smooth all of a log, the fixes that were dropped too, and report the difference to what was estimated online.
+    """Smooth all of a log, the fixes that were dropped too, and report the difference to what was
+    estimated online.
 
     Raises:
         ConfigError: If there is no such smoother.
@@ -30,7 +33,8 @@ def with_reference(material: Material, estimated: Estimated, name: str) -> Estim
         smoother.close()
     if not states:
         raise DataError(
-            f"{material.log.path}: {name} came to no trajectory: nothing is known of where it begins"
+            f"{material.log.path}: {name} came to no trajectory: nothing is known of "
+            "where it begins"
         )
     reference = Track.of(states)
     fixes = fix_errors(reference, estimated.replay.fixes, material.rig, prepared.datum, ())

@@ -1,4 +1,6 @@
-"""Feeds a log to an estimator and keeps what it said: after every inertial sample, how late, and at every fix."""
+"""Feeds a log to an estimator and keeps what it said: after every inertial sample, how late, and at
+every fix.
+"""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -20,8 +22,10 @@ class Replay:
     """What came of one replay.
 
     Attributes:
-        states: The estimate after every inertial sample of the main sensor, from the first that may be used.
-        fixes: All fixes of the log that were fixed to the centimetre, dropped ones too: they are the reference.
+        states: The estimate after every inertial sample of the main sensor, from the first that may
+            be used.
+        fixes: All fixes of the log that were fixed to the centimetre, dropped ones too: they are
+            the reference.
         latency_us: From the arrival of each of those samples to the state [µs].
         counts: Observations fed by kind, and dropped ones.
         changes: Time [s] and new status at each change.

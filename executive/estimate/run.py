@@ -42,7 +42,8 @@ from executive.messages.odometry import LidarIncrement
 
 S = TypeVar("S", bound=Settings)
 
-# On a body that no description knows: an engine shakes it, yet it stands; fixes are as good as they say, and twice.
+# On a body that no description knows: an engine shakes it, yet it stands; fixes are as good as they
+# say, and twice.
 _UNKNOWN_BODY = {
     "rest": {"max_rate_std_rad_s": 0.15},
     "gate": 60.0,
@@ -100,12 +101,14 @@ class Material:
         first = next((fix for fix in fixes if fix.is_rtk_fixed), None)
         if first is None:
             raise DataError(
-                f"{path}: none of {len(fixes)} fixes is a fixed RTK solution (status 2); nothing to anchor to"
+                f"{path}: none of {len(fixes)} fixes is a fixed RTK solution (status "
+                "2); nothing to anchor to"
             )
         strangers = sorted({fix.antenna for fix in fixes} - set(rig.sensors))
         if strangers:
             raise DataError(
-                f"{path}: {rig.name} has no antenna {', '.join(strangers)}; name the machine with --machine"
+                f"{path}: {rig.name} has no antenna {', '.join(strangers)}; name the "
+                "machine with --machine"
             )
         return cls(
             log, rig, arrivals, np.array(first.geodetic), tuple(map(Drop.parse, options.drops))
@@ -114,7 +117,9 @@ class Material:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimated:
-    """What came of one estimator on one log, and the reference to hold it against if there is one."""
+    """What came of one estimator on one log, and the reference to hold it against if
+    there is one.
+    """
 
     report: dict[str, Any]
     replay: Replay
@@ -176,7 +181,8 @@ def estimate(material: Material, name: str, options: Options) -> Estimated:
     if not replay.states:
         refused = ", ".join(f"{reason} ×{n}" for reason, n in replay.refused.items()) or "nothing"
         raise DataError(
-            f"{material.log.path}: {name} never came to a state. It needs some seconds at rest, and with one antenna "
+            f"{material.log.path}: {name} never came to a state. It needs some seconds "
+            "at rest, and with one antenna "
             f"some metres of motion after them. {_last_word(estimator)}Refused: {refused}"
         )
     track = Track.of(replay.states)
@@ -214,7 +220,9 @@ def _report(
 
 
 def _main_imu(material: Material, settings: type[Settings]) -> str:
-    """Return the inertial sensor that the estimator follows: its default if the log has it, else the log's first."""
+    """Return the inertial sensor that the estimator follows: its default if the log has it, else
+    the log's first.
+    """
     frames = list(
         dict.fromkeys(
             a.observation.frame for a in material.arrivals if isinstance(a.observation, ImuSample)
@@ -249,7 +257,9 @@ def _made(plugin: type[Plugin], settings: Settings, rig: Rig) -> Any:
 
 
 def _without_scans(arrivals: Iterable[Arrival], options: Options, rig: Rig) -> Iterator[Arrival]:
-    """Yield a log's arrivals, its lidar scans turned into increments: a hundredth of the memory, and once for all."""
+    """Yield a log's arrivals, its lidar scans turned into increments: a hundredth of the memory,
+    and once for all.
+    """
     odometry = _odometry(options, rig)
     try:
         for arrival in arrivals:
@@ -266,7 +276,9 @@ def _without_scans(arrivals: Iterable[Arrival], options: Options, rig: Rig) -> I
 
 
 def _odometry(options: Options, rig: Rig) -> LidarOdometry | None:
-    """Return the odometry, started; it follows the lidar that it does by default, or the rig's first."""
+    """Return the odometry, started; it follows the lidar that it does by default, or the rig's
+    first.
+    """
     lidars = [sensor.name for sensor in rig.sensors_of("lidar")]
     if not options.odometry or not lidars:
         return None

@@ -8,7 +8,8 @@ from executive.errors import DataError
 
 
 def half_spaces(vertices: Float) -> Float:
-    """Return the faces (n, d) of the convex hull of points (V, 3): inside is n·p ≤ d, n a unit vector, shape (F, 4).
+    """Return the faces (n, d) of the convex hull of points (V, 3): inside is n·p ≤ d, n a unit
+    vector, shape (F, 4).
 
     Raises:
         DataError: If the points span no volume.

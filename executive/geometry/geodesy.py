@@ -34,12 +34,16 @@ def _R_enu_ecef(latitude_deg: float, longitude_deg: float) -> Float:
 
 
 def enu_from_geodetic(geodetic: Float, datum: Float) -> Float:
-    """Return east, north, up [m] of (latitude [deg], longitude [deg], altitude [m]) about such a datum."""
+    """Return east, north, up [m] of (latitude [deg], longitude [deg], altitude [m]) about such a
+    datum.
+    """
     return np.asarray(_R_enu_ecef(datum[0], datum[1]) @ (ecef(*geodetic) - ecef(*datum)))
 
 
 def geodetic_from_enu(enu_m: Float, datum: Float) -> Float:
-    """Return (latitude [deg], longitude [deg], altitude [m]) of a local point; exact to 1e-9 m near the earth."""
+    """Return (latitude [deg], longitude [deg], altitude [m]) of a local point; exact to 1e-9 m near
+    the earth.
+    """
     x, y, z = ecef(*datum) + _R_enu_ecef(datum[0], datum[1]).T @ enu_m
     p = np.hypot(x, y)
     lat = np.arctan2(z, p * (1 - _E2))

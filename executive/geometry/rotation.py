@@ -23,7 +23,9 @@ def exp_so3(rotation_vector: Float) -> Float:
 
 
 def log_so3(R: Float) -> Float:
-    """Map a rotation matrix to its rotation vector [rad], of length in [0, π], shape (3, 3) → (3,)."""
+    """Map a rotation matrix to its rotation vector [rad], of length in [0, π], shape (3,
+    3) → (3,).
+    """
     w, *v = quaternion_wxyz(R)
     axis = np.array(v)
     sine = float(np.linalg.norm(axis))
@@ -33,7 +35,9 @@ def log_so3(R: Float) -> Float:
 
 
 def quaternion_wxyz(R: Float) -> Float:
-    """Return the unit quaternion with w ≥ 0 of a rotation matrix (Shepperd's method), shape (3, 3) → (4,)."""
+    """Return the unit quaternion with w ≥ 0 of a rotation matrix (Shepperd's method), shape (3, 3)
+    → (4,).
+    """
     m = np.array([np.trace(R), R[0, 0], R[1, 1], R[2, 2]])
     i = int(np.argmax(m))
     if i == 0:
@@ -84,7 +88,9 @@ def angle_between(R_a: Float, R_b: Float) -> float:
 
 
 def yaw_of(R: Float) -> float:
-    """Return the heading [rad]: the angle of the rotated x axis about z, counter-clockwise from east."""
+    """Return the heading [rad]: the angle of the rotated x axis about z, counter-clockwise from
+    east.
+    """
     return float(np.arctan2(R[1, 0], R[0, 0]))
 
 

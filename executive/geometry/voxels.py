@@ -8,8 +8,8 @@ from executive.arrays import Float
 def voxel_means(points: Float, size_m: float) -> Float:
     """Return the mean of the points in each occupied cell of a cubic grid, shape (N, 3) → (M, 3).
 
-    The order is that of the cells (x, then y, then z), so it does not depend on the order of the points but for
-    rounding in the sums.
+    The order is that of the cells (x, then y, then z), so it does not depend on the order of the
+    points but for rounding in the sums.
     """
     if not len(points):
         return points

@@ -15,4 +15,6 @@ class Aligner(Plugin, ABC):
     def align(
         self, target: Cloud, source: Cloud, T_target_source: Float, max_distance_m: float
     ) -> Alignment:
-        """Move the source onto the target, from a guess, with correspondences up to a distance [m]; deterministic."""
+        """Move the source onto the target, from a guess, with correspondences up to a distance [m];
+        deterministic.
+        """

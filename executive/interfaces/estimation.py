@@ -14,7 +14,9 @@ from executive.messages.status_change import StatusChange
 
 
 class Estimator(Plugin, ABC):
-    """Estimate where the machine is. Samples arrive in order of arrival; their stamps may be older."""
+    """Estimate where the machine is. Samples arrive in order of arrival;
+    their stamps may be older.
+    """
 
     @abstractmethod
     def add_imu(self, sample: ImuSample) -> None:
@@ -33,7 +35,9 @@ class Estimator(Plugin, ABC):
         """Take the joints, of which the turn joint ties the cabin to the chassis."""
 
     def add(self, observation: Observation | LidarIncrement) -> None:
-        """Hand an observation to the verb that takes it; none takes scans, whose odometry is estimated before."""
+        """Hand an observation to the verb that takes it; none takes scans, whose odometry is
+        estimated before.
+        """
         if isinstance(observation, ImuSample):
             self.add_imu(observation)
         elif isinstance(observation, JointSample):
@@ -48,5 +52,7 @@ class Estimator(Plugin, ABC):
         """Return the newest state; its status says whether it may be used."""
 
     def account(self) -> Sequence[StatusChange]:
-        """Return the changes of the status since the start, with their reasons; none where no account is kept."""
+        """Return the changes of the status since the start, with their reasons; none where no
+        account is kept.
+        """
         return ()

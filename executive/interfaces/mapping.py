@@ -23,7 +23,9 @@ class Mapper(Plugin, ABC):
 
     @abstractmethod
     def mask_held(self, radius_m: float) -> None:
-        """Drop returns within this distance [m] of the space between the jaws, from now on; 0 ends it."""
+        """Drop returns within this distance [m] of the space between the jaws, from now on; 0 ends
+        it.
+        """
 
     @abstractmethod
     def remove_sphere(self, centre_map: Float, radius_m: float) -> int:
@@ -33,7 +35,8 @@ class Mapper(Plugin, ABC):
     def add_surface(self, points_map: Float) -> None:
         """Put known surface into the map [m], shape (N, 3), as if it had been seen there.
 
-        A removed sphere may cut into a neighbour whose shape is known (Sec. 4.5); this puts it back.
+        A removed sphere may cut into a neighbour whose shape is known (Sec. 4.5); this puts it
+        back.
         """
 
     @abstractmethod

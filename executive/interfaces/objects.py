@@ -20,7 +20,8 @@ class ObjectDatabase(Plugin, ABC):
     def open(self, path: str, read_only: bool = False) -> None:
         """Open or create the database file; `:memory:` keeps nothing. Called once, after `start`.
 
-        Opened read-only, an existing file can be looked at while a mission writes to it, and every change is refused.
+        Opened read-only, an existing file can be looked at while a mission writes to it, and every
+        change is refused.
 
         Raises:
             ConfigError: If there is no such folder, or no such file to look at.
@@ -31,7 +32,8 @@ class ObjectDatabase(Plugin, ABC):
     def observe(
         self, segments: Sequence[Segment], stamp_s: float, seen_from_above: bool
     ) -> tuple[Stone, ...]:
-        """Match segments of the map with known stones that lie on the ground, update those, and add the rest.
+        """Match segments of the map with known stones that lie on the ground, update those, and add
+        the rest.
 
         Returns:
             The stone of each segment, in the order of the segments.
@@ -69,7 +71,9 @@ class ObjectDatabase(Plugin, ABC):
 
     @abstractmethod
     def realign(self, stone_id: int, T_map_map: Float, stamp_s: float, note: str = "") -> Stone:
-        """Correct the stone's pose by a rigid motion in the map, found by alignment; the note says how it was."""
+        """Correct the stone's pose by a rigid motion in the map, found by alignment; the note says
+        how it was.
+        """
 
     @abstractmethod
     def set_state(self, stone_id: int, state: StoneState, stamp_s: float) -> Stone:

@@ -17,7 +17,9 @@ class LidarOdometry(Plugin, ABC):
         """Match one scan; None for the first, or where the match is not to be trusted."""
 
     def add_imu(self, sample: ImuSample) -> None:
-        """Take an inertial sample, to undistort scans by; all samples up to a scan's stamp come before it."""
+        """Take an inertial sample, to undistort scans by; all samples up to a scan's stamp come
+        before it.
+        """
 
     def add_joints(self, sample: JointSample) -> None:
         """Take a joint sample, to undistort scans by and to know the machine's own returns."""

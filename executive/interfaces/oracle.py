@@ -36,7 +36,9 @@ class MissionView:
 
 
 class Oracle(ABC):
-    """The truth about a simulated run; found under the entry-point group `executive.oracle.v1` by the robot's name."""
+    """The truth about a simulated run; found under the entry-point group `executive.oracle.v1` by
+    the robot's name.
+    """
 
     @abstractmethod
     def __init__(self, robot: Robot) -> None: ...

@@ -11,7 +11,9 @@ from executive.messages.stone import Stone
 
 
 class PlacementPlanner(Plugin, ABC):
-    """Choose free places, and the gripper's pose that sets a held stone down on one (Mascaro 2020, Sec. 6.1)."""
+    """Choose free places, and the gripper's pose that sets a held stone down on one (Mascaro 2020,
+    Sec. 6.1).
+    """
 
     @abstractmethod
     def slots(self, segmentation: Segmentation, T_map_base: Float, count: int) -> tuple[Slot, ...]:

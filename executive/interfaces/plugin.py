@@ -9,9 +9,10 @@ from executive.config import NoSettings, Settings
 class Plugin:
     """Base of all plugins.
 
-    `__init__(self, settings, …)` stores its arguments only. The parameters after `settings` are filled in by name:
-    `machine` (executive.machine.machine.Machine), `rng` (numpy.random.Generator), or the name of another capability, whose
-    selected plugin is then given. `start` and `close` own resources.
+    `__init__(self, settings, …)` stores its arguments only. The parameters after `settings` are
+    filled in by name: `machine` (executive.machine.machine.Machine), `rng`
+    (numpy.random.Generator), or the name of another capability, whose selected plugin is then
+    given. `start` and `close` own resources.
     """
 
     Settings: ClassVar[type[Settings]] = NoSettings
@@ -19,8 +20,8 @@ class Plugin:
     # Verbs that take long, and the time that a simulated mission charges for one call [s].
     latency_s: ClassVar[Mapping[str, float]] = {}
 
-    # Whether a copy in a worker process, made from the same settings, gives the same answers. Verbs of a plugin that
-    # says so may run beside the tick; the others are computed within it.
+    # Whether a copy in a worker process, made from the same settings, gives the same answers. Verbs
+    # of a plugin that says so may run beside the tick; the others are computed within it.
     is_stateless: ClassVar[bool] = False
 
     def start(self) -> None:

@@ -14,13 +14,17 @@ class Registrar(Plugin, ABC):
 
     @abstractmethod
     def register(self, target: Cloud, source: Cloud, rng: np.random.Generator) -> Alignment:
-        """Return the transform, accepted or refused with a reason; a wrong one accepted is the worst outcome."""
+        """Return the transform, accepted or refused with a reason; a wrong one accepted is the
+        worst outcome.
+        """
 
     def find(self, target: Cloud, model: Cloud) -> Alignment:
-        """Find one object, known all around, in a cloud with its ground, however it lies there; deterministic.
+        """Find one object, known all around, in a cloud with its ground, however it lies there;
+        deterministic.
 
         Returns:
-            T_target_model, accepted or refused with a reason. A method that needs several objects refuses.
+            T_target_model, accepted or refused with a reason. A method that needs several objects
+            refuses.
         """
         return Alignment(
             np.eye(4), False, "this method registers maps, not single objects", 0.0, 0.0

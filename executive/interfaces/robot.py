@@ -25,7 +25,8 @@ class Robot(Plugin, ABC):
 
     @abstractmethod
     def read(self, until_s: float) -> Sequence[Observation]:
-        """Return what was measured since the last call and arrived until a mission time [s], in order of stamps.
+        """Return what was measured since the last call and arrived until a mission time [s], in
+        order of stamps.
 
         A simulated robot advances its world to that time.
 
@@ -47,7 +48,9 @@ class Robot(Plugin, ABC):
 
     @abstractmethod
     def stop(self) -> None:
-        """Slow down along the path under way, within the acceleration limits, and hold; the jaws keep pressing."""
+        """Slow down along the path under way, within the acceleration limits, and hold; the jaws
+        keep pressing.
+        """
 
 
 class Scene(ABC):
@@ -55,11 +58,15 @@ class Scene(ABC):
 
     @abstractmethod
     def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
-        """Return the range [m] to the first surface along each unit direction (N, 3), inf for none, shape (N,)."""
+        """Return the range [m] to the first surface along each unit direction (N, 3), inf for none,
+        shape (N,).
+        """
 
 
 class Photographer(ABC):
-    """A simulated robot's surroundings, as a drone's camera would photograph them before the machine drives in."""
+    """A simulated robot's surroundings, as a drone's camera would photograph them before the
+    machine drives in.
+    """
 
     @abstractmethod
     def photograph(
@@ -68,7 +75,8 @@ class Photographer(ABC):
         """Yield one picture a pose: red, green, blue, shape (height, width, 3).
 
         Args:
-            T_world_opticals: Poses of a pinhole camera; z looks forward, x right, y down, (4, 4) each.
+            T_world_opticals: Poses of a pinhole camera; z looks forward, x right, y down, (4, 4)
+                each.
             size_px: Width and height of the pictures.
             view_angle_rad: Opening angle across the width [rad].
 

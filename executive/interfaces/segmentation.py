@@ -14,5 +14,6 @@ class Segmenter(Plugin, ABC):
     def segment(self, cloud: Cloud) -> Segmentation:
         """Split a cloud into its ground and the objects on it; deterministic.
 
-        Gravity need not be along z to the degree: the ground's normal is within 30° of the frame's z axis.
+        Gravity need not be along z to the degree: the ground's normal is within 30° of the frame's
+        z axis.
         """

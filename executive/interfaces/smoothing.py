@@ -10,11 +10,14 @@ from executive.messages.odometry import LidarIncrement
 
 
 class TrajectorySmoother(Plugin, ABC):
-    """Estimate a trajectory from all measurements at once, those after a time as well as those before it."""
+    """Estimate a trajectory from all measurements at once, those after a time as well as those
+    before it.
+    """
 
     @abstractmethod
     def smooth(self, observations: Iterable[Observation | LidarIncrement]) -> Sequence[BaseState]:
-        """Return the state at each inertial sample, from the first that is known; empty if none ever is.
+        """Return the state at each inertial sample, from the first that is known; empty if none
+        ever is.
 
         Args:
             observations: In order of arrival.

@@ -9,7 +9,9 @@ from executive.messages.cloud import Cloud
 
 
 class Survey(Plugin, ABC):
-    """Give a cloud of the site in a frame of its own, its pose unknown, its scale rough (Mascaro 2020, Sec. 4.1)."""
+    """Give a cloud of the site in a frame of its own, its pose unknown, its scale rough (Mascaro
+    2020, Sec. 4.1).
+    """
 
     @abstractmethod
     def survey(self, rng: np.random.Generator) -> Cloud:

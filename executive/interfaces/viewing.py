@@ -14,8 +14,9 @@ class Viewer(Plugin, ABC):
 
     @abstractmethod
     def show(self, stamp_s: float, entity: str, value: object) -> None:
-        """Show a message under a name, such as (`map`, Cloud) or (`grasp`, Grasp), at a mission time [s].
+        """Show a message under a name, such as (`map`, Cloud) or (`grasp`, Grasp), at a mission
+        time [s].
 
-        Kinds: Cloud, Segmentation, Stone, Grasp, MotionPlan, BaseState, JointSample, Alignment, and for the tree a
-        mapping of node path to status. Other kinds are ignored.
+        Kinds: Cloud, Segmentation, Stone, Grasp, MotionPlan, BaseState, JointSample, Alignment, and
+        for the tree a mapping of node path to status. Other kinds are ignored.
         """

@@ -15,7 +15,9 @@ Steps = Generator[Job | None, Any, Outcome]
 
 
 class Leaf:
-    """What actions and conditions share; found under the entry-point group `executive.behaviour.v1`."""
+    """What actions and conditions share; found under the entry-point group
+    `executive.behaviour.v1`.
+    """
 
     Settings: ClassVar[type[Settings]] = NoSettings
     inputs: ClassVar[Mapping[str, Port]] = {}
@@ -28,7 +30,9 @@ class Leaf:
 
 
 class Action(Leaf, ABC):
-    """A leaf that takes time, told as a generator: it yields where it waits; a `finally` cleans up when cancelled."""
+    """A leaf that takes time, told as a generator: it yields where it waits; a `finally` cleans up
+    when cancelled.
+    """
 
     @abstractmethod
     def run(self, **inputs: Any) -> Steps:

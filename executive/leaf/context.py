@@ -1,4 +1,6 @@
-"""What a leaf may touch: plugins, snapshots, jobs, the journal; never the loop, the simulator or the wall clock."""
+"""What a leaf may touch: plugins, snapshots, jobs, the journal; never the loop, the simulator or
+the wall clock.
+"""
 
 from abc import ABC, abstractmethod
 from typing import Any
@@ -21,7 +23,9 @@ class Context(ABC):
 
     @abstractmethod
     def plugin(self, capability: str) -> Any:
-        """Return the selected plugin of a capability that the leaf's `needs` names, to call a short verb at once."""
+        """Return the selected plugin of a capability that the leaf's `needs` names, to call a short
+        verb at once.
+        """
 
     @abstractmethod
     def job(self, capability: str, verb: str, *args: Any) -> Job:
@@ -29,7 +33,9 @@ class Context(ABC):
 
     @abstractmethod
     def rng(self) -> np.random.Generator:
-        """Return a fresh generator, seeded by the mission's seed, the node's path and the number of such calls."""
+        """Return a fresh generator, seeded by the mission's seed, the node's path and the number of
+        such calls.
+        """
 
     @abstractmethod
     def state(self) -> BaseState:
@@ -53,7 +59,9 @@ class Context(ABC):
 
     @abstractmethod
     def begin_hold(self) -> None:
-        """Tell the monitors that the jaws have closed on a stone; earlier verdicts are forgotten."""
+        """Tell the monitors that the jaws have closed on a stone;
+        earlier verdicts are forgotten.
+        """
 
     @abstractmethod
     def end_hold(self) -> None:

@@ -17,9 +17,11 @@ _START_SHARE = 0.9  # of what a robot bears: it measures once more, with other n
 
 
 def follow(context: Context, trajectory: JointTrajectory) -> Generator[None, None, Outcome]:
-    """Command a trajectory and wait for its end; if given up before, stop the machine along the path.
+    """Command a trajectory and wait for its end; if given up before, stop the machine along the
+    path.
 
-    Fails without moving if the arm is not where the trajectory begins: a load that slips can push it after planning.
+    Fails without moving if the arm is not where the trajectory begins: a load that slips can push
+    it after planning.
     """
     robot = context.plugin("robot")
     away = np.abs(_position(context, trajectory) - trajectory.position[0])

@@ -5,14 +5,17 @@ from collections.abc import Generator
 from executive.leaf.context import Context
 from executive.messages.command import MoveJaws
 
-_STILL_RAD = 0.01  # moving less than this in the window below counts as standing; encoder noise is below 1 mrad
+# moving less than this in the window below counts as standing; encoder noise is below 1 mrad
+_STILL_RAD = 0.01
 _WINDOW_S = 0.5
 
 
 def drive_jaws(
     context: Context, position_rad: float, force_n: float | None
 ) -> Generator[None, None, float]:
-    """Command the jaws, wait until they stand, at the position or against something; return their angle [rad]."""
+    """Command the jaws, wait until they stand, at the position or against something; return their
+    angle [rad].
+    """
     force_n = context.machine().gripper.tip_force_n if force_n is None else force_n
     context.plugin("robot").command(MoveJaws(position_rad, force_n))
     jaw = context.machine().jaw.name

@@ -7,8 +7,9 @@ from typing import Any
 class Job(ABC):
     """One call of a plugin's verb, under way.
 
-    In a simulated mission a job is ready exactly when its declared latency has passed on the mission's clock, however
-    long it really took; against the wall clock it is ready when it is done.
+    In a simulated mission a job is ready exactly when its declared latency has passed on the
+    mission's clock, however long it really took; against the wall clock it is ready when it is
+    done.
     """
 
     @abstractmethod
@@ -21,4 +22,6 @@ class Job(ABC):
 
     @abstractmethod
     def cancel(self) -> None:
-        """Give the result up; a worker process that is still at it after its deadline is replaced."""
+        """Give the result up; a worker process that is still at it after its deadline is
+        replaced.
+        """

@@ -11,7 +11,8 @@ class Port:
     Attributes:
         type: Class of the value, or `list[X]` for a list of them; `object` takes anything.
         doc: One line on meaning, frame and unit.
-        optional: An input that may be left unconnected (the leaf gets None), an output that may stay unwritten.
+        optional: An input that may be left unconnected (the leaf gets None), an output that may
+            stay unwritten.
     """
 
     type: Any

@@ -1,4 +1,6 @@
-"""Take a stone's place out of the map: the step of every leaf after which the stone may lie otherwise."""
+"""Take a stone's place out of the map: the step of every leaf after which the stone may lie
+otherwise.
+"""
 
 import numpy as np
 
@@ -10,16 +12,19 @@ _MARGIN_M = 0.1  # beyond a stone's farthest point: a hand's breadth
 
 
 def reach_of(stone: Stone) -> float:
-    """Return the distance [m] of a stone's farthest point from its centroid, and a hand's breadth more."""
+    """Return the distance [m] of a stone's farthest point from its centroid, and a hand's breadth
+    more.
+    """
     return float(np.linalg.norm(stone.points_map - stone.centroid_map, axis=1).max()) + _MARGIN_M
 
 
 def remove_from_map(context: Context, stone: Stone, least_radius_m: float) -> tuple[int, int]:
     """Let the map forget a sphere about a stone (Mascaro 2020, Sec. 4.5).
 
-    Deviation from the paper: the sphere takes in the whole stone. What a long one left outside R_obj was segmented as
-    another stone later. Beyond the paper: what the sphere takes from stones beside this one is put back from the
-    database, for no scan may come before the next plan.
+    Deviation from the paper: the sphere takes in the whole stone. What a long one left outside
+    R_obj was segmented as
+    another stone later. Beyond the paper: what the sphere takes from stones beside this one is put
+    back from the database, for no scan may come before the next plan.
 
     Args:
         context: The leaf's view of the mission; it needs mapping and objects.

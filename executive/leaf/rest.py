@@ -9,7 +9,8 @@ from executive.arrays import Float
 from executive.leaf.context import Context
 from executive.messages.command import START_TOLERANCE
 
-_STANDING = 0.01  # [rad/s] or [m/s]: a joint slower than this stands; five times the noise of a good encoder's speed
+# [rad/s] or [m/s]: a joint slower than this stands; five times the noise of a good encoder's speed
+_STANDING = 0.01
 _STAYING = (
     0.4 * START_TOLERANCE
 )  # [rad] or [m]: so does one that has not strayed farther over the window
@@ -18,13 +19,17 @@ _LIMIT_S = 10.0  # the slowest stop along a path takes less
 
 
 class Rest:
-    """Tells whether joints stand: they hardly move, or shake on the spot, as the simulated jaws do in some postures."""
+    """Tells whether joints stand: they hardly move, or shake on the spot, as the simulated jaws do
+    in some postures.
+    """
 
     def __init__(self) -> None:
         self._seen: deque[tuple[float, Float]] = deque()
 
     def add(self, now_s: float, position: Float, velocity: Float) -> bool:
-        """Take note of a sample, positions and velocities (n,), and return whether the joints stand."""
+        """Take note of a sample, positions and velocities (n,), and return whether the joints
+        stand.
+        """
         self._seen.append((now_s, position))
         while len(self._seen) > 1 and now_s - self._seen[1][0] >= _WINDOW_S:
             self._seen.popleft()
@@ -41,8 +46,8 @@ class Rest:
 def come_to_rest(context: Context) -> Generator[None, None, str]:
     """Wait until no joint of the arm moves; the jaws may.
 
-    A motion that was given up ends along its path some ticks later: a plan made before that begins where the arm no
-    longer is.
+    A motion that was given up ends along its path some ticks later: a plan made before that begins
+    where the arm no longer is.
 
     Returns:
         Why waiting was given up; empty if the arm stands.

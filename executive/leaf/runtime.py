@@ -41,4 +41,6 @@ class Runtime(ABC):
 
     @abstractmethod
     def fail(self, error: BaseException, node: str) -> None:
-        """Take note of an error that escaped a leaf; a RobotError ends the mission in a safe stop after this tick."""
+        """Take note of an error that escaped a leaf; a RobotError ends the mission in a safe stop
+        after this tick.
+        """

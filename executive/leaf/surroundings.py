@@ -17,7 +17,8 @@ def surroundings(context: Context, without: int | None = None) -> Cloud:
 
     Args:
         context: The leaf's view of the mission; it needs mapping and objects.
-        without: Id of a stone whose model and map points are left out, such as the one that is held.
+        without: Id of a stone whose model and map points are left out, such as the one that is
+            held.
     """
     points = context.plugin("mapping").cloud().points
     stones = context.plugin("objects").stones()
@@ -35,10 +36,12 @@ def held_surface(context: Context, hold: Hold) -> np.ndarray:
 
 
 def gap_below(stone: np.ndarray, points: np.ndarray) -> float:
-    """Return the height [m] of a stone's lowest point above what is highest under it; negative if it reaches into it.
+    """Return the height [m] of a stone's lowest point above what is highest under it; negative if
+    it reaches into it.
 
-    Where the map shows nothing there, because it has forgotten the place that the stone was taken from, the middle
-    height of what lies next to it stands for the ground; nothing within 1.5 m is no gap.
+    Where the map shows nothing there, because it has forgotten the place that the stone was taken
+    from, the middle height of what lies next to it stands for the ground; nothing within 1.5 m is
+    no gap.
     """
     low, high = stone.min(axis=0), stone.max(axis=0)
     lower = points[points[:, 2] < high[2]]
@@ -51,7 +54,9 @@ def gap_below(stone: np.ndarray, points: np.ndarray) -> float:
 
 
 def _near(points: np.ndarray, model: np.ndarray) -> np.ndarray:
-    """Tell which points lie in the box of a stone's model, but for its lowest 10 cm, where the ground begins."""
+    """Tell which points lie in the box of a stone's model, but for its lowest 10 cm, where the
+    ground begins.
+    """
     low, high = model.min(axis=0) - _CELL_M, model.max(axis=0) + _CELL_M
     low[2] += 0.1 + _CELL_M
     return np.asarray(((points >= low) & (points <= high)).all(axis=1))

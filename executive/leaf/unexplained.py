@@ -8,11 +8,13 @@ from executive.messages.cloud import Cloud
 from executive.messages.stone import Stone
 
 _EXPLAINED_M = 0.08  # a point this near another stone's model is of that stone
-_GROUND_M = 0.10  # so high above its lowest point a stone's model begins to explain: below, the ground begins
+# so high above its lowest point a stone's model begins to explain: below, the ground begins
+_GROUND_M = 0.10
 
 
 def unexplained(context: Context, stone: Stone, radius_m: float) -> Cloud:
-    """Return the map within a distance of a stone's believed centroid (horizontally), less its neighbours.
+    """Return the map within a distance of a stone's believed centroid (horizontally), less its
+    neighbours.
 
     Args:
         context: The leaf's view of the mission; it needs mapping and objects.

@@ -57,7 +57,8 @@ def gnss_fix(message: Any, stamp_s: float) -> GnssFix | None:
 
 
 def joint_sample(message: Any, stamp_s: float) -> JointSample:
-    """Return a sensor_msgs/JointState; efforts may be missing, for they say nothing about where the joints are.
+    """Return a sensor_msgs/JointState; efforts may be missing, for they say nothing about where the
+    joints are.
 
     Raises:
         DataError: If velocities are missing.
@@ -74,7 +75,8 @@ def joint_sample(message: Any, stamp_s: float) -> JointSample:
 
 
 def lidar_scan(message: Any, stamp_s: float) -> LidarScan:
-    """Return a sensor_msgs/PointCloud2 with x, y, z and, if it is there, a time of each point after the stamp.
+    """Return a sensor_msgs/PointCloud2 with x, y, z and, if it is there, a time of each point after
+    the stamp.
 
     The scan's own stamp is that of its last point. Returns that are not finite are left out.
 
@@ -87,7 +89,8 @@ def lidar_scan(message: Any, stamp_s: float) -> LidarScan:
     missing = [name for name in "xyz" if name not in layout]
     if missing:
         raise DataError(
-            f"a point cloud without {', '.join(missing)}; its fields are {', '.join(layout) or 'none'}"
+            f"a point cloud without {', '.join(missing)}; its fields are "
+            f"{', '.join(layout) or 'none'}"
         )
     formats, offsets = zip(*layout.values(), strict=True)
     kind = np.dtype(

@@ -10,9 +10,10 @@ from executive.errors import DataError, did_you_mean
 from executive.logs.decode import transform_of
 from executive.machine.rig import Rig
 
-# What a MEMS sensor does on a body that shakes: 5 to 50 times its data sheet's noise. Measured on a car: at rest the
-# engine alone gives a spread of 0.13 m/s² and 0.05 rad/s, the road gives more, and the accelerometer's bias was 0.14
-# m/s². Half or twice these figures change the median error after an outage of 5 s or 10 s by up to a quarter.
+# What a MEMS sensor does on a body that shakes: 5 to 50 times its data sheet's noise. Measured on a
+# car: at rest the engine alone gives a spread of 0.13 m/s² and 0.05 rad/s, the road gives more, and
+# the accelerometer's bias was 0.14 m/s². Half or twice these figures change the median error after
+# an outage of 5 s or 10 s by up to a quarter.
 _IMU = {
     "rate_hz": 100.0,
     "gyro_noise_rad_s": 0.03,
@@ -61,7 +62,8 @@ def rig_from(transforms: Iterable[Any], frames: Mapping[str, str], log: str) -> 
     strangers = sorted(frame for frame, (root, _) in poses.items() if root != body)
     if strangers:
         raise DataError(
-            f"{log}: tf_static does not tie {', '.join(strangers)} to '{body}', which carries the IMU"
+            f"{log}: tf_static does not tie {', '.join(strangers)} to '{body}', which "
+            "carries the IMU"
         )
     sensors = {frame: _sensor(frame, frames[frame], T) for frame, (_, T) in poses.items()}
     return Rig.model_validate({"name": body, "sensors": sensors})

@@ -66,7 +66,8 @@ class Log:
         """Open a log.
 
         Raises:
-            DataError: If it is no whole log, lacks inertial or satellite measurements, or a topic has another type.
+            DataError: If it is no whole log, lacks inertial or satellite measurements, or a topic
+                has another type.
         """
         self.path = path
         self._source = Source(path)
@@ -84,7 +85,8 @@ class Log:
         self.skipped: dict[str, Skipped] = {}
 
     def rig(self, model: str | None) -> Rig:
-        """Return the machine of a name; without one, the machine that the log names, or a body by its extrinsics.
+        """Return the machine of a name; without one, the machine that the log names, or a body by
+        its extrinsics.
 
         Raises:
             DataError: If the extrinsics of a sensor are missing.
@@ -115,13 +117,15 @@ class Log:
         return rig_from(transforms, frames, str(self.path))
 
     def arrivals(self) -> Iterator[Arrival]:
-        """Yield all measurements in order of arrival; receivers' messages without a fix are left out.
+        """Yield all measurements in order of arrival; receivers' messages without a fix are left
+        out.
 
-        A message with a value that cannot be, such as one that is not finite, is left out and counted in `skipped`:
-        one bad sample does not make a log useless.
+        A message with a value that cannot be, such as one that is not finite, is left out and
+        counted in `skipped`: one bad sample does not make a log useless.
 
         Raises:
-            DataError: If the file breaks off, or a topic lacks what is needed of each of its messages.
+            DataError: If the file breaks off, or a topic lacks what is needed of each of its
+                messages.
         """
         self.skipped.clear()
         readers = self._readers()
@@ -166,7 +170,8 @@ class Log:
             there = ", ".join(f"{name} ({typ})" for name, typ in sorted(types.items())) or "nothing"
             near = did_you_mean(topic, [name for name, typ in types.items() if typ == TYPES[kind]])
             raise DataError(
-                f"{self.path}: no {topic} for {kind}; name another with --topic {kind}=…. It holds: {there}{near}"
+                f"{self.path}: no {topic} for {kind}; name another with --topic "
+                f"{kind}=…. It holds: {there}{near}"
             )
         if types[topic] != TYPES[kind]:
             raise DataError(
@@ -181,7 +186,9 @@ class _Increments:
         self._last: dict[str, tuple[float, Float]] = {}
 
     def __call__(self, message: Any, stamp_s: float) -> LidarIncrement | None:
-        """Return the motion since the frame's last pose; its covariance is taken as that of the increment."""
+        """Return the motion since the frame's last pose; its covariance is taken as that of the
+        increment.
+        """
         frame, T = message.child_frame_id, decode.pose_of(message.pose.pose)
         if not np.isfinite(T).all():
             raise ShapeError("a pose with values that are not finite")

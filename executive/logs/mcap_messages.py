@@ -1,4 +1,6 @@
-"""The messages of an MCAP file in the order in which they were written down, a few chunks at a time."""
+"""The messages of an MCAP file in the order in which they were written down, a few chunks at a
+time.
+"""
 
 from collections.abc import Iterator, Sequence
 from typing import IO
@@ -16,8 +18,9 @@ def in_order(
 ) -> Iterator[tuple[Schema | None, Channel, Message]]:
     """Yield schema, channel and message of some topics, checked by the chunks' sums.
 
-    Chunks follow one another in time but for a few that overlap, so that it is enough to sort what overlaps. The
-    package's own reader puts each message through a heap: three times the cost, for the same order.
+    Chunks follow one another in time but for a few that overlap, so that it is enough to sort what
+    overlaps. The package's own reader puts each message through a heap: three times the cost, for
+    the same order.
 
     Raises:
         Exception: What the package raises on a damaged file, which is not of one kind.
@@ -51,7 +54,9 @@ def in_order(
 
 
 def _overlapping(chunks: Sequence[ChunkIndex]) -> Iterator[list[ChunkIndex]]:
-    """Yield runs of chunks that overlap in time, earliest first; those of a run in the order of the file."""
+    """Yield runs of chunks that overlap in time, earliest first; those of a run in the order of the
+    file.
+    """
     run: list[ChunkIndex] = []
     end_ns = 0
     for chunk in sorted(

@@ -20,7 +20,8 @@ from executive.errors import DataError
 from executive.logs.mcap_messages import in_order
 from executive.logs.topics import TYPES
 
-# The readers let through whatever their decoders raise on a damaged file: these were met in tests with flipped bytes.
+# The readers let through whatever their decoders raise on a damaged file: these were met in tests
+# with flipped bytes.
 _DAMAGED = (
     McapError,
     AnyReaderError,
@@ -82,7 +83,9 @@ class Source:
             )
 
     def metadata(self, name: str) -> Mapping[str, str]:
-        """Return a record of text pairs that an MCAP file carries; empty if it has none of that name."""
+        """Return a record of text pairs that an MCAP file carries; empty if it has none of that
+        name.
+        """
         if not self._is_mcap:
             return {}
         with self._explained(), self.path.open("rb") as file:
@@ -119,7 +122,8 @@ class Source:
             summary = make_reader(file).get_summary()
         if summary is None:
             raise DataError(
-                f"{self.path}: not a whole log: it ends without a summary; repair it with `mcap recover`"
+                f"{self.path}: not a whole log: it ends without a summary; repair it "
+                "with `mcap recover`"
             )
         names = {
             channel.topic: summary.schemas.get(channel.schema_id)
@@ -148,7 +152,8 @@ class Source:
                 if decode is None or schema is None:
                     encoding = channel.message_encoding
                     raise DataError(
-                        f"{self.path}: {channel.topic} is encoded as '{encoding}'; cdr and ros1 are read"
+                        f"{self.path}: {channel.topic} is encoded as '{encoding}'; cdr "
+                        "and ros1 are read"
                     )
                 try:
                     decoded = decode(message.data, _full_name(schema.name))
@@ -170,7 +175,8 @@ class Source:
 
     def _undecodable(self, topic: str, error: Exception) -> DataError:
         return DataError(
-            f"{self.path}: a message on {topic} is no {self.types[topic]}: {type(error).__name__} {error}"
+            f"{self.path}: a message on {topic} is no {self.types[topic]}: "
+            f"{type(error).__name__} {error}"
         )
 
 

@@ -1,4 +1,6 @@
-"""Where a log keeps what: one topic a kind of sensor; several sensors of a kind differ by their frame."""
+"""Where a log keeps what: one topic a kind of sensor; several sensors of a kind differ by their
+frame.
+"""
 
 from pydantic import Field
 
@@ -15,7 +17,9 @@ TYPES = {
 
 
 class Topics(Settings):
-    """Names of the topics; those of a kind that a log lacks are not missed, inertial and satellite ones apart."""
+    """Names of the topics; those of a kind that a log lacks are not missed, inertial and satellite
+    ones apart.
+    """
 
     imu: str = Field("/imu/data", description=TYPES["imu"])
     gnss: str = Field("/gnss/fix", description=TYPES["gnss"])

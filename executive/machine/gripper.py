@@ -1,6 +1,7 @@
 """The two-jaw gripper: its polyhedra at any opening, and the way from angle to opening and back.
 
-Frame: origin at the palm's centre, x out of the palm (approach), y from jaw to jaw, z along the jaws' width.
+Frame: origin at the palm's centre, x out of the palm (approach), y from jaw to jaw, z along the
+jaws' width.
 """
 
 import math
@@ -25,7 +26,9 @@ SIDES = {"jaw_left": 1.0, "jaw_right": -1.0}  # sign of y, and of the opening tu
 
 
 class JawPart(Settings):
-    """A convex polygon across the jaws' width, drawn out along z over one or more spans: a plate, or ribs."""
+    """A convex polygon across the jaws' width, drawn out along z over one or more spans: a plate,
+    or ribs.
+    """
 
     corners_m: tuple[Vec2, ...] = Field(
         min_length=3, description="Corners (x, y) from the left jaw's pivot [m]."
@@ -96,7 +99,8 @@ class Gripper(Sourced):
         least, most = max(self.opening_m(0.0), 0.0), self.max_opening_m  # closed may be −1e-17 m
         if not least - 1e-9 <= opening_m <= most + 1e-9:
             raise DataError(
-                f"no jaw angle opens the tips to {opening_m:.3f} m; ask for {least:.2f} to {most:.2f} m"
+                f"no jaw angle opens the tips to {opening_m:.3f} m; ask for {least:.2f} "
+                f"to {most:.2f} m"
             )
         return math.asin((opening_m / 2 - self.pivot_m[1]) / self.tip_radius_m) - self._tip_angle
 
@@ -111,7 +115,9 @@ class Gripper(Sourced):
         )
 
     def hulls(self, jaw_rad: float) -> dict[str, tuple[Float, ...]]:
-        """Return the corners of all convex parts in the gripper frame: of `palm`, `jaw_left`, `jaw_right`."""
+        """Return the corners of all convex parts in the gripper frame: of `palm`, `jaw_left`,
+        `jaw_right`.
+        """
         parts = {"palm": tuple(shape.vertices for shape in self.palm_shapes)}
         for name in SIDES:
             T = self.T_gripper_jaw(name, jaw_rad)
@@ -119,7 +125,9 @@ class Gripper(Sourced):
         return parts
 
     def T_gripper_jaw(self, name: str, jaw_rad: float) -> Float:
-        """Return the pose of a jaw's link (`jaw_left` or `jaw_right`) at an angle [rad], shape (4, 4)."""
+        """Return the pose of a jaw's link (`jaw_left` or `jaw_right`) at an angle [rad], shape (4,
+        4).
+        """
         side, (x, y) = SIDES[name], self.pivot_m
         return pose(about_axis(np.array([0.0, 0.0, side]), jaw_rad), np.array([x, side * y, 0.0]))
 

@@ -65,7 +65,9 @@ class Joint(Limits, Origin):
 
 
 class Jaw(Limits):
-    """The one actuated jaw joint: it turns the left jaw, the right one mirrors it; 0 is closed, more is open."""
+    """The one actuated jaw joint: it turns the left jaw, the right one mirrors it; 0 is closed,
+    more is open.
+    """
 
     name: str = Field(description="Unique name.")
     open_rad: float = Field(gt=0, lt=math.pi, description="Angle of the widest opening [rad].")

@@ -10,7 +10,9 @@ from executive.machine.urdf import urdf
 
 
 class Kinematics:
-    """Where links, sensors and the gripper are for given joint positions; not safe to share between threads."""
+    """Where links, sensors and the gripper are for given joint positions; not safe to share between
+    threads.
+    """
 
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
@@ -42,7 +44,9 @@ class Kinematics:
         )
 
     def jacobian(self, q_arm: Float) -> Float:
-        """Return the Jacobian of the gripper's frame: linear, then angular velocity in base axes, shape (6, n)."""
+        """Return the Jacobian of the gripper's frame: linear, then angular velocity in base axes,
+        shape (6, n).
+        """
         q = self._configuration(q_arm, 0.0)
         axes = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         J = pin.computeFrameJacobian(self._model, self._data, q, self._gripper, axes)

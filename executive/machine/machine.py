@@ -1,4 +1,6 @@
-"""A machine as its folder's `robot.yaml` describes it: the single source of every geometric fact."""
+"""A machine as its folder's `robot.yaml` describes it: the single source of every
+geometric fact.
+"""
 
 from collections.abc import Iterable
 from functools import cached_property
@@ -57,7 +59,8 @@ class Machine(Rig):
         for before, joint in zip(self.joints, self.joints[1:], strict=False):
             if joint.parent != before.child:
                 raise ValueError(
-                    f"joint {joint.name} has parent '{joint.parent}'; the chain needs '{before.child}'"
+                    f"joint {joint.name} has parent '{joint.parent}'; the chain needs "
+                    f"'{before.child}'"
                 )
         _known("turn_joint", [self.turn_joint], self.arm_names)
         _known("joints", [n for j in self.joints[:-1] for n in (j.parent, j.child)], self.bodies)
@@ -67,7 +70,8 @@ class Machine(Rig):
         )
         if self.jaw.open_rad != self.gripper.open_rad:
             raise ValueError(
-                f"jaw.open_rad {self.jaw.open_rad} differs from gripper.open_rad {self.gripper.open_rad}"
+                f"jaw.open_rad {self.jaw.open_rad} differs from gripper.open_rad "
+                f"{self.gripper.open_rad}"
             )
         self._check_postures()
         return self
@@ -195,7 +199,8 @@ def machine_folder(model: str) -> Path:
             return folder
     shipped = [path.parent.name for path in sorted(_FOLDER.glob(f"*/{_FILE}"))]
     raise ConfigError(
-        f"no machine '{model}': neither shipped nor a folder with a {_FILE}{did_you_mean(model, shipped)}"
+        f"no machine '{model}': neither shipped nor a folder with a "
+        f"{_FILE}{did_you_mean(model, shipped)}"
     )
 
 
@@ -203,7 +208,8 @@ def load_machine(model: str) -> Machine:
     """Read a machine by the name of its folder under robot_models, or by a path to a folder.
 
     Raises:
-        ConfigError: If there is none, or its robot.yaml is wrong; every wrong field is named with its cure.
+        ConfigError: If there is none, or its robot.yaml is wrong; every wrong field is named with
+            its cure.
     """
     path = machine_folder(model) / _FILE
     try:

@@ -1,7 +1,8 @@
 """The machine as a MuJoCo model, generated: bodies and joints have the names of the description.
 
-The base is welded to the world. Weights of the machine's own links are carried by the joints' actuators
-(`actgravcomp`), as a valve controller does that knows the arm: efforts still hold them, tracking does not suffer.
+The base is welded to the world. Weights of the machine's own links are carried by the joints'
+actuators (`actgravcomp`), as a valve controller does that knows the arm: efforts still hold them,
+tracking does not suffer.
 """
 
 import mujoco
@@ -26,7 +27,9 @@ JAW_TIE = "jaw_tie"  # the equality that mirrors the left jaw in the right one
 
 
 def machine_spec(machine: Machine) -> mujoco.MjSpec:
-    """Build the machine: bodies, joints, one motor a joint (named like it), the jaws' tie, excluded contacts."""
+    """Build the machine: bodies, joints, one motor a joint (named like it), the jaws' tie, excluded
+    contacts.
+    """
     spec = mujoco.MjSpec()
     spec.modelname = machine.name
     bodies = {

@@ -30,7 +30,8 @@ class Sourced(Settings):
     """A block of figures, each with its provenance."""
 
     provenance: Provenance = Field(
-        description="measured, paper or guess: one word for the block, or by field with `rest` for the others."
+        description="measured, paper or guess: one word for the block, or by field with `rest` for "
+        "the others."
     )
 
     @model_validator(mode="after")
@@ -38,7 +39,8 @@ class Sourced(Settings):
         unknown = sorted(set(self.provenance) - set(type(self).model_fields) - {REST})
         if unknown:
             raise ValueError(
-                f"provenance names {', '.join(unknown)}, which the block does not have; use field names"
+                f"provenance names {', '.join(unknown)}, which the block does not have; "
+                "use field names"
             )
         if REST not in self.provenance:
             raise ValueError("provenance lacks `rest`, the source of the fields it does not name")

@@ -1,4 +1,6 @@
-"""Bodies that carry sensors: what an estimator needs to know of a machine, or of a car that has no arm at all."""
+"""Bodies that carry sensors: what an estimator needs to know of a machine, or of a car that has no
+arm at all.
+"""
 
 from functools import cached_property
 
@@ -10,7 +12,9 @@ from executive.machine.sensor import Sensor
 
 
 class Rig(Settings):
-    """A chassis, the joints above it, and the sensors on both; without a turn joint the cabin is the chassis."""
+    """A chassis, the joints above it, and the sensors on both; without a turn joint the cabin is
+    the chassis.
+    """
 
     name: str = Field(description="Name of the machine.")
     turn_joint: str | None = Field(None, description="The joint that turns the cabin, if any.")

@@ -1,4 +1,6 @@
-"""Returns from the machine itself, found by the shapes of its links (Mascaro 2020, Sec. 4.2, step 1)."""
+"""Returns from the machine itself, found by the shapes of its links (Mascaro 2020, Sec. 4.2, step
+1).
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -29,7 +31,9 @@ def _is_inside(
 def _is_behind(
     point: Float, planes: Float, first: int, last: int, inset: float
 ) -> bool:  # pragma: no cover - compiled
-    """Tell whether the way from the sensor, the origin, to a point leads through a shape made smaller by an inset."""
+    """Tell whether the way from the sensor, the origin, to a point leads through a shape made
+    smaller by an inset.
+    """
     begin, end = 0.0, 1.0
     for p in range(first, last):
         d = planes[p, 3] - inset
@@ -47,7 +51,9 @@ def _is_behind(
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _near_way(point: Float, sphere: Float) -> tuple[bool, bool]:  # pragma: no cover - compiled
-    """Tell whether the way from the origin to a point meets a sphere, and whether the point lies in it."""
+    """Tell whether the way from the origin to a point meets a sphere, and whether the point lies in
+    it.
+    """
     x, y, z = point[0] - sphere[0], point[1] - sphere[1], point[2] - sphere[2]
     square = sphere[3] * sphere[3]
     if x * x + y * y + z * z <= square:
@@ -70,7 +76,9 @@ def _own(
     casts: Bool,
     inset: float,
 ) -> Bool:  # pragma: no cover - compiled
-    """Tell which points are in a shape, within its sphere and behind all its planes, or in its shadow."""
+    """Tell which points are in a shape, within its sphere and behind all its planes, or in its
+    shadow.
+    """
     found = np.zeros(len(points), dtype=np.bool_)
     for n in range(len(points)):
         s = slices[n]
@@ -89,7 +97,9 @@ def _own(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Hull:
-    """A padded convex shape in its link's frame: planes n·p ≤ d, shape (P, 4), and a sphere around it."""
+    """A padded convex shape in its link's frame: planes n·p ≤ d, shape (P, 4), and a sphere around
+    it.
+    """
 
     link: str
     planes: Float
@@ -100,8 +110,8 @@ class _Hull:
 class SelfFilter:
     """Padded hulls of all links with their shadows, and the ball of a held stone.
 
-    A return behind a link is a shadow: the beam's edge caught the link, or the joints were a little elsewhere. The link
-    that carries the sensor casts none, for the sensor may sit within its hull.
+    A return behind a link is a shadow: the beam's edge caught the link, or the joints were a little
+    elsewhere. The link that carries the sensor casts none, for the sensor may sit within its hull.
     """
 
     def __init__(self, machine: Machine, padding_m: float, shadow_m: float = 0.0) -> None:
@@ -110,7 +120,8 @@ class SelfFilter:
         Args:
             machine: Its links' shapes are taken.
             padding_m: Returns this near to a link are its own [m].
-            shadow_m: Returns whose ray passes this near to a link on its way are shadows; 0 for none [m].
+            shadow_m: Returns whose ray passes this near to a link on its way are shadows; 0 for
+                none [m].
         """
         shapes = [
             (name, shape.vertices) for name, link in machine.links.items() for shape in link.shapes

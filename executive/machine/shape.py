@@ -41,7 +41,9 @@ class Shape(Origin):
 
     @cached_property
     def vertices(self) -> Float:
-        """Corners in the link's frame [m], shape (V, 3); a cylinder's are those of the prism around it."""
+        """Corners in the link's frame [m], shape (V, 3); a cylinder's are those of the prism around
+        it.
+        """
         return checked("vertices", transform(self.T, self._corners()), None, 3)
 
     def _corners(self) -> Float:

@@ -10,7 +10,9 @@ from executive.machine.origin import Origin
 
 
 def urdf(machine: Machine) -> str:
-    """Write the machine as URDF: joints and links have the names of the description, shapes are left out."""
+    """Write the machine as URDF: joints and links have the names of the description, shapes are
+    left out.
+    """
     robot = Xml.Element("robot", name=machine.name)
     for link in machine.links.values():
         _add_link(robot, link)

@@ -11,12 +11,14 @@ class Alignment:
     """Result of a local alignment or of a global registration.
 
     Attributes:
-        T_target_source: Pose of the source's frame in the target's, the source scaled by `scale`, shape (4, 4).
+        T_target_source: Pose of the source's frame in the target's, the source scaled by `scale`,
+            shape (4, 4).
         accepted: Whether it passed its gate; a refused transform is kept for the record only.
         reason: Why it was refused, or what the gate measured.
         rmse_m: Root mean square distance of inlier correspondences [m].
         overlap: Fraction of source points with a correspondence, 0 … 1.
-        matched_segments: Pairs (source segment, target segment) that agree; empty for a local alignment.
+        matched_segments: Pairs (source segment, target segment) that agree; empty for a local
+            alignment.
         scale: Factor on source coordinates: p_target = R (scale · p_source) + t.
         timings_ms: Wall time of each stage, and `total`; for reports only.
     """

@@ -13,10 +13,13 @@ class BaseState:
         stamp_s: Time of validity [s].
         T_map_base: Pose of the chassis in the map (east-north-up about the datum), shape (4, 4).
         T_odom_base: The same in the odometry frame, which never steps, shape (4, 4).
-        T_map_cabin: Pose of the cabin (origin and axes as the turn joint leaves them), shape (4, 4).
+        T_map_cabin: Pose of the cabin (origin and axes as the turn joint leaves them), shape (4,
+            4).
         v_map_cabin: Velocity of the cabin's origin against the map, in map axes [m/s], shape (3,).
-        w_map_cabin_in_cabin: Angular velocity of the cabin against the map, in cabin axes [rad/s], shape (3,).
-        covariance: Of T_map_cabin as (rotation [rad], translation [m]) in the cabin frame, shape (6, 6).
+        w_map_cabin_in_cabin: Angular velocity of the cabin against the map, in cabin axes [rad/s],
+            shape (3,).
+        covariance: Of T_map_cabin as (rotation [rad], translation [m]) in the cabin frame, shape
+            (6, 6).
         status: `INITIALISING`, or how the estimator stands, such as `GLOBAL` or `FALLBACK`.
     """
 

@@ -10,14 +10,15 @@ from executive.arrays import Float, checked
 class Grasp:
     """A pose of the gripper in which its jaws may close.
 
-    The gripper's frame: origin at the palm's centre, x out of the palm (the approach), y from jaw to jaw, z along
-    the jaws' width.
+    The gripper's frame: origin at the palm's centre, x out of the palm (the approach), y from jaw
+    to jaw, z along the jaws' width.
 
     Attributes:
         T_map_gripper: Pose of the gripper with its jaws open around the stone, shape (4, 4).
         opening_m: Distance of the open tips [m].
         score: Higher is better; only comparable within one plan.
-        costs: The terms behind the score: `align_rad`, `enclose_m`, `distance_m` (Mascaro 2020, Eq. 5–7), and others.
+        costs: The terms behind the score: `align_rad`, `enclose_m`, `distance_m` (Mascaro 2020, Eq.
+            5–7), and others.
     """
 
     T_map_gripper: Float

@@ -13,7 +13,8 @@ class JointSample:
     Attributes:
         stamp_s: Time of measurement [s].
         names: Joint names, in the order of the arrays, n of them.
-        position: [rad] or, for prismatic joints, [m], shape (n,). Continuous joints are not wrapped.
+        position: [rad] or, for prismatic joints, [m], shape (n,). Continuous joints are not
+            wrapped.
         velocity: [rad/s] or [m/s], shape (n,).
         effort: Joint torque [N·m] or force [N] computed from cylinder pressures, shape (n,).
     """

@@ -18,7 +18,8 @@ class Motion:
         T_map_cabin: Estimated cabin poses, shape (k, 4, 4).
         joint_names: n names.
         joint_position: Joint positions [rad] or [m], shape (k, n).
-        covariance: Of the newest cabin pose, as in `BaseState`, shape (6, 6); None where it is not known.
+        covariance: Of the newest cabin pose, as in `BaseState`, shape (6, 6); None where it is not
+            known.
     """
 
     stamps_s: Float
@@ -53,7 +54,9 @@ class Motion:
         return interpolate(self.T_map_cabin[i], self.T_map_cabin[i + 1], fraction)
 
     def joints_at(self, stamp_s: float) -> Float:
-        """Return the joint positions at a time, interpolated, shape (n,); the ends hold beyond the window."""
+        """Return the joint positions at a time, interpolated, shape (n,); the ends hold beyond the
+        window.
+        """
         i, fraction = self._bracket(stamp_s)
         if fraction == 0.0:
             return np.asarray(self.joint_position[i])

@@ -11,7 +11,8 @@ class Slot:
 
     Attributes:
         id: Number, from 1.
-        position_map: Point on the ground over which the stone's centroid is to stand [m], shape (3,).
+        position_map: Point on the ground over which the stone's centroid is to stand [m], shape
+            (3,).
     """
 
     id: int

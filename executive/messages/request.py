@@ -9,7 +9,8 @@ from executive.messages.trajectory import JointTrajectory
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MoveRequest:
-    """Bring the gripper to a pose: leave along the ground's normal, travel high, arrive along the normal.
+    """Bring the gripper to a pose: leave along the ground's normal, travel high, arrive along the
+    normal.
 
     Attributes:
         start: Positions of the arm's joints now, in the machine's order, shape (n,).
@@ -17,7 +18,8 @@ class MoveRequest:
         T_map_base: Pose of the chassis, shape (4, 4).
         leave_m: Straight way up from the start before anything else [m]; 0 for none.
         arrive_m: Straight way down to the goal at the end [m]; 0 for none.
-        obstacles: What must not be hit, in the map: ground and stones, without the one that is held.
+        obstacles: What must not be hit, in the map: ground and stones, without the one that is
+            held.
         held_gripper: Surface of a held stone in the gripper's frame [m], shape (N, 3), or None.
         jaw_rad: Opening of the jaws during the motion [rad].
     """

@@ -23,14 +23,16 @@ class StoneState(StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stone:
-    """An object of the database (Mascaro 2020, Sec. 4.5): a globally referenced cloud with an identity.
+    """An object of the database (Mascaro 2020, Sec. 4.5): a globally referenced cloud with an
+    identity.
 
     Attributes:
         id: Stable number, from 1.
         state: Where it is.
         points_map: Its known surface in the map at its present pose [m], shape (N, 3).
         centroid_map: Mean of the points, in the map [m], shape (3,).
-        T_map_object: Pose of the object's frame; at first sight: the centroid, axes along the map, shape (4, 4).
+        T_map_object: Pose of the object's frame; at first sight: the centroid, axes along the map,
+            shape (4, 4).
         seen_from_above: Whether a drone survey's points are part of the model.
     """
 

@@ -12,7 +12,8 @@ class StoneEvent:
 
     Attributes:
         stamp_s: When, on the mission's clock [s].
-        kind: found, seen, moved, replaced, grasp, release, realign, state; other databases may have others.
+        kind: found, seen, moved, replaced, grasp, release, realign, state; other databases may have
+            others.
         state: The stone's state afterwards.
         T_map_object: Its pose afterwards, shape (4, 4).
         note: Where it comes from, for people: which sensor, how well it agreed, what was refused.

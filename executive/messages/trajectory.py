@@ -38,7 +38,9 @@ class JointTrajectory:
         return float(self.times_s[-1])
 
     def at(self, time_s: float) -> tuple[Float, Float]:
-        """Return position and velocity at a time since the start, each (n,); the ends hold beyond it."""
+        """Return position and velocity at a time since the start, each (n,); the ends hold beyond
+        it.
+        """
         times = self.times_s
         if time_s <= 0.0 or len(times) == 1:
             return self.position[0], self.velocity[0] * (time_s >= 0.0)

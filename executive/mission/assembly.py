@@ -1,4 +1,6 @@
-"""Plugins from a mission's selections: made in the order of the data, each given what its constructor names."""
+"""Plugins from a mission's selections: made in the order of the data, each given what its
+constructor names.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -30,7 +32,9 @@ class Assembly:
             plugin.start()
 
     def close(self) -> None:
-        """Close all plugins in the reverse order, all of them, and then raise the first error of any."""
+        """Close all plugins in the reverse order, all of them, and then raise the first error of
+        any.
+        """
         errors: list[Exception] = []
         for plugin in reversed(self.order):
             try:
@@ -45,7 +49,8 @@ def assemble(selections: Selections, model: str, seed: int) -> Assembly:
     """Make the selected plugins, dependencies first.
 
     Raises:
-        ConfigError: If a plugin needs a capability that is not selected, or plugins need each other in a circle.
+        ConfigError: If a plugin needs a capability that is not selected, or plugins need each other
+            in a circle.
     """
     machine = load_machine(model)
     made: dict[str, Any] = {}
@@ -98,5 +103,7 @@ def needed_for(selections: Selections, capability: str) -> dict[str, tuple[Selec
 
 
 def seeded(seed: int, stream: str, number: int) -> np.random.Generator:
-    """Return the generator of a named stream: independent of every other name and number, equal on every run."""
+    """Return the generator of a named stream: independent of every other name and number, equal on
+    every run.
+    """
     return np.random.default_rng([seed, number, *stream.encode()])

@@ -1,4 +1,6 @@
-"""Signals of the operator: Ctrl-C once stops along the path, twice at once; SIGUSR1 pauses and resumes."""
+"""Signals of the operator: Ctrl-C once stops along the path, twice at once; SIGUSR1 pauses and
+resumes.
+"""
 
 import signal
 import threading
@@ -14,7 +16,9 @@ class Aborted(BaseException):
 
 @contextmanager
 def stop_on_interrupt(mission: Mission) -> Iterator[None]:
-    """Turn signals into requests while the mission runs; in another thread than the main one, do nothing."""
+    """Turn signals into requests while the mission runs; in another thread than the main one, do
+    nothing.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -1,4 +1,6 @@
-"""A running mission: reads the robot, feeds the streams, ticks the tree, and brings the machine to a safe stop."""
+"""A running mission: reads the robot, feeds the streams, ticks the tree, and brings the machine to
+a safe stop.
+"""
 
 import logging
 from collections.abc import Callable, Mapping
@@ -122,7 +124,9 @@ class Mission(Runtime):
     # --- the loop
 
     def run(self, after_tick: Callable[["Mission"], None]) -> Ending:
-        """Tick until the tree has ended or the mission is stopped, and leave the machine at rest."""
+        """Tick until the tree has ended or the mission is stopped,
+        and leave the machine at rest.
+        """
         self._change(Phase.RUNNING, "")
         try:
             while self._ending is None:

@@ -1,4 +1,6 @@
-"""The person in charge: asked on the terminal, or answered for by an option or the node's default."""
+"""The person in charge: asked on the terminal, or answered for by an option or the
+node's default.
+"""
 
 import sys
 import threading
@@ -78,5 +80,6 @@ class Operator:
         if default is not None:
             return Answered(default, "default")
         raise ConfigError(
-            f"nobody can answer '{question}': there is no terminal; give --answer yes|no or a default"
+            f"nobody can answer '{question}': there is no terminal; give --answer "
+            "yes|no or a default"
         )

@@ -1,4 +1,6 @@
-"""What became of each stone, read from the journal: attempts, where it was put, where it was set aside."""
+"""What became of each stone, read from the journal: attempts, where it was put, where it was set
+aside.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -63,7 +65,9 @@ class Pick:
 
 
 def picks_from(entries: Iterable[Entry]) -> list[Pick]:
-    """Read all picks in the order in which they began; a stone that is moved again is picked again."""
+    """Read all picks in the order in which they began; a stone that is moved again is
+    picked again.
+    """
     picks: list[Pick] = []
     newest: dict[int, Pick] = {}  # by stone
     current: Try | None = None

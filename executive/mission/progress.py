@@ -1,4 +1,6 @@
-"""Progress for a person: a live tree on a terminal, plain lines elsewhere; all on standard error."""
+"""Progress for a person: a live tree on a terminal, plain lines elsewhere;
+all on standard error.
+"""
 
 import sys
 from collections.abc import Callable

@@ -1,4 +1,6 @@
-"""The report of one run: what was asked, what happened, how long it took, and, in simulation, the truth."""
+"""The report of one run: what was asked, what happened, how long it took, and, in simulation, the
+truth.
+"""
 
 import json
 from collections import Counter
@@ -27,7 +29,9 @@ class Ending:
 
     @property
     def exit_status(self) -> int:
-        """Return the process's exit status (DESIGN: command line); a stopped mission did not do its job: 1."""
+        """Return the process's exit status (DESIGN: command line); a stopped mission did not do its
+        job: 1.
+        """
         return {"success": 0, "failure": 1, "stopped": 1, "fault": 3}[self.outcome]
 
 
@@ -81,7 +85,8 @@ def summary(report: Mapping[str, Any]) -> str:
     lines = [
         f"{report['mission']} (seed {report['seed']}): {report['outcome']}"
         + (f" – {report['reason']}" if report["reason"] else ""),
-        f"  time       {_minutes(report['ended_s'])} on the mission's clock, {_minutes(report['wall_s'])} on the wall"
+        f"  time       {_minutes(report['ended_s'])} on the mission's clock, "
+        f"{_minutes(report['wall_s'])} on the wall"
         f" ({report['real_time_factor']:.1f} times real time)",
     ]
     if counts["picks"]:
@@ -92,7 +97,8 @@ def summary(report: Mapping[str, Any]) -> str:
         )
     if counts["registrations"]:
         lines.append(
-            f"  drone map  {counts['registrations_accepted']} of {counts['registrations']} registrations accepted"
+            f"  drone map  {counts['registrations_accepted']} of "
+            f"{counts['registrations']} registrations accepted"
         )
     lines += _truth_lines(report.get("truth"))
     return "\n".join(lines)
@@ -107,12 +113,14 @@ def _truth_lines(truth: Mapping[str, Any] | None) -> list[str]:
         near = sum(error <= 0.30 for error in errors)
         lines.append(
             f"  truth      {near} of {len(errors)} within 0.30 m of their slot"
-            f" (median {np.median(errors):.2f} m, worst {max(errors):.2f} m), {len(truth['collisions'])} collisions"
+            f" (median {np.median(errors):.2f} m, worst {max(errors):.2f} m), "
+            f"{len(truth['collisions'])} collisions"
         )
     if truth.get("estimate"):
         error = truth["estimate"]["error_m"]
         lines.append(
-            f"  estimate   {1e3 * error['mean']:.0f} mm off on average, {1e3 * error['max']:.0f} mm at worst"
+            f"  estimate   {1e3 * error['mean']:.0f} mm off on average, "
+            f"{1e3 * error['max']:.0f} mm at worst"
         )
     return lines
 

@@ -1,4 +1,6 @@
-"""Where observations go: in order of stamps to the estimator, the odometry, the mapper and the monitors."""
+"""Where observations go: in order of stamps to the estimator, the odometry, the mapper and the
+monitors.
+"""
 
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
@@ -62,7 +64,9 @@ class Streams:
         self._tell_status()
 
     def _tell_status(self) -> None:
-        """Hand on each change of the estimator's status once: with its reason, or as it shows where none is given."""
+        """Hand on each change of the estimator's status once: with its reason, or as it shows where
+        none is given.
+        """
         account = self._estimator.account()
         state = self._estimator.state()
         for change in account[self._told :]:

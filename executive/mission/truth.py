@@ -1,4 +1,6 @@
-"""The report's `truth` section: the only place where a mission's beliefs meet what the simulator knows."""
+"""The report's `truth` section: the only place where a mission's beliefs meet what the simulator
+knows.
+"""
 
 from collections.abc import Sequence
 from typing import Any

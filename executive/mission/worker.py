@@ -19,7 +19,9 @@ class WorkerDiedError(RobotError):
 
 
 class Worker:
-    """Calls in order, one at a time; a worker that dies fails its call and is started anew for the next."""
+    """Calls in order, one at a time; a worker that dies fails its call and is started anew for the
+    next.
+    """
 
     def __init__(self, capability: str, selections: Selections, model: str, seed: int) -> None:
         self._capability = capability
@@ -40,7 +42,9 @@ class Worker:
         return future
 
     def abandon(self, future: Future[Any]) -> None:
-        """Give a call up: a process that is still at it at the deadline is killed, and the next one serves."""
+        """Give a call up: a process that is still at it at the deadline is killed, and the next one
+        serves.
+        """
         timer = threading.Timer(_DEADLINE_S, self._kill_if_at, [future])
         timer.daemon = True
         timer.start()

@@ -1,7 +1,7 @@
 """A checked mission to py_trees nodes, each with a path that is the same on every run.
 
-Paths: the root is `main`; a child is `<parent>/<index>:<name>`; a modifier is `<node>@retry`; a recovery is
-`<node>@on_failure/0:<name>`; a condition's leaf is `<node>@if:<name>`.
+Paths: the root is `main`; a child is `<parent>/<index>:<name>`; a modifier is `<node>@retry`; a
+recovery is `<node>@on_failure/0:<name>`; a condition's leaf is `<node>@if:<name>`.
 """
 
 from collections.abc import Iterator
@@ -46,12 +46,16 @@ from executive.tree.wiring import Scope
 
 
 def build_tree(mission: MissionFile, runtime: Runtime) -> Behaviour:
-    """Return the root; its `tick_once` ticks the mission, its `status` and `feedback_message` say how it stands."""
+    """Return the root; its `tick_once` ticks the mission, its `status` and `feedback_message` say
+    how it stands.
+    """
     return _Builder(mission, runtime).node(mission.trees["main"].root, "main", Scope(runtime.store))
 
 
 def halt(root: Behaviour) -> None:
-    """Cancel whatever is under way, leaves first; also after a tick that was cut off in its middle."""
+    """Cancel whatever is under way, leaves first; also after a tick that was cut off in
+    its middle.
+    """
     for node in root.iterate():
         node.stop(Status.INVALID)
 
@@ -179,7 +183,9 @@ class NodeState:
 
 
 def node_states(root: Behaviour) -> tuple[NodeState, ...]:
-    """Return the state of every node, parents first; modifiers are told with the node that they are around."""
+    """Return the state of every node, parents first; modifiers are told with the node that they are
+    around.
+    """
     return tuple(_states(root, 0, "", True))
 
 

@@ -1,4 +1,6 @@
-"""What a mission can choose from: plugins by capability, and behaviours; the installed ones, or a table of them."""
+"""What a mission can choose from: plugins by capability, and behaviours; the installed ones, or a
+table of them.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -61,7 +63,9 @@ class Catalogue(ABC):
 
 @cache
 def _installed_names(capability: str) -> tuple[str, ...]:
-    """Read the entry points' names once: a distribution's metadata is parsed anew for each question."""
+    """Read the entry points' names once: a distribution's metadata is parsed anew for each
+    question.
+    """
     return tuple(one.name for one in registry.installed(capability))
 
 

@@ -1,4 +1,6 @@
-"""Sequences and fallbacks on py_trees' Sequence and Selector, and a parallel that needs any number of successes."""
+"""Sequences and fallbacks on py_trees' Sequence and Selector, and a parallel that needs any number
+of successes.
+"""
 
 from collections.abc import Sequence
 
@@ -12,7 +14,9 @@ from executive.tree.nodes import Controller, Steps, TreeNode, Visits, stop_child
 
 
 class _Journalled(TreeNode):
-    """Lets a py_trees composite tick, and journals it under the reason of the child that decided."""
+    """Lets a py_trees composite tick, and journals it under the reason of the child that
+    decided.
+    """
 
     children: list[Behaviour]
     current_child: Behaviour | None = None
@@ -36,7 +40,9 @@ class _Journalled(TreeNode):
 
 
 class SequenceNode(_Journalled, composites.Sequence):  # type: ignore[misc]
-    """Children in order until one fails; reactive, the earlier ones are asked again at each tick."""
+    """Children in order until one fails; reactive, the earlier ones are asked again at
+    each tick.
+    """
 
     def __init__(
         self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour], *, memory: bool
@@ -64,11 +70,13 @@ class FallbackNode(_Journalled, composites.Selector):  # type: ignore[misc]
 
 
 class ReactiveFallbackNode(Controller):
-    """Children in order until one succeeds; at each tick those before the running one may take over.
+    """Children in order until one succeeds; at each tick those before the running one may take
+    over.
 
-    py_trees' Selector without memory would begin an earlier child that has failed after some time again and again, each
-    time cancelling the alternative that its failure called for. Here such a child is spent: it is not begun again, or,
-    behind an `if`, not before its condition has been false.
+    py_trees' Selector without memory would begin an earlier child that has failed after some time
+    again and again, each time cancelling the alternative that its failure called for. Here such a
+    child is spent: it is not begun again, or, behind an `if`, not before its condition has been
+    false.
     """
 
     def __init__(
@@ -104,9 +112,11 @@ class ReactiveFallbackNode(Controller):
 
 
 class ParallelNode(Controller):
-    """All children at once; ends as soon as enough have succeeded, or too many have failed for that.
+    """All children at once; ends as soon as enough have succeeded, or too many have failed for
+    that.
 
-    py_trees' Parallel knows "all" and "one", fails at the first failure, and ticks ended children anew.
+    py_trees' Parallel knows "all" and "one", fails at the first failure, and ticks ended children
+    anew.
     """
 
     def __init__(

@@ -1,4 +1,6 @@
-"""Conditions at run time: `"{key}"`, checks, and their not, all and any; answered at once, with a reason."""
+"""Conditions at run time: `"{key}"`, checks, and their not, all and any; answered at once, with a
+reason.
+"""
 
 from collections.abc import Callable
 

@@ -1,9 +1,11 @@
-"""Follow every key through the trees in the order of execution: is it written before it is read, and of the right type.
+"""Follow every key through the trees in the order of execution: is it written before it is read,
+and of the right type.
 
-A key counts as written as soon as some path to its reader may have written it: what is reported is a read that must
-fail. A branch that may be left out (`if`, `optional`, a fallback's alternatives, a loop's body) adds its types to those
-that the key had before; a node that surely ran replaces them. A subtree is followed once for each combination of types
-that it is called with, so that ports need not be declared with types to be checked.
+A key counts as written as soon as some path to its reader may have written it: what is reported is
+a read that must fail. A branch that may be left out (`if`, `optional`, a fallback's alternatives, a
+loop's body) adds its types to those that the key had before; a node that surely ran replaces them.
+A subtree is followed once for each combination of types that it is called with, so that ports need
+not be declared with types to be checked.
 """
 
 from collections.abc import Mapping
@@ -178,7 +180,10 @@ class Dataflow:
             types = self._input(port, source, keys, wanted.is_optional, kind.tree)
             if types and not any(fits_name(one, wanted.name) for one in types):
                 place = source.mark if isinstance(source, Ref) else kind.mark
-                told = f"input '{port}' of {kind.tree} is {wanted.name}, and {_shown(source)} holds {names(types)}"
+                told = (
+                    f"input '{port}' of {kind.tree} is {wanted.name}, and {_shown(source)} "
+                    f"holds {names(types)}"
+                )
                 self._problems.error(place, told)
                 types = _UNKNOWN  # told once, not again inside
             inside.update({} if types is None else {port: types or _UNKNOWN})
@@ -214,7 +219,10 @@ class Dataflow:
             types = self._input(port, use.inputs[port], keys, spec.optional, use.name)
             if types and not any(fits(one, spec.type) for one in types):
                 ref = use.inputs[port]
-                told = f"input '{port}' of {use.name} is {type_name(spec.type)}, and {_shown(ref)} holds {names(types)}"
+                told = (
+                    f"input '{port}' of {use.name} is {type_name(spec.type)}, and "
+                    f"{_shown(ref)} holds {names(types)}"
+                )
                 self._problems.error(ref.mark, told)
         for port, ref in use.outputs.items():
             wanted: Port = use.leaf.outputs[port]

@@ -1,8 +1,8 @@
 """Read one YAML document: libyaml's events to values with places; what could surprise is refused.
 
-Anchors, aliases, tags, merge keys, duplicate keys and several documents are refused; scalars follow YAML 1.2's core
-schema. The events are taken, not `yaml.compose`: its nodes hide aliases, and it recurses, so that a deeply nested file
-would end the process.
+Anchors, aliases, tags, merge keys, duplicate keys and several documents are refused; scalars follow
+YAML 1.2's core schema. The events are taken, not `yaml.compose`: its nodes hide aliases, and it
+recurses, so that a deeply nested file would end the process.
 """
 
 import re
@@ -59,7 +59,9 @@ class _Open:
 
 
 def read_file(path: Path, name: str, problems: Problems) -> Value | None:
-    """Read a file; `name` stands for it in messages. Returns None if nothing could be made of it."""
+    """Read a file; `name` stands for it in messages. Returns None if nothing could be
+    made of it.
+    """
     try:
         with path.open("rb") as file:
             data = file.read(_MAX_BYTES + 1)

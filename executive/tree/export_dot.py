@@ -20,7 +20,8 @@ def to_dot(mission: MissionFile) -> str:
     numbers = count()
     lines = [
         f"digraph {_quoted(mission.name)} {{",
-        '  node [fontname="Helvetica", fontsize=10, style=filled]; edge [fontname="Helvetica", fontsize=9];',
+        '  node [fontname="Helvetica", fontsize=10, style=filled]; edge '
+        '[fontname="Helvetica", fontsize=9];',
     ]
     for index, tree in enumerate(mission.trees.values()):
         lines += [f"  subgraph cluster_{index} {{", f"    label={_quoted(tree.name)};"]

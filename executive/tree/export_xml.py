@@ -1,8 +1,9 @@
 """Trees as BehaviorTree.CPP 4 XML, so that Groot2 opens them.
 
-What that language lacks is expressed by what it has: `while` is a ReactiveSequence with the condition first, `if` an
-IfThenElse, `on_failure` a Fallback whose second child is forced to fail. `for_each`, `loop` with `until`, and `ask` are
-nodes of our own, declared in the TreeNodesModel as the leaves are.
+What that language lacks is expressed by what it has: `while` is a ReactiveSequence with the
+condition first, `if` an IfThenElse, `on_failure` a Fallback whose second child is forced to fail.
+`for_each`, `loop` with `until`, and `ask` are nodes of our own, declared in the TreeNodesModel as
+the leaves are.
 """
 
 import json

@@ -33,7 +33,9 @@ class Selection:
 
 @dataclass(frozen=True, slots=True)
 class Ref:
-    """A reference to a key of the store: `"{key}"`; `is_listed` if the file says so, else a port takes its own name."""
+    """A reference to a key of the store: `"{key}"`; `is_listed` if the file says so, else a port
+    takes its own name.
+    """
 
     key: str
     mark: Mark
@@ -118,8 +120,8 @@ UNREADABLE = "unreadable"
 class Composite:
     """`sequence`, `fallback`, `reactive_sequence`, `reactive_fallback` or `parallel`.
 
-    While a mission is read, one of kind `UNREADABLE` stands for a node that was refused, so that the nodes around it
-    are checked all the same; a mission without mistakes has none.
+    While a mission is read, one of kind `UNREADABLE` stands for a node that was refused, so that
+    the nodes around it are checked all the same; a mission without mistakes has none.
     """
 
     kind: str
@@ -258,7 +260,9 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class TypeName:
-    """The type of a tree's port as the file says it: `Stone`, `list[Stone]`, and `Stone?` where it may be missing."""
+    """The type of a tree's port as the file says it: `Stone`, `list[Stone]`, and `Stone?` where it
+    may be missing.
+    """
 
     text: str
     mark: Mark
@@ -291,7 +295,8 @@ class MissionFile:
         name: What `mission:` says.
         description: One line for people.
         loop: Settings of the tick loop.
-        plugins: Selections by capability, in the order in which data flows; only `monitoring` may have several.
+        plugins: Selections by capability, in the order in which data flows; only `monitoring` may
+            have several.
         trees: `main`, and every tree that it calls.
         warnings: What works but was hardly meant.
     """

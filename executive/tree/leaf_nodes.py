@@ -70,8 +70,8 @@ class CheckNode(TreeNode):
 class RunNode(TreeNode):
     """An action in the tree: its generator is resumed with a job's result, or at the next tick.
 
-    Cancelled, the job is given up and the generator closed, so that its `finally` blocks run. Each round of activity
-    begins a new generator.
+    Cancelled, the job is given up and the generator closed, so that its `finally` blocks run. Each
+    round of activity begins a new generator.
     """
 
     def __init__(self, use: LeafUse, name: str, path: str, runtime: Runtime, scope: Scope) -> None:

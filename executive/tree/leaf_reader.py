@@ -23,7 +23,9 @@ class LeafReader:
         self._reading = reading
 
     def use(self, kind: str, table: Table, *, as_node: bool = True) -> LeafUse | None:
-        """Read `run: Name` or `check: Name` with its settings and ports, as a node or within a condition."""
+        """Read `run: Name` or `check: Name` with its settings and ports, as a node or within a
+        condition.
+        """
         value = table.entries[kind].value
         name = self._reading.text(value, f"'{kind}'")
         leaf = self._leaf(kind, name, value.mark, as_node) if name else None

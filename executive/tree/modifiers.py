@@ -1,4 +1,6 @@
-"""What can be laid around a node: if, while, timeout, retry, on_failure, optional; all on the mission's clock."""
+"""What can be laid around a node: if, while, timeout, retry, on_failure, optional; all on the
+mission's clock.
+"""
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -24,8 +26,8 @@ class Modifier(Controller):
 class IfNode(Modifier):
     """Ticks its child if a condition holds when it begins, and is left out otherwise.
 
-    Left out means success in a sequence, which goes on; in a fallback it means failure, so that the next alternative
-    is tried.
+    Left out means success in a sequence, which goes on; in a fallback it means failure, so that the
+    next alternative is tried.
     """
 
     def __init__(
@@ -60,7 +62,9 @@ class IfNode(Modifier):
 
 
 class WhileNode(Modifier):
-    """Asks a condition before every tick of its child; when it no longer holds, the child is cancelled: a failure."""
+    """Asks a condition before every tick of its child; when it no longer holds, the child is
+    cancelled: a failure.
+    """
 
     def __init__(
         self, name: str, path: str, runtime: Runtime, child: Behaviour, answer: Answer
@@ -106,7 +110,9 @@ class TimeoutNode(Modifier):
 
 
 class RetryNode(Modifier):
-    """Begins its child again when it fails, at the next tick or after a pause, up to so many attempts in all."""
+    """Begins its child again when it fails, at the next tick or after a pause, up to so many
+    attempts in all.
+    """
 
     def __init__(
         self, name: str, path: str, runtime: Runtime, child: Behaviour, attempts: Attempts
@@ -146,7 +152,9 @@ class RetryNode(Modifier):
 
 
 class OnFailureNode(Controller):
-    """Ticks a recovery when its child has failed; the child's failure stands, whatever the recovery brings."""
+    """Ticks a recovery when its child has failed; the child's failure stands, whatever the recovery
+    brings.
+    """
 
     is_journalled = False
 

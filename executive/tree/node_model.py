@@ -1,4 +1,6 @@
-"""The TreeNodesModel of BehaviorTree.CPP 4: every node that is not built in, with its ports, types and descriptions."""
+"""The TreeNodesModel of BehaviorTree.CPP 4: every node that is not built in, with its ports, types
+and descriptions.
+"""
 
 import inspect
 from collections.abc import Iterable

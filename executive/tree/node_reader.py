@@ -148,7 +148,10 @@ class NodeReader:
     def _refuse_slow(self, earlier: Sequence[Node]) -> None:
         for node in earlier:
             if not is_instant(node):
-                told = f"{node.label} takes time, and a reactive_sequence asks all but its last child anew at each tick; "
+                told = (
+                    f"{node.label} takes time, and a reactive_sequence asks all but its "
+                    "last child anew at each tick; "
+                )
                 self._reading.problems.error(
                     node.mark, told + "put what takes time into one sequence at its end"
                 )
@@ -322,6 +325,7 @@ class NodeReader:
         if modifiers.optional and dead:
             self._reading.problems.error(
                 table.entries["optional"].key_mark,
-                f"'optional' is applied inside {' and '.join(map(repr, dead))}, which would then never see a failure: "
+                f"'optional' is applied inside {' and '.join(map(repr, dead))}, which "
+                "would then never see a failure: "
                 "give it to a node around this one (optional: true, do: …)",
             )

@@ -1,7 +1,9 @@
-"""What all nodes have in common: a stable path, a journal entry at start and end, and a clean end when cancelled.
+"""What all nodes have in common: a stable path, a journal entry at start and end, and a clean end
+when cancelled.
 
-On py_trees' Behaviour: `initialise` begins a round of activity, `terminate` ends it. `terminate(INVALID)` also reaches
-nodes that ended long ago; here it does nothing unless a round is under way.
+On py_trees' Behaviour: `initialise` begins a round of activity, `terminate` ends it.
+`terminate(INVALID)` also reaches nodes that ended long ago; here it does nothing unless a round is
+under way.
 """
 
 from abc import abstractmethod
@@ -23,8 +25,8 @@ class TreeNode(Behaviour):  # type: ignore[misc]
 
     Attributes:
         path: Where it stands, the same on every run: `main/0:ScanSwing`.
-        is_repeated: Ticked anew at each tick, as the earlier children of a reactive composite are: then only a change
-            of its result is journalled, not every tick.
+        is_repeated: Ticked anew at each tick, as the earlier children of a reactive composite are:
+            then only a change of its result is journalled, not every tick.
     """
 
     status: Status
@@ -92,7 +94,9 @@ class TreeNode(Behaviour):  # type: ignore[misc]
 
 
 class Controller(TreeNode):
-    """A node that decides when its children are ticked, told as a generator that returns the status."""
+    """A node that decides when its children are ticked, told as a generator that returns the
+    status.
+    """
 
     @abstractmethod
     def proceed(self) -> Steps:

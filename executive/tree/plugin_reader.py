@@ -1,4 +1,6 @@
-"""The plugins of a mission: layers laid over each other, names and settings checked, all that is needed chosen."""
+"""The plugins of a mission: layers laid over each other, names and settings checked, all that is
+needed chosen.
+"""
 
 from collections.abc import Iterable, Mapping
 
@@ -13,7 +15,9 @@ from executive.tree.value import Entry, Listing, Scalar, Table, Value, merged, w
 
 
 def layered(base: Table, over: Table) -> Table:
-    """Lay one `plugins:` over another: settings of the same plugin are merged, another plugin replaces all of them."""
+    """Lay one `plugins:` over another: settings of the same plugin are merged, another plugin
+    replaces all of them.
+    """
     entries = dict(base.entries)
     for capability, entry in over.entries.items():
         known = entries.get(capability)
@@ -139,7 +143,10 @@ class PluginReader:
             if name in self._reading.catalogue.capabilities():
                 self._missing(mark, f"the {capability} plugin '{one.name}'", name)
             else:
-                told = f"the {capability} plugin '{one.name}' asks for '{name}', no capability and no service"
+                told = (
+                    f"the {capability} plugin '{one.name}' asks for '{name}', no capability "
+                    "and no service"
+                )
                 self._reading.problems.error(mark, told)
 
     def _missing(self, mark: Mark, who: str, capability: str) -> None:

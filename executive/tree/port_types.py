@@ -1,4 +1,6 @@
-"""Types of ports: does what one writes suit what another reads; by class, or by a type's name in a mission file."""
+"""Types of ports: does what one writes suit what another reads; by class, or by a type's name in a
+mission file.
+"""
 
 import re
 import types
@@ -11,7 +13,9 @@ _TYPE_NAME = re.compile(r"\w+\??|list\[\w+\]\??")
 
 
 def is_type_name(text: str) -> bool:
-    """Whether a text has the form of a port's type: `Stone`, `list[Stone]`, each with `?` if it may be missing."""
+    """Whether a text has the form of a port's type: `Stone`, `list[Stone]`, each with `?` if it may
+    be missing.
+    """
     return _TYPE_NAME.fullmatch(text) is not None
 
 

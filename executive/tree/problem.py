@@ -76,7 +76,8 @@ class Problems:
         """Raise all mistakes, if there are any.
 
         Raises:
-            MissionFileError: With every mistake so far; warnings that may follow from them are left out.
+            MissionFileError: With every mistake so far; warnings that may follow from them are left
+                out.
         """
         if any(p.severity == "error" for p in self._found):
             raise MissionFileError(p for p in self._found if p.severity == "error")

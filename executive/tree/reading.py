@@ -1,4 +1,6 @@
-"""What every part of the reader asks of a value: a text, a number, a duration, a reference, known keys only."""
+"""What every part of the reader asks of a value: a text, a number, a duration, a reference, known
+keys only.
+"""
 
 import re
 from collections.abc import Collection

@@ -1,6 +1,7 @@
 """Nodes that repeat their body: loop and for_each.
 
-py_trees' ForEach ticks its child once on an empty list; here no items are a success that ticks nothing.
+py_trees' ForEach ticks its child once on an empty list; here no items are a success that ticks
+nothing.
 """
 
 from typing import Any
@@ -17,7 +18,8 @@ from executive.tree.wiring import Scope
 
 
 class LoopNode(Controller):
-    """Asks `until` before each round and after the last: yes is success; a round that fails is a failure.
+    """Asks `until` before each round and after the last: yes is success; a round that fails is a
+    failure.
 
     Without `until`, all rounds done is success; with it, `max` rounds without a yes are a failure.
     """
@@ -72,7 +74,9 @@ class LoopNode(Controller):
 
 
 class ForEachNode(Controller):
-    """Ticks its body once for each item of a list, which is read when the node begins; a failed body is a failure."""
+    """Ticks its body once for each item of a list, which is read when the node begins; a failed
+    body is a failure.
+    """
 
     def __init__(
         self, kind: ForEach, name: str, path: str, runtime: Runtime, body: Behaviour, scope: Scope

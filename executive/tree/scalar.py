@@ -1,4 +1,6 @@
-"""What a plain YAML scalar means: the core schema of YAML 1.2, and a refusal where YAML 1.1 reads something else."""
+"""What a plain YAML scalar means: the core schema of YAML 1.2, and a refusal where YAML 1.1 reads
+something else.
+"""
 
 import re
 
@@ -25,14 +27,25 @@ _LONGEST_INT = (
     300  # digits; Python refuses to convert more than a few thousand, and no quantity has so many
 )
 
-# What YAML 1.1 reads as something else than text or another number: (pattern, what to write instead).
+# What YAML 1.1 reads as something else than text or another number: (pattern, what to write
+# instead).
 _SURPRISES = (
     (re.compile(r"(?i:yes|on)"), "is true in YAML 1.1 and text in 1.2: write true, or quote it"),
     (re.compile(r"(?i:no|off)"), "is false in YAML 1.1 and text in 1.2: write false, or quote it"),
-    (re.compile(r"[-+]?0\d+(?:_|\d)*"), "is octal in YAML 1.1, decimal in 1.2: drop the leading zero, or quote it"),
-    (re.compile(r"[-+]?\d+(?::[0-5]?\d)+(?:\.\d*)?"), "is to base 60 in YAML 1.1: write a unit (30 min), or quote it"),
+    (re.compile(r"[-+]?0\d+(?:_|\d)*"), "is octal in YAML 1.1, decimal in 1.2: drop the leading "
+"zero, "
+"or "
+"quote "
+"it"),
+    (re.compile(r"[-+]?\d+(?::[0-5]?\d)+(?:\.\d*)?"), "is to base 60 in YAML 1.1: write a unit (30 "
+"min), "
+"or "
+"quote "
+"it"),
     (re.compile(r"\d{4}-\d\d?-\d\d?(?:[Tt ].*)?"), "is a date in YAML 1.1: quote it"),
-    (re.compile(r"[-+]?0b[01_]+"), "is a binary number in YAML 1.1: write it as decimal or 0x…, or quote it"),
+    (re.compile(r"[-+]?0b[01_]+"), "is a binary number in YAML 1.1: write it as decimal or 0x…, or "
+"quote "
+"it"),
     (re.compile(r"[-+]?(?:\d[\d_]*_[\d_]*(?:\.[\d_]*)?|0x[0-9a-fA-F]*_[0-9a-fA-F_]*)"),
      "is a number in YAML 1.1 and text in 1.2: leave the underscores out, or quote it"),
 )  # fmt: skip
@@ -46,7 +59,8 @@ def resolve(text: str) -> Plain:
     """Return the value of a plain (unquoted) scalar.
 
     Raises:
-        SurpriseError: If another version of YAML would read it differently; the message says what to write.
+        SurpriseError: If another version of YAML would read it differently; the message says what
+            to write.
     """
     if text in _NULL:
         return None

@@ -1,7 +1,8 @@
 """The JSON schema of mission files, for completion in editors; built from what is installed.
 
-It says what an editor can know: keys, names, settings and their bounds. What needs the whole mission (calls, keys that
-are read before they are written, what a leaf needs) is told by `executive check`.
+It says what an editor can know: keys, names, settings and their bounds. What needs the whole
+mission (calls, keys that are read before they are written, what a leaf needs) is told by `executive
+check`.
 """
 
 from collections.abc import Iterable, Iterator, Mapping

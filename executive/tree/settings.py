@@ -1,4 +1,6 @@
-"""A table of the file against a settings class: pydantic's findings, each at the key or value that it is about."""
+"""A table of the file against a settings class: pydantic's findings, each at the key or value that
+it is about.
+"""
 
 import json
 import types
@@ -20,8 +22,9 @@ S = TypeVar("S", bound=Settings)
 def check_settings(settings: type[S], table: Table, owner: str, problems: Problems) -> S | None:
     """Return checked settings, or None after every mistake was noted.
 
-    Types are exact (`"3"` is no number, `true` is no number): what is written is validated as JSON in strict mode,
-    where a list may become a tuple and a text an enumeration, and nothing else is converted.
+    Types are exact (`"3"` is no number, `true` is no number): what is written is validated as JSON
+    in strict mode, where a list may become a tuple and a text an enumeration, and nothing else is
+    converted.
     """
     try:
         checked = settings.model_validate_json(json.dumps(plain(table)), strict=True)
@@ -54,7 +57,9 @@ class _Place:
 
 
 def _placed(table: Table, steps: Sequence[int | str], kind: str) -> _Place:
-    """Follow a finding's steps; some name a member of a union or a validator, and lead nowhere in the file."""
+    """Follow a finding's steps; some name a member of a union or a validator, and lead nowhere in
+    the file.
+    """
     place = _Place(table.mark, table, ())
     for step in steps:
         value, path = place.value, (*place.path, str(step))
@@ -73,13 +78,17 @@ def _placed(table: Table, steps: Sequence[int | str], kind: str) -> _Place:
 def _sentence(settings: type[Settings], owner: str, finding: Any, place: _Place) -> str:
     where = ".".join(place.path)
     if finding["type"] == "extra_forbidden":
-        return f"{owner} has no setting '{where}'{did_you_mean(place.path[-1], _fields(settings, place.path[:-1]))}"
+        return (
+            f"{owner} has no setting "
+            f"'{where}'{did_you_mean(place.path[-1], _fields(settings, place.path[:-1]))}"
+        )
     if finding["type"] == "missing":
         return f"{owner} needs the setting '{where}'"
     message = str(finding["msg"]).removeprefix("Value error, ")
     message = message[:1].lower() + message[1:]
     is_told = "got " in message or not isinstance(place.value, Scalar | Listing)
-    return f"{f'{where}: ' if where else ''}{message}{'' if is_told else f', got {describe(place.value)}'}"
+    got = "" if is_told else f", got {describe(place.value)}"
+    return f"{f'{where}: ' if where else ''}{message}{got}"
 
 
 def _fields(settings: type[BaseModel], path: Sequence[str]) -> list[str]:

@@ -61,7 +61,9 @@ class SetNode(Controller):
 
 
 class AskNode(Controller):
-    """Puts a question to the operator: yes is success, no is failure; the journal says who answered."""
+    """Puts a question to the operator: yes is success, no is failure; the journal says who
+    answered.
+    """
 
     def __init__(self, kind: Ask, name: str, path: str, runtime: Runtime) -> None:
         super().__init__(name, path, runtime)
@@ -117,7 +119,9 @@ class CallFrame:
 
 
 class CallNode(Controller):
-    """A subtree with a store of its own: inputs are copied in when it begins, outputs out when it ends, either way."""
+    """A subtree with a store of its own: inputs are copied in when it begins, outputs out when it
+    ends, either way.
+    """
 
     def __init__(
         self, call: CallFrame, name: str, path: str, runtime: Runtime, root: Behaviour

@@ -1,4 +1,6 @@
-"""Where missions and subtrees come from: a file, a shipped name, a base that is extended, a folder of subtrees."""
+"""Where missions and subtrees come from: a file, a shipped name, a base that is extended, a folder
+of subtrees.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -38,7 +40,9 @@ def shipped_names() -> tuple[str, ...]:
 
 
 def find(mission: str) -> Path | None:
-    """Return the path of a mission: what looks like a path or is a file, else the shipped one of that name."""
+    """Return the path of a mission: what looks like a path or is a file, else the shipped one of
+    that name.
+    """
     path = Path(mission)
     if mission.endswith(_SUFFIXES) or "/" in mission or _is_file(path):
         return path
@@ -47,7 +51,9 @@ def find(mission: str) -> Path | None:
 
 
 def _find_base(name: str, folder: Path) -> Path | None:
-    """Return the path of a base: a file beside the one that extends it, else the shipped one of that name."""
+    """Return the path of a base: a file beside the one that extends it, else the shipped one of
+    that name.
+    """
     near = [
         folder / name,
         *([folder / f"{name}.yaml", shipped_folder() / f"{name}.yaml"] if _is_word(name) else []),
@@ -67,7 +73,10 @@ def layers(mission: str, reading: Reading) -> list[Layer]:
     """
     path = find(mission)
     if path is None:
-        told = f"no mission file and no shipped mission of that name{did_you_mean(mission, shipped_names())}"
+        told = (
+            "no mission file and no shipped mission of that "
+            f"name{did_you_mean(mission, shipped_names())}"
+        )
         raise MissionFileError([Problem(Mark(mission or "MISSION"), told)])
     found: list[Layer] = []
     seen: set[Path] = set()
@@ -117,7 +126,9 @@ def _base(layer: Layer, seen: set[Path], reading: Reading) -> Path | None:
 
 
 def libraries(mission: Path, reading: Reading) -> Iterator[Table]:
-    """Read the trees of every file under `subtrees/`, one table a folder: the shipped one, that beside the mission."""
+    """Read the trees of every file under `subtrees/`, one table a folder: the shipped one, that
+    beside the mission.
+    """
     folders = [shipped_folder() / "subtrees", mission.parent / "subtrees"]
     for folder in dict.fromkeys(folder.resolve() for folder in folders):
         tables = [

@@ -17,7 +17,9 @@ from executive.tree.language import (
 
 
 def is_instant(node: Node) -> bool:
-    """Whether a node always ends in the tick in which it begins; a called tree is taken to need longer."""
+    """Whether a node always ends in the tick in which it begins; a called tree is taken to need
+    longer.
+    """
     modifiers = node.modifiers
     if modifiers.retry or (modifiers.on_failure and not is_instant(modifiers.on_failure)):
         return False

@@ -1,4 +1,6 @@
-"""The trees of a mission: headers first, so that calls can be checked, then the bodies of those that are reached."""
+"""The trees of a mission: headers first, so that calls can be checked, then the bodies of those
+that are reached.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -27,7 +29,8 @@ class Draft:
 def read_trees(own: Table | None, libraries: Iterable[Table], reading: Reading) -> dict[str, Tree]:
     """Read the mission's own trees, and those of the libraries that they call, directly or not.
 
-    A mission's own tree goes before one of a library, and a library beside the mission before a shipped one.
+    A mission's own tree goes before one of a library, and a library beside the mission before a
+    shipped one.
     """
     drafts: dict[str, Draft] = {}
     for table in libraries:
@@ -72,7 +75,10 @@ def _ports(value: Value | None, tree: str, reading: Reading) -> Ports:
                 if "{" in text
                 else ""
             )
-            told = f"port '{port}' takes a type such as Stone, list[Stone] or Stone?, not '{text}'{cure}"
+            told = (
+                f"port '{port}' takes a type such as Stone, list[Stone] or Stone?, not "
+                f"'{text}'{cure}"
+            )
             reading.fail(entry.value, told)
         elif text is not None and reading.checked_name(port, entry.key_mark, "a port's name"):
             ports[port] = TypeName(text, entry.value.mark)

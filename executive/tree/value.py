@@ -86,7 +86,9 @@ def describe(value: Value) -> str:
 
 
 def merged(base: Value, over: Value) -> Value:
-    """Lay one value over another: tables key by key, anything else replaces; places stay those of the origin."""
+    """Lay one value over another: tables key by key, anything else replaces; places stay those of
+    the origin.
+    """
     if not isinstance(base, Table) or not isinstance(over, Table):
         return over
     entries = dict(base.entries)

@@ -41,7 +41,8 @@ class Scope:
         """Write a leaf's outputs.
 
         Raises:
-            ConfigError: If it has no such output, a value has another type, or a success lacks an output.
+            ConfigError: If it has no such output, a value has another type, or a success lacks an
+                output.
         """
         for port, value in outcome.outputs.items():
             if port not in use.leaf.outputs:
@@ -51,7 +52,8 @@ class Scope:
             wanted = use.leaf.outputs[port].type
             if not holds(value, wanted):
                 raise ConfigError(
-                    f"output '{port}' of {use.name} is {type_name(wanted)}, got {type(value).__name__}"
+                    f"output '{port}' of {use.name} is {type_name(wanted)}, got "
+                    f"{type(value).__name__}"
                 )
         missing = [
             p

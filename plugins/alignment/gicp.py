@@ -1,4 +1,6 @@
-"""Alignment of distributions: each point carries the shape of its surroundings (Segal 2009, generalised ICP)."""
+"""Alignment of distributions: each point carries the shape of its surroundings (Segal 2009,
+generalised ICP).
+"""
 
 from executive_plugins.alignment.local_fit import AlignmentSettings, fit
 

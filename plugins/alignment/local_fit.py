@@ -48,7 +48,8 @@ def fit(
 ) -> Alignment:
     """Thin both clouds, optimise, measure on the source's points, pass the gate.
 
-    Coordinates are taken about the target's centroid, so that a map in national coordinates keeps its digits.
+    Coordinates are taken about the target's centroid, so that a map in national coordinates keeps
+    its digits.
 
     Args:
         kind: `GICP` or `PLANE_ICP`.
@@ -67,7 +68,10 @@ def fit(
     _check(T_guess, max_distance_m)
     begun_s = wall_s()
     if min(len(target), len(source)) < settings.min_points:
-        reason = f"too few points: target {len(target)}, source {len(source)}, need {settings.min_points} each"
+        reason = (
+            f"too few points: target {len(target)}, source {len(source)}, need "
+            f"{settings.min_points} each"
+        )
         return Alignment(T_guess, False, reason, 0.0, 0.0)
     centre = target.points.mean(axis=0)
     T_centre = np.eye(4)
@@ -138,7 +142,9 @@ def _optimise(
 
 
 def measure(target: Float, source: Float, settings: AlignmentSettings) -> tuple[float, float]:
-    """Return the RMSE [m] of thinned source points that have a target within the gate's distance, and their share."""
+    """Return the RMSE [m] of thinned source points that have a target within the gate's distance,
+    and their share.
+    """
     thinned = small_gicp.voxelgrid_sampling(source, settings.voxel_m, 1).points()[:, :3]
     distances = cKDTree(target).query(thinned, distance_upper_bound=settings.gate_distance_m)[0]
     inliers = distances[np.isfinite(distances)]
@@ -156,7 +162,8 @@ def _judge(
     faults = []
     if travel_m > _FARTHEST * max_distance_m:
         faults.append(
-            f"a point moved by {travel_m:.2f} m, more than {_FARTHEST} times the reach: it slid away"
+            f"a point moved by {travel_m:.2f} m, more than {_FARTHEST} times the reach: "
+            "it slid away"
         )
     if overlap < settings.min_overlap:
         faults.append(f"overlap {overlap:.2f} below {settings.min_overlap}")

@@ -1,4 +1,6 @@
-"""Alignment along the target's normals (Chen and Medioni 1992): cheap, and at its best on smooth surfaces."""
+"""Alignment along the target's normals (Chen and Medioni 1992): cheap, and at its best on smooth
+surfaces.
+"""
 
 from executive_plugins.alignment.local_fit import AlignmentSettings, fit
 

@@ -1,4 +1,6 @@
-"""What the arm can hold up where: static efforts of its joints with a stone in the jaws, against their limits."""
+"""What the arm can hold up where: static efforts of its joints with a stone in the jaws, against
+their limits.
+"""
 
 import numpy as np
 
@@ -12,7 +14,9 @@ _STEP = 1e-4  # of each joint [rad] or [m], for the slope of the potential energ
 
 
 class ArmLoad:
-    """Static efforts: the slope of the potential energy of all that a joint carries, itself included."""
+    """Static efforts: the slope of the potential energy of all that a joint carries, itself
+    included.
+    """
 
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
@@ -20,7 +24,8 @@ class ArmLoad:
         self._limits = np.array([joint.max_effort for joint in machine.joints])
 
     def can_hold(self, q: Float, mass_kg: float) -> bool:
-        """Return whether no joint needs more than its effort to hold a stone between the jaws at rest.
+        """Return whether no joint needs more than its effort to hold a stone between the jaws at
+        rest.
 
         Args:
             q: Positions of the arm's joints, shape (n,).

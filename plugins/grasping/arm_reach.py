@@ -1,4 +1,6 @@
-"""Whether the arm comes to a grasp, at its pose and on the straight way above it, and holds the stone there."""
+"""Whether the arm comes to a grasp, at its pose and on the straight way above it, and holds the
+stone there.
+"""
 
 from functools import cached_property
 
@@ -33,7 +35,9 @@ class ArmReach:
         return q is not None and self._load.can_hold(q, mass_kg)
 
     def reached(self, T_map_gripper: Float, T_map_base: Float, above_m: float) -> Float | None:
-        """Return the pose, or that after half a turn about the approach if the wrist turns less; None out of reach."""
+        """Return the pose, or that after half a turn about the approach if the wrist turns less;
+        None out of reach.
+        """
         T_base_map = inverse(T_map_base)
         ways = {False: T_map_gripper, True: T_map_gripper @ _HALF_TURN}
         found = {

@@ -1,4 +1,6 @@
-"""The verbs that grasping brings to the command line; whatever is heavy is imported when a verb runs."""
+"""The verbs that grasping brings to the command line; whatever is heavy is imported when a verb
+runs.
+"""
 
 import json
 import sys

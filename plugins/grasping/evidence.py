@@ -20,8 +20,8 @@ class Evidence:
 
     Attributes:
         images: See `grasp_images`, shape (M, 15, 32, 32).
-        numbers: `NUMBERS`: angles [rad], the cube root of the stone's volume and the costs that are lengths, both over
-            the widest opening, shape (M, 9).
+        numbers: `NUMBERS`: angles [rad], the cube root of the stone's volume and the costs that are
+            lengths, both over the widest opening, shape (M, 9).
     """
 
     images: Images

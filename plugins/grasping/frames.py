@@ -15,7 +15,8 @@ def outward_normals(points: Float, inside: Float, neighbours: int = 16) -> Float
 
     Args:
         points: The stone's surface [m], shape (N, 3).
-        inside: A point within the stone [m], shape (3,); on a convex stone the sign is then right everywhere.
+        inside: A point within the stone [m], shape (3,); on a convex stone the sign is then right
+            everywhere.
         neighbours: Nearest points that span the tangent plane.
     """
     _, index = cKDTree(points).query(points, k=min(neighbours, len(points)))
@@ -27,11 +28,13 @@ def outward_normals(points: Float, inside: Float, neighbours: int = 16) -> Float
 
 
 def local_frames(points: Float, normals: Float, at: Float, radius_m: float) -> Float:
-    """Return the frame of each sample: x out of the stone, z along the least curvature, shape (n, 3, 3).
+    """Return the frame of each sample: x out of the stone, z along the least curvature, shape (n,
+    3, 3).
 
-    The eigenvectors of M(p) = Σ n nᵀ over the ball (Mascaro 2020, Eq. 4). The paper's prose gives x the vector of the
-    smallest eigenvalue; M is near n nᵀ, so that the vector along the normal is that of the **largest**: x takes it, its
-    sign by the mean outward normal, and z that of the smallest, as on a cylinder whose axis no normal has a part of.
+    The eigenvectors of M(p) = Σ n nᵀ over the ball (Mascaro 2020, Eq. 4). The paper's prose gives x
+    the vector of the smallest eigenvalue; M is near n nᵀ, so that the vector along the normal is
+    that of the **largest**: x takes it, its sign by the mean outward normal, and z that of the
+    smallest, as on a cylinder whose axis no normal has a part of.
 
     Args:
         points: The stone's surface [m], shape (N, 3).
@@ -51,9 +54,11 @@ def local_frames(points: Float, normals: Float, at: Float, radius_m: float) -> F
 
 
 def turned_frames(frames: Float, about_y_rad: Float, about_z_rad: Float) -> Float:
-    """Return the gripper's orientations: each frame turned about its y and z in all combinations, shape (n·a·b, 3, 3).
+    """Return the gripper's orientations: each frame turned about its y and z in all combinations,
+    shape (n·a·b, 3, 3).
 
-    The gripper's x is the approach, into the stone: the turned frame's −x; its y keeps, its z turns over.
+    The gripper's x is the approach, into the stone: the turned frame's −x; its y keeps, its z turns
+    over.
     """
     turns = np.array(
         [about_axis(_Z, z) @ about_axis(_Y, y) for z in about_z_rad for y in about_y_rad]
@@ -62,7 +67,9 @@ def turned_frames(frames: Float, about_y_rad: Float, about_z_rad: Float) -> Floa
 
 
 def downward_frames(yaw_rad: Float) -> Float:
-    """Return orientations that approach straight down, the opening at some yaws [rad], shape (n, 3, 3)."""
+    """Return orientations that approach straight down, the opening at some yaws [rad], shape (n, 3,
+    3).
+    """
     y = np.column_stack([np.cos(yaw_rad), np.sin(yaw_rad), np.zeros(len(yaw_rad))])
     x = np.broadcast_to(-_UP, y.shape)
     return np.stack([x, y, np.cross(x, y)], axis=-1)

@@ -1,7 +1,8 @@
 """Grasp images: what stands between and about the open jaws, seen along the gripper's three axes.
 
-After the 15 channels of ten Pas et al. 2017 (three views of surface and normals), with the shadow replaced by the
-surroundings. Each view has five channels over its pixels, all in 0 … 1, 0 where there is nothing:
+After the 15 channels of ten Pas et al. 2017 (three views of surface and normals), with the shadow
+replaced by the surroundings. Each view has five channels over its pixels, all in 0 … 1, 0 where
+there is nothing:
 
     0  nearness of the target's nearest point to the low end of the viewed axis
     1  nearness of the target's nearest point to the high end
@@ -9,8 +10,9 @@ surroundings. Each view has five channels over its pixels, all in 0 … 1, 0 whe
     3  the same as 1 of it
     4  mean part of the target's normals along the viewed axis, without its sign
 
-Views: 0 along the approach (pixels opening × width), 1 along the opening (approach × width), 2 along the width
-(approach × opening). Mirroring the scene at the jaws' symmetry planes exchanges pixels and the two ends exactly.
+Views: 0 along the approach (pixels opening × width), 1 along the opening (approach × width), 2
+along the width (approach × opening). Mirroring the scene at the jaws' symmetry planes exchanges
+pixels and the two ends exactly.
 """
 
 import numpy as np
@@ -29,7 +31,8 @@ Images = NDArray[np.float32]
 
 
 def image_cube(gripper: Gripper) -> tuple[Float, float]:
-    """Return the corner of least coordinates [m], shape (3,), and the edge [m] of the cube that is drawn.
+    """Return the corner of least coordinates [m], shape (3,), and the edge [m] of the cube that is
+    drawn.
 
     It is as wide as the open gripper: a stone and a gripper of another scale give the same images.
     """
@@ -70,7 +73,9 @@ def draw_images(
 
 
 def mirrored(images: Images, axis: int) -> Images:
-    """Return images of the scene mirrored at the gripper's plane across axis 1 (opening) or 2 (width)."""
+    """Return images of the scene mirrored at the gripper's plane across axis 1 (opening) or 2
+    (width).
+    """
     views = images.reshape(-1, 3, PER_VIEW, PIXELS, PIXELS).copy()
     for view, (row, column) in enumerate(((1, 2), (0, 2), (0, 1))):
         if axis == view:

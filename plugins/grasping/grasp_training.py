@@ -1,4 +1,6 @@
-"""From labels to weights: trains a network and writes it with the card of what it was trained on and how it does."""
+"""From labels to weights: trains a network and writes it with the card of what it was trained on
+and how it does.
+"""
 
 import json
 from collections.abc import Callable

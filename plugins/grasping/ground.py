@@ -31,7 +31,9 @@ class Ground:
     cell_m: float
 
     def height(self, xy: Float) -> Float:
-        """Return the ground's height [m] at places (N, 2): the plane and, on it, the nearest samples, shape (N,)."""
+        """Return the ground's height [m] at places (N, 2): the plane and, on it, the nearest
+        samples, shape (N,).
+        """
         plane = (self.offset_m - xy @ self.normal[:2]) / self.normal[2]
         if not len(self.samples):
             return np.asarray(plane)
@@ -46,9 +48,11 @@ class Ground:
 
 
 def fit_ground(around: Float, stone: Float, rng: np.random.Generator, scale: float = 1.0) -> Ground:
-    """Fit the ground to the points about a stone; with too few, it is a level plane at the stone's lowest point.
+    """Fit the ground to the points about a stone; with too few, it is a level plane at the stone's
+    lowest point.
 
-    RANSAC on the lowest points of cells (Mascaro 2020, Sec. 5.2 takes all points; the tops of neighbours mislead that).
+    RANSAC on the lowest points of cells (Mascaro 2020, Sec. 5.2 takes all points; the tops of
+    neighbours mislead that).
 
     Args:
         around: Points about the stone [m], shape (N, 3).
@@ -78,7 +82,9 @@ def fit_ground(around: Float, stone: Float, rng: np.random.Generator, scale: flo
 def fill_ground(
     ground: Ground, stone: Float, low_xy: Float, high_xy: Float, spacing_m: float
 ) -> Float:
-    """Return ground points on a grid over a rectangle, without those above a part of the stone, shape (G, 3)."""
+    """Return ground points on a grid over a rectangle, without those above a part of the stone,
+    shape (G, 3).
+    """
     x, y = (np.arange(low, high, spacing_m) for low, high in zip(low_xy, high_xy, strict=True))
     xy = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     filled = np.column_stack([xy, ground.height(xy)])

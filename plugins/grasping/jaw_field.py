@@ -1,8 +1,10 @@
-"""The gripper as two tables: how far its front reaches as the jaws close, and which jaw sweeps which cell when.
+"""The gripper as two tables: how far its front reaches as the jaws close, and which jaw sweeps
+which cell when.
 
-A point at gripper coordinates (a, b, c), a along the approach, is touched when the gripper has come to the depth
-a − H(b, c), with H the front height map of palm and jaws; the least over the points is the depth of the push. Closing
-is the same with the map of all places that the jaws have swept so far.
+A point at gripper coordinates (a, b, c), a along the approach, is touched when the gripper has come
+to the depth a − H(b, c), with H the front height map of palm and jaws; the least over the points is
+the depth of the push. Closing is the same with the map of all places that the jaws have swept so
+far.
 """
 
 from collections.abc import Iterable
@@ -28,9 +30,10 @@ class JawField:
     Attributes:
         cell_m: Edge of a cell [m].
         origin: Corner of the first cell in the gripper's frame [m], shape (3,).
-        front: H_k(b, c): the frontmost place of the palm and of all jaw positions 0 … k, grown by the skin [m]; −1000
-            where there is none; shape (K, B, C), float32.
-        sweep: Progress at which the left and the right jaw first touch a cell, or NEVER, shape (2, A, B, C), uint8.
+        front: H_k(b, c): the frontmost place of the palm and of all jaw positions 0 … k, grown by
+            the skin [m]; −1000 where there is none; shape (K, B, C), float32.
+        sweep: Progress at which the left and the right jaw first touch a cell, or NEVER, shape (2,
+            A, B, C), uint8.
         tip_a: Place of the tips along the approach at each progress [m], shape (K,).
         tip_b: Half the distance of the tips at each progress [m], shape (K,).
         jaw_rad: Jaw angle at each progress [rad], shape (K,).
@@ -46,7 +49,9 @@ class JawField:
 
 
 def build_jaw_field(gripper: Gripper, cell_m: float, skin_m: float, steps: int = 33) -> JawField:
-    """Tabulate a gripper at `steps` jaw angles from open to closed; the skin [m] grows only the front map."""
+    """Tabulate a gripper at `steps` jaw angles from open to closed; the skin [m] grows only the
+    front map.
+    """
     jaw_rad = np.linspace(gripper.open_rad, 0.0, steps)
     shapes = [gripper.hulls(float(angle)) for angle in jaw_rad]
     corners = np.concatenate(
@@ -75,7 +80,9 @@ def build_jaw_field(gripper: Gripper, cell_m: float, skin_m: float, steps: int =
 
 
 class _Grid:
-    """Cells of the gripper's frame, and the stretch of each column (b, c) that a convex polyhedron fills."""
+    """Cells of the gripper's frame, and the stretch of each column (b, c) that a convex polyhedron
+    fills.
+    """
 
     def __init__(self, low: Float, size: NDArray[Any], cell_m: float) -> None:
         self._half_m = cell_m * (0.5 + _TOUCH)
@@ -85,7 +92,9 @@ class _Grid:
         self._bc = np.stack(np.meshgrid(b, c, indexing="ij"), axis=-1)
 
     def column(self, vertices: Float, skin_m: float) -> tuple[Float, Float]:
-        """Return the polyhedron's ends along a within each column's square, (B, C) each; low > high if none."""
+        """Return the polyhedron's ends along a within each column's square, (B, C) each; low > high
+        if none.
+        """
         faces = half_spaces(vertices)
         n, d = faces[:, :3], faces[:, 3] + skin_m
         d = d + self._half_m * np.abs(n[:, 1:]).sum(axis=1)  # the square's reach along each normal
@@ -99,7 +108,9 @@ class _Grid:
         return np.where(beside, np.inf, low), high
 
     def front(self, hulls: Iterable[Float], skin_m: float) -> Float:
-        """Return the frontmost place in each column over some polyhedra, −1000 where there is none."""
+        """Return the frontmost place in each column over some polyhedra,
+        −1000 where there is none.
+        """
         height = np.full(self._bc.shape[:2], -_FAR_M)
         for hull in hulls:
             low, high = self.column(hull, skin_m)

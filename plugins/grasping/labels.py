@@ -1,7 +1,7 @@
 """Labelled grasps: pools on generated stones, seen in part, and lifts of what the stones truly are.
 
-One file a stone, drawn from a seed and the stone's number alone: making labels can stop, go on and be spread over
-processes at will, and gives the same files.
+One file a stone, drawn from a seed and the stone's number alone: making labels can stop, go on and
+be spread over processes at will, and gives the same files.
 """
 
 import json
@@ -172,7 +172,8 @@ def _label_stone(folder: Path, settings: LabelSettings, index: int) -> None:
 
 
 def resting_stone(settings: LabelSettings, rng: np.random.Generator) -> Float:
-    """Draw a stone until one comes to rest; return its corners there, the middle above the origin [m].
+    """Draw a stone until one comes to rest; return its corners there, the middle above the origin
+    [m].
 
     Sizes are drawn evenly by length: a small stone is as hard to hold as a large one.
     """

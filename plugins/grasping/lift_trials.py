@@ -1,4 +1,6 @@
-"""What a grasp is labelled with: whether a lift of the true stone succeeds when nothing is quite as planned."""
+"""What a grasp is labelled with: whether a lift of the true stone succeeds when nothing is quite as
+planned.
+"""
 
 import numpy as np
 from executive_plugins.grasping.rehearsal import Rehearsal
@@ -25,7 +27,9 @@ class LiftTrials:
         self._volume_m3, _ = volume_and_centroid(hull)
 
     def lift(self, T_plan_gripper: Float, jaw_rad: float, rng: np.random.Generator) -> float:
-        """Return how far the stone moves in the jaws, its turn at half a metre included, at most 0.5 [m]."""
+        """Return how far the stone moves in the jaws, its turn at half a metre included, at most
+        0.5 [m].
+        """
         turn, shift = rng.uniform(-_TURN_RAD, _TURN_RAD, 3), rng.uniform(-_SHIFT_M, _SHIFT_M, 3)
         off = pose(exp_so3(turn), shift)
         mass_kg = self._volume_m3 * rng.uniform(*_DENSITY_KG_M3)

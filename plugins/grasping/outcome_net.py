@@ -1,4 +1,6 @@
-"""Networks that predict whether a lift will succeed, and their files: safetensors, which hold numbers and no code."""
+"""Networks that predict whether a lift will succeed, and their files: safetensors, which hold
+numbers and no code.
+"""
 
 from itertools import pairwise
 from pathlib import Path
@@ -22,9 +24,11 @@ _FORMAT = "executive.grasp_outcome.v1"
 
 
 class FourLayer(nn.Module):  # type: ignore[misc]  # torch is untyped here
-    """The four-layer network that the paper applies (ten Pas et al. 2017, after LeNet): images alone.
+    """The four-layer network that the paper applies (ten Pas et al. 2017, after LeNet): images
+    alone.
 
-    Two convolutions of 5 × 5 with pooling, two full layers; one output, the logit of success, in place of two.
+    Two convolutions of 5 × 5 with pooling, two full layers; one output, the logit of success, in
+    place of two.
     """
 
     def __init__(self) -> None:
@@ -51,7 +55,9 @@ class FourLayer(nn.Module):  # type: ignore[misc]  # torch is untyped here
 
 
 class TwoStream(nn.Module):  # type: ignore[misc]  # torch is untyped here
-    """Images through convolutions of 3 × 3, and the costs beside them, meeting in two full layers; our own."""
+    """Images through convolutions of 3 × 3, and the costs beside them, meeting in two full layers;
+    our own.
+    """
 
     def __init__(self) -> None:
         super().__init__()
@@ -97,8 +103,8 @@ def new_net(architecture: Architecture) -> FourLayer | TwoStream:
 def success(net: nn.Module, shown: Evidence) -> Float:
     """Return the probability of success of each grasp, to three digits, shape (M,).
 
-    The mean over each grasp and its half turn about the approach: the jaws are alike, and so is the prediction. The
-    rounding hides in what order a computer with more threads adds.
+    The mean over each grasp and its half turn about the approach: the jaws are alike, and so is the
+    prediction. The rounding hides in what order a computer with more threads adds.
     """
     net.eval()
     turned = mirrored(mirrored(shown.images, 1), 2)
@@ -121,7 +127,9 @@ def _logits(net: nn.Module, images: NDArray[np.float32], numbers: NDArray[np.flo
 
 
 def save_net(net: FourLayer | TwoStream, path: Path, card: str) -> None:
-    """Write a network's weights with its architecture and a data card, JSON text of what it was trained on."""
+    """Write a network's weights with its architecture and a data card, JSON text of what it was
+    trained on.
+    """
     architecture = next(name for name, kind in _ARCHITECTURES.items() if isinstance(net, kind))
     weights = {name: values.contiguous() for name, values in net.state_dict().items()}
     save_file(
@@ -133,7 +141,8 @@ def load_net(path: Path) -> FourLayer | TwoStream:
     """Read a network; nothing in the file is run.
 
     Raises:
-        DataError: If the file is missing, no safetensors file, or of something else than a network of these.
+        DataError: If the file is missing, no safetensors file, or of something else than a network
+            of these.
     """
     try:
         with safe_open(path, framework="pt") as file:

@@ -1,7 +1,9 @@
-"""The planning cloud: a stone, its neighbours and the ground under them, at one density (Mascaro 2020, Sec. 5.2).
+"""The planning cloud: a stone, its neighbours and the ground under them, at one density (Mascaro
+2020, Sec. 5.2).
 
-It is built in a frame of the stone's own: origin at the mean of its points, z up, x along its longer side. The same
-scene turned or shifted in the map hence gives the same numbers, and the same grasp.
+It is built in a frame of the stone's own: origin at the mean of its points, z up, x along its
+longer side. The same scene turned or shifted in the map hence gives the same numbers, and the same
+grasp.
 """
 
 from dataclasses import dataclass
@@ -48,14 +50,18 @@ class PlanningCloud:
 
     @property
     def body(self) -> Float:
-        """Corners of the stone's hull with its lowest points brought down to the ground, where nobody saw it."""
+        """Corners of the stone's hull with its lowest points brought down to the ground, where
+        nobody saw it.
+        """
         height = self.stone[:, 2] - self.ground.height(self.stone[:, :2])
         foot = (self.stone - height[:, None] * (0.0, 0.0, 1.0))[height < self.scale * _FOOT_M]
         return convex_corners(np.concatenate([self.stone, foot]))
 
     @property
     def least_width_m(self) -> float:
-        """Least horizontal width of the stone about the height of its centre [m]; what nobody saw is missing."""
+        """Least horizontal width of the stone about the height of its centre [m]; what nobody saw
+        is missing.
+        """
         slab = self.stone[np.abs(self.stone[:, 2] - self.centre[2]) < self.scale * _SLAB_M, :2]
         yaw = np.linspace(0.0, np.pi, _YAWS, endpoint=False)
         along = slab @ np.stack([np.cos(yaw), np.sin(yaw)])
@@ -78,9 +84,11 @@ def build_planning_cloud(
     """Crop, merge, thin and fill.
 
     Args:
-        stone_map: Best known surface of the stone: lidar, drone and earlier sights merged [m], shape (T, 3).
+        stone_map: Best known surface of the stone: lidar, drone and earlier sights merged [m],
+            shape (T, 3).
         cloud_map: The map, the stone included [m], shape (N, 3).
-        margin_m: How far around the stone to look: as far as the open gripper reaches to either side.
+        margin_m: How far around the stone to look: as far as the open gripper reaches to either
+            side.
         spacing_m: Density of the result.
         rng: For the ground's RANSAC.
         scale: Factor on the lengths of this file, see `SamplingSettings`.
@@ -137,7 +145,9 @@ def thinned(points: Float, spacing_m: float) -> Float:
 
 
 def _stone_frame(stone_map: Float) -> Float:
-    """Return T_map_plan: at the mean, x along the horizontal direction of most spread, toward its longer tail."""
+    """Return T_map_plan: at the mean, x along the horizontal direction of most spread, toward its
+    longer tail.
+    """
     middle = stone_map.mean(axis=0)
     flat = (stone_map - middle)[:, :2]
     x = np.linalg.eigh(flat.T @ flat)[1][:, 1]
@@ -146,7 +156,9 @@ def _stone_frame(stone_map: Float) -> Float:
 
 
 def _is_foot(cloud: Float, distance: Float, ground: Ground, scale: float) -> Bool:
-    """Say which points are the stone's foot: low, above the ground, near the stone; segmentation took it for ground."""
+    """Say which points are the stone's foot: low, above the ground, near the stone; segmentation
+    took it for ground.
+    """
     is_foot = distance < scale * _REACH_M
     height = cloud[is_foot, 2] - ground.height(cloud[is_foot, :2])
     is_foot[is_foot] = (height > scale * _LEVEL_M) & (height < scale * _FOOT_M)

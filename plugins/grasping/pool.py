@@ -1,4 +1,5 @@
-"""The pool: all ways to hold a stone that sampling finds, before any ranking (Mascaro 2020, Sec. 5.2 and 5.3).
+"""The pool: all ways to hold a stone that sampling finds, before any ranking (Mascaro 2020, Sec.
+5.2 and 5.3).
 
 Every planner of this folder, and the making of labels, draws its grasps from here.
 """
@@ -26,13 +27,16 @@ _DOWNWARD_SHIFTS = (-0.25, 0.0, 0.25)  # of the jaws' width, along it, from the 
 
 
 class SamplingSettings(Settings):
-    """Density, sampling and clearance; the lengths are those of a gripper that opens some two metres."""
+    """Density, sampling and clearance; the lengths are those of a gripper that opens some two
+    metres.
+    """
 
     scale: float = Field(
         1.0,
         gt=0,
         le=10,
-        description="Factor on all lengths of this plugin, for a gripper and stones of another size.",
+        description="Factor on all lengths of this plugin, for a gripper and stones of another "
+        "size.",
     )
     samples: int = Field(
         80, ge=1, le=5000, description="Points on the stone that approaches are made for."
@@ -113,7 +117,9 @@ class Sampler:
         )
 
     def scene(self, stone_map: Float, cloud_map: Float, rng: np.random.Generator) -> PlanningCloud:
-        """Build the planning cloud of a stone with the margin of the open gripper's width (Sec. 5.2)."""
+        """Build the planning cloud of a stone with the margin of the open gripper's width (Sec.
+        5.2).
+        """
         scale, margin_m = (
             self._settings.scale,
             -float(self._field().origin[1]),
@@ -148,7 +154,8 @@ class Sampler:
     def _hypotheses(self, scene: PlanningCloud, rng: np.random.Generator) -> tuple[Hypotheses, int]:
         """Return the approaches to try, and how many more were too far off the vertical.
 
-        Those straight down are an addition to the paper: they are the nominal configuration of an excavator's arm.
+        Those straight down are an addition to the paper: they are the nominal configuration of an
+        excavator's arm.
         """
         s, stone = self._settings, scene.stone
         at = stone[rng.choice(len(stone), min(s.samples, len(stone)), replace=False)]

@@ -1,6 +1,8 @@
-"""The push and the closing: how deep the open gripper goes along each approach, and what the jaws then take hold of.
+"""The push and the closing: how deep the open gripper goes along each approach, and what the jaws
+then take hold of.
 
-Compiled; thousands of hypotheses a second over some ten thousand points. Single-threaded and deterministic.
+Compiled; thousands of hypotheses a second over some ten thousand points. Single-threaded and
+deterministic.
 """
 
 from dataclasses import dataclass
@@ -38,7 +40,8 @@ class Hypotheses:
     Attributes:
         R: Orientations of the gripper, columns approach, opening, width, shape (M, 3, 3).
         anchor: Points on each approach's line [m], shape (M, 3).
-        is_centred: Whether to move the line to the middle of the stone between the jaws, shape (M,).
+        is_centred: Whether to move the line to the middle of the stone between the jaws, shape
+            (M,).
     """
 
     R: Float
@@ -62,8 +65,10 @@ class Holds:
     Attributes:
         outcome: An `Outcome`, shape (M,).
         position: Origin of the gripper at the end of the push [m], shape (M, 3).
-        progress: Step of the field at which the left and the right jaw touch the stone, shape (M, 2).
-        contact: Mean of the stone's points at the left and the right jaw, in the gripper frame [m], shape (M, 2, 3).
+        progress: Step of the field at which the left and the right jaw touch the stone, shape (M,
+            2).
+        contact: Mean of the stone's points at the left and the right jaw, in the gripper frame [m],
+            shape (M, 2, 3).
         contacts: Number of those points, shape (M, 2).
     """
 
@@ -82,7 +87,8 @@ def push_and_close(
     tried: Hypotheses,
     clearance: Clearance,
 ) -> Holds:
-    """Push each hypothesis until the open gripper touches, then close on the stone, and withdraw where the sweep hits.
+    """Push each hypothesis until the open gripper touches, then close on the stone, and withdraw
+    where the sweep hits.
 
     Args:
         field: The gripper's tables.
@@ -140,7 +146,9 @@ def _try_all(points, targets, centre, tried, tables, room, out):  # type: ignore
 
 @njit(cache=True)
 def _gather(points, targets, axes, line, tables, near):  # type: ignore[no-untyped-def]  # compiled
-    """Fill `near` with the points in the gripper's columns, in its axes from the line's anchor, the target's first."""
+    """Fill `near` with the points in the gripper's columns, in its axes from the line's anchor, the
+    target's first.
+    """
     front, origin, cell = tables[0], tables[3], tables[4]
     n, n_target = 0, 0
     for j in range(len(points)):
@@ -164,7 +172,9 @@ def _gather(points, targets, axes, line, tables, near):  # type: ignore[no-untyp
 
 @njit(cache=True)
 def _settle(near, n_target, n, centre_a, tables, room, progress):  # type: ignore[no-untyped-def]  # compiled
-    """Return the outcome and the depth: push, close, withdraw until the closing sweep is free of others."""
+    """Return the outcome and the depth: push, close, withdraw until the closing sweep is free of
+    others.
+    """
     front, sweep, tip_a = tables[0], tables[1], tables[2]
     free = min(
         _free_depth(near[:n_target], front[0], tables) - room[0],
@@ -239,7 +249,9 @@ def _touch(near, depth, tables, progress, contact, contacts):  # type: ignore[no
 
 @njit(cache=True)
 def _to_middle(points, axes, line, tables):  # type: ignore[no-untyped-def]  # compiled
-    """Return where along the opening the middle of the stone's part within the gripper's width lies [m]."""
+    """Return where along the opening the middle of the stone's part within the gripper's width lies
+    [m].
+    """
     origin, cell = tables[3], tables[4]
     half = -origin[2] - 2 * cell
     low, high = 1e3, -1e3

@@ -15,9 +15,11 @@ def paper_costs(R: Float, position: Float, centre: Float, ground_normal: Float) 
     """Return the three costs of the paper for M grasps, each of shape (M,).
 
     Args:
-        R: Orientations of the gripper; the first column is the approach, pointing away from the palm, shape (M, 3, 3).
+        R: Orientations of the gripper; the first column is the approach, pointing away from the
+            palm, shape (M, 3, 3).
         position: The palm's centre [m], shape (M, 3).
-        centre: The stone's centre of mass: of its hull, as the mean of the visible points is drawn to the sensor [m].
+        centre: The stone's centre of mass: of its hull, as the mean of the visible points is drawn
+            to the sensor [m].
         ground_normal: Unit normal of the ground, upward, shape (3,).
 
     Returns:
@@ -32,10 +34,12 @@ def paper_costs(R: Float, position: Float, centre: Float, ground_normal: Float) 
 
 
 def ranked_rounds(costs: Costs, stages: Sequence[tuple[str, int]], final: str) -> Iterator[Int]:
-    """Yield the grasps that pass all stages, the least final cost first; then the same of those that are left.
+    """Yield the grasps that pass all stages, the least final cost first; then the same of those
+    that are left.
 
-    A stage (name, keep) passes the `keep` grasps of least cost; with fewer, all. Equal costs are ordered by the costs
-    of the other stages, then by index, so that the order is always the same. Each grasp is yielded once.
+    A stage (name, keep) passes the `keep` grasps of least cost; with fewer, all. Equal costs are
+    ordered by the costs of the other stages, then by index, so that the order is always the same.
+    Each grasp is yielded once.
     """
     left = np.arange(len(costs[final]))
     while len(left):
@@ -45,7 +49,9 @@ def ranked_rounds(costs: Costs, stages: Sequence[tuple[str, int]], final: str) -
 
 
 def best_first(costs: Costs, stages: Sequence[tuple[str, int]], final: str, left: Int) -> Int:
-    """Return which of the indices `left` pass all stages, the least final cost first; see `ranked_rounds`."""
+    """Return which of the indices `left` pass all stages, the least final cost first; see
+    `ranked_rounds`.
+    """
     names = [name for name, _ in stages] + [final]
     for i, (_, keep) in enumerate(stages):
         left = np.sort(_ordered(costs, names[i:], left)[:keep])
@@ -63,14 +69,16 @@ def _ordered(costs: Costs, names: Sequence[str], left: Int) -> Int:
 def spread(
     order: Iterable[int], R: Float, position: Float, shift_m: float, turn_rad: float
 ) -> Iterator[int]:
-    """Yield the same indices, those first that differ from all before them: a retry is then another attempt.
+    """Yield the same indices, those first that differ from all before them: a retry is then another
+    attempt.
 
     Args:
         order: Indices, best first; taken as they are asked for.
         R: Orientations (M, 3, 3).
         position: Palm centres [m], shape (M, 3).
         shift_m: Grasps this far apart differ.
-        turn_rad: Grasps turned this far differ; a half turn about the approach is no turn, the jaws are alike.
+        turn_rad: Grasps turned this far differ; a half turn about the approach is no turn, the jaws
+            are alike.
     """
     first: list[int] = []
     again: list[int] = []
@@ -100,9 +108,11 @@ def hold_costs(
 
     Returns:
         `drag_m`: how far the closing jaws move the stone until both touch.
-        `shallow_m`: how far the closed tips stay above the stone's centre, along the approach; negative is deep.
+        `shallow_m`: how far the closed tips stay above the stone's centre, along the approach;
+            negative is deep.
         `twist_m`: distance of the two contacts along the jaws' width, a couple about the approach.
-        `lever_m`: horizontal distance of the centre from the line through both contacts: the stone swings about it.
+        `lever_m`: horizontal distance of the centre from the line through both contacts: the stone
+            swings about it.
     """
     progress, contact = holds.progress[held], holds.contact[held]
     drag = np.abs(field.tip_b[progress[:, 0]] - field.tip_b[progress[:, 1]]) / 2

@@ -1,4 +1,6 @@
-"""The last look at a grasp, by another library: palm and open jaws as convex bodies in FCL, held against the cloud."""
+"""The last look at a grasp, by another library: palm and open jaws as convex bodies in FCL, held
+against the cloud.
+"""
 
 import fcl
 import numpy as np
@@ -16,8 +18,8 @@ _REQUEST = fcl.CollisionRequest()
 class Recheck:
     """The open gripper at a pose, against points.
 
-    Its parts are shrunk by the depth that points may have, and FCL only says whether one touches: the depths that it
-    returns for a ball in a polyhedron are too large by up to a third.
+    Its parts are shrunk by the depth that points may have, and FCL only says whether one touches:
+    the depths that it returns for a ball in a polyhedron are too large by up to a third.
     """
 
     def __init__(self, gripper: Gripper, allowed_m: float) -> None:
@@ -61,7 +63,9 @@ def _shrunk(hull: Float, by_m: float) -> Float | None:
 
 
 def _convex(points: Float) -> fcl.Convex:
-    """Return the hull of points as a convex body; its triangles are turned counter-clockwise from outside."""
+    """Return the hull of points as a convex body; its triangles are turned counter-clockwise from
+    outside.
+    """
     hull = ConvexHull(points)
     index = np.full(len(points), -1)
     index[hull.vertices] = np.arange(len(hull.vertices))

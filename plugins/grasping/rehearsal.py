@@ -1,7 +1,9 @@
-"""A lift rehearsed: the known stone, the polyhedral gripper and gravity in a small physics world of the planner's own.
+"""A lift rehearsed: the known stone, the polyhedral gripper and gravity in a small physics world of
+the planner's own.
 
-Analytic force closure on a stone's normals says little about whether an angular gripper lifts it; a simulated lift of
-the hull of the points seen does, in some 40 ms. It knows nothing but the planning cloud and the machine's description.
+Analytic force closure on a stone's normals says little about whether an angular gripper lifts it; a
+simulated lift of the hull of the points seen does, in some 40 ms. It knows nothing but the planning
+cloud and the machine's description.
 """
 
 from dataclasses import dataclass
@@ -36,7 +38,8 @@ class Lifted:
     Attributes:
         shift_m: How far the stone moved in the gripper, from closed to lifted [m].
         turn_rad: How far it turned there [rad].
-        drag_m: How far the closing jaws moved it on the ground before, its turn at half a metre included [m].
+        drag_m: How far the closing jaws moved it on the ground before, its turn at half a metre
+            included [m].
     """
 
     shift_m: float
@@ -45,7 +48,9 @@ class Lifted:
 
     @property
     def slip_m(self) -> float:
-        """Shift, and what the turn moves half a metre from the centre; no more than 0.5: the stone fell [m]."""
+        """Shift, and what the turn moves half a metre from the centre; no more than 0.5: the stone
+        fell [m].
+        """
         return min(self.shift_m + _ARM_M * self.turn_rad, FALLEN_M)
 
 
@@ -65,7 +70,9 @@ class Rehearsal:
         self._mass_kg = mass_kg
 
     def lift(self, T_plan_gripper: Float, jaw_rad: float, friction: float) -> Lifted:
-        """Close from a jaw angle just outside the stone [rad], lift, and tell how the stone moved in the jaws."""
+        """Close from a jaw angle just outside the stone [rad], lift, and tell how the stone moved
+        in the jaws.
+        """
         model = self._world(T_plan_gripper, friction)
         data = mujoco.MjData(model)
         opened = min(jaw_rad + _SLACK_RAD, self._gripper.open_rad)

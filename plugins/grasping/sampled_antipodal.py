@@ -1,4 +1,6 @@
-"""Grasps without a classifier: in the paper's order, the best of them rehearsed (Mascaro 2020, Sec. 5)."""
+"""Grasps without a classifier: in the paper's order, the best of them rehearsed (Mascaro 2020, Sec.
+5).
+"""
 
 from typing import ClassVar
 
@@ -17,7 +19,9 @@ class SampledAntipodalSettings(SampledPlannerSettings):
 
 
 class SampledAntipodal(SampledPlanner):
-    """Samples approaches on the stone, and straight down onto it; keeps what holds it, hits nothing and is in reach."""
+    """Samples approaches on the stone, and straight down onto it; keeps what holds it, hits nothing
+    and is in reach.
+    """
 
     Settings: ClassVar[type[Settings]] = SampledAntipodalSettings
 
@@ -27,5 +31,7 @@ class SampledAntipodal(SampledPlanner):
         super().__init__(settings, machine, motion)
 
     def ordered(self, scene: PlanningCloud, pool: Pool) -> Order:
-        """Return the paper's order (Sec. 5.4); nothing tells what a grasp is worth before it is rehearsed."""
+        """Return the paper's order (Sec. 5.4); nothing tells what a grasp is worth before it is
+        rehearsed.
+        """
         return Order(self.paper_order(pool), np.zeros(len(pool)), {}, is_telling=False)

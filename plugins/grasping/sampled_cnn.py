@@ -1,6 +1,8 @@
-"""Grasps ranked by a network that has learned from physical lifts which succeed (for Mascaro 2020, Sec. 5.4).
+"""Grasps ranked by a network that has learned from physical lifts which succeed (for Mascaro 2020,
+Sec. 5.4).
 
-torch is imported when a planner starts, not with this file: a mission is checked in two seconds less.
+torch is imported when a planner starts, not with this file: a mission is checked in two seconds
+less.
 """
 
 from collections.abc import Iterator
@@ -51,7 +53,9 @@ class SampledCnnSettings(SampledPlannerSettings):
 
 
 class SampledCnn(SampledPlanner):
-    """Samples as `sampled_antipodal` does, and ranks by the success that a network predicts from grasp images."""
+    """Samples as `sampled_antipodal` does, and ranks by the success that a network predicts from
+    grasp images.
+    """
 
     Settings: ClassVar[type[Settings]] = SampledCnnSettings
 
@@ -76,7 +80,9 @@ class SampledCnn(SampledPlanner):
         )  # compiles
 
     def ordered(self, scene: PlanningCloud, pool: Pool) -> Order:
-        """Return the pool by predicted success, or by the paper's stages on what is predicted to succeed."""
+        """Return the pool by predicted success, or by the paper's stages on what is predicted to
+        succeed.
+        """
         from executive_plugins.grasping.outcome_net import success
 
         likely = success(self._loaded(), evidence_of(scene, pool, self._machine.gripper))

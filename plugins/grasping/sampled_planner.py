@@ -1,4 +1,6 @@
-"""The plan of every sampling planner: pool, order, reach, way in, rehearsal (Mascaro 2020, Sec. 5)."""
+"""The plan of every sampling planner: pool, order, reach, way in, rehearsal (Mascaro 2020,
+Sec. 5).
+"""
 
 from abc import abstractmethod
 from collections import Counter
@@ -29,7 +31,8 @@ from executive.messages.stone import Stone
 
 _ROOM_IN_CLOUD_M = 0.01  # a point deeper than this in the open gripper refuses a grasp
 _FEW_POINTS = 20  # fewer say nothing about a stone's shape
-# Friction of steel on stone, and offsets in the gripper's frame [m]: as planned, and with margins for both.
+# Friction of steel on stone, and offsets in the gripper's frame [m]: as planned, and with margins
+# for both.
 _VARIANTS = ((0.45, (0.0, 0.0, 0.0)), (0.55, (-0.03, 0.0, 0.04)), (0.55, (-0.03, 0.0, -0.04)))
 _PUSH_WEIGHT = 0.2  # of what the jaws move while they close, against what slips from them
 _FIRM_M, _ENOUGH = 0.05, 4  # no more rehearsals when this many grasps cost less than this
@@ -140,7 +143,9 @@ class SampledPlanner(GraspPlanner):
         return GraspPlan(grasps, {reason: n for reason, n in sorted(refused.items()) if n})
 
     def paper_order(self, pool: Pool) -> Iterator[int]:
-        """Yield the indices of a pool by the paper's stages (Sec. 5.4); those left over go through them again."""
+        """Yield the indices of a pool by the paper's stages (Sec. 5.4); those left over go through
+        them again.
+        """
         s = self._settings
         stages = [("align_rad", s.keep_aligned), ("enclose_m", s.keep_enclosing)]
         return (
@@ -150,9 +155,11 @@ class SampledPlanner(GraspPlanner):
     def _chosen(
         self, scene: PlanningCloud, pool: Pool, T_map_base: Float, refused: Counter[str]
     ) -> tuple[Grasp, ...]:
-        """Rehearse the first that the arm comes to, and rank them by what they are worth less how far they slip.
+        """Rehearse the first that the arm comes to, and rank them by what they are worth less how
+        far they slip.
 
-        Those that are worth no more than what others have left after their rehearsal are spared theirs.
+        Those that are worth no more than what others have left after their rehearsal are spared
+        theirs.
         """
         s, gripper = self._settings, self._machine.gripper
         rehearsal = Rehearsal(gripper, scene.body, scene.ground.normal, scene.volume_m3 * s.density)
@@ -198,7 +205,9 @@ class SampledPlanner(GraspPlanner):
         T_map_base: Float,
         refused: Counter[str],
     ) -> Iterator[tuple[int, Float]]:
-        """Yield index and T_map_gripper of grasps with a free way in that the arm comes to, in the order given."""
+        """Yield index and T_map_gripper of grasps with a free way in that the arm comes to, in the
+        order given.
+        """
         gripper, scale, up = self._machine.gripper, self._settings.scale, scene.ground.normal
         way_in_m, room_m = scale * self._settings.way_in_m, scale * _ROOM_IN_CLOUD_M
         mass_kg = scene.volume_m3 * self._settings.density / self._settings.overload
@@ -222,7 +231,8 @@ class SampledPlanner(GraspPlanner):
     def _rehearsed(
         self, rehearsal: Rehearsal, T_plan_gripper: Float, jaw_rad: float
     ) -> dict[str, float]:
-        """Return `slip_m`, how far the stone moves in the jaws, and `push_m`, how far they move it before.
+        """Return `slip_m`, how far the stone moves in the jaws, and `push_m`, how far they move it
+        before.
 
         Both are means over rehearsals at and about the pose.
         """

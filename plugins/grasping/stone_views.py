@@ -1,6 +1,8 @@
-"""Scenes to learn from: a stone at rest on level ground, and the partial, noisy cloud that is known of it.
+"""Scenes to learn from: a stone at rest on level ground, and the partial, noisy cloud that is known
+of it.
 
-Seen by a pair of lidars on a swinging cabin, and, in a part of the scenes, also by a drone from above.
+Seen by a pair of lidars on a swinging cabin, and, in a part of the scenes, also by a drone from
+above.
 """
 
 from collections.abc import Callable
@@ -46,7 +48,8 @@ class StoneView:
 
 
 def at_rest(hull: Float, rng: np.random.Generator) -> Float | None:
-    """Drop a convex stone nearly flat on the ground z = 0 and return T_world_stone when it lies still, or None.
+    """Drop a convex stone nearly flat on the ground z = 0 and return T_world_stone when it lies
+    still, or None.
 
     Args:
         hull: Corners in the stone's frame [m], shape (V, 3).
@@ -88,7 +91,9 @@ def convex_solid(hull: Float) -> Solid:
 
 
 def look_at(target: Solid, neighbours: tuple[Solid, ...], rng: np.random.Generator) -> StoneView:
-    """Return what two lidars, and in half of the scenes a drone, see of a stone about the origin."""
+    """Return what two lidars, and in half of the scenes a drone,
+    see of a stone about the origin.
+    """
     noise_m = rng.uniform(*_NOISE_M)
     sensors = _lidars(rng) + (_drone(rng) if rng.random() < 0.5 else [])
     sights = [_sight((target, *neighbours), sensor, noise_m, rng) for sensor in sensors]

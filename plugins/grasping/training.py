@@ -1,4 +1,6 @@
-"""Training of the outcome networks on labels, split by stone, and the figures that say how good they are."""
+"""Training of the outcome networks on labels, split by stone, and the figures that say how good
+they are.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -102,7 +104,9 @@ def predictions(net: FourLayer | TwoStream, labels: Labels) -> tuple[Float, NDAr
 
 
 def area_under_curve(score: Float, is_positive: NDArray[np.bool_]) -> float:
-    """Return the probability that a positive scores above a negative, ties half (ROC AUC); NaN without both kinds."""
+    """Return the probability that a positive scores above a negative, ties half (ROC AUC); NaN
+    without both kinds.
+    """
     positives, negatives = int(is_positive.sum()), int((~is_positive).sum())
     if not positives or not negatives:
         return float("nan")

@@ -22,7 +22,9 @@ class WayIn:
         self._reach_m = max(float(np.linalg.norm(hull, axis=1).max()) for hull in hulls)
 
     def depth_m(self, points: Float, T_points_gripper: Float) -> float:
-        """Return how deep the deepest of the points is in palm or open jaws [m]; below 0 if all are outside."""
+        """Return how deep the deepest of the points is in palm or open jaws [m]; below 0 if all are
+        outside.
+        """
         near = points[np.linalg.norm(points - T_points_gripper[:3, 3], axis=1) < self._reach_m]
         local = transform(inverse(T_points_gripper), near)
         deepest = -np.inf
@@ -36,7 +38,8 @@ class WayIn:
     def is_free(
         self, points: Float, T_points_gripper: Float, up: Float, length_m: float, depth_m: float
     ) -> bool:
-        """Return whether the open gripper, coming down a straight way against `up`, stays out of the points.
+        """Return whether the open gripper, coming down a straight way against `up`, stays out of
+        the points.
 
         Args:
             points: The cloud [m], shape (N, 3).

@@ -4,7 +4,8 @@ import numpy as np
 
 from executive.arrays import Bool, Float
 
-_STRIDE_M = 0.5  # of the machine, before the cylinder follows: less would rebuild the grid for the swing's wobble
+# of the machine, before the cylinder follows: less would rebuild the grid for the swing's wobble
+_STRIDE_M = 0.5
 
 
 class Cylinder:

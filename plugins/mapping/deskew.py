@@ -1,4 +1,6 @@
-"""Every return of a scan to where it was, by the machine's motion at that return's own time (Sec. 4.2, step 2)."""
+"""Every return of a scan to where it was, by the machine's motion at that return's own time (Sec.
+4.2, step 2).
+"""
 
 import numpy as np
 from numba import njit
@@ -12,8 +14,8 @@ from executive.messages.motion import Motion
 def place(points: Float, slices: Int, fractions: Float, poses: Float) -> Float:
     """Transform each point by the blend of the poses at its slice's ends.
 
-    A blend of matrices instead of a geodesic: 10°/s over a slice of 10 ms bends a point at 10 m by 4 µm.
-    """  # pragma: no cover - compiled
+    A blend of matrices instead of a geodesic: 10°/s over a slice of 10 ms bends a point at 10 m by
+    4 µm."""  # pragma: no cover - compiled
     placed = np.empty_like(points)
     for n in range(len(points)):
         a, b, f = poses[slices[n]], poses[slices[n] + 1], fractions[n]
@@ -29,7 +31,8 @@ def time_slices(scan: LidarScan, slice_s: float) -> tuple[Float, Int, Float]:
     """Cut a scan's time into equal slices.
 
     Returns:
-        Ends of the slices [s], shape (k + 1,), and for each point its slice and its fraction of it, shapes (N,).
+        Ends of the slices [s], shape (k + 1,), and for each point its slice and its fraction of it,
+        shapes (N,).
     """
     first_s, last_s = float(scan.point_stamps_s[0]), float(scan.point_stamps_s[-1])
     count = max(1, int(np.ceil((last_s - first_s) / slice_s)))

@@ -52,8 +52,9 @@ class InlineGraph(GraphHost):
 class ProcessGraph(GraphHost):
     """Solves in a child process, for GTSAM holds the interpreter's lock through a whole update.
 
-    One batch is under way at a time. A child that died or is silent for too long, by the wall clock, the only one that
-    it obeys, is replaced; the next begins at the first node that was not answered, at the state estimate's word.
+    One batch is under way at a time. A child that died or is silent for too long, by the wall
+    clock, the only one that it obeys, is replaced; the next begins at the first node that was not
+    answered, at the state estimate's word.
 
     Attributes:
         restarts: Number of children that had to be replaced.
@@ -129,7 +130,9 @@ class ProcessGraph(GraphHost):
 
 
 def _serve(connection: Connection, window: int) -> None:
-    """Answer each batch of nodes with the window's poses; an empty batch, or the parent's end, ends it."""
+    """Answer each batch of nodes with the window's poses; an empty batch, or the parent's end, ends
+    it.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
     graph = PairGraph(window)
     connection.send(None)

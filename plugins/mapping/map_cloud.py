@@ -9,7 +9,9 @@ from executive.messages.cloud import Cloud
 
 
 def cloud_of(grid: VoxelGrid, settings: MapSettings, cylinder: Cylinder) -> Cloud:
-    """Return one point for each occupied voxel in the cylinder, range noise smoothed out, in order of the voxels."""
+    """Return one point for each occupied voxel in the cylinder, range noise smoothed out, in order
+    of the voxels.
+    """
     points, counts = grid.surface(settings.smoothing_m) if settings.smoothing_m else grid.points()
     points = points[(counts >= settings.min_points) & cylinder.contains(points)]
     return Cloud("map", voxel_means(points, settings.voxel_m))

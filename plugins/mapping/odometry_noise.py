@@ -11,7 +11,8 @@ from executive.config import Meters, Radians, Seconds, Settings
 class OdometryNoiseSettings(Settings):
     """The estimate's error as a process that wanders, and forgets where it was.
 
-    Defaults were measured on the shipped estimators, with satellites of 8 mm and of 40 mm: their poses wander alike.
+    Defaults were measured on the shipped estimators, with satellites of 8 mm and of 40 mm: their
+    poses wander alike.
     """
 
     rotation_rad: Radians = Field(
@@ -53,8 +54,9 @@ class OdometryNoise:
     ) -> PoseConstraint:
         """Return a motion between two estimated poses with covariances of their own.
 
-        It wanders with time, but no farther than two errors lie apart. Where the covariance has shrunk, the estimate
-        was corrected by about as much, and where it has grown, it went blind for that long.
+        It wanders with time, but no farther than two errors lie apart. Where the covariance has
+        shrunk, the estimate was corrected by about as much, and where it has grown, it went blind
+        for that long.
         """
         now, then = np.diag(self._of(covariance)), np.diag(self._of(before))
         wander = np.minimum(self._wander * max(duration_s, 1e-3), now + then)

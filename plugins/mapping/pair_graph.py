@@ -50,9 +50,10 @@ class Poses:
 class PairGraph:
     """iSAM2 over the newest nodes.
 
-    Deviation from the paper: now and then a node is tied to the state estimate itself, not only to its increments. A
-    chain of increments would walk away from the satellites; and nodes beyond a window are forgotten, their knowledge
-    kept as a prior, so that a long mission costs no more than a short one.
+    Deviation from the paper: now and then a node is tied to the state estimate itself, not only to
+    its increments. A chain of increments would walk away from the satellites; and nodes beyond a
+    window are forgotten, their knowledge kept as a prior, so that a long mission costs no more than
+    a short one.
 
     Attributes:
         restarts: How often the equations had no solution, and the graph began anew.
@@ -98,7 +99,9 @@ class PairGraph:
         self._begin()
 
     def _is_tied(self, node: Node) -> bool:
-        """Say whether a node hangs on the one before; GTSAM would leave it at its first guess, and say nothing."""
+        """Say whether a node hangs on the one before; GTSAM would leave it at its first guess, and
+        say nothing.
+        """
         is_next = node.number == self._nodes[-1].number + 1
         return is_next and not (node.odometry is None and node.match is None)
 
@@ -123,7 +126,9 @@ class PairGraph:
         return Poses(self._nodes[0].number, poses)
 
     def _forget(self) -> None:
-        """Rebuild the graph on its newest nodes; what the older ones knew becomes a prior on the oldest of them."""
+        """Rebuild the graph on its newest nodes; what the older ones knew becomes a prior on the
+        oldest of them.
+        """
         T = self._solved().T_map_cabin
         nodes, factors = self._nodes, self._factors
         first = len(nodes) - self._window
@@ -133,7 +138,9 @@ class PairGraph:
             self._update(nodes[k], T[k], factors[k] if k > first else prior + _anchors(nodes[k]))
 
     def _summary(self, kept: Node, old: list[gtsam.NonlinearFactor]) -> list[gtsam.NonlinearFactor]:
-        """Eliminate all nodes before one, for the nodes are a chain: what is left is a factor on that one alone."""
+        """Eliminate all nodes before one, for the nodes are a chain: what is left is a factor on
+        that one alone.
+        """
         values, graph, ordering = (
             self._isam.calculateEstimate(),
             gtsam.NonlinearFactorGraph(),

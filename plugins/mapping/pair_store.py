@@ -28,18 +28,21 @@ class _Stored:
 class PairStore:
     """A map of voxels from pairs with poses that may still move.
 
-    What leaves the store stays in the map where it was last, so that memory is bounded by the number of pairs. A voxel
-    grid of running means cannot give a pair back; it is made again from the pairs, but only when it is looked at.
+    What leaves the store stays in the map where it was last, so that memory is bounded by the
+    number of pairs. A voxel grid of running means cannot give a pair back; it is made again from
+    the pairs, but only when it is looked at.
     """
 
     def __init__(self, voxel_m: float, memory: int, most_pairs: int, arm_m: float) -> None:
         """Begin empty.
 
         Args:
-            voxel_m: Edge of a voxel [m]; a pair is put in anew when it moves by more than half of it.
+            voxel_m: Edge of a voxel [m]; a pair is put in anew when it moves by more than half of
+                it.
             memory: Returns over which a voxel's mean is taken.
             most_pairs: Pairs whose points are kept.
-            arm_m: Distance from the cabin at which a pair's motion is told [m]: a turn moves what is far.
+            arm_m: Distance from the cabin at which a pair's motion is told [m]: a turn moves what
+                is far.
         """
         self._half_voxel_m = 0.5 * voxel_m
         self._most_pairs = most_pairs
@@ -83,7 +86,9 @@ class PairStore:
         )
 
     def grid(self) -> VoxelGrid:
-        """Return the map's voxels, made again from the pairs if one of them has moved: 100 ms for 300 pairs."""
+        """Return the map's voxels, made again from the pairs if one of them has moved: 100 ms for
+        300 pairs.
+        """
         if self._is_stale:
             self._grid = self._settled.copy()
             for pair in self._pairs:
@@ -93,7 +98,9 @@ class PairStore:
         return self._grid
 
     def forget_sphere(self, centre_map: Float, radius_m: float, least: int) -> int:
-        """Forget a sphere in the grid and in all pairs, so that it stays away; return the occupied voxels in it."""
+        """Forget a sphere in the grid and in all pairs, so that it stays away; return the occupied
+        voxels in it.
+        """
         removed = self.grid().forget_sphere(centre_map, radius_m, least)
         self._settled.forget_sphere(centre_map, radius_m, least)
         for pair in self._pairs:

@@ -12,11 +12,13 @@ from executive.errors import DataError
 class PoseConstraint:
     """A pose with its covariance.
 
-    Checked here, for GTSAM answers a covariance that is not a number with its first guess, and says nothing.
+    Checked here, for GTSAM answers a covariance that is not a number with its first guess, and says
+    nothing.
 
     Attributes:
         T: The pose, shape (4, 4).
-        covariance: As (rotation [rad], translation [m]) in the frame that T leads from, shape (6, 6), positive.
+        covariance: As (rotation [rad], translation [m]) in the frame that T leads from, shape (6,
+            6), positive.
     """
 
     T: Float
@@ -28,5 +30,6 @@ class PoseConstraint:
         object.__setattr__(self, "covariance", P)
         if np.linalg.eigvalsh(0.5 * (P + P.T))[0] <= 0:
             raise DataError(
-                "the covariance of a pose must be positive: a direction that is known perfectly has none"
+                "the covariance of a pose must be positive: a direction that is known "
+                "perfectly has none"
             )

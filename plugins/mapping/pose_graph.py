@@ -1,4 +1,6 @@
-"""A map from a pose graph of scan pairs: odometry, scan matching, iSAM2 (Mascaro 2020, Sec. 4.2)."""
+"""A map from a pose graph of scan pairs: odometry, scan matching, iSAM2 (Mascaro 2020,
+Sec. 4.2).
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -80,7 +82,8 @@ class _Parts:
 class PoseGraph(Mapper):
     """Each pair is matched to the ten before it; the graph weighs that against the state estimate.
 
-    Deviation from the paper: pairs at rest make no node, as there, but the first few still go into the map.
+    Deviation from the paper: pairs at rest make no node, as there, but the first few still go into
+    the map.
     """
 
     Settings = PoseGraphSettings
@@ -98,7 +101,9 @@ class PoseGraph(Mapper):
         self._anchored_s = -np.inf
 
     def start(self) -> None:
-        """Prepare the shapes, compile the inner loops, and start the graph's process if it has one."""
+        """Prepare the shapes, compile the inner loops, and start the graph's process if
+        it has one.
+        """
         s = self._settings
         VoxelGrid.compile()
         self._parts = _Parts(
@@ -198,7 +203,9 @@ class PoseGraph(Mapper):
         )
 
     def add_surface(self, points_map: Float) -> None:
-        """Put points into the map as often as makes their voxels occupied; new returns are averaged with them."""
+        """Put points into the map as often as makes their voxels occupied; new returns are averaged
+        with them.
+        """
         parts = self._running()
         points = checked("points_map", points_map, None, 3)
         self._cloud = None
@@ -207,7 +214,9 @@ class PoseGraph(Mapper):
         )
 
     def cloud(self) -> Cloud:
-        """Return one point for each occupied voxel; 100 ms for 300,000 voxels, kept until the map changes."""
+        """Return one point for each occupied voxel; 100 ms for 300,000 voxels, kept until the map
+        changes.
+        """
         parts = self._running()
         self._take_poses(parts)
         if self._cloud is None or parts.store.is_stale:

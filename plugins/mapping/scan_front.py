@@ -1,4 +1,6 @@
-"""From raw scans to points in the map: without the machine, and with its motion undone (Mascaro 2020, Sec. 4.2)."""
+"""From raw scans to points in the map: without the machine, and with its motion undone (Mascaro
+2020, Sec. 4.2).
+"""
 
 from collections.abc import Mapping
 
@@ -47,7 +49,8 @@ class ScanFront:
         Args:
             scan: One revolution.
             motion: Cabin poses and joints during it.
-            held_radius_m: Returns this near to the space between the jaws are what the gripper holds [m].
+            held_radius_m: Returns this near to the space between the jaws are what the gripper
+                holds [m].
 
         Raises:
             DataError: If the sensor is no lidar of the machine, or the motion lacks a joint.
@@ -81,7 +84,8 @@ class ScanFront:
         missing = [name for name in self._machine.joint_names if name not in q]
         if missing:
             raise DataError(
-                f"the motion lacks joint {', '.join(missing)}; it has {', '.join(motion.joint_names)}"
+                f"the motion lacks joint {', '.join(missing)}; it has "
+                f"{', '.join(motion.joint_names)}"
             )
         arm = np.array([q[name] for name in self._machine.arm_names])
         return self._kinematics.frames(arm, float(q[self._machine.jaw.name]))

@@ -57,10 +57,12 @@ class ScanMatcher:
     def match(
         self, points_cabin: SinglePrecision, T_map_cabin: Float, pose_of: Callable[[int], Float]
     ) -> PoseConstraint | None:
-        """Return the pair's pose in the node before, or None where there is nothing to match or to believe.
+        """Return the pair's pose in the node before, or None where there is nothing to match or to
+        believe.
 
-        On open ground a pair tells height, roll and pitch well, and heading and place badly; the covariance says so: it
-        is the inverse Hessian of the fit, scaled by what errors against known poses were.
+        On open ground a pair tells height, roll and pitch well, and heading and place badly; the
+        covariance says so: it is the inverse Hessian of the fit, scaled by what errors against
+        known poses were.
 
         Args:
             points_cabin: The pair's points [m], shape (N, 3).

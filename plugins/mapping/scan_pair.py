@@ -20,12 +20,13 @@ SinglePrecision = NDArray[np.float32]  # 1 µm at 10 m, half the memory
 class ScanPair:
     """An assembled pair, without the machine and without its motion.
 
-    The paper's pairs are in the frame of the horizontal lidar; these are in the cabin's, whose covariance the estimate
-    tells.
+    The paper's pairs are in the frame of the horizontal lidar; these are in the cabin's, whose
+    covariance the estimate tells.
 
     Attributes:
         stamp_s: End of the newer scan [s].
-        points_cabin: Returns in the mapped cylinder, in the cabin's frame at that time [m], shape (N, 3).
+        points_cabin: Returns in the mapped cylinder, in the cabin's frame at that time [m], shape
+            (N, 3).
         T_map_cabin: The state estimate's pose at that time, shape (4, 4).
         kept: Number of returns that are not the machine's, of any distance.
     """

@@ -1,8 +1,9 @@
-"""Range noise taken out of a voxel map: each voxel's mean moves to the weighted mean of its neighbourhood.
+"""Range noise taken out of a voxel map: each voxel's mean moves to the weighted mean of its
+neighbourhood.
 
-A lidar's range noise of 2 cm spreads one surface over two or three layers of 3 cm voxels, and no average inside a
-voxel brings them together. Averaged over 4.5 cm they fall on one another, and a second thinning makes them one layer.
-The price: sharp edges are rounded by about a centimetre.
+A lidar's range noise of 2 cm spreads one surface over two or three layers of 3 cm voxels, and no
+average inside a voxel brings them together. Averaged over 4.5 cm they fall on one another, and a
+second thinning makes them one layer. The price: sharp edges are rounded by about a centimetre.
 """
 
 import numpy as np
@@ -18,7 +19,9 @@ _COLUMNS = np.array(
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _smooth(keys: Int, means: Float, weights: Float, columns: Int, reach_m: float) -> Float:
-    """Walk the sorted keys once, with one pointer for each of the nine neighbouring columns of voxels."""
+    """Walk the sorted keys once, with one pointer for each of the nine neighbouring columns of
+    voxels.
+    """
     n = len(keys)
     starts = np.zeros(len(columns), dtype=np.int64)
     moved = np.empty_like(means)
@@ -51,7 +54,8 @@ def _smooth(keys: Int, means: Float, weights: Float, columns: Int, reach_m: floa
 
 
 def smoothed(keys: Int, means: Float, counts: Int, reach_m: float) -> Float:
-    """Return each voxel's mean drawn towards its neighbours' within a reach, weighted by their points.
+    """Return each voxel's mean drawn towards its neighbours' within a reach, weighted by their
+    points.
 
     Args:
         keys: Rising keys of the voxels, shape (N,).

@@ -15,7 +15,9 @@ _FIRST_CAPACITY = 1 << 18
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _slot(keys: Int, key: np.int64) -> np.int64:  # pragma: no cover - compiled
-    """Return the row of a key, or the free row where it belongs: open addressing, linear probing."""
+    """Return the row of a key, or the free row where it belongs: open addressing,
+    linear probing.
+    """
     mask = len(keys) - 1
     row = np.int64((np.uint64(key) * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(20)) & mask
     while keys[row] != _FREE and keys[row] != key:
@@ -27,7 +29,8 @@ def _slot(keys: Int, key: np.int64) -> np.int64:  # pragma: no cover - compiled
 def _insert(
     keys: Int, means: Float, counts: Int, points: Float, voxel_m: float, memory: int
 ) -> int:
-    """Fold points into their voxels' means; return how many voxels are new."""  # pragma: no cover - compiled
+    """Fold points into their voxels' means; return how many voxels are new."""
+    # pragma: no cover - compiled
     added = 0
     for p in points:
         i = np.int64(np.floor(p[0] / voxel_m)) + _HALF
@@ -57,7 +60,9 @@ def _refill(
 
 
 class VoxelGrid:
-    """Voxels in a hash table: 40 bytes each at most at a load of 0.6, a million points in about 50 ms."""
+    """Voxels in a hash table: 40 bytes each at most at a load of 0.6, a million points in about 50
+    ms.
+    """
 
     def __init__(self, voxel_m: float, memory: int) -> None:
         """Begin empty.
@@ -90,7 +95,8 @@ class VoxelGrid:
         """
         if len(points) and np.abs(points).max() >= self._voxel_m * (_HALF - 1):
             raise DataError(
-                f"a point at {np.abs(points).max():.0f} m is beyond the map's {self._voxel_m * _HALF:.0f} m: "
+                f"a point at {np.abs(points).max():.0f} m is beyond the map's "
+                f"{self._voxel_m * _HALF:.0f} m: "
                 "set the datum near the site"
             )
         if (self._size + len(points)) > _LOAD * len(self._keys):
@@ -100,7 +106,9 @@ class VoxelGrid:
         )
 
     def points(self) -> tuple[Float, Int]:
-        """Return the means [m] (N, 3) and the number of points behind each (N,), in order of the voxels."""
+        """Return the means [m] (N, 3) and the number of points behind each (N,), in order of the
+        voxels.
+        """
         rows = self._rows()
         return self._means[rows], self._counts[rows]
 

@@ -1,7 +1,9 @@
-"""A map of voxels on the state estimate's word: filter, undistort, average (Mascaro 2020, Sec. 4.2).
+"""A map of voxels on the state estimate's word: filter, undistort, average (Mascaro 2020, Sec.
+4.2).
 
-Deviation from the paper: no scan matching and no pose graph. The machine stands still while it works and its state
-estimate is good to a centimetre, so that the mean over many returns is sharper than a graph of noisy matches.
+Deviation from the paper: no scan matching and no pose graph. The machine stands still while it
+works and its state estimate is good to a centimetre, so that the mean over many returns is sharper
+than a graph of noisy matches.
 """
 
 from collections.abc import Sequence
@@ -27,7 +29,9 @@ class VoxelMapSettings(MapSettings):
 
 
 class VoxelMap(Mapper):
-    """Averages returns of several lidars in a cylinder around the machine; one thread, deterministic."""
+    """Averages returns of several lidars in a cylinder around the machine; one thread,
+    deterministic.
+    """
 
     Settings = VoxelMapSettings
 
@@ -82,7 +86,9 @@ class VoxelMap(Mapper):
         )
 
     def add_surface(self, points_map: Float) -> None:
-        """Put points into the map as often as makes their voxels occupied; new returns are averaged with them."""
+        """Put points into the map as often as makes their voxels occupied; new returns are averaged
+        with them.
+        """
         _, grid = self._running()
         points = checked("points_map", points_map, None, 3)
         self._cloud = None
@@ -91,7 +97,9 @@ class VoxelMap(Mapper):
         )
 
     def cloud(self) -> Cloud:
-        """Return one point for each occupied voxel; 100 ms for 300,000 voxels, kept until the map changes."""
+        """Return one point for each occupied voxel; 100 ms for 300,000 voxels, kept until the map
+        changes.
+        """
         _, grid = self._running()
         if self._cloud is None:
             self._cloud = cloud_of(grid, self._settings, self._cylinder)

@@ -1,4 +1,6 @@
-"""Slip of a held stone, seen by the jaws' encoder: they press on, so what gives way lets them close further."""
+"""Slip of a held stone, seen by the jaws' encoder: they press on, so what gives way lets them close
+further.
+"""
 
 from collections import deque
 from dataclasses import dataclass, field
@@ -18,7 +20,9 @@ _MOVING = 0.02  # [rad/s] or [m/s]: ten times the noise of a measured velocity
 
 
 class JawSlipSettings(Settings):
-    """How far jaws may close before a stone counts as slipping. All lengths are of the opening between the tips."""
+    """How far jaws may close before a stone counts as slipping. All lengths are of the opening
+    between the tips.
+    """
 
     slip: Meters = Field(
         0.015, gt=0, le=0.5, description="Closing within the window that is slip [m]."
@@ -56,11 +60,12 @@ class _Hold:
 
 
 class JawSlip(Monitor):
-    """Compares the jaws' opening with what it was a few seconds ago and at first (Mascaro 2020, Sec. 6.3).
+    """Compares the jaws' opening with what it was a few seconds ago and at first (Mascaro 2020,
+    Sec. 6.3).
 
-    The paper gives no figures. Ours: the encoder's noise is half a millimetre of opening. Of 512 lifts by the simulated
-    arm, 16 of 18 in which the jaws closed by 12–30 cm as the stone left the ground held it afterwards, 5 of 10 by
-    30–50 cm, none by more; a settled stone gives way by 2 mm.
+    The paper gives no figures. Ours: the encoder's noise is half a millimetre of opening. Of 512
+    lifts by the simulated arm, 16 of 18 in which the jaws closed by 12–30 cm as the stone left the
+    ground held it afterwards, 5 of 10 by 30–50 cm, none by more; a settled stone gives way by 2 mm.
     """
 
     Settings = JawSlipSettings
@@ -99,7 +104,9 @@ class JawSlip(Monitor):
         return self._machine.gripper.opening_m(sample.of(self._machine.jaw.name)[0])
 
     def _follow_lift(self, hold: _Hold, sample: JointSample) -> None:
-        """Note when the arm first moves, and take the measure anew once the stone has settled after that."""
+        """Note when the arm first moves, and take the measure anew once the stone has settled after
+        that.
+        """
         is_moving = any(abs(sample.of(name)[1]) > _MOVING for name in self._machine.arm_names)
         if is_moving and hold.settled_s == np.inf:
             hold.settled_s = sample.stamp_s + self._settings.lift_settle

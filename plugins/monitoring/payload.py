@@ -13,7 +13,9 @@ _GRAVITY_M_S2 = 9.81
 
 
 class PayloadScale:
-    """Weighs by comparing measured efforts with the gravity of the empty machine; valid while the arm is steady."""
+    """Weighs by comparing measured efforts with the gravity of the empty machine; valid while the
+    arm is steady.
+    """
 
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
@@ -27,10 +29,11 @@ class PayloadScale:
         self._mirror = self._model.joints[self._model.getJointId(machine.jaw.mirror_name)]
 
     def weigh(self, sample: JointSample) -> float:
-        """Return the mass in the gripper [kg] that explains the efforts best; noise may make it negative.
+        """Return the mass in the gripper [kg] that explains the efforts best; noise may make it
+        negative.
 
-        The least-squares fit leaves the effort unscaled, so that the joints of the longest levers decide: to them it
-        matters least where between the jaws the stone sits.
+        The least-squares fit leaves the effort unscaled, so that the joints of the longest levers
+        decide: to them it matters least where between the jaws the stone sits.
         """
         q, effort = self._arranged(sample)
         lever = self.lever(q[:-1])
@@ -38,7 +41,9 @@ class PayloadScale:
         return float(lever @ missing / max(float(lever @ lever), 1e-9))
 
     def lever(self, q_arm: Float) -> Float:
-        """Return what a kilogram at the grasp's centre asks of each arm joint [N·m/kg] or [N/kg], shape (n,)."""
+        """Return what a kilogram at the grasp's centre asks of each arm joint [N·m/kg] or [N/kg],
+        shape (n,).
+        """
         J = self._kinematics.jacobian(q_arm)
         arm = self._kinematics.gripper(q_arm)[:3, :3] @ self._machine.gripper.grasp_centre
         vertical = J[2] + J[3] * arm[1] - J[4] * arm[0]  # z row of v + ω × arm

@@ -67,9 +67,9 @@ class _Hold:
 class PayloadDrop(Monitor):
     """Weighs what is held and tells when most of it is suddenly gone (Mascaro 2020, Sec. 6.3).
 
-    Samples during strong accelerations are left out: the weight is that of a machine at rest. Our own addition: a
-    stone that is set down loses its weight to the ground, too, so that a loss in or soon after a downward motion counts
-    only if the jaws have closed as well.
+    Samples during strong accelerations are left out: the weight is that of a machine at rest. Our
+    own addition: a stone that is set down loses its weight to the ground, too, so that a loss in or
+    soon after a downward motion counts only if the jaws have closed as well.
     """
 
     Settings = PayloadDropSettings

@@ -1,4 +1,6 @@
-"""Forward kinematics of the arm for many postures at once: what sweeping a whole path for collisions needs."""
+"""Forward kinematics of the arm for many postures at once: what sweeping a whole path for
+collisions needs.
+"""
 
 import numpy as np
 
@@ -12,8 +14,8 @@ from executive.machine.machine import Machine
 def link_frames(machine: Machine, q: Float, jaw_rad: float) -> dict[str, Float]:
     """Return T_base_link of every link for each posture, shape (K, 4, 4) each.
 
-    Pinocchio takes one posture a call; a path of some hundred is thirty times faster this way. Both agree to 1e-12 m
-    (tests/plugins/motion).
+    Pinocchio takes one posture a call; a path of some hundred is thirty times faster this way. Both
+    agree to 1e-12 m (tests/plugins/motion).
 
     Args:
         machine: Whose links.

@@ -28,9 +28,10 @@ class Hit:
 class CollisionCheck:
     """One arm, one opening of the jaws, one held stone or none, one set of obstacles.
 
-    The chassis and the cabin are not tested against the surroundings: the former stands in them and the latter turns
-    above them. A body may go into stones and ground by a tolerance: a map is noisy, and a stone rests on the ground.
-    Points that are inside a body in the first posture of all (`start`) are excused: the machine is there already.
+    The chassis and the cabin are not tested against the surroundings: the former stands in them and
+    the latter turns above them. A body may go into stones and ground by a tolerance: a map is
+    noisy, and a stone rests on the ground. Points that are inside a body in the first posture of
+    all (`start`) are excused: the machine is there already.
     """
 
     def __init__(
@@ -62,7 +63,9 @@ class CollisionCheck:
         return outside
 
     def machine_hit(self, q: Float) -> Hit | None:
-        """Return the first collision along postures (K, n) of the machine with itself or its load, or None."""
+        """Return the first collision along postures (K, n) of the machine with itself or its load,
+        or None.
+        """
         hit = self._machine_check.first_hit(link_frames(self._machine, q, self._jaw_rad))
         return None if hit is None else Hit(hit[0], f"{hit[1]} with {hit[2]}")
 
@@ -86,7 +89,9 @@ class CollisionCheck:
     def _depths(
         self, frames: dict[str, Float], low: Bool
     ) -> Iterator[tuple[int, Convex, Int, Float]]:
-        """Yield posture, body, indices of points near it and their depths in it, where the height map is not clear."""
+        """Yield posture, body, indices of points near it and their depths in it, where the height
+        map is not clear.
+        """
         close = np.argwhere(low)
         if not len(close):
             return
@@ -111,7 +116,9 @@ class CollisionCheck:
             )
 
     def _survey(self, frames: dict[str, Float]) -> tuple[Bool, Float]:
-        """Return which body is below the height map in which posture, and its depth in the ground, (K, bodies) each."""
+        """Return which body is below the height map in which posture, and its depth in the ground,
+        (K, bodies) each.
+        """
         shape = (len(frames[self._machine.base_link]), len(self._bodies))
         is_low, sunk_m = np.zeros(shape, dtype=bool), np.full(shape, -np.inf)
         for b, body in enumerate(self._bodies):

@@ -1,4 +1,6 @@
-"""Convex bodies of the machine and of a held stone: corners, faces, a sphere around them, samples of their surface."""
+"""Convex bodies of the machine and of a held stone: corners, faces, a sphere around them, samples
+of their surface.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -63,7 +65,9 @@ class Convex:
 
     @cached_property
     def half_spaces(self) -> Float:
-        """Rows (n, d): a point p is inside where n·p + d ≤ 0 for all, shape (F, 4); coplanar triangles once."""
+        """Rows (n, d): a point p is inside where n·p + d ≤ 0 for all, shape (F, 4); coplanar
+        triangles once.
+        """
         return np.unique(np.round(self._hull.equations, 9), axis=0)
 
     @cached_property
@@ -94,6 +98,8 @@ class Convex:
 
 
 def _weights(splits: int) -> Float:
-    """Return barycentric weights of the grid that splits each side of a triangle evenly, shape (W, 3)."""
+    """Return barycentric weights of the grid that splits each side of a triangle evenly, shape (W,
+    3).
+    """
     i, j = np.mgrid[: splits + 1, : splits + 1]
     return np.asarray(np.stack([i, j, splits - i - j], axis=-1)[i + j <= splits] / splits)

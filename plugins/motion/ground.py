@@ -12,9 +12,11 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 
 def ground_normal(points: Float, place: Float) -> Float:
-    """Return the unit normal, pointing up, of the ground around a place; straight up where the points do not tell.
+    """Return the unit normal, pointing up, of the ground around a place; straight up where the
+    points do not tell.
 
-    The lowest point of each cell is fitted by a plane; cells that lie above it (stones) are left out, three times over.
+    The lowest point of each cell is fitted by a plane; cells that lie above it (stones) are left
+    out, three times over.
 
     Args:
         points: Ground and what stands on it, z up [m], shape (N, 3).

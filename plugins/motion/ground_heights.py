@@ -1,4 +1,6 @@
-"""The ground's height over an area, under stones and in their shadows too: local planes through what lies lowest."""
+"""The ground's height over an area, under stones and in their shadows too: local planes through
+what lies lowest.
+"""
 
 from dataclasses import dataclass
 
@@ -16,14 +18,17 @@ _WIDTHS_M = (
     0.6,
     0.6,
 )  # of the neighbourhoods, pass by pass: wide ones see past a stone
-_ABOVE_M = 0.08  # a cell so far above the surface counts a quarter in the next pass, higher ones hardly at all
+# a cell so far above the surface counts a quarter in the next pass, higher ones hardly at all
+_ABOVE_M = 0.08
 _LEAST_SUPPORT = 0.03  # share of a neighbourhood that must be seen, by weight
 _LEAST_SPREAD_M = 0.1  # of what a plane is fitted to: narrower, its slope is not to be believed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Lowest:
-    """The lowest point of each cell of a square grid, (n, n) each; where there is none, `is_seen` is 0."""
+    """The lowest point of each cell of a square grid, (n, n) each; where there is none, `is_seen`
+    is 0.
+    """
 
     is_seen: Float
     x: Float
@@ -33,11 +38,13 @@ class _Lowest:
 
 
 def ground_heights(points: Float, centres_m: Float) -> Float:
-    """Return the ground's height at (centres[i], centres[j]) [m], shape (n, n); NaN where too little is seen around.
+    """Return the ground's height at (centres[i], centres[j]) [m], shape (n, n); NaN where too
+    little is seen around.
 
-    A plane is fitted about each cell to the lowest points of the cells around it; those above it (stones) then count
-    less, six times over, first in wide neighbourhoods. A stone is so no ground, though nothing lower be seen in its
-    shadow; slopes stay slopes. At a step of the ground the upper side counts as a stone for a metre or so.
+    A plane is fitted about each cell to the lowest points of the cells around it; those above it
+    (stones) then count less, six times over, first in wide neighbourhoods. A stone is so no ground,
+    though nothing lower be seen in its shadow; slopes stay slopes. At a step of the ground the
+    upper side counts as a stone for a metre or so.
 
     Args:
         points: Ground and what stands on it, z up [m], shape (N, 3).
@@ -59,7 +66,9 @@ def ground_heights(points: Float, centres_m: Float) -> Float:
 
 
 def _local_planes(low: _Lowest, weight: Float, width_cells: float) -> Float:
-    """Return the height of a weighted plane about each cell, at its centre, (n, n); NaN with too little support."""
+    """Return the height of a weighted plane about each cell, at its centre, (n, n); NaN with too
+    little support.
+    """
 
     def mean(values: Float) -> Float:
         return np.asarray(

@@ -1,4 +1,6 @@
-"""The paper's heuristic planner: way points that rise and fall along the ground's normal, Hermite curves between."""
+"""The paper's heuristic planner: way points that rise and fall along the ground's normal, Hermite
+curves between.
+"""
 
 from collections.abc import Mapping
 from typing import ClassVar
@@ -57,7 +59,9 @@ class HermiteSettings(Settings):
 
 
 class Hermite(MotionPlanner):
-    """Plans moves and sweeps (Mascaro 2020, Sec. 6.1). Deterministic; it keeps nothing from call to call."""
+    """Plans moves and sweeps (Mascaro 2020, Sec. 6.1). Deterministic; it keeps nothing from call to
+    call.
+    """
 
     Settings = HermiteSettings
     latency_s: ClassVar[Mapping[str, float]] = {"move": 0.3, "swing": 0.1}
@@ -105,7 +109,8 @@ class Hermite(MotionPlanner):
         lower, upper = self._machine.lower[turn], self._machine.upper[turn]
         if not lower <= start[turn] - angle_rad / 2 <= start[turn] + angle_rad / 2 <= upper:
             return _refused(
-                f"sweeping: {self._machine.turn_joint} turns from {lower:.2f} to {upper:.2f} rad only"
+                f"sweeping: {self._machine.turn_joint} turns from {lower:.2f} to "
+                f"{upper:.2f} rad only"
             )
         trajectory = sweep(
             self._machine, self._limits(False), self._fold(start), angle_rad, duration_s
@@ -141,7 +146,9 @@ class Hermite(MotionPlanner):
         )
 
     def _machine_check_for(self, request: MoveRequest, held: Convex | None) -> SelfCollision:
-        """Return a check that keeps the clearance; one that forbids contact only, where the start is closer already."""
+        """Return a check that keeps the clearance; one that forbids contact only, where the start
+        is closer already.
+        """
         check = SelfCollision(self._machine, self._bodies, self._settings.machine_clearance, held)
         if (
             check.first_hit(link_frames(self._machine, request.start[None], request.jaw_rad))
@@ -175,7 +182,9 @@ class Hermite(MotionPlanner):
         )
 
     def _fold(self, start: Float) -> list[Float]:
-        """Return postures from the present one to `scan`, over `carry` where that is higher than the present one."""
+        """Return postures from the present one to `scan`, over `carry` where that is higher than
+        the present one.
+        """
         turn = self._machine.arm_names.index(self._machine.turn_joint)
         postures = [start]
         for name in ("carry", "scan"):

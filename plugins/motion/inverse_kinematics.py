@@ -1,4 +1,6 @@
-"""Inverse kinematics: damped least squares on Pinocchio's Jacobian, from several seeds, within joint limits."""
+"""Inverse kinematics: damped least squares on Pinocchio's Jacobian, from several seeds, within
+joint limits.
+"""
 
 from collections.abc import Callable, Iterator
 
@@ -44,9 +46,9 @@ class InverseKinematicsSettings(Settings):
 class InverseKinematics:
     """Joint positions for poses of the gripper; deterministic, about a millisecond.
 
-    Arms of more than six joints have freedom left: a pull towards the middle of the ranges, which fades as the pose is
-    reached, spends it. Arms of fewer reach only some orientations: the least-squares solution is accepted if what it
-    misses is within the tolerance.
+    Arms of more than six joints have freedom left: a pull towards the middle of the ranges, which
+    fades as the pose is reached, spends it. Arms of fewer reach only some orientations: the
+    least-squares solution is accepted if what it misses is within the tolerance.
     """
 
     def __init__(
@@ -77,7 +79,8 @@ class InverseKinematics:
         Args:
             T_base_gripper: The wanted pose, shape (4, 4).
             seed: Positions to start from first, shape (n,).
-            accept: A further demand, such as freedom from collision; a refused solution leads to the next seed.
+            accept: A further demand, such as freedom from collision; a refused solution leads to
+                the next seed.
         """
         if np.hypot(*T_base_gripper[:2, 3]) > self._machine.reach_m + 1.0:
             return None  # hopeless by far: spare the iterations
@@ -95,7 +98,9 @@ class InverseKinematics:
         return None
 
     def track(self, T_base_gripper: Float, q: Float) -> Float | None:
-        """Return the solution next to a posture that is almost there, by the smallest step; None if there is none."""
+        """Return the solution next to a posture that is almost there, by the smallest step; None if
+        there is none.
+        """
         found, is_there = self._iterate(T_base_gripper, q, 8, pull=np.zeros_like(q))
         return found if is_there and np.abs(found - q).max() <= _MAX_STEP else None
 
@@ -105,7 +110,9 @@ class InverseKinematics:
         return np.asarray(q + 2 * np.pi * turns)
 
     def _seeds(self, T_base_gripper: Float, seed: Float) -> Iterator[Float]:
-        """Yield the seed and the named postures, cabin turned to the place, the last joint to the orientation."""
+        """Yield the seed and the named postures, cabin turned to the place, the last joint to the
+        orientation.
+        """
         for posture in (
             seed,
             *map(self._machine.posture, sorted(self._machine.postures)),
@@ -118,7 +125,8 @@ class InverseKinematics:
 
     def _azimuth_error(self, T_base_gripper: Float, q: Float) -> float:
         p, p_wanted = self._kinematics.gripper(q)[:2, 3], T_base_gripper[:2, 3]
-        # The arm's plane passes beside the turning axis by an offset d: asin(d / radius) differs with the radius.
+        # The arm's plane passes beside the turning axis by an offset d: asin(d / radius) differs
+        # with the radius.
         turn = q[self._turn]
         d = float(-np.sin(turn) * p[0] + np.cos(turn) * p[1])
         radius = float(np.hypot(*p_wanted))
@@ -139,7 +147,8 @@ class InverseKinematics:
     def _iterate(
         self, T_wanted: Float, q: Float, iterations: int, pull: Float
     ) -> tuple[Float, bool]:
-        """Return where Levenberg's method ends, with the joints' ends as active set, and whether that is the pose.
+        """Return where Levenberg's method ends, with the joints' ends as active set, and whether
+        that is the pose.
 
         The pull fades with each step, so that it decides about spare freedom only.
         """

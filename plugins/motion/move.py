@@ -43,7 +43,8 @@ class Move:
         inverse_kinematics: Finds the goal's posture.
         check: Tells collisions.
         obstacles: The surroundings.
-        reaching_gripper: Corners of the gripper and points of what it holds, in its frame, shape (N, 3).
+        reaching_gripper: Corners of the gripper and points of what it holds, in its frame, shape
+            (N, 3).
         limits: Of the joints.
         clearance_m: Height kept above obstacles while travelling.
         least_arrival: Share of the arrival that must be within reach.
@@ -68,7 +69,8 @@ class Move:
             if hit is None:
                 return line
             first = first or NoWay(
-                f"leaving: collision of {hit.what} at {hit.posture / len(line.nodes):.0%} of the way up"
+                f"leaving: collision of {hit.what} at "
+                f"{hit.posture / len(line.nodes):.0%} of the way up"
             )
         return first or NoWay("leaving: no direction")
 
@@ -128,7 +130,9 @@ class Move:
         return self.obstacles.highest(sector, (min(radii) - _BESIDE_M, max(radii) + _BESIDE_M))
 
     def _directions(self, T_base_gripper: Float, normal: Float) -> Iterator[Float]:
-        """Yield the ground's normal (Mascaro 2020, Sec. 6.1); then, our own, back off the grasp and straight up."""
+        """Yield the ground's normal (Mascaro 2020, Sec. 6.1); then, our own, back off the grasp and
+        straight up.
+        """
         given: list[Float] = []
         for direction in (normal, -T_base_gripper[:3, 0], np.array([0.0, 0.0, 1.0])):
             if all(direction @ other < _ALIKE_COS for other in given) and direction[2] > 0.5:
@@ -138,9 +142,11 @@ class Move:
     def _arrivals(
         self, T_base_goal: Float, seed: Float, direction: Float, length_m: float
     ) -> Iterator[Line]:
-        """Yield lines from the goal upwards, then from the top downwards: the arm's spare freedom differs.
+        """Yield lines from the goal upwards, then from the top downwards: the arm's spare freedom
+        differs.
 
-        Where the arm stands at the top or at the goal already, that comes first: it need not fold anew.
+        Where the arm stands at the top or at the goal already, that comes first: it need not fold
+        anew.
         """
         ik, T_top = self.inverse_kinematics, pose(t=direction * length_m) @ T_base_goal
         for find in (ik.track, lambda T, q: ik.solve(T, q, self._is_free)):
@@ -157,7 +163,8 @@ class Move:
     def _refusal(self, line: Line, length_m: float) -> NoWay | None:
         if line.length_m < self.least_arrival * length_m:
             return NoWay(
-                f"arriving: only {line.length_m:.2f} m of {length_m:.2f} m above the goal are in reach"
+                f"arriving: only {line.length_m:.2f} m of {length_m:.2f} m above the "
+                "goal are in reach"
             )
         hit = self.check.first_hit(line.nodes)
         if hit is None:
@@ -166,7 +173,9 @@ class Move:
         return NoWay(f"arriving: collision of {hit.what}, {above:.2f} m above the goal")
 
     def _dense(self, path: HermitePath) -> Float:
-        """Return postures along a path, close enough that nothing slips through between them, shape (K, n)."""
+        """Return postures along a path, close enough that nothing slips through between them, shape
+        (K, n).
+        """
         u = np.linspace(0.0, path.length, max(2, int(np.ceil(path.length / _FINE)) + 1))
         q = path.position(u)
         palm = link_frames(self.machine, q, 0.0)[self.machine.gripper_link][:, :3, 3]

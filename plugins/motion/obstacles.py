@@ -1,4 +1,6 @@
-"""The surroundings: a map of the highest points for the quick answer, one of the ground, and the points themselves."""
+"""The surroundings: a map of the highest points for the quick answer, one of the ground, and the
+points themselves.
+"""
 
 from functools import cached_property
 
@@ -28,27 +30,33 @@ class Obstacles:
         )
         self._heights = self._extremes(np.maximum, _FREE)
         self._floor = self._ground()
-        # Samples of a body's surface are a cell and a half apart; the ground of a shadow is as solid as that beside it.
+        # Samples of a body's surface are a cell and a half apart; the ground of a shadow is as
+        # solid as that beside it.
         self._wide = np.maximum(maximum_filter(self._heights, size=3), self._floor)
 
     def clearances(self, points_base: Float) -> Float:
-        """Return heights above the highest obstacle in the surrounding cells [m], of points (..., 3)."""
+        """Return heights above the highest obstacle in the surrounding cells [m], of points (...,
+        3).
+        """
         column, row = np.moveaxis(self._index(points_base[..., :2]), -1, 0)
         return np.asarray(points_base[..., 2] - self._wide[column, row])
 
     def depths_in_ground(self, points_base: Float) -> Float:
         """Return depths below the ground [m], negative above it, of points (..., 3).
 
-        The ground is solid all the way down, while its points are a sheet that thin bodies pass through.
+        The ground is solid all the way down, while its points are a sheet that thin bodies pass
+        through.
         """
         column, row = np.moveaxis(self._index(points_base[..., :2]), -1, 0)
         return np.asarray(self._floor[column, row] - points_base[..., 2])
 
     def highest(self, azimuths_rad: tuple[float, float], radii_m: tuple[float, float]) -> float:
-        """Return the height of the highest obstacle in a sector of a ring about the base's z axis [m].
+        """Return the height of the highest obstacle in a sector of a ring about the base's z axis
+        [m].
 
         Args:
-            azimuths_rad: First and last azimuth; the sector runs from the smaller number to the larger.
+            azimuths_rad: First and last azimuth; the sector runs from the smaller number to the
+                larger.
             radii_m: Inner and outer radius.
         """
         x, y = np.meshgrid(self._centres, self._centres, indexing="ij")
@@ -78,8 +86,9 @@ class Obstacles:
     def _ground(self) -> Float:
         """Return the ground's height in each cell, free where it is unknown.
 
-        It is the lowest point of the cell and those around it, on the slope there. Where that is a stone's, because the
-        ground beside it lies in its shadow, and where there is none, it is what the ground farther around tells.
+        It is the lowest point of the cell and those around it, on the slope there. Where that is a
+        stone's, because the ground beside it lies in its shadow, and where there is none, it is
+        what the ground farther around tells.
         """
         lowest = self._extremes(np.minimum, -_FREE)
         surface = ground_heights(self.points, self._centres)

@@ -1,12 +1,15 @@
-"""A path through joint space: cubic Hermite curves through nodes, over a parameter that is close to time."""
+"""A path through joint space: cubic Hermite curves through nodes, over a parameter that is close to
+time.
+"""
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from executive.arrays import Bool, Float
 
-# Straight lines are laid longer than their joints' speed limits ask: their ends turn into the travel, which bends less
-# then, and the timing runs faster along them. Of 1 … 7, five halves the time lost there; more gains little.
+# Straight lines are laid longer than their joints' speed limits ask: their ends turn into the
+# travel, which bends less then, and the timing runs faster along them. Of 1 … 7, five halves the
+# time lost there; more gains little.
 _EASE = 5.0
 _LEAST = 1e-3  # shortest interval of the parameter: nodes that coincide are no problem
 
@@ -14,9 +17,10 @@ _LEAST = 1e-3  # shortest interval of the parameter: nodes that coincide are no 
 class HermitePath:
     """Passes all nodes with a continuous tangent and without overshoot between them.
 
-    The tangents are those of monotone Hermite interpolation (Fritsch and Carlson 1980): a joint that turns round at a
-    node stands still there, and no joint leaves the range that its nodes span. The paper interpolates waypoints with
-    Hermite splines and does not say how tangents are chosen (Mascaro 2020, Sec. 6.1).
+    The tangents are those of monotone Hermite interpolation (Fritsch and Carlson 1980): a joint
+    that turns round at a node stands still there, and no joint leaves the range that its nodes
+    span. The paper interpolates waypoints with Hermite splines and does not say how tangents are
+    chosen (Mascaro 2020, Sec. 6.1).
     """
 
     def __init__(self, nodes: Float, parameters: Float) -> None:
@@ -49,7 +53,8 @@ def path_through(
 
     Args:
         nodes: Joint positions, shape (K, n), K ≥ 2.
-        is_dense: For each interval whether it is a piece of a longer curve, passed at speed, shape (K − 1,).
+        is_dense: For each interval whether it is a piece of a longer curve, passed at speed, shape
+            (K − 1,).
         max_velocity: Of the joints, shape (n,).
         max_acceleration: Of the joints, shape (n,).
     """

@@ -44,7 +44,8 @@ class SelfCollision:
         self._objects = [fcl.CollisionObject(body.geometry) for body in self.bodies]
 
     def first_hit(self, frames: Mapping[str, Float]) -> tuple[int, str, str] | None:
-        """Return the first posture with two bodies closer than the clearance, and the names of the two, or None.
+        """Return the first posture with two bodies closer than the clearance, and the names of the
+        two, or None.
 
         Args:
             frames: T_base_link of every link for each posture, shape (K, 4, 4) each.
@@ -87,7 +88,8 @@ def machine_bodies(machine: Machine) -> list[Convex]:
 def held_body(machine: Machine, held_gripper: Float) -> Convex:
     """Return the hull of a held stone's surface points (N, 3) in the gripper's frame [m].
 
-    The outermost points along 200 directions stand for all: a stone's hull loses a centimetre and most of its facets.
+    The outermost points along 200 directions stand for all: a stone's hull loses a centimetre and
+    most of its facets.
 
     Raises:
         ShapeError: If the points span no volume.

@@ -14,7 +14,8 @@ _STILL = 1e-3  # [rad] or [m]: no need to move for less
 def sweep(
     machine: Machine, limits: Limits, fold: list[Float], angle_rad: float, duration_s: float
 ) -> JointTrajectory:
-    """Fold the arm, then sweep the cabin about where it stands; the sweep alone lasts the duration, or longer.
+    """Fold the arm, then sweep the cabin about where it stands; the sweep alone lasts the duration,
+    or longer.
 
     Args:
         machine: Whose arm.

@@ -44,10 +44,11 @@ class _Stretch:
 def time_path(names: tuple[str, ...], path: HermitePath, limits: Limits) -> JointTrajectory:
     """Run along a path from rest to rest.
 
-    The parameter's speed follows a chain of one-dimensional Ruckig profiles, one a stretch; the chained end speeds are
-    lowered until each stretch is long enough to change between them (a pass backward and one forward). Last, time is
-    scaled evenly, so that the joint that comes nearest to its limit meets it: velocity and acceleration limits hold
-    whatever was estimated before. The jerk limit shapes the profiles; it is not enforced on the joints.
+    The parameter's speed follows a chain of one-dimensional Ruckig profiles, one a stretch; the
+    chained end speeds are lowered until each stretch is long enough to change between them (a pass
+    backward and one forward). Last, time is scaled evenly, so that the joint that comes nearest to
+    its limit meets it: velocity and acceleration limits hold whatever was estimated before. The
+    jerk limit shapes the profiles; it is not enforced on the joints.
     """
     stretches = _stretches(path, limits)
     times, u, rates = _profile(stretches, _end_speeds(stretches))
@@ -58,7 +59,9 @@ def time_path(names: tuple[str, ...], path: HermitePath, limits: Limits) -> Join
 
 
 def accelerations(times_s: Float, position: Float, velocity: Float) -> Float:
-    """Return the accelerations of the cubic Hermite curve at both ends of each interval, shape (m − 1, 2, n)."""
+    """Return the accelerations of the cubic Hermite curve at both ends of each interval, shape (m −
+    1, 2, n).
+    """
     h = np.diff(times_s)[:, None]
     secant = np.diff(position, axis=0) / h
     before, after = velocity[:-1], velocity[1:]
@@ -120,7 +123,9 @@ def _end_speeds(stretches: list[_Stretch]) -> list[float]:
 
 
 def _fastest(speed: float, stretch: _Stretch) -> float:
-    """Return the highest speed that a stretch's length allows to reach from a speed, no acceleration at either end."""
+    """Return the highest speed that a stretch's length allows to reach from a speed, no
+    acceleration at either end.
+    """
     low, high = speed, max(speed, stretch.velocity)
     for _ in range(30):
         middle = (low + high) / 2

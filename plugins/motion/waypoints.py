@@ -1,4 +1,6 @@
-"""Way points of a move: straight up from the start, over what stands between, straight down to the goal."""
+"""Way points of a move: straight up from the start, over what stands between, straight down to the
+goal.
+"""
 
 from dataclasses import dataclass
 
@@ -20,7 +22,9 @@ _CLIMBED_M = 0.05  # less is no lift
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Line:
-    """A straight motion between a low end and a top: joint positions, low end first, shape (K, n)."""
+    """A straight motion between a low end and a top: joint positions, low end first, shape (K,
+    n).
+    """
 
     nodes: Float
     length_m: float
@@ -40,7 +44,9 @@ class Waypoints:
         self._carry_radius_m = float(np.hypot(*carry[:2, 3]))
 
     def line_up(self, q_low: Float, direction: Float, length_m: float) -> Line:
-        """Go straight along a unit direction with the orientation kept, as far as the arm reaches."""
+        """Go straight along a unit direction with the orientation kept,
+        as far as the arm reaches.
+        """
         T_low = self._kinematics.gripper(q_low)
         q, nodes = q_low, [q_low]
         count = int(np.ceil(length_m / _STEP_M))
@@ -59,10 +65,12 @@ class Waypoints:
         )
 
     def lift(self, q_top: Float, height_m: float) -> Float | None:
-        """Return positions with the gripper at a height (of its origin, base frame), on the same azimuth.
+        """Return positions with the gripper at a height (of its origin, base frame), on the same
+        azimuth.
 
-        The gripper climbs in steps; where one is out of reach, it is drawn towards the carrying radius instead. It ends
-        as high as it gets. None if it is high enough already, or cannot climb at all.
+        The gripper climbs in steps; where one is out of reach, it is drawn towards the carrying
+        radius instead. It ends as high as it gets. None if it is high enough already, or cannot
+        climb at all.
         """
         T, q = self._kinematics.gripper(q_top), q_top
         start_m = T[2, 3]
@@ -76,7 +84,9 @@ class Waypoints:
         return q if T[2, 3] > start_m + _CLIMBED_M else None
 
     def ways_round(self, q_from: Float, q_to: Float) -> list[float]:
-        """Return shifts of the turning joint at the far end, the shorter way first [rad]; one if it has ends."""
+        """Return shifts of the turning joint at the far end, the shorter way first [rad]; one if it
+        has ends.
+        """
         if np.isfinite(self._machine.lower[self._turn]):
             return [0.0]
         turn = q_to[self._turn] - q_from[self._turn]

@@ -24,8 +24,9 @@ def associate(
         segments: What is seen.
         stones: What may be seen.
         reaches_m: How far each stone may be from where it is believed to be [m].
-        max_ratio: Largest ratio of the diagonals of a pair's boxes: two merged stones are not one that has grown. For a
-            stone out of reach of half its own diagonal the ratio holds both ways: a pebble is not the stone that fell.
+        max_ratio: Largest ratio of the diagonals of a pair's boxes: two merged stones are not one
+            that has grown. For a stone out of reach of half its own diagonal the ratio holds both
+            ways: a pebble is not the stone that fell.
 
     Returns:
         For each segment the row of its stone, or −1.
@@ -48,7 +49,9 @@ def associate(
 
 
 def _distance_m(segment: Segment, stone: Stone) -> float:
-    """Return the distance of centroids; a stone seen from one side has its centroid off, so boxes count as well [m]."""
+    """Return the distance of centroids; a stone seen from one side has its centroid off, so boxes
+    count as well [m].
+    """
     centres = [0.5 * (p.min(axis=0) + p.max(axis=0)) for p in (segment.points, stone.points_map)]
     means = np.linalg.norm(segment.centroid - stone.centroid_map)
     return float(min(means, np.linalg.norm(centres[0] - centres[1])))

@@ -65,8 +65,8 @@ def _connect_to_read(path: str) -> sqlite3.Connection:
     if not Path(path).is_file():
         raise ConfigError(f"no object database {path}: give the folder of a run that knows stones")
     address = f"{Path(path).absolute().as_uri()}?mode=ro"
-    # A reader of a log-ahead file writes beside it. Where it cannot (an archive), the file may be taken as it is,
-    # unless a mission left changes in the log.
+    # A reader of a log-ahead file writes beside it. Where it cannot (an archive), the file may be
+    # taken as it is, unless a mission left changes in the log.
     beside = Path(f"{path}-wal")
     for options in (
         ("", "&immutable=1") if not beside.exists() or not beside.stat().st_size else ("",)
@@ -84,5 +84,6 @@ def _connect_to_read(path: str) -> sqlite3.Connection:
         else:
             return connection
     raise ConfigError(
-        f"cannot read the object database {path}: {refusal}; copy its folder to where it can be written"
+        f"cannot read the object database {path}: {refusal}; copy its folder to where "
+        "it can be written"
     )

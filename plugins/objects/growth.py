@@ -17,8 +17,8 @@ class Fit:
     """How a view lies on a model.
 
     Attributes:
-        share: Share of one's points that are near the other, of the two shares the larger: a half-seen stone lies
-            wholly on the whole stone, but not vice versa.
+        share: Share of one's points that are near the other, of the two shares the larger: a
+            half-seen stone lies wholly on the whole stone, but not vice versa.
         rmse_m: Root mean square distance of those points [m].
         growth: Diagonal of both together over the model's.
     """
@@ -34,7 +34,9 @@ class Fit:
 
 
 def fit_of(model: Float, view: Float, distance_m: float) -> Fit:
-    """Measure a view (M, 3) against a model (N, 3), both in one frame [m]; points count as near up to a distance."""
+    """Measure a view (M, 3) against a model (N, 3), both in one frame [m]; points count as near up
+    to a distance.
+    """
     ways = []
     for surface, points in ((model, view), (view, model)):
         distances = cKDTree(surface).query(points, distance_upper_bound=distance_m)[0]
@@ -47,7 +49,8 @@ def fit_of(model: Float, view: Float, distance_m: float) -> Fit:
 
 
 def shifts_of(model: Float, view: Float, voxel_m: float) -> tuple[Float, Float]:
-    """Return how far a view may have moved from a model without turning [m]: by their means, by their boxes' middles.
+    """Return how far a view may have moved from a model without turning [m]: by their means, by
+    their boxes' middles.
 
     Means of an even density; those of a view from one side are off, and so may the boxes be.
     """
@@ -56,9 +59,11 @@ def shifts_of(model: Float, view: Float, voxel_m: float) -> tuple[Float, Float]:
 
 
 def drawn_shift(model: Float, view: Float, distance_m: float) -> Float:
-    """Return the shift of a view from a model that its points' nearest neighbours draw it by [m], shape (3,).
+    """Return the shift of a view from a model that its points' nearest neighbours draw it by [m],
+    shape (3,).
 
-    ICP without turning (Besl 1992), for a view from one side that lies near: its mean and its box tell little.
+    ICP without turning (Besl 1992), for a view from one side that lies near: its mean and its box
+    tell little.
 
     Args:
         model, view: Shapes (N, 3), (M, 3), in one frame [m].
@@ -76,10 +81,11 @@ def drawn_shift(model: Float, view: Float, distance_m: float) -> Float:
 
 
 def merged(model: Float, view: Float, voxel_m: float, most: int) -> Float:
-    """Return a model with what a view shows anew, on a grid, coarser where it would hold too many points.
+    """Return a model with what a view shows anew, on a grid, coarser where it would hold too many
+    points.
 
-    New is what lies farther than a cell from the model. The rest is known: added, it would thicken the surface with
-    each view, for noise reaches into the next cell.
+    New is what lies farther than a cell from the model. The rest is known: added, it would thicken
+    the surface with each view, for noise reaches into the next cell.
     """
     new = (
         view[~np.isfinite(cKDTree(model).query(view, distance_upper_bound=voxel_m)[0])]

@@ -18,15 +18,15 @@ CREATE TABLE stones (
     id INTEGER PRIMARY KEY,
     state TEXT NOT NULL,
     seen_from_above INTEGER NOT NULL,
-    points_object BLOB NOT NULL,      -- surface in the object frame [m]: zlib of little-endian float32, shape (N, 3)
+    points_object BLOB NOT NULL,      -- surface in the object frame [m], (N, 3): zlib of <f4
     T_map_object BLOB NOT NULL,       -- little-endian float64, shape (4, 4)
-    T_map_gripper_grasp BLOB          -- pose of the gripper at the grasp while the stone is held, else NULL
+    T_map_gripper_grasp BLOB          -- gripper at the grasp while the stone is held, else NULL
 );
 CREATE TABLE events (
     id INTEGER PRIMARY KEY,
     stone_id INTEGER NOT NULL REFERENCES stones(id),
     stamp_s REAL NOT NULL,
-    kind TEXT NOT NULL,               -- found | seen | moved | replaced | grasp | release | realign | state
+    kind TEXT NOT NULL,               -- found seen moved replaced grasp release realign state
     state TEXT NOT NULL,              -- of the stone afterwards
     T_map_object BLOB NOT NULL,       -- afterwards
     note TEXT NOT NULL                -- where it comes from, for people
@@ -56,7 +56,8 @@ def check(connection: sqlite3.Connection, path: str) -> None:
     version = version_of(connection)
     if version != VERSION:
         raise DataError(
-            f"{path} is no object database of version {VERSION} (it says {version}): choose another file"
+            f"{path} is no object database of version {VERSION} (it says {version}): "
+            "choose another file"
         )
 
 

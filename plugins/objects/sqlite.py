@@ -1,4 +1,6 @@
-"""The object database in one SQLite file: one transaction a change, so that a killed mission loses nothing."""
+"""The object database in one SQLite file: one transaction a change, so that a killed mission loses
+nothing.
+"""
 
 import sqlite3
 from collections.abc import Iterator, Sequence
@@ -22,7 +24,9 @@ from executive.messages.stone_event import StoneEvent
 
 
 class SqliteObjectsSettings(Settings):
-    """When a segment is a known stone, when its surface grows, and how finely its surface is kept."""
+    """When a segment is a known stone, when its surface grows,
+    and how finely its surface is kept.
+    """
 
     max_distance_m: Meters = Field(
         0.6, gt=0, description="Largest distance of a segment from its stone [m]."
@@ -81,10 +85,11 @@ class SqliteObjects(ObjectDatabase):
     ) -> tuple[Stone, ...]:
         """Match segments with stones that are not held; see `association` for when they match.
 
-        A stone's surface grows by a segment that passes the gate: overlap, RMSE and growth of its box. A segment that
-        overlaps but grows it too much is two stones in one, and changes nothing. One that does not pass is the stone
-        moved by itself: pushed, if it passes when shifted; else turned, and what is seen replaces what was known, its
-        frame follows the centroid, its rotation unknown. A stone that was let go and not seen since may have rolled
+        A stone's surface grows by a segment that passes the gate: overlap, RMSE and growth of its
+        box. A segment that overlaps but grows it too much is two stones in one, and changes
+        nothing. One that does not pass is the stone moved by itself: pushed, if it passes when
+        shifted; else turned, and what is seen replaces what was known, its frame follows the
+        centroid, its rotation unknown. A stone that was let go and not seen since may have rolled
         away. A lost stone that is seen again lies on the ground.
         """
         known = [stone for stone in self.stones() if stone.state is not StoneState.HELD]
@@ -146,7 +151,8 @@ class SqliteObjects(ObjectDatabase):
         row = self._row(stone_id)
         if row["state"] != StoneState.HELD or state is StoneState.HELD:
             raise DataError(
-                f"stone {stone_id} is {row['state']}: only a held stone is released, and not to be held"
+                f"stone {stone_id} is {row['state']}: only a held stone is released, "
+                "and not to be held"
             )
         T_map_map = T_release @ inverse(unpack_pose(row["T_map_gripper_grasp"]))
         with self._transaction() as db:
@@ -217,7 +223,8 @@ class SqliteObjects(ObjectDatabase):
         points = segment.points - segment.centroid
         surface = pack(merged(points[:0], points, settings.voxel_m, settings.max_points))
         cursor = db.execute(
-            "INSERT INTO stones (state, seen_from_above, points_object, T_map_object) VALUES (?, ?, ?, ?)",
+            "INSERT INTO stones (state, seen_from_above, points_object, T_map_object) "
+            "VALUES (?, ?, ?, ?)",
             (
                 StoneState.ON_GROUND,
                 seen_from_above,
@@ -231,7 +238,10 @@ class SqliteObjects(ObjectDatabase):
 
     def _reach_m(self, stone: Stone) -> float:
         """Return how far a stone may be from where it is believed to be [m]."""
-        query = "SELECT kind FROM events WHERE stone_id = ? AND kind != 'state' ORDER BY id DESC LIMIT 1"
+        query = (
+            "SELECT kind FROM events WHERE stone_id = ? AND kind != 'state' ORDER BY id "
+            "DESC LIMIT 1"
+        )
         newest = self._connection().execute(query, (stone.id,)).fetchone()["kind"]
         was_let_go = stone.state is StoneState.ON_GROUND and newest == "release"
         is_uncertain = was_let_go or stone.state is StoneState.LOST
@@ -265,9 +275,11 @@ class SqliteObjects(ObjectDatabase):
         return stone.id
 
     def _moved(self, known: Float, seen: Float) -> tuple[Float, Fit]:
-        """Return how far a stone seems to have moved unturned [m], shape (3,), and how the view lies on it there.
+        """Return how far a stone seems to have moved unturned [m], shape (3,), and how the view
+        lies on it there.
 
-        By means, by boxes, or as the points draw it, whichever fits best; if nothing fits, by means.
+        By means, by boxes, or as the points draw it, whichever fits best; if nothing fits, by
+        means.
         """
         by_mean, by_box = shifts_of(known, seen, self._settings.voxel_m)
         drawn = drawn_shift(known, seen, self._settings.agreement_m)
@@ -299,7 +311,8 @@ class SqliteObjects(ObjectDatabase):
             self._settings.max_points,
         )
         db.execute(
-            "UPDATE stones SET points_object = ?, seen_from_above = ?, T_map_object = ? WHERE id = ?",
+            "UPDATE stones SET points_object = ?, seen_from_above = ?, T_map_object = "
+            "? WHERE id = ?",
             (pack(points), from_above, pack_pose(T), stone_id),
         )
 

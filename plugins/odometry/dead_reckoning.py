@@ -1,4 +1,6 @@
-"""How the lidar moved since the last scan, before that scan is matched: by gyroscope, turn joint and even travel."""
+"""How the lidar moved since the last scan, before that scan is matched: by gyroscope, turn joint
+and even travel.
+"""
 
 from collections import deque
 from itertools import pairwise
@@ -26,9 +28,9 @@ _FIRST_SPEED_M_S = 0.5  # standard deviation of the speed before the first incre
 class DeadReckoning:
     """Turns with the cabin's gyroscope about an axis that travels evenly with the chassis.
 
-    A cabin that swings breaks the constant velocity that lidar odometry assumes: a lidar 1.3 m from the axis changes
-    its direction with every revolution. The point on the axis does not. Without a gyroscope the sensor itself is
-    taken to go on as it last did.
+    A cabin that swings breaks the constant velocity that lidar odometry assumes: a lidar 1.3 m from
+    the axis changes its direction with every revolution. The point on the axis does not. Without a
+    gyroscope the sensor itself is taken to go on as it last did.
     """
 
     def __init__(self, machine: Rig, lidar: str) -> None:
@@ -78,15 +80,19 @@ class DeadReckoning:
         )
 
     def _step(self, w_cabin: Float, middle_s: float, dt_s: float) -> Float:
-        """Return the cabin's motion over a short time, in its frame at the beginning, shape (4, 4)."""
+        """Return the cabin's motion over a short time, in its frame at the beginning,
+        shape (4, 4).
+        """
         half = exp_so3(0.5 * dt_s * w_cabin)
         v_cabin = self._R_chassis_cabin(middle_s).T @ self._v_chassis
         return pose(half @ half, dt_s * half @ v_cabin)
 
     def correct(self, increment: LidarIncrement) -> None:
-        """Learn from a matched increment how the chassis travels, as surely as the increment is (a Kalman filter).
+        """Learn from a matched increment how the chassis travels, as surely as the increment is (a
+        Kalman filter).
 
-        Where the scene holds a direction badly, the speed in it stays: a match that wanders must not feed the next.
+        Where the scene holds a direction badly, the speed in it stays: a match that wanders must
+        not feed the next.
         """
         T_cabin_lidar = self._T_cabin_lidar
         T = T_cabin_lidar @ increment.T_from_to @ inverse(T_cabin_lidar)
@@ -94,7 +100,8 @@ class DeadReckoning:
         R_chassis_middle = self._R_chassis_cabin(0.5 * (increment.from_s + increment.to_s))
         speed = R_chassis_middle @ exp_so3(-0.5 * rotation) @ T[:3, 3] / dt_s
         R_cabin_lidar, arm = T_cabin_lidar[:3, :3], T_cabin_lidar[:3, 3]
-        # the cabin's origin moves with the lidar's rotation errors, too: the lower half of the adjoint
+        # the cabin's origin moves with the lidar's rotation errors, too: the lower half of the
+        # adjoint
         J = R_chassis_middle @ np.hstack([skew(arm) @ R_cabin_lidar, R_cabin_lidar]) / dt_s
         P = self._P_speed + (_ACCELERATION_M_S2 * dt_s) ** 2 * np.eye(3)
         gain = np.linalg.solve(P + J @ increment.covariance @ J.T, P).T

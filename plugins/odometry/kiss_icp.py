@@ -1,4 +1,6 @@
-"""Lidar odometry by the KISS-ICP package: points to points, on one thread, guided by gyroscope and joints."""
+"""Lidar odometry by the KISS-ICP package: points to points, on one thread, guided by gyroscope and
+joints.
+"""
 
 import numpy as np
 from executive_plugins.odometry.dead_reckoning import DeadReckoning
@@ -57,11 +59,13 @@ class KissIcpSettings(Settings):
 
 
 class KissIcp(LidarOdometry):
-    """KISS-ICP (Vizzo 2023, "KISS-ICP: In Defense of Point-to-Point ICP"), cleared of the machine's own returns.
+    """KISS-ICP (Vizzo 2023, "KISS-ICP: In Defense of Point-to-Point ICP"), cleared of the machine's
+    own returns.
 
-    Deviation: its own last motion would undistort and begin each match; a cabin that swings breaks that, so that both
-    come from dead reckoning. It gives no covariance: that of an increment is a setting, whatever the scene holds. On
-    level ground the rings of a 16-laser lidar hold points where they were, and `scan_to_submap` knows more.
+    Deviation: its own last motion would undistort and begin each match; a cabin that swings breaks
+    that, so that both come from dead reckoning. It gives no covariance: that of an increment is a
+    setting, whatever the scene holds. On level ground the rings of a 16-laser lidar hold points
+    where they were, and `scan_to_submap` knows more.
     """
 
     Settings = KissIcpSettings

@@ -1,4 +1,6 @@
-"""A lidar's returns from the machine itself: they move with the sensor, and would hold it where it is."""
+"""A lidar's returns from the machine itself: they move with the sensor, and would hold it where it
+is.
+"""
 
 import numpy as np
 
@@ -15,7 +17,9 @@ _HELD_M = 1.2  # around the space between the jaws: a stone that they may hold
 
 
 class OwnReturns:
-    """Finds them by the shapes of the links at the newest joint sample; a rig without links has none."""
+    """Finds them by the shapes of the links at the newest joint sample; a rig without links has
+    none.
+    """
 
     def __init__(self, machine: Rig) -> None:
         self._machine = machine if isinstance(machine, Machine) else None

@@ -12,8 +12,8 @@ from executive.geometry.rotation import exp_so3
 _MOST_STEPS = 20
 _SMALL_STEP = 2e-4  # [rad] and [m]: a twentieth of the noise; finer, correspondences flicker
 _GATE = 0.4  # of the search's reach: a farther plane is another surface
-# Of a direction with the normals, on average. Range noise of 20 mm on level ground gives 1.3e-4 along the ground and
-# 2e-5 in heading; a site with seven stones gives 7e-4 and more.
+# Of a direction with the normals, on average. Range noise of 20 mm on level ground gives 1.3e-4
+# along the ground and 2e-5 in heading; a site with seven stones gives 7e-4 and more.
 _LEAST_SQUARED_COSINE = 2.5e-4
 _LEAST_STD_M = 0.005  # no distance is better than this, however well the scan fits
 
@@ -24,8 +24,8 @@ class Guess:
 
     Attributes:
         T_map_lidar: Pose, shape (4, 4).
-        std: Of its error as (rotation [rad], translation [m]), shape (6,): what a scene that leaves a direction free
-            is decided by.
+        std: Of its error as (rotation [rad], translation [m]), shape (6,): what a scene that leaves
+            a direction free is decided by.
     """
 
     T_map_lidar: Float
@@ -54,8 +54,8 @@ def fit(
 ) -> PlaneFit:
     """Search for planes within a reach that is halved at each step, from the first to the last [m].
 
-    The covariance is that of the least squares, with the distances' own spread and the guess as a prior: a direction
-    that no plane holds stays at the guess and is as uncertain as that.
+    The covariance is that of the least squares, with the distances' own spread and the guess as a
+    prior: a direction that no plane holds stays at the guess and is as uncertain as that.
     """
     T: Float = guess.T_map_lidar
     reach_m = first_m
@@ -88,7 +88,9 @@ def fit(
 def _distances(
     points_lidar: Float, planes: PlaneMap, T: Float, reach_m: float
 ) -> tuple[Float, Float]:
-    """Return the distances to the nearest planes and their derivative by a motion of the lidar, (n, 6) and (n,)."""
+    """Return the distances to the nearest planes and their derivative by a motion of the lidar, (n,
+    6) and (n,).
+    """
     points_map = transform(T, points_lidar)
     found, index = planes.nearest(points_map, reach_m)
     normals = planes.planes.normals[index]
@@ -102,9 +104,10 @@ def _distances(
 def _held(information: Float, points_lidar: Float, weight: float) -> Float:
     """Return the projection on the directions that the scene holds, shape (6, 6).
 
-    Normals of level ground are tilted by noise, and by chance hold a little in every direction; left in, they move
-    the scan along the ground and claim to know (after Zhang 2016, "On degeneracy of optimization-based state
-    estimation problems"; the threshold is on the mean squared cosine, which does not grow with the number of points).
+    Normals of level ground are tilted by noise, and by chance hold a little in every direction;
+    left in, they move the scan along the ground and claim to know (after Zhang 2016, "On degeneracy
+    of optimization-based state estimation problems"; the threshold is on the mean squared cosine,
+    which does not grow with the number of points).
     """
     length_m = float(np.linalg.norm(points_lidar, axis=1).mean())
     scale = np.diag(

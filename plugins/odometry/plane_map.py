@@ -31,8 +31,9 @@ class _KeyScan:
 class PlaneMap:
     """The union of some scans, and the planes through its points.
 
-    A lidar of few lasers draws rings: along one ring every normal across it fits, and a map of such normals moves
-    with the sensor. A point counts only where its neighbours spread in two directions.
+    A lidar of few lasers draws rings: along one ring every normal across it fits, and a map of such
+    normals moves with the sensor. A point counts only where its neighbours spread in two
+    directions.
     """
 
     def __init__(self, voxel_m: float, radius_m: float, neighbours: int, most_scans: int) -> None:
@@ -58,7 +59,9 @@ class PlaneMap:
         self._tree = cKDTree(self.planes.points) if len(self.planes.points) else None
 
     def is_new(self, T_map_lidar: Float, distance_m: float, angle_rad: float) -> bool:
-        """Return whether no scan of the map was taken from near a pose: a swing back adds nothing, and no drift."""
+        """Return whether no scan of the map was taken from near a pose: a swing back adds nothing,
+        and no drift.
+        """
         return not any(
             np.linalg.norm(scan.T_map_lidar[:3, 3] - T_map_lidar[:3, 3]) < distance_m
             and angle_between(scan.T_map_lidar[:3, :3], T_map_lidar[:3, :3]) < angle_rad
@@ -66,7 +69,9 @@ class PlaneMap:
         )
 
     def nearest(self, points_map: Float, within_m: float) -> tuple[Bool, Int]:
-        """Return for each point whether there is a plane near, and the index of the nearest for those that have."""
+        """Return for each point whether there is a plane near, and the index of the nearest for
+        those that have.
+        """
         if self._tree is None:
             return np.zeros(len(points_map), dtype=bool), np.zeros(0, dtype=np.int64)
         distance, index = self._tree.query(points_map, distance_upper_bound=within_m)
@@ -75,7 +80,9 @@ class PlaneMap:
 
 
 def _planes(points: Float, radius_m: float, neighbours: int) -> Planes:
-    """Fit a plane to the neighbourhood of each point and keep those that are flat and wide in two directions."""
+    """Fit a plane to the neighbourhood of each point and keep those that are flat and wide in two
+    directions.
+    """
     if len(points) < _FEWEST:
         return Planes(np.zeros((0, 3)), np.zeros((0, 3)))
     distance, index = cKDTree(points).query(points, k=neighbours, distance_upper_bound=radius_m)

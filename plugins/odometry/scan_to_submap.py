@@ -1,4 +1,6 @@
-"""Lidar odometry against a rolling map of what was seen lately, each scan undistorted by inertia and joints."""
+"""Lidar odometry against a rolling map of what was seen lately, each scan undistorted by inertia
+and joints.
+"""
 
 from dataclasses import dataclass
 
@@ -64,7 +66,8 @@ class ScanToSubmapSettings(Settings):
         2.0,
         gt=0,
         le=2.5,
-        description="Time without a scan that was matched, after which the submap is begun anew [s].",
+        description="Time without a scan that was matched, after which the submap is begun anew "
+        "[s].",
     )
     restart_after: int = Field(
         10, gt=0, description="Scans refused in a row until the submap is begun anew."
@@ -72,7 +75,8 @@ class ScanToSubmapSettings(Settings):
     guess_rotation_std_rad: Radians = Field(
         0.005,
         gt=0,
-        description="Error of a scan's dead reckoning [rad]; large, so that inertia is not told twice.",
+        description="Error of a scan's dead reckoning [rad]; large, so that inertia is not told "
+        "twice.",
     )
     guess_translation_std_m: Meters = Field(
         0.02, gt=0, description="Error of a scan's dead reckoning [m]."
@@ -97,12 +101,13 @@ class _Track:
 class ScanToSubmap(LidarOdometry):
     """The registration part of a lidar odometry and mapping system (Nubert 2022, Sec. IV-A4).
 
-    Each scan is cleared of the machine's own returns, undistorted by gyroscope and joints, laid onto the planes of a
-    map of earlier scans, and added to it if none was taken from near there. Deviations from the paper: its front end,
-    CompSLAM, matches edge and plane features of single rings; and the covariance here is the fit's own.
+    Each scan is cleared of the machine's own returns, undistorted by gyroscope and joints, laid
+    onto the planes of a map of earlier scans, and added to it if none was taken from near there.
+    Deviations from the paper: its front end, CompSLAM, matches edge and plane features of single
+    rings; and the covariance here is the fit's own.
 
-    Inertia serves as guess and for undistortion only: an increment that leans on the gyroscope would tell an
-    estimator, which has the gyroscope already, that its bias is zero.
+    Inertia serves as guess and for undistortion only: an increment that leans on the gyroscope
+    would tell an estimator, which has the gyroscope already, that its bias is zero.
     """
 
     Settings = ScanToSubmapSettings
@@ -197,7 +202,8 @@ class ScanToSubmap(LidarOdometry):
         self._refusals = 0
         if self._map.is_new(T, settings.key_distance_m, settings.key_angle_rad):
             self._map.add(T, points)
-        # Both ends were fitted: the earlier one's error moves the increment as seen from the later frame.
+        # Both ends were fitted: the earlier one's error moves the increment as seen from the later
+        # frame.
         J = _adjoint(inverse(T_from_to))
         both = J @ track.covariance @ J.T + covariance
         increment = LidarIncrement(track.stamp_s, stamp_s, settings.frame, T_from_to, both)
@@ -212,7 +218,9 @@ class ScanToSubmap(LidarOdometry):
 
 
 def _adjoint(T: Float) -> Float:
-    """Return the map of (rotation, translation) errors in the second frame to the first, shape (6, 6)."""
+    """Return the map of (rotation, translation) errors in the second frame to the first, shape (6,
+    6).
+    """
     J = np.zeros((6, 6))
     J[:3, :3] = J[3:, 3:] = T[:3, :3]
     J[3:, :3] = skew(T[:3, 3]) @ T[:3, :3]

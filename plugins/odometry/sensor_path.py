@@ -35,7 +35,9 @@ class SensorPath:
         )
 
     def T_end_then(self, stamp_s: float) -> Float:
-        """Return the sensor's pose at a time in its frame at the end, shape (4, 4); the ends hold beyond the path."""
+        """Return the sensor's pose at a time in its frame at the end, shape (4, 4); the ends hold
+        beyond the path.
+        """
         rotation, translation = self._at(np.array([stamp_s]))
         return pose(exp_so3(rotation[0]), translation[0])
 
@@ -54,7 +56,9 @@ class SensorPath:
         return np.asarray(turned + translation)
 
     def _at(self, stamps_s: Float) -> tuple[Float, Float]:
-        """Interpolate; rotation vectors of less than 0.1 rad a step bend by less than 0.1 mrad between two."""
+        """Interpolate; rotation vectors of less than 0.1 rad a step bend by less than 0.1 mrad
+        between two.
+        """
         rotation, translation = (
             np.column_stack([np.interp(stamps_s, self.stamps_s, values[:, i]) for i in range(3)])
             for values in (self.rotations, self.translations)

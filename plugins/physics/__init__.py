@@ -1,1 +1,3 @@
-"""What the simulated world and the planners that rehearse in physics share: stone shapes and contact."""
+"""What the simulated world and the planners that rehearse in physics share: stone shapes and
+contact.
+"""

@@ -1,8 +1,9 @@
 """Convex blocks as a quarry leaves them: bedding planes, joints, and corners that blows have cut.
 
-The rock parts along two bedding planes and two sets of joints, nearly square to each other; blows take corners and
-edges off. Axes a ≥ b ≥ c lie along the joints and across the bedding; their ratios follow statistics of found stones,
-b/a ~ N(0.76, 0.13) and c/b ~ N(0.70, 0.16), cut off where a slab or a needle would begin.
+The rock parts along two bedding planes and two sets of joints, nearly square to each other; blows
+take corners and edges off. Axes a ≥ b ≥ c lie along the joints and across the bedding; their ratios
+follow statistics of found stones, b/a ~ N(0.76, 0.13) and c/b ~ N(0.70, 0.16), cut off where a slab
+or a needle would begin.
 """
 
 import numpy as np
@@ -32,12 +33,15 @@ def _truncated(
 
 
 def block(volume_m3: float, rng: np.random.Generator) -> Float:
-    """Return the corners of a convex block about its middle, extents a, b, c along x, y, z, shape (V, 3) [m]."""
+    """Return the corners of a convex block about its middle, extents a, b, c along x, y, z, shape
+    (V, 3) [m].
+    """
     b_a, c_b = ratios(rng)
     planes = np.vstack([_partings(rng), _blows(rng)])
     corners = HalfspaceIntersection(planes, np.zeros(3)).intersections
     corners = corners[ConvexHull(corners).vertices]
-    # Blows take more off one side than off another: the extents are set after them, as one would measure a stone.
+    # Blows take more off one side than off another: the extents are set after them, as one would
+    # measure a stone.
     corners = (corners - corners.min(axis=0)) / np.ptp(corners, axis=0) - 0.5
     corners = corners * np.array([1.0, b_a, b_a * c_b])
     return np.asarray(corners * np.cbrt(volume_m3 / ConvexHull(corners).volume))

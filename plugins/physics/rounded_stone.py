@@ -1,7 +1,7 @@
 """Convex stones as ice and water leave them: no faces, no edges, a few broad bulges.
 
-The other kind beside quarried blocks, so that what learns from generated stones does not learn flat faces. Axes follow
-the same statistics of found stones.
+The other kind beside quarried blocks, so that what learns from generated stones does not learn flat
+faces. Axes follow the same statistics of found stones.
 """
 
 import numpy as np
@@ -18,7 +18,9 @@ _GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 
 
 def rounded_stone(volume_m3: float, rng: np.random.Generator) -> Float:
-    """Return the corners of a convex stone about its middle, extents a ≥ b ≥ c along x, y, z, shape (V, 3) [m]."""
+    """Return the corners of a convex stone about its middle, extents a ≥ b ≥ c along x, y, z, shape
+    (V, 3) [m].
+    """
     b_a, c_b = ratios(rng)
     corners = _bulged(_directions(), rng)
     corners = corners[ConvexHull(corners).vertices]

@@ -16,7 +16,9 @@ _KNOWN = 0.7  # part of the cells that hold a point
 
 @dataclass(frozen=True, slots=True)
 class GroundNeeds:
-    """What a place must be like: distance to segments [m], slope [rad], standard deviation about its plane [m]."""
+    """What a place must be like: distance to segments [m], slope [rad], standard deviation about
+    its plane [m].
+    """
 
     clearance_m: float
     max_slope_rad: float
@@ -34,7 +36,9 @@ class FreeGround:
         self._taken_tree = cKDTree(np.concatenate(taken)) if taken else None
 
     def height_m(self, xy: Float) -> float | None:
-        """Return the ground's height at a place (2,) [m], or None if it is taken, unknown, steep or rough."""
+        """Return the ground's height at a place (2,) [m], or None if it is taken, unknown, steep or
+        rough.
+        """
         if self._taken_tree is not None and self._taken_tree.query(xy)[0] < self._needs.clearance_m:
             return None
         points = self._ground[
@@ -50,7 +54,9 @@ class FreeGround:
 
 
 def _thinned(points: Float) -> Float:
-    """Return the first point of each cell: a dense map says no more about a slot than a thin one."""
+    """Return the first point of each cell: a dense map says no more about a slot than a
+    thin one.
+    """
     _, first = np.unique(
         np.floor(points[:, :2] / _THIN_M).astype(np.int64), axis=0, return_index=True
     )
@@ -58,6 +64,8 @@ def _thinned(points: Float) -> Float:
 
 
 def _covers(offsets: Float) -> bool:
-    """Return whether most cells of the disc hold a point: no slot where the ground was never seen."""
+    """Return whether most cells of the disc hold a point: no slot where the ground was
+    never seen.
+    """
     cells = int(np.pi * (_RADIUS_M / _CELL_M) ** 2)
     return len(np.unique(np.floor(offsets / _CELL_M).astype(int), axis=0)) >= _KNOWN * cells

@@ -12,7 +12,9 @@ from executive.geometry.rotation import about_axis
 
 _UP = np.array([0.0, 0.0, 1.0])
 _RING_M = 0.5  # width of the ground around the stone's foot that tells how high it stood
-_SUNK_M = 0.3  # a model's lowest point is at most this far above the stone's: survey and segmentation miss the foot
+# a model's lowest point is at most this far above the stone's: survey and segmentation miss the
+# foot
+_SUNK_M = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,7 +24,8 @@ class HeldStone:
     Attributes:
         points: The stone's model [m], shape (N, 3).
         centre: Centre of volume of its hull [m], shape (3,).
-        bottom_m: Height of its lowest part in the map, the ground that it stood on if that was seen [m].
+        bottom_m: Height of its lowest part in the map, the ground that it stood on if that was seen
+            [m].
         radius_m: Of the circle about the centre that holds it, from above [m].
     """
 
@@ -52,10 +55,11 @@ class HeldStone:
 def release_poses(
     held: HeldStone, position_map: Float, bottom_m: float, T_map_base: Float, turns: int
 ) -> Iterator[Float]:
-    """Yield motions T_map_map of the stone that put its centre over a place and its bottom at a height.
+    """Yield motions T_map_map of the stone that put its centre over a place and its bottom at a
+    height.
 
-    They turn it about the vertical only: its attitude to gravity stays. First as the cabin turns it, then in growing
-    turns of the wrist to either side.
+    They turn it about the vertical only: its attitude to gravity stays. First as the cabin turns
+    it, then in growing turns of the wrist to either side.
     """
     azimuth = [np.arctan2(*(p - T_map_base[:3, 3])[1::-1]) for p in (held.centre, position_map)]
     steps = np.arange(turns) * 2 * np.pi / turns

@@ -43,7 +43,9 @@ class SlotSurroundings:
         self._tree = cKDTree(self._neighbours) if is_high.any() else None
 
     def is_free(self, T_map_gripper: Float, stone_map: Float) -> bool:
-        """Return whether the stone and the opening jaws keep off the neighbours, and the jaws out of the ground."""
+        """Return whether the stone and the opening jaws keep off the neighbours, and the jaws out
+        of the ground.
+        """
         if self._tree is not None and self._tree.query(stone_map)[0].min() < _APART_M:
             return False
         if self._depth_m(self._neighbours, T_map_gripper) > -_APART_M:
@@ -51,7 +53,9 @@ class SlotSurroundings:
         return self._depth_m(self._ground, T_map_gripper) < _IN_GROUND_M
 
     def _depth_m(self, points: Float, T_map_gripper: Float) -> float:
-        """Return how deep the deepest point is in the gripper at any of the openings [m]; negative outside."""
+        """Return how deep the deepest point is in the gripper at any of the openings [m]; negative
+        outside.
+        """
         local = transform(inverse(T_map_gripper), points)
         local = local[np.linalg.norm(local, axis=1) < self._reach_m]
         return max(float(depth_inside(faces, local).max(initial=-np.inf)) for faces in self._faces)

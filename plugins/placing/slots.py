@@ -1,4 +1,6 @@
-"""Equally spaced places on free ground, and how to set a stone down on one (Mascaro 2020, Sec. 6.1)."""
+"""Equally spaced places on free ground, and how to set a stone down on one (Mascaro 2020, Sec.
+6.1).
+"""
 
 from typing import ClassVar
 
@@ -56,7 +58,9 @@ class SlotsSettings(Settings):
 
 
 class Slots(PlacementPlanner):
-    """Rows of slots on arcs about the machine; a stone keeps its attitude to gravity and turns with the cabin."""
+    """Rows of slots on arcs about the machine; a stone keeps its attitude to gravity and turns with
+    the cabin.
+    """
 
     Settings: ClassVar[type[Settings]] = SlotsSettings
     latency_s: ClassVar[dict[str, float]] = {"slots": 0.5, "plan": 0.5}
@@ -68,9 +72,11 @@ class Slots(PlacementPlanner):
         self._motion = motion
 
     def slots(self, segmentation: Segmentation, T_map_base: Float, count: int) -> tuple[Slot, ...]:
-        """Return up to `count` places on free, known, near-flat ground in reach, those that need the least swing first.
+        """Return up to `count` places on free, known, near-flat ground in reach, those that need
+        the least swing first.
 
-        The first row with room for all is taken; if none has, the rows are filled one after the other.
+        The first row with room for all is taken; if none has, the rows are filled one after the
+        other.
         """
         T_map_base = checked("T_map_base", T_map_base, 4, 4)
         s = self._settings
@@ -91,8 +97,9 @@ class Slots(PlacementPlanner):
     ) -> tuple[Placement, ...]:
         """Return ways to set the stone down, those that turn it against the cabin the least first.
 
-        The centre of volume of the model's hull goes over the slot: the mean of the seen points is drawn to the sensor
-        by some 0.2 m. Height: the stone's bottom just above the highest ground under it.
+        The centre of volume of the model's hull goes over the slot: the mean of the seen points is
+        drawn to the sensor by some 0.2 m. Height: the stone's bottom just above the highest ground
+        under it.
 
         Raises:
             DataError: If the cloud is not in the map, or the stone's points span no volume.
@@ -135,12 +142,16 @@ class Slots(PlacementPlanner):
         )
 
     def _over(self, place: Float) -> Float:
-        """Return the pose of a gripper that hangs over a place, its closed tips at the ground, jaws along x."""
+        """Return the pose of a gripper that hangs over a place, its closed tips at the ground, jaws
+        along x.
+        """
         above = np.array([0.0, 0.0, float(self._machine.gripper.tips(0.0)[:, 0].max())])
         return pose(np.array([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]]), place + above)
 
     def _reaches(self, T_map_gripper: Float, T_map_base: Float) -> bool:
-        """Return whether the arm comes to the pose, and to the one from which it goes straight down."""
+        """Return whether the arm comes to the pose, and to the one from which it goes straight
+        down.
+        """
         T_base_gripper = inverse(T_map_base) @ T_map_gripper
         above = (
             inverse(T_map_base)

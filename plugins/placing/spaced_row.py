@@ -17,7 +17,8 @@ def spaced_row(
     T_map_base: Float,
     height_of: Callable[[Float], float | None],
 ) -> Float:
-    """Return the row with the most usable places, those nearest the machine's front first, shape (n, 3).
+    """Return the row with the most usable places, those nearest the machine's front first, shape
+    (n, 3).
 
     Args:
         radius_m: Of the arc about the base [m].

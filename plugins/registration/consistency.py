@@ -1,4 +1,6 @@
-"""Groups of matches that agree on one rigid motion: two true matches keep their distance (Sec. 4.4 step 4)."""
+"""Groups of matches that agree on one rigid motion: two true matches keep their distance (Sec. 4.4
+step 4).
+"""
 
 import numpy as np
 from executive_plugins.registration.rigid import rigid_between
@@ -49,7 +51,9 @@ def _agreement(target: Float, source: Float, tolerance_m: float, scale_error: fl
 
 
 def _grow(agrees: Bool, seed: int) -> list[int]:
-    """Take in matches greedily, those with most friends among the seed's friends first, while all agree."""
+    """Take in matches greedily, those with most friends among the seed's friends first, while all
+    agree.
+    """
     friends = np.flatnonzero(agrees[seed])
     order = friends[np.argsort(-agrees[np.ix_(friends, friends)].sum(axis=1), kind="stable")]
     group, open_to = [seed], agrees[seed].copy()

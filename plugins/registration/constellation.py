@@ -1,8 +1,9 @@
 """Rigid motions guessed from where the segments stand, as stars are told by their constellation.
 
-Deviation from Mascaro 2020, Sec. 4.4 step 4, where motions come from descriptors alone: FPFH descriptors of a partly
-seen stone match in one case of ten. Pairs of centroids with the same distance, on the two ground planes laid over each
-other, give a motion each; they go through the same vote and the same gate as those from descriptors.
+Deviation from Mascaro 2020, Sec. 4.4 step 4, where motions come from descriptors alone: FPFH
+descriptors of a partly seen stone match in one case of ten. Pairs of centroids with the same
+distance, on the two ground planes laid over each other, give a motion each; they go through the
+same vote and the same gate as those from descriptors.
 """
 
 from itertools import combinations
@@ -24,12 +25,14 @@ def constellation_transforms(
     vote_m: float,
     count: int,
 ) -> Float:
-    """Return motions that lay pairs of source centroids over pairs of target centroids, best voted first.
+    """Return motions that lay pairs of source centroids over pairs of target centroids, best voted
+    first.
 
     Args:
         target: Segment centroids (N, 3) and ground plane (4,) of the target.
         source: The same of the source.
-        tolerance_m: Allowed difference of a pair's distances [m]; a half-seen stone's centroid is off by 0.3 m.
+        tolerance_m: Allowed difference of a pair's distances [m]; a half-seen stone's centroid is
+            off by 0.3 m.
         vote_m: Distance up to which a third centroid supports a motion [m].
         count: Most motions to return.
 
@@ -84,7 +87,9 @@ def _hypotheses(t: Float, s: Float, tolerance_m: float) -> Float:
 
 
 def _planar(heading: Float, t: Float, s: Float, vote_m: float) -> Float:
-    """Refit a planar motion on all centroids that support it, as a pose between the levelled frames."""
+    """Refit a planar motion on all centroids that support it, as a pose between the levelled
+    frames.
+    """
     moved = s[:, :2] @ heading[:, :2].T + heading[:, 2]
     distances = np.linalg.norm(moved[:, None] - t[None, :, :2], axis=2)
     nearest = distances.argmin(axis=1)

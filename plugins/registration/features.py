@@ -23,7 +23,9 @@ class Features:
 
 
 def _oriented(points: Float, voxel_m: float, normal_radius_m: float) -> o3d.geometry.PointCloud:
-    """Thin one segment and give it normals away from its centroid: the same side in both maps, without gravity."""
+    """Thin one segment and give it normals away from its centroid: the same side in both maps,
+    without gravity.
+    """
     # open3d refuses read-only arrays, hence the copy
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(np.array(points))).voxel_down_sample(
         voxel_m
@@ -42,7 +44,8 @@ def describe(
 ) -> Features:
     """Find ISS keypoints on segments and describe each by its FPFH (Mascaro 2020, Sec. 4.4 step 2).
 
-    The paper prefers SHOT; FPFH is what open3d brings, and the constellation of segments makes up for it.
+    The paper prefers SHOT; FPFH is what open3d brings, and the constellation of segments makes up
+    for it.
     """
     cloud = o3d.geometry.PointCloud()
     for segment in segments:
@@ -61,7 +64,8 @@ def describe(
 def match(target: Features, source: Features, nearest: int) -> tuple[Float, Float]:
     """Return the coordinates of matched keypoints, target and source, each (M, 3).
 
-    Each source keypoint goes with its few nearest descriptors in the target (Sec. 4.4 step 3): one matrix product.
+    Each source keypoint goes with its few nearest descriptors in the target (Sec. 4.4 step 3): one
+    matrix product.
     """
     count = min(nearest, len(target.points))
     if not count or not len(source.points):

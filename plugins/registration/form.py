@@ -1,7 +1,8 @@
 """How far two surfaces differ in form, whatever the noise and the density of their points.
 
-The distance to the nearest point grows with the gaps between points: thinly seen, the right stone is as far off as
-another one densely seen. Heights above the surface do not, and their means over a patch are nearly free of noise.
+The distance to the nearest point grows with the gaps between points: thinly seen, the right stone
+is as far off as another one densely seen. Heights above the surface do not, and their means over a
+patch are nearly free of noise.
 """
 
 import numpy as np

@@ -1,6 +1,8 @@
-"""Whether a registration is to be believed: how well, how widely and on how many stones the clouds agree.
+"""Whether a registration is to be believed: how well, how widely and on how many stones the clouds
+agree.
 
-Centroid votes and inlier counts are no gate: wrong motions were seen to match four to seven stones. Surfaces are.
+Centroid votes and inlier counts are no gate: wrong motions were seen to match four to seven stones.
+Surfaces are.
 """
 
 from dataclasses import dataclass
@@ -53,8 +55,8 @@ class Agreement:
     def better(self) -> Nearness:
         """The way with the larger share.
 
-        A half-seen or thinly seen stone lies wholly on the whole, dense one, but not vice versa; a wrong stone does
-        neither.
+        A half-seen or thinly seen stone lies wholly on the whole, dense one, but not vice versa; a
+        wrong stone does neither.
         """
         return max(self.source, self.target, key=lambda way: way.share)
 
@@ -63,7 +65,10 @@ class Agreement:
 
     def __str__(self) -> str:
         best = self.better
-        return f"rmse {best.rmse_m * 100:.1f} cm, overlap {self.source.share:.2f}, coverage {self.target.share:.2f}"
+        return (
+            f"rmse {best.rmse_m * 100:.1f} cm, overlap {self.source.share:.2f}, coverage "
+            f"{self.target.share:.2f}"
+        )
 
 
 NOTHING = Agreement(Nearness(0, 0, 0.0), Nearness(0, 0, 0.0))

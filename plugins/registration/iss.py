@@ -1,4 +1,6 @@
-"""Intrinsic shape signatures (Zhong 2009): points whose surroundings stand out in all three directions."""
+"""Intrinsic shape signatures (Zhong 2009): points whose surroundings stand out in all three
+directions.
+"""
 
 import numpy as np
 from executive_plugins.registration.eigen import sorted_eigenvectors
@@ -16,7 +18,8 @@ _LARGEST_RATIO = (
 def surface_shapes(points: Float, starts: Int, rows: Int) -> tuple[Float, Float]:
     """Return outward normals and saliencies of one segment's points.
 
-    Normals point away from the segment's centroid, which needs no gravity and gives the same side in both maps.
+    Normals point away from the segment's centroid, which needs no gravity and gives the same side
+    in both maps.
 
     Args:
         points: Of one segment [m], shape (N, 3).
@@ -24,8 +27,9 @@ def surface_shapes(points: Float, starts: Int, rows: Int) -> tuple[Float, Float]
         rows: Of the neighbours, themselves included.
 
     Returns:
-        Unit normals, shape (N, 3), zero where there are too few neighbours; smallest eigenvalues of the scatter,
-        neighbours weighted by one over their own number of neighbours, shape (N,), zero at what is no keypoint.
+        Unit normals, shape (N, 3), zero where there are too few neighbours; smallest eigenvalues of
+        the scatter, neighbours weighted by one over their own number of neighbours, shape (N,),
+        zero at what is no keypoint.
     """
     normals, saliencies = np.zeros(points.shape), np.zeros(len(points))
     middle = np.array([points[:, 0].mean(), points[:, 1].mean(), points[:, 2].mean()])
@@ -52,7 +56,9 @@ def surface_shapes(points: Float, starts: Int, rows: Int) -> tuple[Float, Float]
 def _moments(
     points: Float, starts: Int, rows: Int, i: int, sums: tuple[Float, Float, Float]
 ) -> float:
-    """Sum up weighted and plain second moments and first moments about point i; return the sum of weights."""
+    """Sum up weighted and plain second moments and first moments about point i; return the sum of
+    weights.
+    """
     scatter, covariance, mean = sums
     scatter[:], covariance[:], mean[:] = 0.0, 0.0, 0.0
     weight_sum = 0.0

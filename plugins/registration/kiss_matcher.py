@@ -1,4 +1,6 @@
-"""Registration on segments whose motions come from KISS-Matcher (Lim et al. 2025), at the gate of the others."""
+"""Registration on segments whose motions come from KISS-Matcher (Lim et al. 2025), at the gate of
+the others.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -37,7 +39,8 @@ class FasterPfh(Strategy):
     def propose(self, target: Segmentation, source: Segmentation, watch: Stopwatch) -> list[Float]:
         """Return its motion, or none; see `Strategy.propose`. The package does all of it at once.
 
-        On one core, for its threads sum in the order in which they come; two are no faster on clouds of this size.
+        On one core, for its threads sum in the order in which they come; two are no faster on
+        clouds of this size.
         """
         matcher = _package().KISSMatcher(self.feature_voxel_m)
         here, there = (

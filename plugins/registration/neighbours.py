@@ -1,4 +1,6 @@
-"""Neighbours of points within a radius, as one table: row i's neighbours are `rows[starts[i] : starts[i + 1]]`."""
+"""Neighbours of points within a radius, as one table: row i's neighbours are `rows[starts[i] :
+starts[i + 1]]`.
+"""
 
 import numpy as np
 from numba import njit
@@ -8,7 +10,8 @@ from executive.arrays import Float, Int
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def neighbours_within(points: Float, queries: Float, radius_m: float) -> tuple[Int, Int]:
-    """Find all points within a radius of each query; the order within a row follows from the points alone.
+    """Find all points within a radius of each query; the order within a row follows from the points
+    alone.
 
     Args:
         points: Of one segment, since all cells of its box are laid out [m], shape (N, 3), N ≥ 1.

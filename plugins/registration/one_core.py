@@ -9,7 +9,8 @@ from contextlib import contextmanager
 def one_core() -> Iterator[None]:
     """Let the calling thread see one core of those that it may use, until the block ends.
 
-    A pool of threads that is made in here is made for one core, and stays so: sums come in one order.
+    A pool of threads that is made in here is made for one core, and stays so: sums come in one
+    order.
     """
     allowed = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {min(allowed)})

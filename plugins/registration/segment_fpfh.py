@@ -33,7 +33,9 @@ class SegmentFpfhSettings(SegmentSettings):
 
 @dataclass(frozen=True, slots=True)
 class FpfhAndConstellation(Strategy):
-    """Propose from groups of consistent matches, then from where the segments stand (steps 2 to 4)."""
+    """Propose from groups of consistent matches, then from where the segments stand
+    (steps 2 to 4).
+    """
 
     settings: SegmentFpfhSettings
 

@@ -1,4 +1,6 @@
-"""Global registration on segments, whatever proposes the motions: votes rank them, surfaces decide."""
+"""Global registration on segments, whatever proposes the motions: votes rank them,
+surfaces decide.
+"""
 
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -24,13 +26,15 @@ from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment, Segmentation
 
-# A misfit below this share of the truncation needs no rival. In 20 scenes 95 right candidates had 0.7 to 1.1, 234 wrong
-# ones 1.5 and more; a wrong one below is left to the gate.
+# A misfit below this share of the truncation needs no rival. In 20 scenes 95 right candidates had
+# 0.7 to 1.1, 234 wrong ones 1.5 and more; a wrong one below is left to the gate.
 _CLEAR = 1.2
 
 
 class SegmentRegistrar(Registrar):
-    """Registration by segments (Mascaro 2020, Sec. 4.4), all six steps but the merging of clouds."""
+    """Registration by segments (Mascaro 2020, Sec. 4.4), all six steps but the merging
+    of clouds.
+    """
 
     Settings = SegmentSettings
     is_stateless = True
@@ -50,11 +54,13 @@ class SegmentRegistrar(Registrar):
     def register(self, target: Cloud, source: Cloud, rng: np.random.Generator) -> Alignment:
         """Find the similarity that lays a survey over the map; deterministic, `rng` is not used.
 
-        Coordinates are taken about each cloud's mean, so that national coordinates keep their digits.
+        Coordinates are taken about each cloud's mean, so that national coordinates keep their
+        digits.
 
         Returns:
-            The motion, accepted or refused. With fewer stones in view than `min_matched` it is refused: two stones
-            fit many places. If several strategies are refused, the first one's answer is returned.
+            The motion, accepted or refused. With fewer stones in view than `min_matched` it is
+            refused: two stones fit many places. If several strategies are refused, the first one's
+            answer is returned.
         """
         watch = Stopwatch()
         middle_t, middle_s = _middle(target), _middle(source)
@@ -121,10 +127,11 @@ class SegmentRegistrar(Registrar):
         stones: Surface,
         candidates: Sequence[Float],
     ) -> Similarity | None:
-        """Refine candidates a little on the segments, and take the one whose surfaces lie best on each other.
+        """Refine candidates a little on the segments, and take the one whose surfaces lie best on
+        each other.
 
-        Deviation from the paper, which takes the one of most matched centroids: those of half-seen stones are off.
-        The votes only rank the candidates, and the first clear fit ends the search.
+        Deviation from the paper, which takes the one of most matched centroids: those of half-seen
+        stones are off. The votes only rank the candidates, and the first clear fit ends the search.
         """
         s = self._settings
         points = _thin(_joined(source.segments), 2 * s.fine_voxel_m)

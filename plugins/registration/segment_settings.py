@@ -1,4 +1,6 @@
-"""What all registrations on segments share: the sizes of the search, the refinement, and the gate."""
+"""What all registrations on segments share: the sizes of the search, the refinement,
+and the gate.
+"""
 
 from pydantic import Field
 

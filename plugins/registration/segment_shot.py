@@ -1,4 +1,6 @@
-"""Registration on segments whose motions come from SHOT descriptors, and failing these, from elsewhere."""
+"""Registration on segments whose motions come from SHOT descriptors, and failing these, from
+elsewhere.
+"""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -112,7 +114,9 @@ class Shot(Strategy):
 
 
 class SegmentShot(SegmentRegistrar):
-    """Registration by segments with ISS and SHOT; refused, FPFH and constellations are tried at the same gate."""
+    """Registration by segments with ISS and SHOT; refused, FPFH and constellations are tried at the
+    same gate.
+    """
 
     Settings = SegmentShotSettings
 

@@ -1,4 +1,6 @@
-"""Unique signatures of histograms (Tombari et al. 2010): what a surface looks like from its own frame of reference."""
+"""Unique signatures of histograms (Tombari et al. 2010): what a surface looks like from its own
+frame of reference.
+"""
 
 import numpy as np
 from executive_plugins.registration.eigen import sorted_eigenvectors
@@ -16,8 +18,8 @@ def shot_descriptors(
 ) -> tuple[Float, Float]:
     """Describe keypoints of one segment by the normals around them.
 
-    Deviation from the source: the frame's z axis takes its sign from the outward normal, not from the majority of the
-    points, which is a coin's throw on a convex stone.
+    Deviation from the source: the frame's z axis takes its sign from the outward normal, not from
+    the majority of the points, which is a coin's throw on a convex stone.
 
     Args:
         points: Of one segment [m], shape (N, 3).
@@ -27,8 +29,8 @@ def shot_descriptors(
         radius_m: R_shot [m].
 
     Returns:
-        Unit descriptors, shape (K, 352), zero where too few points surround a keypoint, and frames, rows x, y and z,
-        shape (K, 3, 3).
+        Unit descriptors, shape (K, 352), zero where too few points surround a keypoint, and frames,
+        rows x, y and z, shape (K, 3, 3).
     """
     starts, rows = neighbours
     found, frames = np.zeros((len(keypoints), SHOT_LENGTH)), np.zeros((len(keypoints), 3, 3))
@@ -63,7 +65,9 @@ def shot_descriptors(
 def reference_frame(
     points: Float, near: Int, origin: Float, outward: Float, radius_m: float
 ) -> Float:
-    """Return a repeatable frame at a keypoint, rows x, y and z, from points weighted by their nearness (Eq. 1)."""
+    """Return a repeatable frame at a keypoint, rows x, y and z, from points weighted by their
+    nearness (Eq. 1).
+    """
     scatter = np.zeros((3, 3))
     for j in near:
         dx, dy, dz = points[j, 0] - origin[0], points[j, 1] - origin[1], points[j, 2] - origin[2]

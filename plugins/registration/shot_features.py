@@ -16,7 +16,9 @@ from executive.messages.segment import Segment
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Keypoints:
-    """One segment's thinned points about its centroid [m], their outward normals, and the rows that stand out."""
+    """One segment's thinned points about its centroid [m], their outward normals, and the rows that
+    stand out.
+    """
 
     centroid: Float
     points: Float
@@ -56,10 +58,12 @@ def describe_keypoints(segments: Sequence[Keypoints], radius_m: float) -> Featur
 def match_descriptors(target: Features, source: Features, most: int) -> tuple[Float, Float]:
     """Pair each source keypoint with the target's most alike, and keep the most alike pairs of all.
 
-    Deviation from the paper's k-d tree (step 3), whose search among 352 axes visits nearly all: one matrix product.
+    Deviation from the paper's k-d tree (step 3), whose search among 352 axes visits nearly all: one
+    matrix product.
 
     Returns:
-        Coordinates of matched keypoints [m], target and source, each (M, 3), M ≤ `most`, best first.
+        Coordinates of matched keypoints [m], target and source, each (M, 3), M ≤ `most`, best
+        first.
     """
     if not len(target.points) or not len(source.points):
         return np.empty((0, 3)), np.empty((0, 3))

@@ -1,7 +1,7 @@
 """Rotation, translation and scale refined together, along the target's normals.
 
-A structure-from-motion cloud has its scale from camera positions, wrong by a percent: 5 cm over 5 m, more than the gate
-allows. Aligners are rigid, so the scale is found here.
+A structure-from-motion cloud has its scale from camera positions, wrong by a percent: 5 cm over 5
+m, more than the gate allows. Aligners are rigid, so the scale is found here.
 """
 
 from dataclasses import dataclass
@@ -50,7 +50,9 @@ class Surface:
         )
 
     def nearest(self, points: Float, max_distance_m: float) -> tuple[Float, Float]:
-        """Return distances [m] (inf beyond the reach) and row numbers of the nearest surface points."""
+        """Return distances [m] (inf beyond the reach) and row numbers of the nearest surface
+        points.
+        """
         distances, rows = self._tree.query(points, distance_upper_bound=max_distance_m)
         return distances, rows
 

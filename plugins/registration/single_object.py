@@ -1,8 +1,9 @@
 """One known object found again in a cloud, however it lies there.
 
-Maps are registered on several stones, for two fit many places. One stone whose whole surface is known is enough if what
-is seen of it lies on that surface in one way only, and above the ground. Own addition to the method of the paper, whose
-realignment (Sec. 4.5) ends where the basin of ICP ends.
+Maps are registered on several stones, for two fit many places. One stone whose whole surface is
+known is enough if what is seen of it lies on that surface in one way only, and above the ground.
+Own addition to the method of the paper, whose realignment (Sec. 4.5) ends where the basin of ICP
+ends.
 """
 
 from collections.abc import Iterable, Sequence
@@ -30,7 +31,8 @@ _SIZES = (0.35, 1.2)  # of a view's diagonal to the model's
 _TURNS = 240  # rotations to begin with: none is farther than some 30° from one of them
 _FINE = 40  # motions, the likeliest, that are refined to the end
 _MIN_SHARE = 0.9  # of the view must lie on the model, for the model is all that may be seen there
-_MAX_FORM_M = 0.011  # of both surfaces: right stones came to 8 mm at most, others that pass the rest to 15 and more
+# of both surfaces: right stones came to 8 mm at most, others that pass the rest to 15 and more
+_MAX_FORM_M = 0.011
 _MIN_COVERAGE = 0.3  # of the model must be seen: a small patch fits anywhere
 _SUNK_M, _MAX_SUNK = (
     0.15,
@@ -70,7 +72,8 @@ class ObjectFinder:
         views = [segment for segment in seen.segments if self._is_like(segment, model)]
         if not views:
             return _refused(
-                f"nothing of the object's size among {len(seen.segments)} that rise from the ground",
+                f"nothing of the object's size among {len(seen.segments)} that rise "
+                "from the ground",
                 watch,
             )
         refusal = _refused("no motion was proposed", watch)
@@ -103,7 +106,9 @@ class ObjectFinder:
     def _answers(
         self, model: Cloud, proposals: Iterable[tuple[Segment, Iterable[Float]]]
     ) -> list[_Answer]:
-        """Refine each proposal on the model's surface, on which all of a view lies; the best first."""
+        """Refine each proposal on the model's surface, on which all of a view lies;
+        the best first.
+        """
         s, coarse = self._settings, list[_Answer]()
         surface = Surface.thinned(model.points, s.fine_voxel_m / 2)
         for view, motions in proposals:

@@ -13,4 +13,6 @@ class Strategy(ABC):
 
     @abstractmethod
     def propose(self, target: Segmentation, source: Segmentation, watch: Stopwatch) -> list[Float]:
-        """Return T_target_source of candidates, each (4, 4), the likeliest first; times its stages."""
+        """Return T_target_source of candidates, each (4, 4), the likeliest first;
+        times its stages.
+        """

@@ -1,4 +1,6 @@
-"""Which segments of two clouds are the same stone under a motion (Mascaro 2020, Sec. 4.4 step 4)."""
+"""Which segments of two clouds are the same stone under a motion (Mascaro 2020,
+Sec. 4.4 step 4).
+"""
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -12,7 +14,8 @@ def matched_centroids(
 ) -> tuple[tuple[int, int], ...]:
     """Pair each moved source centroid with at most one target centroid, nearest in sum.
 
-    Deviation from the paper's nearest neighbour: one to one, so that two stones do not vote for the same partner.
+    Deviation from the paper's nearest neighbour: one to one, so that two stones do not vote for the
+    same partner.
 
     Args:
         target: Target centroids [m], shape (N, 3).

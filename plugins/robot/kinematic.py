@@ -1,4 +1,6 @@
-"""A machine without a world: joints follow exactly, sensors are ideal, lidars see nothing. For dry runs of trees."""
+"""A machine without a world: joints follow exactly, sensors are ideal, lidars see nothing. For dry
+runs of trees.
+"""
 
 from collections.abc import Sequence
 

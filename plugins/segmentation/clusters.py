@@ -21,14 +21,16 @@ _MIX = 0x9E3779B97F4A7C1  # an odd constant that spreads neighbouring keys over 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def connected_clusters(points: Float, groups: Int, voxel_m: float) -> Int:
-    """Label the points of a cloud by connected component of its occupied voxels, never across groups.
+    """Label the points of a cloud by connected component of its occupied voxels, never across
+    groups.
 
-    Gaps below one voxel never separate, gaps above two always do: the middle depends on the grid. The partition does
-    not depend on the order of the points.
+    Gaps below one voxel never separate, gaps above two always do: the middle depends on the grid.
+    The partition does not depend on the order of the points.
 
     Args:
         points: [m], shape (N, 3), less than 2²⁰ voxels wide.
-        groups: Points of different groups do not join, shape (N,); of a voxel that holds several, the first counts.
+        groups: Points of different groups do not join, shape (N,); of a voxel that holds several,
+            the first counts.
         voxel_m: Grid edge [m].
 
     Returns:
@@ -57,7 +59,9 @@ def connected_clusters(points: Float, groups: Int, voxel_m: float) -> Int:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _voxels(points: Float, voxel_m: float) -> tuple[Int, Int, NDArray[np.int32]]:
-    """Number the occupied voxels: the voxel of each point, the key of each voxel, and a hash table of voxels."""
+    """Number the occupied voxels: the voxel of each point, the key of each voxel, and a hash table
+    of voxels.
+    """
     size = 16
     while size < 2 * len(points):
         size *= 2

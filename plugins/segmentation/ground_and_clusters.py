@@ -109,7 +109,8 @@ class GroundAndClusters(Segmenter):
         settings, rng = self._settings, np.random.default_rng(self._settings.seed)
         if len(cloud) < settings.min_points:
             raise DataError(
-                f"a cloud of {len(cloud)} points has no ground to find; at least {settings.min_points}"
+                f"a cloud of {len(cloud)} points has no ground to find; at least "
+                f"{settings.min_points}"
             )
         sample = cloud.points[rng.integers(len(cloud), size=min(len(cloud), _GROUND_SAMPLE))]
         centre = sample.mean(axis=0)  # far from the origin, as in UTM, products would lose digits

@@ -1,4 +1,6 @@
-"""The plane that carries most of a cloud: random sample consensus, then refits (Mascaro 2020, Sec. 4.3)."""
+"""The plane that carries most of a cloud: random sample consensus, then refits (Mascaro 2020, Sec.
+4.3).
+"""
 
 import numpy as np
 from executive_plugins.segmentation.shape import counts_near, moments, planes_through

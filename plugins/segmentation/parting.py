@@ -1,8 +1,10 @@
-"""Neighbours that merge: what hangs together at the coarse grid is taken apart where stones stand apart.
+"""Neighbours that merge: what hangs together at the coarse grid is taken apart where stones stand
+apart.
 
-Deviation from Mascaro 2020, Sec. 4.3, where one distance separates objects: a distance that holds a thinly seen stone
-together joins neighbours up to 14 cm apart. Here a heap is looked at again on a finer grid, and from above, and what
-comes apart is believed if each part is a stone by itself and together they are nearly all of the heap.
+Deviation from Mascaro 2020, Sec. 4.3, where one distance separates objects: a distance that holds a
+thinly seen stone together joins neighbours up to 14 cm apart. Here a heap is looked at again on a
+finer grid, and from above, and what comes apart is believed if each part is a stone by itself and
+together they are nearly all of the heap.
 """
 
 from dataclasses import dataclass
@@ -15,7 +17,8 @@ from scipy.spatial import cKDTree
 
 from executive.arrays import Bool, Float, Int
 
-_DENSE = 1.5  # voxels to the fourth neighbour; parts of one stone had 1.6 to 2.4, whole neighbours 0.8 to 1.5
+# voxels to the fourth neighbour; parts of one stone had 1.6 to 2.4, whole neighbours 0.8 to 1.5
+_DENSE = 1.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +32,8 @@ class Parting:
         least_points: Points of a stone.
         least_extent_m: Longest side of a stone [m].
         least_height_m: Height of a stone [m].
-        least_share: Of a heap's points that belong to its stones before the rest is given to the nearest.
+        least_share: Of a heap's points that belong to its stones before the rest is given to the
+            nearest.
     """
 
     fine_voxel_m: float
@@ -82,7 +86,9 @@ class Parting:
         )
 
     def _is_dense(self, part: Float) -> bool:
-        """Tell whether a gap is more than thin sampling: most points have four others within 1.5 voxels."""
+        """Tell whether a gap is more than thin sampling: most points have four others within 1.5
+        voxels.
+        """
         some = part[:: max(len(part) // 200, 1)]
         fourth = cKDTree(part).query(some, k=5)[0][:, 4]
         return bool(np.median(fourth) < _DENSE * self.fine_voxel_m)

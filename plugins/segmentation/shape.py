@@ -1,4 +1,6 @@
-"""Sizes and flatness of point sets; sums run in one order, so that the bits are the same on any number of threads."""
+"""Sizes and flatness of point sets; sums run in one order, so that the bits are the same on any
+number of threads.
+"""
 
 import numpy as np
 from numba import njit
@@ -42,14 +44,18 @@ def spans(points: Float, axes: Float = _AXES) -> Float:
 
 
 def principal_extents(points: Float) -> Float:
-    """Return the side lengths of the box along the principal axes, longest first [m], shape (3,)."""
+    """Return the side lengths of the box along the principal axes, longest first [m],
+    shape (3,).
+    """
     axes = np.linalg.eigh(moments(points)[1])[1]
     return np.asarray(np.sort(spans(points, axes))[::-1])
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def planes_through(points: Float, triples: Int) -> Float:
-    """Return planes (n, d) with n·p = d through triples of points, normals up, (3, M) → (at most M, 4)."""
+    """Return planes (n, d) with n·p = d through triples of points, normals up, (3, M) → (at most M,
+    4).
+    """
     planes, count = np.empty((triples.shape[1], 4)), 0
     for k in range(triples.shape[1]):
         a, b, c = points[triples[0, k]], points[triples[1, k]], points[triples[2, k]]

@@ -1,8 +1,9 @@
 """The ground's slow undulation above its mean plane, as a stiff height grid.
 
-Deviation from Mascaro 2020, Sec. 4.3: there one plane with a margin of 10 cm is the ground. On rough terrain slopes
-then stay in the cloud as false segments, and stones in hollows are cut too high. Here the margin is measured from a
-grid that follows the ground over metres but is too stiff to climb onto a stone.
+Deviation from Mascaro 2020, Sec. 4.3: there one plane with a margin of 10 cm is the ground. On
+rough terrain slopes then stay in the cloud as false segments, and stones in hollows are cut too
+high. Here the margin is measured from a grid that follows the ground over metres but is too stiff
+to climb onto a stone.
 """
 
 from dataclasses import dataclass
@@ -42,7 +43,9 @@ class Terrain:
     heights_m: Float
 
     def heights_above(self, points: Float, centre: Float = _ORIGIN) -> Float:
-        """Return heights of points less a centre above the ground [m], (N, 3) → (N,); its border goes on outside."""
+        """Return heights of points less a centre above the ground [m], (N, 3) → (N,); its border
+        goes on outside.
+        """
         frame = (self.R_plane_cloud, float(self.plane[3]), self.origin)
         return np.asarray(_heights(points, centre, frame, self.node_m, self.heights_m))
 
@@ -76,9 +79,11 @@ def _axes(normal: Float) -> Float:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _bending(nx: int, ny: int) -> tuple[Int, Int, Float]:
-    """Return the matrix whose quadratic form is the bending of an nx × ny grid: rows, columns, values.
+    """Return the matrix whose quadratic form is the bending of an nx × ny grid: rows, columns,
+    values.
 
-    Bending is the sum of squared second differences along both axes; the diagonal is there throughout.
+    Bending is the sum of squared second differences along both axes; the diagonal is there
+    throughout.
     """
     strides, lengths = (ny, 1), (nx, ny)
     size = nx * ny + 9 * (max(nx - 2, 0) * ny + nx * max(ny - 2, 0))
@@ -103,7 +108,9 @@ def _bending(nx: int, ny: int) -> tuple[Int, Int, Float]:
 
 
 def _stiff(shape: tuple[int, ...], stiffness: float) -> tuple[sparse.csc_array, Int]:
-    """Return the weighted bending, barely regular by itself, and where its diagonal lies in its data."""
+    """Return the weighted bending, barely regular by itself, and where its diagonal lies in its
+    data.
+    """
     rows, columns, values = _bending(*shape)
     size = shape[0] * shape[1]
     system = sparse.coo_array((stiffness * values, (rows, columns)), shape=(size, size)).tocsc()
@@ -147,7 +154,8 @@ def fit_terrain(
     if shape[0] * shape[1] > _MAX_NODES:
         spans = " × ".join(f"{span:.0f}" for span in np.ptp(uv, axis=0))
         raise DataError(
-            f"the cloud spans {spans} m, more than a site; crop it, or check that its unit is the metre"
+            f"the cloud spans {spans} m, more than a site; crop it, or check that its "
+            "unit is the metre"
         )
     nodes = np.rint((uv - origin) / node_m).astype(np.int64) @ np.array([shape[1], 1])
     size = shape[0] * shape[1]

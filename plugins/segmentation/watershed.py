@@ -12,8 +12,8 @@ def basins(
 ) -> Int:
     """Part points by the watershed of their upper surface.
 
-    Cells of a grid are flooded from the top. Where two summits meet at a pass, they stay two if the pass lies deep
-    enough below the lower of them; else the lower one is a shoulder of the higher.
+    Cells of a grid are flooded from the top. Where two summits meet at a pass, they stay two if the
+    pass lies deep enough below the lower of them; else the lower one is a shoulder of the higher.
 
     Args:
         places: Positions along the ground [m], shape (N, 2).
@@ -53,7 +53,8 @@ def basins(
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _upper_surface(places: Float, heights: Float, cell_m: float) -> tuple[Int, int, Float]:
-    """Return each point's cell, the cells in a row, and the height of the topmost point in each cell, 0 for none.
+    """Return each point's cell, the cells in a row, and the height of the topmost point in each
+    cell, 0 for none.
 
     The outermost cells are empty, so that all others have eight neighbours.
     """

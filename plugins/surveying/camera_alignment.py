@@ -40,11 +40,13 @@ class CameraAlignment:
 def align_cameras(
     centres_model: Float, positions_m: Float, rng: np.random.Generator
 ) -> CameraAlignment:
-    """Find the similarity from cameras to rough positions (Mascaro 2020, Sec. 4.1), some of which may be far off.
+    """Find the similarity from cameras to rough positions (Mascaro 2020, Sec. 4.1), some of which
+    may be far off.
 
-    The least median of squares over random triples tells which positions agree (Rousseeuw 1984: no threshold, up to
-    half may be wrong); a least-squares fit on those follows. The paper takes positions of visual-inertial odometry,
-    which are good to centimetres; a satellite receiver's are good to a metre, so the scale's error is stated.
+    The least median of squares over random triples tells which positions agree (Rousseeuw 1984: no
+    threshold, up to half may be wrong); a least-squares fit on those follows. The paper takes
+    positions of visual-inertial odometry, which are good to centimetres; a satellite receiver's are
+    good to a metre, so the scale's error is stated.
 
     Args:
         centres_model: Cameras in the reconstruction's own frame and scale, shape (N, 3).
@@ -52,7 +54,8 @@ def align_cameras(
         rng: Chance.
 
     Raises:
-        DataError: If the cameras are fewer than four, or lie in a line: then the roll about it is anyone's guess.
+        DataError: If the cameras are fewer than four, or lie in a line: then the roll about it is
+            anyone's guess.
     """
     count = len(centres_model)
     _check_spread(centres_model)
@@ -85,7 +88,9 @@ def align_cameras(
 
 
 def umeyama(source: Float, target: Float) -> tuple[float, Float, Float]:
-    """Return scale, R and t of the least-squares similarity target = scale · R source + t (Umeyama 1991, Eq. 40-43)."""
+    """Return scale, R and t of the least-squares similarity target = scale · R source + t (Umeyama
+    1991, Eq. 40-43).
+    """
     a, b = source - source.mean(axis=0), target - target.mean(axis=0)
     U, S, Vt = np.linalg.svd(b.T @ a)
     signs = np.array([1.0, 1.0, np.sign(np.linalg.det(U @ Vt))])  # no reflection

@@ -30,19 +30,22 @@ def positions_of(pictures: Sequence[Path], table: Path | None) -> Float:
 
     Args:
         pictures: Files.
-        table: A CSV file with a header `name,x,y,z` [m] or `name,lat,lon,alt` [deg, deg, m]; without one, the
-            pictures' GPS tags.
+        table: A CSV file with a header `name,x,y,z` [m] or `name,lat,lon,alt` [deg, deg, m];
+            without one, the pictures' GPS tags.
 
     Raises:
-        DataError: If the table cannot be read, or a picture has no position; the message names it and the cure.
+        DataError: If the table cannot be read, or a picture has no position; the message names it
+            and the cure.
     """
     found = _from_table(table) if table else _from_pictures(pictures)
     missing = [path.name for path in pictures if path.name not in found]
     if missing:
         where = str(table) if table else f"no {TABLE} beside them, and no GPS tags in them"
         raise DataError(
-            f"{pictures[0].parent}: {len(missing)} of {len(pictures)} pictures have no position ({where}), such as "
-            f"{missing[0]}; give each a line in {TABLE}, name,x,y,z in metres or name,lat,lon,alt, or take it out"
+            f"{pictures[0].parent}: {len(missing)} of {len(pictures)} pictures have no "
+            f"position ({where}), such as "
+            f"{missing[0]}; give each a line in {TABLE}, name,x,y,z in metres or "
+            "name,lat,lon,alt, or take it out"
         )
     positions = np.array([found[path.name] for path in pictures])
     return np.asarray(positions - positions.mean(axis=0))
@@ -58,7 +61,8 @@ def _from_table(table: Path) -> Mapping[str, Float]:
     header = tuple(cell.lower() for cell in rows[0]) if rows else ()
     if header not in (("name", *_LOCAL), ("name", *_GEODETIC)):
         raise DataError(
-            f"{table}:1: the first line is {','.join(header)!r}; wanted is name,x,y,z or name,lat,lon,alt"
+            f"{table}:1: the first line is {','.join(header)!r}; wanted is name,x,y,z "
+            "or name,lat,lon,alt"
         )
     values = {row[0]: _numbers(table, i, row) for i, row in enumerate(rows[1:], 2)}
     if header[1:] == _GEODETIC:
@@ -82,7 +86,9 @@ def _from_pictures(pictures: Sequence[Path]) -> Mapping[str, Float]:
 
 
 def _from_tags(path: Path) -> Float | None:
-    """Return latitude, longitude [deg] and altitude [m] of a picture's tags; None if there is none."""
+    """Return latitude, longitude [deg] and altitude [m] of a picture's tags;
+    None if there is none.
+    """
     with Image.open(path) as picture:
         tags = picture.getexif().get_ifd(_GPS)
     if not {_LATITUDE, _LONGITUDE, _ALTITUDE} <= tags.keys():
@@ -106,7 +112,8 @@ def _enu(geodetic: Mapping[str, Float], where: str) -> Mapping[str, Float]:
     for name, (latitude, longitude, _) in geodetic.items():
         if not (-90 <= latitude <= 90 and -180 <= longitude <= 180):
             raise DataError(
-                f"{where}: {name}: {latitude:g}, {longitude:g} is no latitude and longitude in degrees"
+                f"{where}: {name}: {latitude:g}, {longitude:g} is no latitude and "
+                "longitude in degrees"
             )
     datum = next(iter(geodetic.values()), np.zeros(3))
     return {name: enu_from_geodetic(position, datum) for name, position in geodetic.items()}

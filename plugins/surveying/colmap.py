@@ -24,12 +24,15 @@ class ColmapSettings(PhotogrammetrySettings):
     )
     positions: Path | None = Field(
         None,
-        description="CSV: name,x,y,z or name,lat,lon,alt; else positions.csv among them, else their GPS tags.",
+        description="CSV: name,x,y,z or name,lat,lon,alt; else positions.csv among them, else "
+        "their GPS tags.",
     )
 
 
 class Colmap(Survey):
-    """Makes a folder of pictures into a cloud that is metric and upright as far as the rough positions say."""
+    """Makes a folder of pictures into a cloud that is metric and upright as far as the rough
+    positions say.
+    """
 
     Settings: ClassVar[type[Settings]] = ColmapSettings
     latency_s: ClassVar[dict[str, float]] = {
@@ -51,7 +54,8 @@ class Colmap(Survey):
         self._photographs()
 
     def survey(self, rng: np.random.Generator) -> Cloud:
-        """Reconstruct the site; a minute or two on one core for forty pictures. Deterministic by the generator.
+        """Reconstruct the site; a minute or two on one core for forty pictures. Deterministic by
+        the generator.
 
         Raises:
             DataError: If the pictures make no map; the message says why and what to change.

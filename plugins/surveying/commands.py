@@ -1,4 +1,6 @@
-"""The verb that surveying brings to the command line; whatever is heavy is imported when it runs."""
+"""The verb that surveying brings to the command line; whatever is heavy is imported when
+it runs.
+"""
 
 import json
 import sys
@@ -27,7 +29,9 @@ def survey(
         bool, typer.Option("--json", help="Answer on standard output, for machines.")
     ] = False,
 ) -> None:
-    """Make a drone's photographs into a cloud, on the processor; a minute or two for forty pictures."""
+    """Make a drone's photographs into a cloud, on the processor; a minute or two for forty
+    pictures.
+    """
     import numpy as np
     from executive_plugins.surveying.colmap import FEWEST_PICTURES
     from executive_plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
@@ -63,7 +67,8 @@ def _told(found: "Photogrammetry", out: Path) -> str:
     alignment = found.alignment
     return (
         f"{len(found.names)} of {found.pictures} pictures found their place\n"
-        f"  positions  {alignment.residual_m:.2f} m off (RMS), the scale is known to ±{alignment.scale_error:.1%}\n"
+        f"  positions  {alignment.residual_m:.2f} m off (RMS), the scale is known to "
+        f"±{alignment.scale_error:.1%}\n"
         f"  points     {len(found.cloud)}   {out}"
     )
 

@@ -63,14 +63,16 @@ class Ground:
 
 
 def find_ground(points: Float, centres: Float, settings: DepthSettings) -> Ground:
-    """Fit a plane to sparse points (N, 3), most of which lie on the ground, and span planes along it.
+    """Fit a plane to sparse points (N, 3), most of which lie on the ground, and span planes along
+    it.
 
     Raises:
         DataError: If there are hardly any points.
     """
     if len(points) < 50:
         raise DataError(
-            f"only {len(points)} points were found in several pictures; the ground is too bare to be seen"
+            f"only {len(points)} points were found in several pictures; the ground is "
+            "too bare to be seen"
         )
     normal, offset = np.zeros(3), 0.0
     kept = points
@@ -82,7 +84,8 @@ def find_ground(points: Float, centres: Float, settings: DepthSettings) -> Groun
         kept = points[residuals <= 2.5 * max(float(np.median(residuals)), 1e-6)]
     if normal @ centres.mean(axis=0) < offset:
         normal, offset = -normal, -offset
-    # Stones have few of the points, less than one in a hundred: what is highest counts, but for the very highest.
+    # Stones have few of the points, less than one in a hundred: what is highest counts, but for the
+    # very highest.
     heights = np.sort(points @ normal)
     low, high = heights[_CHANCE] - settings.below_m, heights[-1 - _CHANCE] + settings.above_m
     planes = int(
@@ -133,10 +136,11 @@ def _grey(path: Path, size_px: tuple[int, int], wanted_px: tuple[int, int]) -> G
 def neighbours_of(
     pictures: Sequence[PosedPicture], points: Float, angle_rad: float, count: int
 ) -> list[list[int]]:
-    """Return for each picture those that see most of the same points from an angle that is good for depth.
+    """Return for each picture those that see most of the same points from an angle that is good for
+    depth.
 
-    A shared point counts by how near its angle is to the best one, as a bell whose width is half of it: nearer views
-    tell depth badly, farther ones look different.
+    A shared point counts by how near its angle is to the best one, as a bell whose width is half of
+    it: nearer views tell depth badly, farther ones look different.
     """
     is_seen = np.zeros((len(pictures), len(points)), dtype=bool)
     for i, picture in enumerate(pictures):
@@ -189,7 +193,9 @@ def confirmed(
 
 @njit(cache=True)
 def _vote(points, P, depth, tolerance, votes):  # type: ignore[no-untyped-def]
-    """Add one to each point (h, w, 3) that lies where another depth map says, seen through P (3, 4)."""
+    """Add one to each point (h, w, 3) that lies where another depth map says, seen through P (3,
+    4).
+    """
     height, width = depth.shape
     for i in range(points.shape[0]):
         for j in range(points.shape[1]):

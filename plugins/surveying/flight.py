@@ -10,7 +10,9 @@ from executive.config import Meters, Radians, Settings
 
 
 class FlightSettings(Settings):
-    """About twenty pictures from above and around: slanted ones from an outer ring, steep ones from an inner one."""
+    """About twenty pictures from above and around: slanted ones from an outer ring, steep ones from
+    an inner one.
+    """
 
     cameras: int = Field(20, ge=3, le=200, description="Number of pictures.")
     centre_m: tuple[float, float] = Field(
@@ -48,7 +50,9 @@ def take_pictures(settings: FlightSettings, rng: np.random.Generator) -> list[Pi
 def _ring(
     settings: FlightSettings, count: int, radius: float, aim: float, rng: np.random.Generator
 ) -> list[Picture]:
-    """Fly an ellipse; radius and aim are where cameras are and where they look, as a share of the ground's sides."""
+    """Fly an ellipse; radius and aim are where cameras are and where they look, as a share of the
+    ground's sides.
+    """
     pictures = []
     for angle in 2 * np.pi * (np.arange(count) + rng.uniform(-0.3, 0.3, count)) / max(count, 1):
         outwards = np.array(
@@ -63,7 +67,9 @@ def _ring(
 
 
 def _rays(forward: Float, settings: FlightSettings, rng: np.random.Generator) -> Float:
-    """Return the rays of a square picture around a viewing direction, jittered within their pixels, shape (N, 3)."""
+    """Return the rays of a square picture around a viewing direction, jittered within their pixels,
+    shape (N, 3).
+    """
     forward = forward / np.linalg.norm(forward)
     right = np.cross(forward, [0.0, 0.0, 1.0])
     right = (

@@ -12,7 +12,9 @@ _NEIGHBOURS = 16  # of a point, for its normal
 
 
 def below_flight(points: Float, centres: Float, margin_m: float) -> Bool:
-    """Say which points (N, 3) lie below the outline of the cameras (C, 3), grown by a margin [m]."""
+    """Say which points (N, 3) lie below the outline of the cameras (C, 3),
+    grown by a margin [m].
+    """
     hull = ConvexHull(centres[:, :2])
     return np.asarray(
         (points[:, :2] @ hull.equations[:, :2].T + hull.equations[:, 2] <= margin_m).all(axis=1)
@@ -28,7 +30,8 @@ def fuse(parts: Iterable[tuple[Float, Float]], voxel_m: float, fewest: int) -> t
         fewest: Cells with fewer points are dropped.
 
     Returns:
-        Points and unit normals, which look to the cameras that saw them, (M, 3) each, in the order of the cells.
+        Points and unit normals, which look to the cameras that saw them, (M, 3) each, in the order
+        of the cells.
     """
     keys, sums = np.empty(0, dtype=np.int64), np.empty((0, 7))
     for seen, centre in parts:
@@ -44,7 +47,9 @@ def fuse(parts: Iterable[tuple[Float, Float]], voxel_m: float, fewest: int) -> t
 
 
 def _keys(points: Float, voxel_m: float) -> Int:
-    """Return the number of each point's cell; cells are counted from 2²⁰ edges below the origin on."""
+    """Return the number of each point's cell; cells are counted from 2²⁰ edges below the
+    origin on.
+    """
     cells = np.floor(points / voxel_m).astype(np.int64) + 2**20
     return np.asarray((cells[:, 0] << 42) + (cells[:, 1] << 21) + cells[:, 2])
 
@@ -58,7 +63,9 @@ def _added(keys: Int, rows: Float) -> tuple[Int, Float]:
 
 
 def _normals(points: Float, towards: Float) -> Float:
-    """Return the normal of the plane through each point's neighbours, on the side of its cameras."""
+    """Return the normal of the plane through each point's neighbours,
+    on the side of its cameras.
+    """
     if len(points) < 3:
         return towards
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(np.ascontiguousarray(points)))

@@ -1,4 +1,6 @@
-"""A drone's flight in strips, for photographs: where it takes them, and where it believes that it does."""
+"""A drone's flight in strips, for photographs: where it takes them, and where it believes that it
+does.
+"""
 
 import numpy as np
 from pydantic import Field
@@ -9,7 +11,9 @@ from executive.geometry.pose import pose
 
 
 class GridFlightSettings(Settings):
-    """Strips to and fro over the site; pictures look inwards, so that those from the outside see the stones' sides."""
+    """Strips to and fro over the site; pictures look inwards, so that those from the outside see
+    the stones' sides.
+    """
 
     strips: int = Field(4, ge=2, le=50, description="Number of strips, along y.")
     pictures: int = Field(9, ge=2, le=100, description="Pictures of each strip.")
@@ -58,8 +62,8 @@ def fly(settings: GridFlightSettings, rng: np.random.Generator) -> list[Float]:
 def recorded(poses: list[Float], settings: GridFlightSettings, rng: np.random.Generator) -> Float:
     """Return the positions that a receiver without corrections records (N, 3) [m].
 
-    The errors of satellites, orbits and air change within minutes, so a short flight has them in common; multipath
-    and noise of the receiver are each picture's own.
+    The errors of satellites, orbits and air change within minutes, so a short flight has them in
+    common; multipath and noise of the receiver are each picture's own.
     """
     positions = np.array([T[:3, 3] for T in poses])
     together = rng.normal(0.0, settings.offset_m, 3)

@@ -58,7 +58,8 @@ class Photogrammetry:
     Attributes:
         cloud: In the frame `survey`: metric, z up, about the mean of the rough positions.
         pictures: Number given.
-        alignment: From the model to the survey; its positions are those of the pictures that found their place.
+        alignment: From the model to the survey; its positions are those of the pictures that found
+            their place.
         centres_m: Of the cameras that found their place, in the survey, shape (N, 3).
         names: Of those pictures.
     """
@@ -73,10 +74,11 @@ class Photogrammetry:
 def reconstruct(
     photographs: Photographs, s: PhotogrammetrySettings, rng: np.random.Generator
 ) -> Photogrammetry:
-    """Find the cameras, their scale, the depth of each picture, and one cloud (Mascaro 2020, Sec. 4.1).
+    """Find the cameras, their scale, the depth of each picture, and one cloud (Mascaro 2020, Sec.
+    4.1).
 
-    Deviation from the paper, which has COLMAP's dense step: that needs a graphics card. Ours sweeps planes along the
-    ground through each picture and keeps what others confirm.
+    Deviation from the paper, which has COLMAP's dense step: that needs a graphics card. Ours sweeps
+    planes along the ground through each picture and keeps what others confirm.
 
     Raises:
         ConfigError: If pycolmap is not installed.
@@ -94,7 +96,8 @@ def reconstruct(
     points, normals = fuse(parts, s.voxel_m, s.fewest)
     if not len(points):
         raise DataError(
-            f"{photographs.folder}: no point is confirmed by {s.depth.confirmed_by} pictures; overlap more"
+            f"{photographs.folder}: no point is confirmed by {s.depth.confirmed_by} "
+            "pictures; overlap more"
         )
     names = tuple(picture.name for picture in model.pictures)
     return Photogrammetry(Cloud(FRAME, points, normals), len(index), alignment, cameras, names)
@@ -140,7 +143,9 @@ def _check_scale(
 ) -> None:
     if not alignment.scale > 0 or alignment.scale_error > s.max_scale_error:
         raise DataError(
-            f"{photographs.folder}: the positions are {alignment.residual_m:.2f} m off, so that the scale is known to "
-            f"{alignment.scale_error:.1%} only, allowed is {s.max_scale_error:.1%}; fly wider, give better positions, "
+            f"{photographs.folder}: the positions are {alignment.residual_m:.2f} m off, "
+            "so that the scale is known to "
+            f"{alignment.scale_error:.1%} only, allowed is {s.max_scale_error:.1%}; fly "
+            "wider, give better positions, "
             "or raise surveying.max_scale_error"
         )

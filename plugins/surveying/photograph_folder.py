@@ -35,22 +35,26 @@ class Photographs:
 
 
 def read_photographs(folder: Path, positions: Path | None, fewest: int) -> Photographs:
-    """List the JPEG and PNG files of a folder; of the pictures themselves only the headers are read.
+    """List the JPEG and PNG files of a folder; of the pictures themselves only the headers are
+    read.
 
     Args:
         folder: Where they are.
-        positions: Table of rough positions; `positions.csv` in the folder if there is one, else the GPS tags.
+        positions: Table of rough positions; `positions.csv` in the folder if there is one, else the
+            GPS tags.
         fewest: Fewer pictures are no survey.
 
     Raises:
-        DataError: If there are too few, of several sizes, unreadable, or without positions; with the cure.
+        DataError: If there are too few, of several sizes, unreadable, or without positions; with
+            the cure.
     """
     if not folder.is_dir():
         raise DataError(f"{folder}: no such folder; give one that holds a drone's pictures")
     pictures = sorted(path for path in folder.iterdir() if path.suffix.lower() in _SUFFIXES)
     if len(pictures) < fewest:
         raise DataError(
-            f"{folder}: {len(pictures)} pictures (JPEG or PNG), a survey needs at least {fewest} that overlap; "
+            f"{folder}: {len(pictures)} pictures (JPEG or PNG), a survey needs at least "
+            f"{fewest} that overlap; "
             "fly a grid whose pictures show 70 % of what their neighbours show"
         )
     table = positions or (folder / TABLE if (folder / TABLE).is_file() else None)

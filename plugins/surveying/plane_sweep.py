@@ -1,4 +1,6 @@
-"""Depth of one picture by sweeping planes through the scene and comparing it with its neighbours on each."""
+"""Depth of one picture by sweeping planes through the scene and comparing it with its neighbours on
+each.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -34,7 +36,9 @@ class View:
         return np.asarray(-T[:3, :3].T @ T[:3, 3])
 
     def rays(self) -> Float:
-        """Return the direction of each pixel in the world, of length one along the optical axis, shape (h, w, 3)."""
+        """Return the direction of each pixel in the world, of length one along the optical axis,
+        shape (h, w, 3).
+        """
         height, width = self.grey.shape
         u, v = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
         pixels = np.stack([u, v, np.ones_like(u)], axis=-1)
@@ -44,16 +48,19 @@ class View:
 def sweep(
     view: View, neighbours: Sequence[View], normal: Float, offsets_m: Float, window_px: int
 ) -> tuple[Float, Float]:
-    """Return the depth [m] of each pixel along the optical axis, and how surely it is right, both (h, w).
+    """Return the depth [m] of each pixel along the optical axis, and how surely it is right, both
+    (h, w).
 
-    On each plane n·X = offset, the neighbours are drawn as the picture would see them, and compared with it by
-    normalised cross-correlation over a window; a pixel lies on the plane where the mean of its two best neighbours is
-    highest: whoever does not see it has no say. A parabola through the scores finds it between the planes.
+    On each plane n·X = offset, the neighbours are drawn as the picture would see them, and compared
+    with it by normalised cross-correlation over a window; a pixel lies on the plane where the mean
+    of its two best neighbours is highest: whoever does not see it has no say. A parabola through
+    the scores finds it between the planes.
 
     Args:
         view: The picture.
         neighbours: At least one.
-        normal: Unit normal of the planes, in the world: of the ground, so that windows on it are not slanted, (3,).
+        normal: Unit normal of the planes, in the world: of the ground, so that windows on it are
+            not slanted, (3,).
         offsets_m: Of the planes, evenly spaced and rising, shape (P,).
         window_px: Side of the window, odd.
 
@@ -72,7 +79,9 @@ def sweep(
 
 
 def _homography(view: View, other: View, normal: Float, offset_m: float) -> Float:
-    """Return how a pixel of the view that sees the plane n·X = offset appears in the other, shape (3, 3)."""
+    """Return how a pixel of the view that sees the plane n·X = offset appears in the other, shape
+    (3, 3).
+    """
     T = other.T_optical_world @ np.linalg.inv(view.T_optical_world)
     n = view.T_optical_world[:3, :3] @ normal
     distance = offset_m - normal @ view.centre  # in the camera: n·X = distance
@@ -83,7 +92,9 @@ def _homography(view: View, other: View, normal: Float, offset_m: float) -> Floa
 
 @njit(cache=True)
 def _sweep(grey, greys, H, half):  # type: ignore[no-untyped-def]
-    """Return the best plane of each pixel, between planes, and its score; −1 for none, both (h, w)."""
+    """Return the best plane of each pixel, between planes, and its score; −1 for none,
+    both (h, w).
+    """
     planes, others = H.shape[:2]
     mean = _box(grey, half)
     deviation = np.sqrt(np.maximum(_box(grey * grey, half) - mean * mean, 0))
@@ -104,7 +115,9 @@ def _sweep(grey, greys, H, half):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _keep_best(plane, score, last, best, index, before, after):  # type: ignore[no-untyped-def]
-    """Enter the scores of one plane where they are the best so far, with those of the planes beside it."""
+    """Enter the scores of one plane where they are the best so far, with those of the planes beside
+    it.
+    """
     height, width = score.shape
     for v in range(height):
         for u in range(width):
@@ -117,7 +130,9 @@ def _keep_best(plane, score, last, best, index, before, after):  # type: ignore[
 
 @njit(cache=True)
 def _between(index, before, best, after, planes):  # type: ignore[no-untyped-def]
-    """Return where the parabola through three scores is highest; −1 where the best is the sweep's first or last."""
+    """Return where the parabola through three scores is highest; −1 where the best is the sweep's
+    first or last.
+    """
     height, width = index.shape
     out = np.full_like(index, -1)
     for v in range(height):
@@ -130,7 +145,9 @@ def _between(index, before, best, after, planes):  # type: ignore[no-untyped-def
 
 @njit(cache=True)
 def _drawn(other, H, shape):  # type: ignore[no-untyped-def]
-    """Return another picture as it appears through H, and which pixels it shows, both of a shape."""
+    """Return another picture as it appears through H, and which pixels it shows,
+    both of a shape.
+    """
     height, width = shape
     rows, columns = other.shape
     drawn = np.zeros(shape, np.float32)
@@ -155,7 +172,9 @@ def _drawn(other, H, shape):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _correlation(grey, mean, deviation, drawn, is_seen, half):  # type: ignore[no-untyped-def]
-    """Return the normalised cross-correlation over windows; −1 where one has no contrast or is not all seen."""
+    """Return the normalised cross-correlation over windows; −1 where one has no contrast or is not
+    all seen.
+    """
     height, width = grey.shape
     size = 2 * half + 1
     score = np.full(grey.shape, np.float32(-1))

@@ -41,16 +41,19 @@ class PointCloudFile(Survey):
         self._settings = settings
 
     def survey(self, rng: np.random.Generator) -> Cloud:
-        """Return the file's points, merged on a grid, about their middle: surveys often come in national coordinates.
+        """Return the file's points, merged on a grid, about their middle: surveys often come in
+        national coordinates.
 
         Raises:
-            DataError: If the file cannot be read whole, or holds no site; the message names it and the cure.
+            DataError: If the file cannot be read whole, or holds no site; the message names it and
+                the cure.
         """
         settings = self._settings
         points = read_points(settings.path)
         if len(points) < settings.min_points:
             raise DataError(
-                f"{settings.path}: {len(points)} points, at least {settings.min_points} are a survey; "
+                f"{settings.path}: {len(points)} points, at least {settings.min_points} "
+                "are a survey; "
                 "export the dense cloud, or lower surveying.min_points"
             )
         check_site(settings.path, points, settings.max_extent_m)

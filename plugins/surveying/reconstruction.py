@@ -1,4 +1,6 @@
-"""What structure from motion makes of a site: noise, a smooth warp, a rough scale, a frame of its own."""
+"""What structure from motion makes of a site: noise, a smooth warp, a rough scale, a frame of its
+own.
+"""
 
 import numpy as np
 from pydantic import Field

@@ -32,10 +32,12 @@ class SimulatedDroneSettings(Settings):
 
 
 class SimulatedDrone(Survey):
-    """Surveys a simulated robot's site before the machine drives in: the machine is not in the cloud.
+    """Surveys a simulated robot's site before the machine drives in: the machine is not in the
+    cloud.
 
-    Each picture is a fan of rays, so what no camera sees stays a hole. The paper flew about 200 pictures for
-    COLMAP (Mascaro 2020, Sec. 4.1); twenty positions cover the site as well, since the noise is drawn, not computed.
+    Each picture is a fan of rays, so what no camera sees stays a hole. The paper flew about 200
+    pictures for COLMAP (Mascaro 2020, Sec. 4.1); twenty positions cover the site as well, since the
+    noise is drawn, not computed.
     """
 
     Settings: ClassVar[type[Settings]] = SimulatedDroneSettings
@@ -56,7 +58,8 @@ class SimulatedDrone(Survey):
     def _scene(self) -> Scene:
         if not isinstance(self._robot, Scene):
             raise ConfigError(
-                f"surveying: simulated_drone flies over a simulated site, and the robot {type(self._robot).__name__} "
+                "surveying: simulated_drone flies over a simulated site, and the robot "
+                f"{type(self._robot).__name__} "
                 "has none; use point_cloud_file"
             )
         return self._robot
@@ -70,7 +73,8 @@ class SimulatedDrone(Survey):
         seen = self._seen(rng)
         if not len(seen):
             raise DataError(
-                "the drone saw no ground: set surveying.flight.centre_m and size_m to a place on the site"
+                "the drone saw no ground: set surveying.flight.centre_m and size_m to "
+                "a place on the site"
             )
         settings = self._settings.reconstruction
         seen = seen + rng.normal(0.0, settings.point_noise_m, seen.shape)
@@ -79,7 +83,9 @@ class SimulatedDrone(Survey):
         )
 
     def _seen(self, rng: np.random.Generator) -> Float:
-        """Return what the pictures show of the surveyed ground, with errors of depth, in the map, shape (N, 3)."""
+        """Return what the pictures show of the surveyed ground, with errors of depth, in the map,
+        shape (N, 3).
+        """
         flight = self._settings.flight
         parts = []
         for picture in take_pictures(flight, rng):

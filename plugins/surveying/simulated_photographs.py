@@ -41,8 +41,8 @@ class SimulatedPhotographsSettings(PhotogrammetrySettings):
 class SimulatedPhotographs(Survey):
     """Photographs a simulated robot's site, and surveys it as `colmap` would.
 
-    The cloud comes from the folder alone: pictures, their rough focal length, and positions as a drone without
-    corrections records them. Where the camera really was stays with the flight.
+    The cloud comes from the folder alone: pictures, their rough focal length, and positions as a
+    drone without corrections records them. Where the camera really was stays with the flight.
     """
 
     Settings: ClassVar[type[Settings]] = SimulatedPhotographsSettings
@@ -65,7 +65,8 @@ class SimulatedPhotographs(Survey):
         if not isinstance(self._robot, Photographer):
             raise ConfigError(
                 f"surveying: simulated_photographs flies over a simulated site, and the robot "
-                f"{type(self._robot).__name__} has none; use colmap with a folder of photographs, or point_cloud_file"
+                f"{type(self._robot).__name__} has none; use colmap with a folder of "
+                "photographs, or point_cloud_file"
             )
         return self._robot
 
@@ -86,7 +87,8 @@ class SimulatedPhotographs(Survey):
 def take_photographs(
     photographer: Photographer, flight: GridFlightSettings, folder: Path, rng: np.random.Generator
 ) -> list[Float]:
-    """Fly over a site and write what a drone brings home: JPEG files and a table of rough positions.
+    """Fly over a site and write what a drone brings home: JPEG files and a table of rough
+    positions.
 
     Returns:
         Where the camera really was, T_world_optical at each picture, for tests.

@@ -1,4 +1,6 @@
-"""Where pictures were taken, and sparse points, by structure from motion on the processor (pycolmap)."""
+"""Where pictures were taken, and sparse points, by structure from motion on the processor
+(pycolmap).
+"""
 
 import tempfile
 from dataclasses import dataclass
@@ -84,7 +86,8 @@ def load_pycolmap() -> Any:
 
 
 def find_motion(photographs: Photographs, settings: MotionSettings, seed: int) -> Model:
-    """Match features between near pictures, and reconstruct all from a first pair on (Schönberger 2016).
+    """Match features between near pictures, and reconstruct all from a first pair on (Schönberger
+    2016).
 
     One thread and one seed: equal pictures give an equal model.
 
@@ -146,7 +149,9 @@ def _match(
     seed: int,
     work: Path,
 ) -> None:
-    """Match each picture with those that were taken nearest: of 36, all pairs would be three times as many."""
+    """Match each picture with those that were taken nearest: of 36, all pairs would be three times
+    as many.
+    """
     positions = photographs.positions_m
     distances = np.linalg.norm(positions[:, None] - positions, axis=2)
     nearest = np.argsort(distances, axis=1, kind="stable")[:, 1 : settings.neighbours + 1]
@@ -182,9 +187,12 @@ def _check_share(photographs: Photographs, lost: list[str], settings: MotionSett
     total = len(photographs.names)
     if total - len(lost) < settings.least_registered * total:
         raise DataError(
-            f"{photographs.folder}: {total - len(lost)} of {total} pictures found their place, at least "
-            f"{settings.least_registered:.0%} are wanted; lost: {', '.join(lost[:5])}{' …' * (len(lost) > 5)}. "
-            "Fly with more overlap over ground that is not bare, or raise surveying.motion.features or .neighbours"
+            f"{photographs.folder}: {total - len(lost)} of {total} pictures found their "
+            "place, at least "
+            f"{settings.least_registered:.0%} are wanted; lost: "
+            f"{', '.join(lost[:5])}{' …' * (len(lost) > 5)}. "
+            "Fly with more overlap over ground that is not bare, or raise "
+            "surveying.motion.features or .neighbours"
         )
 
 

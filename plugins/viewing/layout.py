@@ -1,4 +1,6 @@
-"""How a recording opens: the site in space, the tree's states below, documents and plots beside it."""
+"""How a recording opens: the site in space, the tree's states below,
+documents and plots beside it.
+"""
 
 import rerun.blueprint as rrb
 

@@ -44,7 +44,9 @@ def draw(value: object, entity: str, gripper: Gripper, max_points: int) -> Drawi
 
 @draw.register
 def _cloud(value: Cloud, entity: str, gripper: Gripper, max_points: int) -> Drawing:
-    """A cloud in the map is drawn in the world; one in a frame of its own stands apart, for its pose is not known."""
+    """A cloud in the map is drawn in the world; one in a frame of its own stands apart, for its
+    pose is not known.
+    """
     points = value.points[:: 1 + len(value) // max_points]
     colours = np.array(DRONE) if "drone" in entity else of_heights(points[:, 2])
     root = "world" if value.frame == _FRAME else "survey"
@@ -130,7 +132,9 @@ def _verdict(value: Verdict, entity: str, gripper: Gripper, max_points: int) -> 
 
 @draw.register
 def _status_change(value: StatusChange, entity: str, gripper: Gripper, max_points: int) -> Drawing:
-    """Draw how the estimator stands as a lane beside the tree's, and each change with its reason in the log."""
+    """Draw how the estimator stands as a lane beside the tree's, and each change with its reason in
+    the log.
+    """
     yield (
         f"states/{entity}",
         rr.StateConfiguration(values=list(ESTIMATES), colors=list(ESTIMATES.values())),
@@ -143,7 +147,9 @@ def _status_change(value: StatusChange, entity: str, gripper: Gripper, max_point
 
 
 def draw_tree(states: Mapping[str, object], changed: Mapping[str, object]) -> Drawing:
-    """Draw the tree as a document, what runs on a lane of its own, and each changed node on its lane."""
+    """Draw the tree as a document, what runs on a lane of its own, and each changed node on its
+    lane.
+    """
     lines = [
         f"{'  ' * path.count('/')}{path.rsplit('/', 1)[-1]}: {status}"
         for path, status in states.items()

@@ -29,8 +29,9 @@ class RerunSettings(Settings):
 class RerunViewer(Viewer):
     """Writes a recording with its own layout; it opens no window, no port and no connection.
 
-    Entities: `world/…` what is in the map, `survey/…` clouds in frames of their own, `tree` and `states/…` the tree,
-    `plots/…` scalars, `log/…` sentences. The timeline is `mission`, in seconds.
+    Entities: `world/…` what is in the map, `survey/…` clouds in frames of their own, `tree` and
+    `states/…` the tree, `plots/…` scalars, `log/…` sentences. The timeline is `mission`, in
+    seconds.
     """
 
     Settings = RerunSettings

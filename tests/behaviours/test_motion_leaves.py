@@ -1,4 +1,6 @@
-"""Leaves that move the machine wait for it, notice when it is stuck, and stop it when they are given up."""
+"""Leaves that move the machine wait for it, notice when it is stuck, and stop it when they are
+given up.
+"""
 
 import numpy as np
 import pytest

@@ -1,4 +1,6 @@
-"""A relocated stone is aligned with the map; beyond the aligner's basin it is looked for anew; else nothing changes."""
+"""A relocated stone is aligned with the map; beyond the aligner's basin it is looked for anew; else
+nothing changes.
+"""
 
 import numpy as np
 import pytest
@@ -82,7 +84,8 @@ def context_of(fakes, aligned, found, *others):
     own = stone(1, (5, 0, 0.4))
     points = np.vstack([own.points_map, *[other.points_map for other in others]])
     return fakes.Context(
-        mapping=Mapper(points), alignment=Method(aligned), registration=Method(found), segmentation=Method(None),
+        mapping=Mapper(points), alignment=Method(aligned), registration=Method(found),
+        segmentation=Method(None),
         objects=Objects(own, *others),
     )  # fmt: skip
 

@@ -1,4 +1,6 @@
-"""A plan begins where the arm is: after a cancelled motion that is known only once the arm stands."""
+"""A plan begins where the arm is: after a cancelled motion that is known only once the
+arm stands.
+"""
 
 import re
 

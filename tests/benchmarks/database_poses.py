@@ -1,13 +1,15 @@
 """Measure the object database against the truth over four rounds of relocations, one line a round.
 
-    python tests/benchmarks/database_poses.py 2 3             run `relocate` with these seeds, then measure
-    python tests/benchmarks/database_poses.py --keep runs 2   the same, and keep the run folders in runs/
-    python tests/benchmarks/database_poses.py --read runs/2   measure a folder that was kept
+    python tests/benchmarks/database_poses.py 2 3             run `relocate` with these seeds, then
+    measure python tests/benchmarks/database_poses.py --keep runs 2   the same, and keep the run
+    folders in runs/ python tests/benchmarks/database_poses.py --read runs/2   measure a folder that
+    was kept
 
-What follows `--` are settings, as of `executive run --set`. A seed takes 25 minutes on the mission's clock, and less on
-an idle core. A stone's database pose should have changed, since it was found, as the stone itself has moved: the error
-is what is left between both, in place (of the object's origin) and in turning. `settled` is before the realignment: how
-far the stone moved when the jaws let go, and how far Eq. 3 is off.
+What follows `--` are settings, as of `executive run --set`. A seed takes 25 minutes on the
+mission's clock, and less on an idle core. A stone's database pose should have changed, since it was
+found, as the stone itself has moved: the error is what is left between both, in place (of the
+object's origin) and in turning. `settled` is before the realignment: how far the stone moved when
+the jaws let go, and how far Eq. 3 is off.
 """
 
 import sys
@@ -71,7 +73,9 @@ def write_truth(folder: Path, log: Any) -> None:
 
 
 def errors_of(folder: Path) -> tuple[list[dict], dict[str, int]]:
-    """Return an entry for each realignment (stone, round, place in cm, turning in degrees, both before), and counts."""
+    """Return an entry for each realignment (stone, round, place in cm, turning in degrees, both
+    before), and counts.
+    """
     truth, entries = Truth(folder / TRUTH), []
     plugin = registry.load("objects", "sqlite")
     database = plugin(plugin.Settings())
@@ -145,7 +149,8 @@ def main(words: list[str]) -> None:
     cut = words.index("--") if "--" in words else len(words)
     words, overrides = words[:cut], words[cut + 1 :]
     print(
-        "              n  realigned   settled cm, °   cm: median p90    worst   °: median p90    worst"
+        "              n  realigned   settled cm, °   cm: median p90    worst   °: "
+        "median p90    worst"
     )
     everything = []
     if words[:1] == ["--read"]:

@@ -1,13 +1,14 @@
-"""Lay three estimators side by side on a recorded drive: errors against RTK, outages on inertia alone, speed of replay.
+"""Lay three estimators side by side on a recorded drive: errors against RTK, outages on inertia
+alone, speed of replay.
 
     python tests/benchmarks/drive_log.py LOG.mcap
     python tests/benchmarks/drive_log.py LOG.mcap --estimators dual_graph --shifts 1
     python tests/benchmarks/drive_log.py LOG.mcap --offset gnss:0.08
 
-Without LOG it takes the shared drive beside the project. Outages are spread evenly over the drive, each of them a gap
-of the satellites that the estimator goes through while it runs on; several passes, shifted against one another, make
-more of them. Speed is in processor seconds, with and without the reading of the log. Bold is a must that is missed, a
-star a stretch that is reached.
+Without LOG it takes the shared drive beside the project. Outages are spread evenly over the drive,
+each of them a gap of the satellites that the estimator goes through while it runs on; several
+passes, shifted against one another, make more of them. Speed is in processor seconds, with and
+without the reading of the log. Bold is a must that is missed, a star a stretch that is reached.
 """
 
 import argparse

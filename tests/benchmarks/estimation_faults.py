@@ -1,13 +1,16 @@
-"""Lay three estimators side by side on simulated measurements that go wrong in every way, as a table in Markdown.
+"""Lay three estimators side by side on simulated measurements that go wrong in every way, as a
+table in Markdown.
 
     python tests/benchmarks/estimation_faults.py
-    python tests/benchmarks/estimation_faults.py --seeds 1:4 --scenarios spikes,ramp --estimators dual_graph
-    python tests/benchmarks/estimation_faults.py --keep figures.jsonl     # goes on where it was broken off
-    python tests/benchmarks/estimation_faults.py --timing                 # how long they take, in real time: 3 minutes
+    python tests/benchmarks/estimation_faults.py --seeds 1:4 --scenarios spikes,ramp --estimators
+    dual_graph python tests/benchmarks/estimation_faults.py --keep figures.jsonl     # goes on where
+    it was broken off python tests/benchmarks/estimation_faults.py --timing                 # how
+    long they take, in real time: 3 minutes
 
-Cells show median … worst over the trials, or mean ± standard deviation; bold is a must that is missed, a star a stretch
-that is reached; of timings, median … best of blocks of three seconds in which the estimators take turns. The estimators
-are fed directly, with default settings but for what a scenario says.
+Cells show median … worst over the trials, or mean ± standard deviation; bold is a must that is
+missed, a star a stretch that is reached; of timings, median … best of blocks of three seconds in
+which the estimators take turns. The estimators are fed directly, with default settings but for what
+a scenario says.
 """
 
 import argparse

@@ -1,11 +1,13 @@
-"""Lay the estimators side by side on simulated missions with a swinging cabin: tables, and the plot of the outages.
+"""Lay the estimators side by side on simulated missions with a swinging cabin: tables, and the plot
+of the outages.
 
     python tests/benchmarks/estimation_missions.py 1 2 3
     python tests/benchmarks/estimation_missions.py 1 --plot docs/images/estimation_outages.png
 
-Each seed is run once and recorded; scans become increments once. Three conditions are cut from that log: all sensors;
-outages of the satellites of 45 s and 160 s; and the same with nothing that tells that the chassis stands (its inertial
-sensor is left out), so that lidar alone carries the estimate. Ten minutes a seed on an idle core.
+Each seed is run once and recorded; scans become increments once. Three conditions are cut from that
+log: all sensors; outages of the satellites of 45 s and 160 s; and the same with nothing that tells
+that the chassis stands (its inertial sensor is left out), so that lidar alone carries the estimate.
+Ten minutes a seed on an idle core.
 """
 
 import argparse
@@ -69,7 +71,9 @@ def compared(
 
 
 def plot(path: Path, curves: Mapping[str, Mapping[str, np.ndarray]]) -> None:
-    """Draw the distance from the truth over time through both outages, with and without a watched chassis."""
+    """Draw the distance from the truth over time through both outages, with and without a watched
+    chassis.
+    """
     figure = Figure(figsize=(11, 6), layout="constrained")
     for axes, (title, by_name) in zip(
         figure.subplots(2, 1, sharex=True), list(curves.items())[1:], strict=True

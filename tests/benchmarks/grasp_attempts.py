@@ -1,17 +1,20 @@
-"""How often grasps lift, carry by 90° and set down: the mission's world, machine, planners of motion and monitors.
+"""How often grasps lift, carry by 90° and set down: the mission's world, machine, planners of
+motion and monitors.
 
     python tests/benchmarks/grasp_attempts.py FOLDER run generated learned 1:16
     python tests/benchmarks/grasp_attempts.py FOLDER run SCANS learned 1:6 --scale 10
     python tests/benchmarks/grasp_attempts.py FOLDER table
 
-The sites of `grasp_lifts.py`, of the same numbers, some ten times faster: what replaces the mission's lidars, mapping
-and estimation is a made-up view of each stone and its neighbours (half of the scenes with a drone's, noise of 1–3 cm,
-see `plugins/grasping/stone_views.py`) and an error of the gripper's pose by up to 2 cm and 1.5° along and about each
-axis. Ways are planned around the true surroundings. The rest is the machine's own: arm, jaws, encoders, monitors.
+The sites of `grasp_lifts.py`, of the same numbers, some ten times faster: what replaces the
+mission's lidars, mapping and estimation is a made-up view of each stone and its neighbours (half of
+the scenes with a drone's, noise of 1–3 cm, see `plugins/grasping/stone_views.py`) and an error of
+the gripper's pose by up to 2 cm and 1.5° along and about each axis. Ways are planned around the
+true surroundings. The rest is the machine's own: arm, jaws, encoders, monitors.
 
-An attempt is placed if no monitor told of trouble on the way, the stone was lifted, and it stands after its release
-no lower than 0.2 m and no farther than 0.6 m from where it was set down. After a failed one the stone is looked at and
-planned anew, up to three times; grasps unlike those before come first, as in missions. All rankings see the same.
+An attempt is placed if no monitor told of trouble on the way, the stone was lifted, and it stands
+after its release no lower than 0.2 m and no farther than 0.6 m from where it was set down. After a
+failed one the stone is looked at and planned anew, up to three times; grasps unlike those before
+come first, as in missions. All rankings see the same.
 """
 
 import json
@@ -74,7 +77,9 @@ class Site:
         return self.plugins["robot"].world
 
     def run(self, least_s: float) -> None:
-        """Go on for some time and until the arm stands; monitors see every sample. A verdict ends it."""
+        """Go on for some time and until the arm stands; monitors see every sample. A verdict ends
+        it.
+        """
         until_s = self.now_s + least_s
         while (self.now_s < until_s or self.world.is_moving) and not self.verdicts:
             self.now_s = round(self.now_s + TICK_S, 9)
@@ -110,7 +115,9 @@ class Site:
         stones: list[int],
         held: Float | None = None,
     ) -> bool:
-        """Move the gripper to a pose around the ground and some of the stones; return whether there was a way."""
+        """Move the gripper to a pose around the ground and some of the stones; return whether there
+        was a way.
+        """
         request = MoveRequest(
             start=self.world.arm.position(),
             T_map_gripper=T,
@@ -234,7 +241,9 @@ def carry(site: Site, i: int, known_map: Float) -> dict[str, Any]:
 
 
 def places(site: Site, i: int, T_grasp: Float) -> Iterator[Float]:
-    """Yield poses of the gripper after turns about the machine, away from the sector where the stones lie."""
+    """Yield poses of the gripper after turns about the machine, away from the sector where the
+    stones lie.
+    """
     at, up = site.T(i)[:3, 3], np.array([0.0, 0.0, 1.0])
     away = 1.0 if at[1] >= 0 else -1.0
     ground_m = site.world.site.terrain.height_at
@@ -247,7 +256,9 @@ def places(site: Site, i: int, T_grasp: Float) -> Iterator[Float]:
 
 
 def has_arrived(T: Float, T_place: Float, told: Verdict) -> bool:
-    """Forgive, as missions do, a stone that met the ground a little early and shifted in the jaws."""
+    """Forgive, as missions do, a stone that met the ground a little early and shifted in
+    the jaws.
+    """
     gap = (T - T_place)[:3, 3]
     return bool(told.trouble is Trouble.SLIP and np.hypot(gap[0], gap[1]) < 0.1 and gap[2] < 0.25)
 
@@ -331,7 +342,8 @@ def main() -> None:
             file.writelines(json.dumps(row) + "\n" for row in found)
         first = sum(is_success(row["attempts"][0]) for row in found)
         print(
-            f"{kind} {given.ranking} site {number}: {first} of {len(found)}, {wall_s() - begun_s:.0f} s",
+            f"{kind} {given.ranking} site {number}: {first} of {len(found)}, "
+            f"{wall_s() - begun_s:.0f} s",
             flush=True,
         )
 

@@ -1,12 +1,14 @@
-"""How well the shipped networks tell grasps that lift from others, how well anything could, and what they pick.
+"""How well the shipped networks tell grasps that lift from others, how well anything could, and
+what they pick.
 
     python tests/benchmarks/grasp_classifier.py --stones 60 --scans DIR
 
-Each grasp is lifted eight times, each time with noise of its own on pose, friction and density. A single lift is partly
-chance: the `ceiling` is the area under the curve of a judge who knows the other seven lifts. `usual` asks whether most
-of the eight succeed, which is what a planner wants to know. Picked from the same grasps of a stone, half of them the
-paper's first: the paper's first, and the one of the highest predicted success. Stones are unseen in training; DIR holds
-scans [dm]. Intervals of 95 % by bootstrap over stones.
+Each grasp is lifted eight times, each time with noise of its own on pose, friction and density. A
+single lift is partly chance: the `ceiling` is the area under the curve of a judge who knows the
+other seven lifts. `usual` asks whether most of the eight succeed, which is what a planner wants to
+know. Picked from the same grasps of a stone, half of them the paper's first: the paper's first, and
+the one of the highest predicted success. Stones are unseen in training; DIR holds scans [dm].
+Intervals of 95 % by bootstrap over stones.
 """
 
 import argparse
@@ -67,7 +69,9 @@ def judged(stones: Iterator[tuple[Float, Solid]], weights: list[str]) -> Iterato
 
 
 def areas(score: Float, is_lifted: NDArray[np.bool_]) -> tuple[float, float]:
-    """Return the AUC against single lifts, the mean over the eight, and against what usually happens."""
+    """Return the AUC against single lifts, the mean over the eight, and against what usually
+    happens.
+    """
     single = np.mean([area_under_curve(score, is_lifted[:, k]) for k in range(LIFTS)])
     return float(single), area_under_curve(score, is_lifted.mean(axis=1) > 0.5)
 
@@ -82,7 +86,8 @@ def report(kind: str, made: list[Judged]) -> None:
     is_lifted = np.concatenate([stone.is_lifted for stone in made])
     first = np.array([stone.is_lifted[0].mean() for stone in made])
     print(
-        f"\n{kind}: {len(made)} stones, {is_lifted.size} lifts, {100 * is_lifted.mean():.0f} % succeed\n"
+        f"\n{kind}: {len(made)} stones, {is_lifted.size} lifts, "
+        f"{100 * is_lifted.mean():.0f} % succeed\n"
     )
     print("| judge | AUC, single lift | AUC, usual | picks that lift | over the paper's |")
     print("|---|---|---|---|---|")

@@ -2,9 +2,10 @@
 
     OMP_NUM_THREADS=1 python tests/benchmarks/grasp_figures.py
 
-`grasping_costs.png`: the three costs of all grasps of a pool and of the chosen one, for a round and a flat stone, after
-Fig. 9 of Mascaro 2020. `grasping_good.png` and `grasping_failed.png`: the first of some generated stones on which the
-learned ranking's first grasp lifts in all of four noisy trials and the paper's ranking's first in none.
+`grasping_costs.png`: the three costs of all grasps of a pool and of the chosen one, for a round and
+a flat stone, after Fig. 9 of Mascaro 2020. `grasping_good.png` and `grasping_failed.png`: the first
+of some generated stones on which the learned ranking's first grasp lifts in all of four noisy
+trials and the paper's ranking's first in none.
 """
 
 from itertools import islice
@@ -90,7 +91,9 @@ def draw_costs(path: Path, planners: dict[str, SampledPlanner], machine: Machine
 
 
 def draw_pair(planners: dict[str, SampledPlanner], machine: Machine) -> None:
-    """Draw what two rankings choose on the first stone on which one always lifts and the other never."""
+    """Draw what two rankings choose on the first stone on which one always lifts and the other
+    never.
+    """
     gripper = machine.gripper
     for i, (hull, solid) in enumerate(islice(generated(LabelSettings(), SEED), STONES)):
         view, trials = (

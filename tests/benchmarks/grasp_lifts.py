@@ -1,16 +1,18 @@
-"""How often a mission's grasps succeed: whole missions, the machine's own arm and jaws, what its sensors saw.
+"""How often a mission's grasps succeed: whole missions, the machine's own arm and jaws, what its
+sensors saw.
 
     python tests/benchmarks/grasp_lifts.py FOLDER run generated learned 1:16
     python tests/benchmarks/grasp_lifts.py FOLDER run SCANS learned 1:6 --scale 10
     python tests/benchmarks/grasp_lifts.py FOLDER table
 
-Each site is one `pick_and_place` of seven stones: seeds 1001, 1002, … of generated ones, or seven scans of a folder
-SCANS, in an order of seed 0, none twice, those left out that are heavier than the payload. Rankings see the same sites.
-FOLDER/lifts.jsonl gets a line a stone; sites that are there already are skipped: a run goes on where it stopped.
+Each site is one `pick_and_place` of seven stones: seeds 1001, 1002, … of generated ones, or seven
+scans of a folder SCANS, in an order of seed 0, none twice, those left out that are heavier than the
+payload. Rankings see the same sites. FOLDER/lifts.jsonl gets a line a stone; sites that are there
+already are skipped: a run goes on where it stopped.
 
-An attempt is a success if the mission says that the stone was placed and the simulator that it was lifted and not
-dropped: picked up, carried to its slot, set down. Stones that were found and for which
-there was no attempt count as failures. Intervals: Wilson, 95 %.
+An attempt is a success if the mission says that the stone was placed and the simulator that it was
+lifted and not dropped: picked up, carried to its slot, set down. Stones that were found and for
+which there was no attempt count as failures. Intervals: Wilson, 95 %.
 """
 
 import argparse
@@ -80,7 +82,8 @@ def run_site(
     report = made.execute(look).report
     if report["outcome"] in ("stopped", "fault"):
         sys.exit(
-            f"{stones} {ranking} site {site}: {report['outcome']}: {report['reason']}; nothing is noted"
+            f"{stones} {ranking} site {site}: {report['outcome']}: {report['reason']}; "
+            "nothing is noted"
         )
     about = {
         "stones": "generated" if stones == "generated" else "scanned",
@@ -138,7 +141,9 @@ def key(attempt: dict[str, Any], pick: dict[str, Any]) -> tuple[int, float]:
 
 
 def shapes_of(model: Any) -> dict[int, tuple[float, float]]:
-    """Return the shortest over the middle of the skin's principal extents, and the mass [kg], by the stone's number."""
+    """Return the shortest over the middle of the skin's principal extents, and the mass [kg], by
+    the stone's number.
+    """
     shapes = {}
     for i in range(1, A_SITE + 1):
         mesh = model.mesh(f"stone_{i}_skin").id
@@ -172,7 +177,10 @@ def rate(good: Iterable[bool]) -> str:
     if not found:
         return "-"
     low, high = wilson(sum(found), len(found))
-    return f"{sum(found)}/{len(found)} = {100 * sum(found) / len(found):.0f} % [{100 * low:.0f}, {100 * high:.0f}]"
+    return (
+        f"{sum(found)}/{len(found)} = {100 * sum(found) / len(found):.0f} % "
+        f"[{100 * low:.0f}, {100 * high:.0f}]"
+    )
 
 
 def table(rows: list[dict[str, Any]]) -> str:
@@ -197,13 +205,16 @@ def table(rows: list[dict[str, Any]]) -> str:
         lines.append(f"| {stones} | {name} | {rate(first)} | {rate(flat)} | {rate(three)} |")
         ends = Counter(r["attempts"][0]["outcome"] if r["attempts"] else r["set_aside"] for r in of)
         lines.append(
-            f"|  | first attempts: {', '.join(f'{n} {what}' for what, n in ends.most_common())} | | | |"
+            "|  | first attempts: "
+            f"{', '.join(f'{n} {what}' for what, n in ends.most_common())} | | | |"
         )
     return "\n".join(lines)
 
 
 def arguments(doc: str | None) -> argparse.Namespace:
-    """Read the command line of a benchmark that runs sites, or lays out the table of what was run."""
+    """Read the command line of a benchmark that runs sites,
+    or lays out the table of what was run.
+    """
     parser = argparse.ArgumentParser(
         description=doc, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -238,7 +249,8 @@ def main() -> None:
             file.writelines(json.dumps(row) + "\n" for row in found)
         first = [bool(row["attempts"]) and is_success(row["attempts"][0]) for row in found]
         print(
-            f"{kind} {given.ranking} site {site}: {sum(first)} of {len(first)}, {found[0]['wall_s']} s",
+            f"{kind} {given.ranking} site {site}: {sum(first)} of {len(first)}, "
+            f"{found[0]['wall_s']} s",
             flush=True,
         )
 

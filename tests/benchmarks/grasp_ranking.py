@@ -2,8 +2,9 @@
 
     python tests/benchmarks/grasp_ranking.py --stones 40 --scans DIR
 
-Stones are unseen in training; all rankings get the same clouds, pools and lifts: a free gripper, noise on pose (±5 cm,
-±5°), friction 0.4–0.8 and density 2,300–2,900, four lifts a grasp. DIR holds scans [dm].
+Stones are unseen in training; all rankings get the same clouds, pools and lifts: a free gripper,
+noise on pose (±5 cm, ±5°), friction 0.4–0.8 and density 2,300–2,900, four lifts a grasp. DIR holds
+scans [dm].
 """
 
 import argparse
@@ -92,7 +93,8 @@ def measure(kind: str, stones: Iterator[tuple[Float, Solid]]) -> None:
         low, high = interval(np.array(rates))
         span = f"median plan {np.median(spans[name]):.2f} s"
         print(
-            f"  {name:24} {100 * np.mean(rates):5.1f} %  [{100 * low:.0f}, {100 * high:.0f}]  {span}",
+            f"  {name:24} {100 * np.mean(rates):5.1f} %  [{100 * low:.0f}, "
+            f"{100 * high:.0f}]  {span}",
             flush=True,
         )
 

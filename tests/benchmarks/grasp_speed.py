@@ -1,11 +1,13 @@
-"""How long a plan takes, how many hypotheses are checked a second (CPU time of one core), and what grasps stand in.
+"""How long a plan takes, how many hypotheses are checked a second (CPU time of one core), and what
+grasps stand in.
 
     OMP_NUM_THREADS=1 python tests/benchmarks/grasp_speed.py 40
 
-Generated stones as two lidars of a swinging cabin and, half of them, a drone see them; 100 samples of 40 orientations;
-planning clouds of about 15,000 points. Hypotheses that are too steep are left out before anything is checked: the
-rate counts only those that are pushed and closed. Refusals are timed on the same stones, made too wide or too heavy.
-FCL says of every grasp that is returned whether palm or open jaws are deeper than 1 cm in the planning cloud.
+Generated stones as two lidars of a swinging cabin and, half of them, a drone see them; 100 samples
+of 40 orientations; planning clouds of about 15,000 points. Hypotheses that are too steep are left
+out before anything is checked: the rate counts only those that are pushed and closed. Refusals are
+timed on the same stones, made too wide or too heavy. FCL says of every grasp that is returned
+whether palm or open jaws are deeper than 1 cm in the planning cloud.
 """
 
 import sys
@@ -42,7 +44,9 @@ def timed(planner: SampledPlanner, view: StoneView, seed: int) -> tuple[float, G
 
 
 def freedom(planner: SampledPlanner, view: StoneView, seed: int, plan: GraspPlan) -> list[bool]:
-    """Return for each grasp of a plan whether it is free in the planning cloud that the same seed gives."""
+    """Return for each grasp of a plan whether it is free in the planning cloud that the same seed
+    gives.
+    """
     gripper = load_machine("m545").gripper
     scene = Sampler(SamplingSettings(), gripper).scene(
         view.stone, view.cloud, np.random.default_rng(seed)
@@ -57,7 +61,10 @@ def scaled(view: StoneView, factors: Float) -> StoneView:
 
 def line(name: str, values: list[float], unit: str) -> str:
     middle, high = np.percentile(values, [50, 95])
-    return f"  {name:34} median {middle:8.3g}, p95 {high:8.3g}, most {max(values):8.3g} {unit}  (n = {len(values)})"
+    return (
+        f"  {name:34} median {middle:8.3g}, p95 {high:8.3g}, most {max(values):8.3g} {unit} "
+        f" (n = {len(values)})"
+    )
 
 
 def main(stones: int) -> None:
@@ -84,7 +91,8 @@ def main(stones: int) -> None:
                 for is_free in freedom(planner, views[i], i, plan)
             ]
             print(
-                f"  returned grasps deeper than 1 cm in their planning cloud: {len(free) - sum(free)} of {len(free)}"
+                "  returned grasps deeper than 1 cm in their planning cloud: "
+                f"{len(free) - sum(free)} of {len(free)}"
             )
         tall = [
             timed(planners["sampled_cnn"], scaled(v, np.array([1.0, 1.0, 3.0])), i)

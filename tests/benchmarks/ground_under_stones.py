@@ -1,11 +1,13 @@
 """Lay the motion planner's ground over the true one, about stones, in the first map of a site.
 
     OMP_NUM_THREADS=1 python tests/benchmarks/ground_under_stones.py 1 2 3
-    OMP_NUM_THREADS=1 python tests/benchmarks/ground_under_stones.py 1 2 3 -- robot.site.terrain.undulation_m=0.2
+    OMP_NUM_THREADS=1 python tests/benchmarks/ground_under_stones.py 1 2 3 --
+    robot.site.terrain.undulation_m=0.2
 
-One line a seed: of the area within 1.2 m of a stone, how much is believed more than 5 cm too high, where ways are
-refused that are free, and more than 10 cm too low, where jaws would dig; and the same for the lowest point of half a
-metre, which is the nearest simple method. What follows `--` are settings, as of `executive run --set`.
+One line a seed: of the area within 1.2 m of a stone, how much is believed more than 5 cm too high,
+where ways are refused that are free, and more than 10 cm too low, where jaws would dig; and the
+same for the lowest point of half a metre, which is the nearest simple method. What follows `--` are
+settings, as of `executive run --set`.
 """
 
 import sys
@@ -28,7 +30,9 @@ HIGH_M, LOW_M = 0.05, -0.10
 def first_map(
     seed: int, overrides: list[str], folder: Path
 ) -> tuple[np.ndarray, list[np.ndarray], Any]:
-    """Return the surroundings as a planner is given them, where stones are believed, and the terrain."""
+    """Return the surroundings as a planner is given them, where stones are believed, and the
+    terrain.
+    """
     known: list[Any] = []
 
     def look(mission: Any) -> None:

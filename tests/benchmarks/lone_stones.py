@@ -1,4 +1,6 @@
-"""Single stones at rest on level ground, unseen in training: generated ones, and scans from a folder."""
+"""Single stones at rest on level ground, unseen in training: generated ones, and scans from a
+folder.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,7 +28,9 @@ def generated(settings: LabelSettings, seed: int) -> Iterator[tuple[Float, Solid
 
 
 def scanned(folder: Path, seed: int) -> Iterator[tuple[Float, Solid]]:
-    """Yield those of the scans in a folder that come to rest and are of a size that the gripper is made for."""
+    """Yield those of the scans in a folder that come to rest and are of a size that the gripper is
+    made for.
+    """
     for i, path in enumerate(mesh_files(folder)):
         vertices, triangles = read_skin(path, _SCALE)
         hull = convex_corners(vertices)

@@ -1,14 +1,16 @@
-"""Lay maps over the map that true poses would have made, and print how far they are off and what they cost.
+"""Lay maps over the map that true poses would have made, and print how far they are off and what
+they cost.
 
     OMP_NUM_THREADS=1 python tests/benchmarks/mapping.py swing 1 2 3 4 5
     OMP_NUM_THREADS=1 python tests/benchmarks/mapping.py relocate 1
-    OMP_NUM_THREADS=1 python tests/benchmarks/mapping.py relocate --keep runs 1     for database_poses.py --read runs/1
+    OMP_NUM_THREADS=1 python tests/benchmarks/mapping.py relocate --keep runs 1     for
+    database_poses.py --read runs/1
 
-`swing`: one swing of 20 s; what the sensors said is fed to each estimator with each mapper, as it is, with noisier
-satellites, and with none after the first seconds. `relocate`: the whole mission on the pose graph, with the other
-mapper beside it; drift is told after each round of seven. Drift is the mean displacement of a map's points under the
-rigid motion that lays the map on one of the same scans with true poses. Milliseconds are processor time, those of the
-mission wall time.
+`swing`: one swing of 20 s; what the sensors said is fed to each estimator with each mapper, as it
+is, with noisier satellites, and with none after the first seconds. `relocate`: the whole mission on
+the pose graph, with the other mapper beside it; drift is told after each round of seven. Drift is
+the mean displacement of a map's points under the rigid motion that lays the map on one of the same
+scans with true poses. Milliseconds are processor time, those of the mission wall time.
 """
 
 import sys
@@ -42,7 +44,9 @@ Track = list[tuple[float, np.ndarray]]
 
 
 class Tap:
-    """A run whose observations and true poses are handed on, tick by tick, and whose mapper has company."""
+    """A run whose observations and true poses are handed on, tick by tick, and whose mapper has
+    company.
+    """
 
     def __init__(
         self,
@@ -69,7 +73,9 @@ class Tap:
 
 
 def recorded(seed: int) -> tuple[Ticks, Track]:
-    """Return what the sensors said during one swing, tick by tick, and where the cabin truly was."""
+    """Return what the sensors said during one swing, tick by tick,
+    and where the cabin truly was.
+    """
     ticks: Ticks = []
     track: Track = []
     with tempfile.TemporaryDirectory() as folder:
@@ -99,7 +105,9 @@ def replayed(ticks: Ticks, track: Track, seed: int) -> tuple[list[Trial], Trial]
 
 
 def relocate(seed: int, kept: Path | None) -> dict[str, Any]:
-    """Run the mission on the pose graph; the other mapper and the true one see, forget and put back what it does."""
+    """Run the mission on the pose graph; the other mapper and the true one see, forget and put back
+    what it does.
+    """
     with tempfile.TemporaryDirectory() as scratch:
         others: list[Trial] = []
 
@@ -155,7 +163,8 @@ class Company:
 
 def table(rows: dict[tuple[str, str], list[tuple[float, float, float]]]) -> str:
     lines = [
-        f"{'estimator':34}{'mapper':12}{'drift [mm]':>12}{'worst':>8}{'pair [ms]':>11}{'p95':>8}{'n':>4}"
+        f"{'estimator':34}{'mapper':12}{'drift [mm]':>12}{'worst':>8}{'pair [ms]':>11}"
+        f"{'p95':>8}{'n':>4}"
     ]
     for (estimator, mapper), values in rows.items():
         drift, middle, late = np.array(values).T
@@ -194,7 +203,8 @@ def main(what: str, words: list[str]) -> None:
             report = relocate(seed, kept)
             spent = report["timings_ms"]["mapping.add_scan_pair"]
             print(
-                f"seed {seed}: {report['outcome']}, {report['ended_s']:.0f} s, {report['counts']}, {spent}",
+                f"seed {seed}: {report['outcome']}, {report['ended_s']:.0f} s, "
+                f"{report['counts']}, {spent}",
                 flush=True,
             )
 

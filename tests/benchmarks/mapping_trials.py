@@ -1,4 +1,6 @@
-"""Estimators and mappers side by side on one stream of observations, perhaps made worse, and how far maps are off."""
+"""Estimators and mappers side by side on one stream of observations, perhaps made worse, and how
+far maps are off.
+"""
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -158,7 +160,9 @@ def trials(seed: int, first_scan_s: float, is_out: Callable[[float], bool]) -> l
 
 
 def displacement_m(cloud: np.ndarray, true: np.ndarray) -> float:
-    """Return how far a map lies from the true one: the mean way of its points under the best rigid motion."""
+    """Return how far a map lies from the true one: the mean way of its points under the best rigid
+    motion.
+    """
     clouds = [small_gicp.preprocess_points(points, 0.06, 20, 1) for points in (true, cloud)]
     (target, tree), (source, _) = clouds
     guess = np.eye(4)

@@ -1,11 +1,13 @@
-"""Build the site's map with each estimator's poses through an outage of the satellites, and measure the maps.
+"""Build the site's map with each estimator's poses through an outage of the satellites, and measure
+the maps.
 
     python tests/benchmarks/maps_as_measure.py 1 --picture docs/images/estimation_maps.png
 
-After Nubert 2022, Fig. 5: a map is as sharp as the poses that its scans were placed by. The cabin swings for 20 s with
-the lidars on; three seconds into that the satellites are lost for good. One run is recorded and replayed for each
-estimator and once with true poses, which shows what mapper and lidar cost. Then the same with nothing that tells that
-the chassis stands. Figures are distances of the map's points to the true surface of ground and stones.
+After Nubert 2022, Fig. 5: a map is as sharp as the poses that its scans were placed by. The cabin
+swings for 20 s with the lidars on; three seconds into that the satellites are lost for good. One
+run is recorded and replayed for each estimator and once with true poses, which shows what mapper
+and lidar cost. Then the same with nothing that tells that the chassis stands. Figures are distances
+of the map's points to the true surface of ground and stones.
 """
 
 import argparse
@@ -155,7 +157,9 @@ def picture(path: Path, maps: dict[str, dict[str, np.ndarray]], surface: Surface
 
 
 def measured(seed: int, folder: Path) -> tuple[dict[str, dict[str, np.ndarray]], Surface]:
-    """Return the maps of one seed by condition and estimator, and what they are measured against."""
+    """Return the maps of one seed by condition and estimator,
+    and what they are measured against.
+    """
     log, truth, surface = recorded(seed, folder)
     outage = Drop("gnss", first_scan_s(log) + BEFORE_OUTAGE_S, np.inf)
     machine = load_machine("m545")
@@ -188,7 +192,8 @@ def main() -> None:
     parser.add_argument("--picture", type=Path, help="PNG of the first seed's maps")
     arguments = parser.parse_args()
     print(
-        "| seed | condition | poses | median [mm] | 95 % [mm] | points |\n|---|---|---|---|---|---|",
+        "| seed | condition | poses | median [mm] | 95 % [mm] | points "
+        "|\n|---|---|---|---|---|---|",
         flush=True,
     )
     for seed in arguments.seeds:

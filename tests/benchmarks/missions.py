@@ -1,7 +1,8 @@
 """Run whole missions over seeds and print what came of them, one line a seed.
 
     python tests/benchmarks/missions.py 1 2 3 4 5
-    python tests/benchmarks/missions.py 1 2 3 -- robot.site.stones.folder=DIR robot.site.stones.scale=10
+    python tests/benchmarks/missions.py 1 2 3 -- robot.site.stones.folder=DIR
+    robot.site.stones.scale=10
 
 What follows `--` are settings, as of `executive run --set`. Two minutes a seed on an idle core.
 """
@@ -23,15 +24,19 @@ def line(report: dict, seed: int) -> str:
     middle = errors[len(errors) // 2] if errors else float("nan")
     worst = errors[-1] if errors else float("nan")
     return (
-        f"{seed:4d}  {report['outcome']:8} {near:2d}/{len(truth['stones']):<2d} {middle:6.2f} {worst:6.2f}"
-        f" {counts['first_attempt']:6d} {counts['attempts']:8d} {counts['slips']:5d} {counts['drops']:5d}"
-        f" {len(truth['collisions']):10d} {report['ended_s']:8.0f} {report['real_time_factor']:6.1f}"
+        f"{seed:4d}  {report['outcome']:8} {near:2d}/{len(truth['stones']):<2d} "
+        f"{middle:6.2f} {worst:6.2f}"
+        f" {counts['first_attempt']:6d} {counts['attempts']:8d} {counts['slips']:5d} "
+        f"{counts['drops']:5d}"
+        f" {len(truth['collisions']):10d} {report['ended_s']:8.0f} "
+        f"{report['real_time_factor']:6.1f}"
     )
 
 
 def main(seeds: list[int], overrides: list[str]) -> None:
     print(
-        "seed  outcome  near   median  worst  first attempts slips drops collisions   time_s  ratio",
+        "seed  outcome  near   median  worst  first attempts slips drops collisions   "
+        "time_s  ratio",
         flush=True,
     )
     with tempfile.TemporaryDirectory() as folder:

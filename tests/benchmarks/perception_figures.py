@@ -1,13 +1,15 @@
-"""Measure what perception is held to, and print it as tables, the paper's Table 1 beside it, row by row.
+"""Measure what perception is held to, and print it as tables, the paper's Table 1 beside it, row by
+row.
 
-    OMP_NUM_THREADS=1 python tests/benchmarks/perception_figures.py                    everything but `database`
-    OMP_NUM_THREADS=1 python tests/benchmarks/perception_figures.py swing_20_s same_bits     these parts only
-    python tests/benchmarks/perception_figures.py --print                              what was measured last
-    python tests/benchmarks/perception_figures.py database RUN_DIR…                    runs that database_poses.py kept
+    OMP_NUM_THREADS=1 python tests/benchmarks/perception_figures.py                    everything
+    but `database` OMP_NUM_THREADS=1 python tests/benchmarks/perception_figures.py swing_20_s
+    same_bits     these parts only python tests/benchmarks/perception_figures.py --print
+    what was measured last python tests/benchmarks/perception_figures.py database RUN_DIR…
+    runs that database_poses.py kept
 
-Figures are kept in docs/perception_figures.json, part by part, and the page shows the tables. Milliseconds are
-processor time of one thread. Exit status 1 if something that was measured does not hold. An hour on an idle core, most
-of it for `first_success` and `scan_pair`.
+Figures are kept in docs/perception_figures.json, part by part, and the page shows the tables.
+Milliseconds are processor time of one thread. Exit status 1 if something that was measured does not
+hold. An hour on an idle core, most of it for `first_success` and `scan_pair`.
 """
 
 import json

@@ -1,6 +1,7 @@
 """How long a pair of revolutions takes: 57,600 rays against ground, seven stones and the machine.
 
-Run with `pytest tests/benchmarks -s`; the ordinary suite leaves it out, since its figure belongs to the computer.
+Run with `pytest tests/benchmarks -s`; the ordinary suite leaves it out, since its figure belongs to
+the computer.
 """
 
 import numpy as np
@@ -29,6 +30,7 @@ def test_a_pair_of_scans_costs_a_fraction_of_its_revolution() -> None:
     assert scans > 100
     pair_s = (spans[1] - spans[0]) / 40
     print(
-        f"\n{1e3 * pair_s:.1f} ms a pair of scans; without lidars {4 / spans[0]:.0f} times real time"
+        f"\n{1e3 * pair_s:.1f} ms a pair of scans; without lidars {4 / spans[0]:.0f} "
+        "times real time"
     )
     assert pair_s < 0.05  # half a revolution on a busy computer; about 12 ms on an idle core

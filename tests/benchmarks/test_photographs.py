@@ -1,7 +1,9 @@
-"""From a drone's photographs to a registered map: how many find their place, how good the cloud is, what it costs.
+"""From a drone's photographs to a registered map: how many find their place, how good the cloud is,
+what it costs.
 
-Run with `OMP_NUM_THREADS=1 pytest tests/benchmarks/test_photographs.py -s`: three minutes of processor time a site.
-The sites are those of seeds that nothing has been tuned on. `SURVEY_SEEDS` says how many, else five.
+Run with `OMP_NUM_THREADS=1 pytest tests/benchmarks/test_photographs.py -s`: three minutes of
+processor time a site. The sites are those of seeds that nothing has been tuned on. `SURVEY_SEEDS`
+says how many, else five.
 """
 
 import os
@@ -87,14 +89,17 @@ def _timed(function: Callable[..., Any], name: str, spent: dict[str, float]) -> 
 def _truth(
     found: Photogrammetry, names: tuple[str, ...], poses: Float
 ) -> tuple[tuple[float, Float, Float], Float]:
-    """Return the similarity from the survey to the world by the cameras' true places, and their distances after it."""
+    """Return the similarity from the survey to the world by the cameras' true places, and their
+    distances after it.
+    """
     true = poses[[names.index(name) for name in found.names], :3, 3]
     scale, R, t = umeyama(found.centres_m, true)
     return (scale, R, t), np.linalg.norm(scale * found.centres_m @ R.T + t - true, axis=1)
 
 
 def _report(
-    seed: int, noise_m: float, names: tuple[str, ...], found: Photogrammetry, poses: Float, robot: MujocoRobot,
+    seed: int, noise_m: float, names: tuple[str, ...], found: Photogrammetry, poses: Float,
+    robot: MujocoRobot,
     spent: dict[str, float],
 ) -> None:  # fmt: skip
     (scale, R, t), off = _truth(found, names, poses)
@@ -104,7 +109,8 @@ def _report(
     tilt = np.degrees(np.arccos(np.clip(R[2, 2], -1, 1)))
     peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(
-        f"\nseed {seed}, positions ±{noise_m} m: {len(found.names)} of {found.pictures} pictures in place"
+        f"\nseed {seed}, positions ±{noise_m} m: {len(found.names)} of {found.pictures} "
+        "pictures in place"
     )
     print(
         f"  cameras off {1e3 * np.median(off):.1f} mm (median), {1e3 * off.max():.1f} mm (largest)"
@@ -113,11 +119,13 @@ def _report(
     print(f"  scale off {100 * (1 / scale - 1):+.2f} %, stated ±{stated:.2f} %, tilt {tilt:.1f}°")
     print(
         f"  {len(points)} points off {1e3 * np.median(distances):.1f} mm (median), "
-        f"{1e3 * np.percentile(distances, 95):.1f} mm (p95), {100 * (distances > 0.1).mean():.2f} % beyond 0.1 m"
+        f"{1e3 * np.percentile(distances, 95):.1f} mm (p95), "
+        f"{100 * (distances > 0.1).mean():.2f} % beyond 0.1 m"
     )
     whole, top = zip(*[_covered(site, i, points) for i in range(len(site.stones))], strict=True)
     print(
-        f"  stones covered {np.mean(whole):.2f} (least {min(whole):.2f}), upper halves {np.mean(top):.2f}"
+        f"  stones covered {np.mean(whole):.2f} (least {min(whole):.2f}), upper halves "
+        f"{np.mean(top):.2f}"
     )
     print(
         "  "
@@ -145,7 +153,9 @@ def _distances(site: Site, points: Float) -> Float:
 
 
 def _covered(site: Site, i: int, points: Float) -> tuple[float, float]:
-    """Return the share of a stone's skin above the ground that has a point within 5 cm, and that of its upper half."""
+    """Return the share of a stone's skin above the ground that has a point within 5 cm, and that of
+    its upper half.
+    """
     stone, T = site.stones[i], site.T_world_stones[i]
     mesh = o3d.geometry.TriangleMesh(
         o3d.utility.Vector3dVector(transform(T, stone.vertices)),
@@ -159,7 +169,9 @@ def _covered(site: Site, i: int, points: Float) -> tuple[float, float]:
 
 
 def _swept(robot: MujocoRobot, rng: np.random.Generator) -> Float:
-    """Return what two lidars on a swinging cabin's roof see of the site, with 12 mm of noise, thinned to 3 cm."""
+    """Return what two lidars on a swinging cabin's roof see of the site, with 12 mm of noise,
+    thinned to 3 cm.
+    """
     swing, side = rng.uniform(-1.9, 1.9, RAYS), rng.choice([-0.6, 0.6], RAYS)
     origins = np.column_stack(
         [
@@ -201,8 +213,10 @@ def _register(
     errors = np.linalg.norm(answer.apply((corners - t) @ R / scale) - corners, axis=1)
     turn = np.degrees(angle_between(answer.T_target_source[:3, :3], R))
     print(
-        f"  {method}: {'accepted' if answer.accepted else 'REFUSED'} in {spent_s:.1f} s ({answer.reason}); "
-        f"off {1e3 * errors[4]:.0f} mm at the centre, {1e3 * errors.max():.0f} mm at the corners, {turn:.2f}°, "
+        f"  {method}: {'accepted' if answer.accepted else 'REFUSED'} in {spent_s:.1f} s "
+        f"({answer.reason}); "
+        f"off {1e3 * errors[4]:.0f} mm at the centre, {1e3 * errors.max():.0f} mm at "
+        f"the corners, {turn:.2f}°, "
         f"scale {100 * (answer.scale / scale - 1):+.2f} %"
     )
     return bool(answer.accepted)

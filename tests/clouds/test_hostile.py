@@ -1,4 +1,6 @@
-"""Files that lie, break off, or say one thing and hold another: refused with a cure, or read right; never wrong."""
+"""Files that lie, break off, or say one thing and hold another: refused with a cure, or read right;
+never wrong.
+"""
 
 import os
 import struct
@@ -27,7 +29,10 @@ def ply(
 
 def pcd(path: Path, count: int, body: bytes, form: str = "binary", size: int = 4) -> Path:
     sizes = " ".join([str(size)] * 3)
-    head = f"FIELDS x y z\nSIZE {sizes}\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {count}\nHEIGHT 1\nPOINTS {count}\nDATA {form}\n"
+    head = (
+        f"FIELDS x y z\nSIZE {sizes}\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {count}\nHEIGHT "
+        f"1\nPOINTS {count}\nDATA {form}\n"
+    )
     path.write_bytes(head.encode() + body)
     return path
 
@@ -102,8 +107,8 @@ def test_binary_that_is_called_text_is_refused(tmp_path: Path) -> None:
 
 def test_colours_normals_and_faces_are_passed_over(tmp_path: Path) -> None:
     properties = (
-        XYZ
-        + b"property uchar red\nproperty double nx\nelement face 1\nproperty list uchar int vertex_indices\n"
+        XYZ + b"property uchar red\nproperty double nx\nelement face 1\nproperty list uchar "
+        b"int vertex_indices\n"
     )
     rows = np.zeros(400, dtype=[("xyz", "<f4", 3), ("red", "u1"), ("nx", "<f8")])
     rows["xyz"] = POINTS
@@ -125,7 +130,10 @@ def test_a_text_ply_with_another_element_before_its_points_is_read(tmp_path: Pat
 
 
 def test_lists_before_the_points_of_a_binary_ply_are_refused(tmp_path: Path) -> None:
-    head = b"ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+    head = (
+        b"ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uchar int "
+        b"vertex_indices\n"
+    )
     (tmp_path / "site.ply").write_bytes(
         head + b"element vertex 1\n" + XYZ + b"end_header\n" + bytes(99)
     )
@@ -134,7 +142,10 @@ def test_lists_before_the_points_of_a_binary_ply_are_refused(tmp_path: Path) -> 
 
 
 def test_a_pcd_with_padding_and_arrays_is_read(tmp_path: Path) -> None:
-    head = b"FIELDS x _ y histogram z\nSIZE 4 1 4 4 8\nTYPE F U F F F\nCOUNT 1 4 1 3 1\nPOINTS 2\nDATA ascii\n"
+    head = (
+        b"FIELDS x _ y histogram z\nSIZE 4 1 4 4 8\nTYPE F U F F F\nCOUNT 1 4 1 3 1\nPOINTS "
+        b"2\nDATA ascii\n"
+    )
     (tmp_path / "site.pcd").write_bytes(head + b"1 0 0 0 0 2 7 7 7 3\n4 0 0 0 0 5 7 7 7 6\n")
     assert read_points(tmp_path / "site.pcd").tolist() == [[1, 2, 3], [4, 5, 6]]
 

@@ -63,7 +63,9 @@ def blocks(path: Path, count: int) -> Path:
 
 @pytest.mark.parametrize("single", [True, False])
 def test_reading_takes_at_most_twice_the_file_and_200_mb(tmp_path: Path, single: bool) -> None:
-    """In single precision and without colours, twice the file is what the points alone would take as doubles."""
+    """In single precision and without colours, twice the file is what the points alone would take
+    as doubles.
+    """
     count, path = (3_500_000 if single else 2_200_000), tmp_path / "large.ply"
     points = np.random.default_rng(0).uniform(0, [20, 20, 0.1], (count, 3))
     write_floats(path, points) if single else write_parts(path, [points])
@@ -73,7 +75,9 @@ def test_reading_takes_at_most_twice_the_file_and_200_mb(tmp_path: Path, single:
 
 
 def test_segmenting_a_large_file_takes_at_most_twice_the_file_and_200_mb(tmp_path: Path) -> None:
-    """Six and a half million points in 78 MB; a small cloud before them, for what is compiled once."""
+    """Six and a half million points in 78 MB; a small cloud before them,
+    for what is compiled once.
+    """
     run(COMMAND, "segment", blocks(tmp_path / "small.ply", 65_000))
     path = blocks(tmp_path / "large.ply", 6_500_000)
     printed, peak = run(COMMAND, "segment", path)

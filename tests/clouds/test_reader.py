@@ -94,15 +94,22 @@ def test_refuses_coordinates_beyond_any_grid(tmp_path: Path) -> None:
     [
         ("empty.ply", b"", "lacks a header from 'ply' to 'end_header'"),
         ("noise.ply", bytes(range(256)) * 9, "lacks a header"),
-        ("faces.ply", b"ply\nformat ascii 1.0\nelement face 0\nend_header\n", "no vertices with x, y and z"),
-        ("odd.ply", b"ply\nformat ascii 1.0\nelement vertex many\nend_header\n", "cannot be understood"),
-        ("none.ply", b"ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
+        ("faces.ply", b"ply\nformat ascii 1.0\nelement face "
+b"0\nend_header\n", "no vertices with x, y and z"),
+        ("odd.ply", b"ply\nformat ascii 1.0\nelement vertex "
+b"many\nend_header\n", "cannot be understood"),
+        ("none.ply", b"ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float "
+b"y\n"
          b"property float z\nend_header\n", "holds no points"),
         ("empty.pcd", b"", "lacks a header with FIELDS"),
         ("flat.pcd", b"FIELDS x y\nSIZE 4 4\nPOINTS 1\nDATA ascii\n1 2\n", "no fields x, y and z"),
-        ("odd.pcd", b"FIELDS x y z\nSIZE 4 4 4\nPOINTS 1\nDATA morse\n1 2 3\n", "cannot be understood"),
+        ("odd.pcd", b"FIELDS x y z\nSIZE 4 4 4\nPOINTS 1\nDATA morse\n1 2 "
+b"3\n", "cannot be understood"),
         ("empty.xyz", b"", "holds no points"),
-        ("site.e57", b"ASTM-E57", "not a kind of cloud that can be read; convert it to .ply, .pcd, .las, .laz, .xyz"),
+        ("site.e57", b"ASTM-E57", "not a kind of cloud that can be read; convert it to .ply, .pcd, "
+".las, "
+".laz, "
+".xyz"),
         ("site.ply.gz", b"\x1f\x8b\x08", "packed by gzip; unpack it"),
     ],
 )  # fmt: skip

@@ -32,7 +32,9 @@ def test_few_points_are_all_kept(small: None) -> None:
 def test_what_is_left_is_some_of_the_points_in_their_order_and_near_all(
     small: None, centre: float, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """A square of 8 m by 8 m holds a thousand cells of 25 cm; the grid is at most twice as coarse."""
+    """A square of 8 m by 8 m holds a thousand cells of 25 cm;
+    the grid is at most twice as coarse.
+    """
     points = np.random.default_rng(0).uniform([-4, -4, 0], [4, 4, 0.01], (6000, 3)) + centre
     with caplog.at_level(logging.WARNING):
         kept = collected(points)

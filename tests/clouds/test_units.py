@@ -1,4 +1,6 @@
-"""A cloud that is no site in metres is recognised by its size, its steps or its partner, and its unit is named."""
+"""A cloud that is no site in metres is recognised by its size, its steps or its partner, and its
+unit is named.
+"""
 
 from pathlib import Path
 

@@ -26,7 +26,10 @@ trees:
 
 
 def executive(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    code = f"import sys; sys.argv = ['executive', *{list(words)!r}]; from executive.commands.main import main; main()"
+    code = (
+        f"import sys; sys.argv = ['executive', *{list(words)!r}]; from "
+        "executive.commands.main import main; main()"
+    )
     return subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=240, cwd=cwd
     )

@@ -25,7 +25,10 @@ GROUND_M = -0.4
 
 
 def executive(*words: object) -> subprocess.CompletedProcess:
-    code = f"import sys; sys.argv = ['executive', *{[str(w) for w in words]!r}]; from executive.commands.main import main; main()"
+    code = (
+        f"import sys; sys.argv = ['executive', *{[str(w) for w in words]!r}]; from "
+        "executive.commands.main import main; main()"
+    )
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
 
 

@@ -72,16 +72,24 @@ REFUSED: dict[str, tuple[str, Callable[[Path], object], str]] = {
     "truncated PCD": ("a.pcd", pcd, "cut short"),
     "truncated LAS": ("a.las", cut, "cut short"),
     "truncated LAZ": ("a.laz", cut, "cut short"),
-    "a claim of 4e9 points": ("a.ply", lambda p: p.write_bytes(PLY % 4_000_000_000 + bytes(9999)), "cut short"),
+    "a claim of 4e9 "
+"points": ("a.ply", lambda p: p.write_bytes(PLY % 4_000_000_000 + bytes(9999)), "cut short"),
     "nothing finite": ("a.ply", lambda p: p.write_bytes(single(SITE * np.nan)), "points is finite"),
     "empty file": ("a.ply", lambda p: p.write_bytes(b""), "lacks a header"),
     "empty cloud": ("a.ply", lambda p: p.write_bytes(PLY % 0), "holds no points"),
-    "one point": ("a.xyz", lambda p: p.write_text("1 2 3\n"), "|0 m across is no site|1 points, at least 100"),
-    "single precision in UTM": ("a.ply", lambda p: p.write_bytes(single(SITE + UTM)), "in steps of 0.5 m"),
-    "millimetres": ("a.ply", lambda p: p.write_bytes(single(1000 * SITE)), "in millimetres it would be 8"),
+    "one point": ("a.xyz", lambda p: p.write_text("1 2 3\n"), "|0 m across is no site|1 points, at "
+"least "
+"100"),
+    "single precision in "
+"UTM": ("a.ply", lambda p: p.write_bytes(single(SITE + UTM)), "in steps of 0.5 m"),
+    "millimetres": ("a.ply", lambda p: p.write_bytes(single(1000 * SITE)), "in millimetres it "
+"would "
+"be "
+"8"),
     "UTF-16": ("a.xyz", lambda p: p.write_bytes("1 2 3\n".encode("utf-16")), "UTF-16"),
     "binary called text": ("a.xyz", lambda p: p.write_bytes(SITE.tobytes()), "no text of numbers"),
-    "another byte order": ("a.ply", lambda p: p.write_bytes(PLY % len(SITE) + swapped(SITE)), "is beyond"),
+    "another byte "
+"order": ("a.ply", lambda p: p.write_bytes(PLY % len(SITE) + swapped(SITE)), "is beyond"),
     "a picture": ("a.jpg", lambda p: p.write_bytes(os.urandom(99)), "not a kind of cloud"),
 }  # fmt: skip
 

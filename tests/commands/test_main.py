@@ -29,7 +29,10 @@ def python(code, *, cwd=None):
 
 
 def executive(*words, cwd=None):
-    code = f"import sys; sys.argv = ['executive', *{list(words)!r}]; from executive.commands.main import main; main()"
+    code = (
+        f"import sys; sys.argv = ['executive', *{list(words)!r}]; from "
+        "executive.commands.main import main; main()"
+    )
     return python(code, cwd=cwd)
 
 

@@ -1,4 +1,6 @@
-"""`executive segment` and `executive register` on files that are whole, foreign, hostile, or not there."""
+"""`executive segment` and `executive register` on files that are whole, foreign, hostile, or not
+there.
+"""
 
 import json
 import subprocess
@@ -18,7 +20,10 @@ T_TRUE = pose(from_rpy(0.02, -0.03, 1.1), np.array([6.0, -4.0, 2.0]))
 
 
 def executive(*words: object) -> subprocess.CompletedProcess:
-    code = f"import sys; sys.argv = ['executive', *{[str(w) for w in words]!r}]; from executive.commands.main import main; main()"
+    code = (
+        f"import sys; sys.argv = ['executive', *{[str(w) for w in words]!r}]; from "
+        "executive.commands.main import main; main()"
+    )
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
 
 

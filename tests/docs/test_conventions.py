@@ -1,4 +1,6 @@
-"""The page of conventions is true: its commands run and end as it says, its names are those of the code."""
+"""The page of conventions is true: its commands run and end as it says, its names are those of the
+code.
+"""
 
 import re
 import subprocess

@@ -1,4 +1,6 @@
-"""The page on estimation is true: its selections load, its commands have the options that it gives them."""
+"""The page on estimation is true: its selections load, its commands have the options that it gives
+them.
+"""
 
 import re
 import subprocess

@@ -1,4 +1,6 @@
-"""The page on grasping is true: its selections load, its commands have the options that it gives them."""
+"""The page on grasping is true: its selections load, its commands have the options that it gives
+them.
+"""
 
 import re
 import subprocess
@@ -61,7 +63,9 @@ def test_the_page_names_every_reason_of_refusal() -> None:
 
 
 def test_a_stone_of_a_cloud_is_grasped_as_the_page_says(tmp_path: Path) -> None:
-    """Run the page's command with pictures and recording on a slab; the others differ from it by options alone."""
+    """Run the page's command with pictures and recording on a slab; the others differ from it by
+    options alone.
+    """
     rng = np.random.default_rng(0)
     ground = np.column_stack([rng.uniform(-5, 5, (20_000, 2)), rng.normal(0, 0.005, 20_000)])
     slab = rng.uniform((-0.6, -0.4, 0.0), (0.6, 0.4, 0.6), (9000, 3))

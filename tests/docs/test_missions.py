@@ -1,4 +1,6 @@
-"""The page on missions is true: its commands name missions, its table names nodes, its limits are the code's."""
+"""The page on missions is true: its commands name missions, its table names nodes, its limits are
+the code's.
+"""
 
 import re
 from pathlib import Path

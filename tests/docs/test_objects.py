@@ -1,4 +1,6 @@
-"""The page on objects is true: its commands and its program run, and its tables name what there is."""
+"""The page on objects is true: its commands and its program run,
+and its tables name what there is.
+"""
 
 import re
 import shlex
@@ -66,7 +68,8 @@ def test_the_limits_are_the_settings() -> None:
     for words in (
         f"above {settings.min_agreement} within {100 * settings.agreement_m:.0f} cm",
         f"RMSE below {100 * settings.max_rmse_m:.0f} cm",
-        f"at most {100 * (settings.max_growth - 1):.0f} %, or {100 * (settings.max_growth_whole - 1):.0f} %",
+        f"at most {100 * (settings.max_growth - 1):.0f} %, or "
+        f"{100 * (settings.max_growth_whole - 1):.0f} %",
         f"a cell ({100 * settings.voxel_m:.0f} cm)",
         f"{settings.max_points:,} points",
     ):

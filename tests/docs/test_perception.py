@@ -1,4 +1,6 @@
-"""The page on perception is true: its tables are those that the benchmark makes of what was measured."""
+"""The page on perception is true: its tables are those that the benchmark makes of what was
+measured.
+"""
 
 import importlib.util
 import json

@@ -1,4 +1,6 @@
-"""The README is short and true: its mission is checked, its commands work, its error output is what is printed."""
+"""The README is short and true: its mission is checked, its commands work, its error output is what
+is printed.
+"""
 
 import re
 import shlex
@@ -22,7 +24,10 @@ COMMANDS = [
 
 
 def executive(words, cwd):
-    code = f"import sys; sys.argv = ['executive', *{words!r}]; from executive.commands.main import main; main()"
+    code = (
+        f"import sys; sys.argv = ['executive', *{words!r}]; from executive.commands.main "
+        "import main; main()"
+    )
     return subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, cwd=cwd, timeout=120
     )
@@ -72,6 +77,8 @@ def test_its_light_commands_work(words, folder):
 
 @pytest.mark.parametrize("words", [c for c in COMMANDS if c[1] == "run"], ids=" ".join)
 def test_the_missions_it_runs_are_accepted(words, folder):
-    """The options of `run` that choose the mission, handed to `check`: whole missions run elsewhere."""
+    """The options of `run` that choose the mission, handed to `check`: whole missions run
+    elsewhere.
+    """
     sets = [word for i, word in enumerate(words) if words[i - 1] == "--set" or word == "--set"]
     assert executive(["check", words[2], *sets], folder).returncode == 0

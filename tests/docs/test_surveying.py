@@ -1,4 +1,6 @@
-"""The page on surveying is true: its plugins are installed, its settings exist, its numbers are those of the code."""
+"""The page on surveying is true: its plugins are installed, its settings exist, its numbers are
+those of the code.
+"""
 
 import re
 from pathlib import Path

@@ -1,4 +1,6 @@
-"""The page on writing a tree is true: its mission has no mistake, its commands work, its tables are complete."""
+"""The page on writing a tree is true: its mission has no mistake, its commands work, its tables are
+complete.
+"""
 
 import re
 import shlex
@@ -25,7 +27,9 @@ COMMANDS = [
 def executive(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> Any:
-    """Run the command line in this process, in the folder of the mission; return status, output and errors."""
+    """Run the command line in this process, in the folder of the mission; return status, output and
+    errors.
+    """
 
     def run(*words: str) -> tuple[int, str, str]:
         monkeypatch.chdir(folder)

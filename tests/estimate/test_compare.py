@@ -1,4 +1,6 @@
-"""What is said of estimators side by side: steps of the odometry frame, and the way back from an outage."""
+"""What is said of estimators side by side: steps of the odometry frame, and the way back from an
+outage.
+"""
 
 from dataclasses import replace
 
@@ -16,7 +18,9 @@ SPEED = np.array([0.7, -0.2, 0.1])
 
 @pytest.fixture
 def even() -> Track:
-    """A hundred states at 100 Hz of a body that travels evenly and does not turn; map and odometry agree."""
+    """A hundred states at 100 Hz of a body that travels evenly and does not turn; map and odometry
+    agree.
+    """
     stamps = 0.01 * np.arange(100)
     poses = np.array([pose(about_axis(UP, 0.4), t * SPEED) for t in stamps])
     return Track(stamps, poses, poses, poses, np.tile(SPEED, (100, 1)), np.zeros((100, 3)))

@@ -107,7 +107,9 @@ class Ros:
 
 
 def _car(ros, seconds):
-    """A car rests for 5 s, then accelerates eastwards by 1 m/s²; its IMU looks back, its antenna is 0.5 m ahead."""
+    """A car rests for 5 s, then accelerates eastwards by 1 m/s²; its IMU looks back, its antenna is
+    0.5 m ahead.
+    """
     rng = np.random.default_rng(1)
     yield (
         0.0,

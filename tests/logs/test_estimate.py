@@ -23,7 +23,10 @@ NAME = "gnss_imu_filter"
 
 
 def executive(*words, cwd):
-    code = f"import sys; sys.argv = ['executive', *{list(words)!r}]; from executive.commands.main import main; main()"
+    code = (
+        f"import sys; sys.argv = ['executive', *{list(words)!r}]; from "
+        "executive.commands.main import main; main()"
+    )
     return subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, cwd=cwd
     )
@@ -124,7 +127,9 @@ def test_an_offset_moves_the_stamps_of_its_sensor_alone(car_log):
 
 
 class Time:
-    """Stands in for the time module: waits end 2 ms late, and 3 ms pass whenever a sample is taken."""
+    """Stands in for the time module: waits end 2 ms late, and 3 ms pass whenever a
+    sample is taken.
+    """
 
     now_s = 100.0
 

@@ -1,4 +1,6 @@
-"""The order of messages in MCAP files whose chunks overlap in time, against the package's own reader."""
+"""The order of messages in MCAP files whose chunks overlap in time, against the package's own
+reader.
+"""
 
 from io import BytesIO
 
@@ -12,7 +14,9 @@ from executive.logs.mcap_messages import in_order
 
 
 def written(stamps_ns, chunk_size=200, index_types=IndexType.ALL, use_chunking=True) -> BytesIO:
-    """A file with these messages, on /a and /b in turn and each tenth on /c, numbered in their content."""
+    """A file with these messages, on /a and /b in turn and each tenth on /c, numbered in their
+    content.
+    """
     file = BytesIO()
     writer = Writer(
         file,

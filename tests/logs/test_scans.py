@@ -1,4 +1,6 @@
-"""A log holds what lidar odometry needs: replayed, it gives the increments that the machine would have had."""
+"""A log holds what lidar odometry needs: replayed, it gives the increments that the machine would
+have had.
+"""
 
 from pathlib import Path
 

@@ -1,4 +1,6 @@
-"""Machines as files: what is shipped is whole, what is wrong is refused with the field and the cure."""
+"""Machines as files: what is shipped is whole, what is wrong is refused with the field and the
+cure.
+"""
 
 from pathlib import Path
 from typing import Any

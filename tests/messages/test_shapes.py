@@ -1,4 +1,6 @@
-"""Every message checks its arrays at construction, names the wrong one, and is read-only afterwards."""
+"""Every message checks its arrays at construction, names the wrong one, and is read-only
+afterwards.
+"""
 
 from collections.abc import Callable
 from dataclasses import FrozenInstanceError, fields

@@ -1,4 +1,6 @@
-"""Long verbs give the same answers wherever they are computed, at the same time on the mission's clock."""
+"""Long verbs give the same answers wherever they are computed, at the same time on the mission's
+clock.
+"""
 
 import threading
 import time
@@ -46,7 +48,9 @@ def test_a_job_is_ready_when_its_latency_has_passed(runner):
 
 
 class Witness(Plugin):
-    """Tells in which thread it was asked; its answer would depend on when, so it must not be asked beside the tick."""
+    """Tells in which thread it was asked; its answer would depend on when, so it must not be asked
+    beside the tick.
+    """
 
     def look(self):
         return threading.current_thread()

@@ -93,7 +93,8 @@ def test_a_stone_that_is_taken_up_again_goes_on_with_its_pick():
         ("released", RELEASED | {"stone": 2}),
     ]
     story = journal_of(
-        *((e.time_s, e.kind, e.payload) for e in STORY), *((90 + i, *e) for i, e in enumerate(again))
+        *((e.time_s, e.kind, e.payload) for e in STORY), *((90 + i, *e) for i,
+        e in enumerate(again))
     )  # fmt: skip
     picks = picks_from(story)
     assert [(pick.stone, len(pick.tries), pick.set_aside) for pick in picks] == [

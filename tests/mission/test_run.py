@@ -135,7 +135,9 @@ def test_a_stop_brings_the_machine_to_rest_along_its_path(tmp_path):
 
 
 def test_a_pause_stops_the_machine_and_going_on_ends_the_swing(tmp_path):
-    """The path is taken up again where it was left: the mission ends as if nothing had happened, only later."""
+    """The path is taken up again where it was left: the mission ends as if nothing had happened,
+    only later.
+    """
     paused_speed = []
 
     def pause_for_a_while(mission):
@@ -165,7 +167,10 @@ def test_ctrl_c_in_mid_swing_ends_with_a_whole_report(tmp_path, times):
     """Once: along the path, then the report; twice: at once, and still the report."""
     (tmp_path / "dry.yaml").write_text(PLUGINS + SWING.replace("8 s", "60 s"))
     words = ["run", "dry.yaml", "--run-dir", "run", "--real-time"]
-    code = f"import sys; sys.argv = ['executive', *{words!r}]; from executive.commands.main import main; main()"
+    code = (
+        f"import sys; sys.argv = ['executive', *{words!r}]; from executive.commands.main "
+        "import main; main()"
+    )
     process = subprocess.Popen(
         [sys.executable, "-c", code], cwd=tmp_path, stderr=subprocess.PIPE, text=True
     )

@@ -1,4 +1,6 @@
-"""Missions on the simulated site: the same seed gives the same journal; hopeless sites end clearly."""
+"""Missions on the simulated site: the same seed gives the same journal;
+hopeless sites end clearly.
+"""
 
 import pytest
 

@@ -1,4 +1,5 @@
-"""A stone that tipped when it was let go, or that the jaws pushed: the shipped plugins find it, and it stays itself.
+"""A stone that tipped when it was let go, or that the jaws pushed: the shipped plugins find it, and
+it stays itself.
 
 No simulator: the map is drawn here, so that the way from the map to the database is short.
 """

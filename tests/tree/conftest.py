@@ -1,4 +1,6 @@
-"""A small world to load and tick missions in: a few leaves and plugins, a clock, and a journal kept as a list."""
+"""A small world to load and tick missions in: a few leaves and plugins, a clock, and a journal kept
+as a list.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

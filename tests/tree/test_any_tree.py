@@ -1,4 +1,6 @@
-"""Trees at random: the journal is whole, nothing is left under way, and a second run is the same."""
+"""Trees at random: the journal is whole, nothing is left under way,
+and a second run is the same.
+"""
 
 import json
 from typing import Any

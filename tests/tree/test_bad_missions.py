@@ -1,4 +1,6 @@
-"""Every bad mission file is refused with exactly the mistakes that `expected.txt` lists, each at its place."""
+"""Every bad mission file is refused with exactly the mistakes that `expected.txt` lists, each at
+its place.
+"""
 
 from pathlib import Path
 

@@ -1,4 +1,6 @@
-"""Sequences, fallbacks and parallels: what is ticked when, what is remembered, what is cancelled."""
+"""Sequences, fallbacks and parallels: what is ticked when, what is remembered,
+what is cancelled.
+"""
 
 from typing import Any
 

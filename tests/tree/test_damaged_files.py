@@ -1,4 +1,6 @@
-"""Whatever stands in a file, loading it ends in a mission or in a list of mistakes, never in a traceback."""
+"""Whatever stands in a file, loading it ends in a mission or in a list of mistakes, never in a
+traceback.
+"""
 
 from pathlib import Path
 
@@ -28,7 +30,10 @@ trees:
       - {parallel: [{wait: 1}, {set: {a: [1], b: "{s}"}}], succeed: one, name: x, while: Calm}
   pick: {in: {stone: Stone, tool: str?}, out: {held: bool}, run: Pick, optional: true}
 """
-BASE = "api: 1\nmission: good_base\nplugins: {estimation: gnss_imu, mapping: voxel_map, robot: replay}\n"
+BASE = (
+    "api: 1\nmission: good_base\nplugins: {estimation: gnss_imu, mapping: voxel_map, "
+    "robot: replay}\n"
+)
 SIGNS = [
     "{",
     "}",
@@ -151,7 +156,8 @@ def test_a_good_file_with_one_value_replaced_by_another(
 
 @quick
 @given(
-    key=st.sampled_from(["robot", "robot.site", "robot.site.stones.count", "monitoring", "monitoring.jaw_slip", "loop",
+    key=st.sampled_from(["robot", "robot.site", "robot.site.stones.count", "monitoring",
+    "monitoring.jaw_slip", "loop",
                          "loop.tick", "mapping.plugin", "", ".", "trees.main"]),
     value=st.one_of(st.sampled_from(WORDS), st.text(max_size=20)),
 )  # fmt: skip

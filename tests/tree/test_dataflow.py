@@ -1,4 +1,6 @@
-"""Keys through a tree: what may have been written, and as what; what must fail is told, what may work is not."""
+"""Keys through a tree: what may have been written, and as what; what must fail is told, what may
+work is not.
+"""
 
 from typing import Any
 
@@ -38,7 +40,8 @@ def test_a_recovery_may_read_what_failed_may_have_written_and_not_what_comes_lat
     assert problems(load, "- run: Scan\n  on_failure: {run: FindStones}") == []
     told = problems(load, "- wait: 1 s\n  on_failure: {run: FindStones}\n- run: Scan")
     assert told == [
-        "input 'cloud' of FindStones reads key 'cloud' before it is written; it is written only later"
+        "input 'cloud' of FindStones reads key 'cloud' before it is written; it is "
+        "written only later"
     ]
 
 
@@ -50,7 +53,8 @@ def test_a_node_behind_if_or_optional_may_have_written(load: Any) -> None:
 def test_a_condition_is_asked_before_its_node(load: Any) -> None:
     told = problems(load, "- run: Scan\n  if: HasStones\n- run: FindStones")
     assert told == [
-        "input 'stones' of HasStones reads key 'stones' before it is written; it is written only later"
+        "input 'stones' of HasStones reads key 'stones' before it is written; it is "
+        "written only later"
     ]
 
 
@@ -60,14 +64,15 @@ def test_a_loops_body_may_have_written_after_the_loop_and_its_condition_is_asked
     assert problems(load, "- loop: {until: Calm}\n  do: {run: Scan}\n- run: FindStones") == []
     told = problems(load, "- run: Scan\n- loop: {until: HasStones}\n  do: {run: FindStones}")
     assert told == [
-        "input 'stones' of HasStones reads key 'stones' before it is written; it is written only later"
+        "input 'stones' of HasStones reads key 'stones' before it is written; it is "
+        "written only later"
     ]
 
 
 def test_an_item_is_known_in_the_body_and_not_after_it(load: Any) -> None:
     each = (
-        FIND
-        + '- for_each: {item: one, in: "{stones}"}\n  do:\n    run: Pick\n    in: {stone: "{one}"}\n'
+        FIND + '- for_each: {item: one, in: "{stones}"}\n  do:\n    run: Pick\n    in: '
+        '{stone: "{one}"}\n'
     )
     assert problems(load, each) == []
     assert "before it is written" in problems(load, each + PICK)[0]
@@ -104,18 +109,25 @@ def test_an_optional_input_is_checked_only_if_it_is_connected(load: Any) -> None
 
 
 def test_a_tree_is_followed_with_the_types_that_it_is_called_with(load: Any) -> None:
-    trees = '  use:\n    in: {thing: object}\n    sequence:\n      - run: FindStones\n        in: {cloud: "{thing}"}\n'
+    trees = (
+        "  use:\n    in: {thing: object}\n    sequence:\n      - run: FindStones\n        "
+        'in: {cloud: "{thing}"}\n'
+    )
     assert problems(load, '- run: Scan\n- call: use\n  in: {thing: "{cloud}"}', trees) == []
     told = problems(load, "- call: use\n  in: {thing: 5}", trees)
     assert told == ["input 'cloud' of FindStones is Cloud, and key 'thing' holds int"]
 
 
 def test_what_a_tree_gives_out_is_known_to_its_caller(load: Any) -> None:
-    trees = '  look:\n    out: {stones: "list[Stone]"}\n    sequence:\n      - run: Scan\n      - run: FindStones\n'
+    trees = (
+        '  look:\n    out: {stones: "list[Stone]"}\n    sequence:\n      - run: Scan\n     '
+        " - run: FindStones\n"
+    )
     assert (
         problems(
             load,
-            '- call: look\n  out: {stones: "{found}"}\n- check: HasStones\n  in: {stones: "{found}"}',
+            '- call: look\n  out: {stones: "{found}"}\n- check: HasStones\n  in: '
+            '{stones: "{found}"}',
             trees,
         )
         == []
@@ -134,7 +146,8 @@ def test_a_required_input_of_a_tree_must_be_there_and_an_optional_one_need_not(l
     trees = "  use:\n    in: {number: int%s}\n    wait: 1 s\n"
     told = problems(load, "- call: use", trees % "")
     assert told == [
-        "input 'number' of use reads key 'number' before it is written; nothing is written before it"
+        "input 'number' of use reads key 'number' before it is written; nothing is "
+        "written before it"
     ]
     assert problems(load, "- call: use", trees % "?") == []
 
@@ -155,10 +168,13 @@ class Derived(Base): ...
 @pytest.mark.parametrize(
     ("have", "wanted", "answer"),
     [
-        (Derived, Base, True), (Base, Derived, False), (int, float, True), (bool, int, False), (float, int, False),
-        (list[Derived], list[Base], True), (list[Base], list[Derived], False), (list, list[Base], True),
+        (Derived, Base, True), (Base, Derived, False), (int, float, True), (bool, int, False),
+        (float, int, False),
+        (list[Derived], list[Base], True), (list[Base], list[Derived], False), (list, list[Base],
+        True),
         (list[Base], Base, False), (Base, object, True), (object, Base, True), (Any, Base, True),
-        (Base | None, Base, True), (Base, Base | None, True), (int, str | None, False), (dict[str, int], dict, True),
+        (Base | None, Base, True), (Base, Base | None, True), (int, str | None, False),
+        (dict[str, int], dict, True),
     ],
 )  # fmt: skip
 def test_a_type_fits_another(have: Any, wanted: Any, answer: bool) -> None:
@@ -168,8 +184,10 @@ def test_a_type_fits_another(have: Any, wanted: Any, answer: bool) -> None:
 @pytest.mark.parametrize(
     ("have", "name", "answer"),
     [
-        (Derived, "Base", True), (Base, "Derived", False), (list[Derived], "list[Base]", True), (int, "float", True),
-        (list[int], "list[Base]", False), (Base, "list[Base]", False), (Base, "object", True), (Any, "Base", True),
+        (Derived, "Base", True), (Base, "Derived", False), (list[Derived], "list[Base]", True),
+        (int, "float", True),
+        (list[int], "list[Base]", False), (Base, "list[Base]", False), (Base, "object", True),
+        (Any, "Base", True),
         (Base | None, "Base", True), (list, "list[Base]", True),
     ],
 )  # fmt: skip
@@ -182,7 +200,8 @@ def test_a_type_fits_a_types_name(have: Any, name: str, answer: bool) -> None:
     [
         (Derived(), Base, True), (3, float, True), (True, int, False), (True, bool, True),
         ([Derived()], list[Base], True),
-        ([3], list[Base], False), (None, Base | None, True), (None, Base, False), (3, object, True), ((), list, False),
+        ([3], list[Base], False), (None, Base | None, True), (None, Base, False), (3, object,
+        True), ((), list, False),
     ],
 )  # fmt: skip
 def test_a_value_is_of_a_type(value: Any, wanted: Any, answer: bool) -> None:

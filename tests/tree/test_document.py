@@ -1,4 +1,6 @@
-"""Documents: values with places, the core schema of YAML 1.2, and bytes that are no document at all."""
+"""Documents: values with places, the core schema of YAML 1.2, and bytes that are no document at
+all.
+"""
 
 import math
 from pathlib import Path
@@ -26,10 +28,13 @@ def read(data: bytes | str) -> tuple[Any, list[str]]:
 @pytest.mark.parametrize(
     ("text", "value"),
     [
-        ("", None), ("~", None), ("null", None), ("NULL", None), ("true", True), ("False", False), ("TRUE", True),
-        ("0", 0), ("-12", -12), ("+3", 3), ("0o17", 15), ("0x1F", 31), ("1.5", 1.5), (".5", 0.5), ("5.", 5.0),
+        ("", None), ("~", None), ("null", None), ("NULL", None), ("true", True), ("False",
+        False), ("TRUE", True),
+        ("0", 0), ("-12", -12), ("+3", 3), ("0o17", 15), ("0x1F", 31), ("1.5", 1.5), (".5", 0.5),
+        ("5.", 5.0),
         ("1e3", 1000.0), ("-1.5E-2", -0.015), (".inf", math.inf), ("-.INF", -math.inf),
-        ("y", "y"), ("n", "n"), ("nULL", "nULL"), ("tRUE", "tRUE"), ("120 s", "120 s"), ("1.2.3", "1.2.3"),
+        ("y", "y"), ("n", "n"), ("nULL", "nULL"), ("tRUE", "tRUE"), ("120 "
+"s", "120 s"), ("1.2.3", "1.2.3"),
         ("e3", "e3"), ("0o8", "0o8"), ("+.inf", math.inf), ("-", "-"), (".", "."), ("12e", "12e"),
         ("9" * 400, "9" * 400),
     ],
@@ -46,7 +51,12 @@ def test_not_a_number_is_a_number() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["yes", "No", "ON", "off", "010", "-07", "12:30", "1:00:00", "12:30.5", "2026-01-31", "2026-1-3 10:00", "0b11",
+    ["yes", "No", "ON", "off", "010", "-07", "12:30", "1:00:00", "12:30.5", "2026-01-31",
+    "2026-1-3 "
+""
+""
+""
+"10:00", "0b11",
      "1_000", "0xF_F", "1_0.5"],
 )  # fmt: skip
 def test_what_two_versions_of_yaml_read_differently_is_refused(text: str) -> None:

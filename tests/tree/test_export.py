@@ -42,10 +42,13 @@ trees:
 
 # What BehaviorTree.CPP 4 has built in, with the attributes that each takes besides its name.
 BUILT_IN = {
-    "Sequence": set(), "Fallback": set(), "ReactiveSequence": set(), "ReactiveFallback": set(), "IfThenElse": set(),
+    "Sequence": set(), "Fallback": set(), "ReactiveSequence": set(), "ReactiveFallback": set(),
+    "IfThenElse": set(),
     "Parallel": {"success_count", "failure_count"}, "Repeat": {"num_cycles"}, "Timeout": {"msec"},
-    "RetryUntilSuccessful": {"num_attempts"}, "ForceSuccess": set(), "ForceFailure": set(), "Inverter": set(),
-    "Sleep": {"msec"}, "SetBlackboard": {"value", "output_key"}, "AlwaysSuccess": set(), "ScriptCondition": {"code"},
+    "RetryUntilSuccessful": {"num_attempts"}, "ForceSuccess": set(), "ForceFailure": set(),
+    "Inverter": set(),
+    "Sleep": {"msec"}, "SetBlackboard": {"value", "output_key"}, "AlwaysSuccess": set(),
+    "ScriptCondition": {"code"},
 }  # fmt: skip
 ONE_CHILD = {
     "Repeat",
@@ -82,8 +85,8 @@ def test_text_shows_every_node_with_its_modifiers_and_wires(mission: Any) -> Non
     assert "|-- run Scan  [timeout 30 s, retry 3 every 0.5 s]  cloud -> {cloud}" in text
     assert "|   `-- on failure: wait 2 s" in text
     assert (
-        "|   `-- call pick_one  [if (Calm and not HasStones), while Calm]  stone <- {stone}; held -> {held}"
-        in text
+        "|   `-- call pick_one  [if (Calm and not HasStones), while Calm]  stone <- "
+        "{stone}; held -> {held}" in text
     )
     assert "|-- loop until Calm, at most 3 rounds" in text
     assert "    `-- parallel, 1 of 2 (both at once)  [optional]" in text

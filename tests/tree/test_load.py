@@ -36,7 +36,10 @@ def test_a_mission_holds_checked_settings_with_si_units(load: Any) -> None:
 
 
 def test_plugins_come_in_the_order_of_the_data(load: Any) -> None:
-    header = "api: 1\nmission: test\nplugins:\n  mapping: voxel_map\n  monitoring: [payload_drop, jaw_slip]\n"
+    header = (
+        "api: 1\nmission: test\nplugins:\n  mapping: voxel_map\n  monitoring: "
+        "[payload_drop, jaw_slip]\n"
+    )
     mission = load(MISSION, header=header + "  estimation: gnss_imu\n  robot: mujoco\n")
     assert list(mission.plugins) == ["robot", "estimation", "mapping", "monitoring"]
     assert [one.name for one in mission.plugins["monitoring"]] == ["payload_drop", "jaw_slip"]
@@ -69,8 +72,14 @@ def test_a_base_is_laid_under_the_mission(tmp_path: Path, catalogue: Catalogue) 
 
 
 def test_another_plugin_takes_nothing_from_the_base(tmp_path: Path, catalogue: Catalogue) -> None:
-    base = f"api: 1\nmission: base\n{PLUGINS.replace('voxel_map', '{plugin: voxel_map, voxel_m: 0.2}')}"
-    over = "api: 1\nmission: over\nextends: base.yaml\nplugins: {mapping: pose_graph, alignment: gicp}\n"
+    base = (
+        "api: 1\nmission: "
+        f"base\n{PLUGINS.replace('voxel_map', '{plugin: voxel_map, voxel_m: 0.2}')}"
+    )
+    over = (
+        "api: 1\nmission: over\nextends: base.yaml\nplugins: {mapping: pose_graph, "
+        "alignment: gicp}\n"
+    )
     write(tmp_path, base=base, over=over + MISSION)
     mission = load_mission(str(tmp_path / "over.yaml"), catalogue=catalogue)
     assert mission.plugins["mapping"][0].name == "pose_graph"
@@ -79,7 +88,9 @@ def test_another_plugin_takes_nothing_from_the_base(tmp_path: Path, catalogue: C
 def test_a_mistake_in_the_base_is_told_with_the_bases_name(
     tmp_path: Path, catalogue: Catalogue
 ) -> None:
-    write(tmp_path, base="api: 1\nmission: base\nplugins: {robot: mujocco, estimation: gnss_imu, mapping: voxel_map}\n",
+    write(tmp_path, base="api: 1\nmission: base\nplugins: {robot: mujocco, estimation: gnss_imu, "
+"mapping: "
+"voxel_map}\n",
           over="api: 1\nmission: over\nextends: base\n" + MISSION)  # fmt: skip
     with pytest.raises(MissionFileError) as caught:
         load_mission(str(tmp_path / "over.yaml"), catalogue=catalogue)
@@ -194,7 +205,8 @@ def test_an_option_is_the_last_layer(load: Any, option: str, value: object) -> N
 
 
 def test_options_can_change_and_add_plugins(load: Any) -> None:
-    mission = load(MISSION, "mapping.plugin=pose_graph", "alignment=gicp", "monitoring=[jaw_slip, payload_drop]",
+    mission = load(MISSION, "mapping.plugin=pose_graph", "alignment=gicp", "monitoring=[jaw_slip, "
+"payload_drop]",
                    "monitoring.jaw_slip.voxel_m=3")  # fmt: skip
     assert mission.plugins["mapping"][0].name == "pose_graph"
     assert mission.plugins["alignment"][0].name == "gicp"

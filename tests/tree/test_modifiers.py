@@ -85,7 +85,8 @@ def test_retry_pauses_by_the_missions_clock(tree_of: Any, world: World) -> None:
 
 def test_retry_begins_to_count_anew_when_it_is_entered_again(tree_of: Any, world: World) -> None:
     tree = tree_of(
-        "loop: {max: 2}\ndo:\n  optional: true\n  do:\n    run: Try\n    with: {needed: 9}\n    retry: 2"
+        "loop: {max: 2}\ndo:\n  optional: true\n  do:\n    run: Try\n    with: "
+        "{needed: 9}\n    retry: 2"
     )
     assert tree.finish() == "SUCCESS"
     assert len(world.log) == 4

@@ -49,7 +49,8 @@ def test_what_runs_and_what_lies_beside_it_is_worth_showing(play: Any) -> None:
 
 
 def test_the_attempt_under_way_is_told_with_the_node(play: Any) -> None:
-    tree = play("run: Scan\nwith: {duration: 5 s}\nretry: 3\non_failure: {wait: 1 s}\nwhile: Calm\ntimeout: 9 s",
+    tree = play("run: Scan\nwith: {duration: 5 s}\nretry: 3\non_failure: {wait: 1 s}\nwhile: "
+"Calm\ntimeout: 9 s",
                 leaves={"Scan": failing_scan()})  # fmt: skip
     tree.tick(12)
     row = node_states(tree.root)[0]

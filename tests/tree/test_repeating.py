@@ -76,7 +76,8 @@ def test_for_each_gives_each_item_in_order_and_says_how_far_it_is(play: Any) -> 
 
 def test_for_each_of_an_empty_list_succeeds_and_never_ticks_its_body(play: Any) -> None:
     world = World()
-    tree = play('sequence:\n  - set: {none: []}\n  - for_each: {item: item, in: "{none}"}\n    do: {run: Work}',
+    tree = play('sequence:\n  - set: {none: []}\n  - for_each: {item: item, in: "{none}"}\n    do: '
+'{run: Work}',
                 leaves=world.leaves())  # fmt: skip
     assert tree.finish() == "SUCCESS"
     assert world.seen == []

@@ -1,4 +1,6 @@
-"""The JSON schema: it is one, it takes what loads, and it refuses what an editor should underline."""
+"""The JSON schema: it is one, it takes what loads, and it refuses what an editor should
+underline.
+"""
 
 from pathlib import Path
 from typing import Any

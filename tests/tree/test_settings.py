@@ -86,7 +86,8 @@ def test_good_settings_are_taken_and_come_back_when_written_out(text: str) -> No
          "f:1:23: error: it has no setting 'cameras.1.nam'. Did you mean 'name'?"]),
         ("cameras:\n  - {name: a, height_m: 0}",
          ["f:2:25: error: cameras.0.height_m: input should be greater than 0, got 0"]),
-        ("camera: {name: 3}", ["f:1:16: error: camera.name: input should be a valid string, got 3"]),
+        ("camera: {name: 3}", ["f:1:16: error: camera.name: input should be a valid string, got "
+"3"]),
         ("camera: {name: a, heigth_m: 3}",
          ["f:1:19: error: it has no setting 'camera.heigth_m'. Did you mean 'height_m'?"]),
         ("colour: blue", ["f:1:9: error: colour: input should be 'red', got 'blue'"]),

@@ -82,7 +82,10 @@ def test_a_question_that_nobody_can_answer_is_a_failure_with_a_reason(play: Any)
 
 
 def test_a_call_carries_values_in_and_out_and_keeps_the_rest_to_itself(play: Any) -> None:
-    main = 'sequence:\n  - set: {mine: 4}\n  - call: twice\n    in: {number: "{mine}"}\n    out: {result: "{eight}"}'
+    main = (
+        'sequence:\n  - set: {mine: 4}\n  - call: twice\n    in: {number: "{mine}"}\n    '
+        'out: {result: "{eight}"}'
+    )
     trees = "  twice:\n    in: {number: int}\n    out: {result: int}\n    run: Double\n"
     tree = play(main, trees=trees, leaves=LEAVES)
     assert tree.finish() == "SUCCESS"
@@ -101,7 +104,10 @@ def test_a_call_takes_literals_and_unlisted_ports_take_the_key_of_their_name(pla
 
 
 def test_each_call_begins_with_an_empty_store(play: Any) -> None:
-    body = "  once:\n    fallback:\n      - sequence:\n          - check: HasKey\n      - set: {key: 1}\n"
+    body = (
+        "  once:\n    fallback:\n      - sequence:\n          - check: HasKey\n      - "
+        "set: {key: 1}\n"
+    )
     seen: list[bool] = []
 
     class HasKey(Condition):
@@ -152,7 +158,10 @@ def test_two_missions_in_one_process_do_not_see_each_other(play: Any) -> None:
 
 
 def test_a_key_that_was_never_written_at_run_time_is_a_failure_with_a_reason(play: Any) -> None:
-    late = "  - optional: true\n    do:\n      sequence:\n        - run: Stop\n        - set: {late: 1}\n"
+    late = (
+        "  - optional: true\n    do:\n      sequence:\n        - run: Stop\n        - set: "
+        "{late: 1}\n"
+    )
     main = f'sequence:\n{late}  - set: {{copy: "{{late}}"}}'
 
     class Stop(Action):

@@ -1,4 +1,6 @@
-"""What estimators of a cabin have in common: the door, the first state, and the head that goes on at each sample."""
+"""What estimators of a cabin have in common: the door, the first state, and the head that goes on
+at each sample.
+"""
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
@@ -28,13 +30,16 @@ from executive.messages.joints import JointSample
 from executive.messages.status_change import StatusChange
 
 INITIALISING = "INITIALISING"
-_JUMP_S = 2.0  # an inertial stamp so far ahead is believed if the next one agrees; less is a gap, and bridged
+# an inertial stamp so far ahead is believed if the next one agrees; less is a gap, and bridged
+_JUMP_S = 2.0
 _STANDING_PERIOD_S = 0.1
 _TELL_PERIOD_S = 5.0  # of what a start waits for
 
 
 class CabinEstimator(Estimator):
-    """Takes samples at the door, finds the first state, and reports the head; how it is corrected is the heirs'."""
+    """Takes samples at the door, finds the first state, and reports the head; how it is corrected
+    is the heirs'.
+    """
 
     def __init__(self, settings: CabinSettings, machine: Rig) -> None:
         self._cabin = settings
@@ -146,10 +151,14 @@ class CabinEstimator(Estimator):
 
     @abstractmethod
     def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
-        """Do what is to be done after the head has gone on to a sample; see `SmootherHost.sampled`."""
+        """Do what is to be done after the head has gone on to a sample;
+        see `SmootherHost.sampled`.
+        """
 
     def _position_of(self, fix: GnssFix) -> tuple[Float, Float] | None:
-        """Return a fix in the map, shape (3,), and its covariance (3, 3); count one that is too uncertain."""
+        """Return a fix in the map, shape (3,), and its covariance (3, 3); count one that is too
+        uncertain.
+        """
         noise = self._cabin.gnss_scale**2 * fix.covariance_enu_m2
         if not fix.is_rtk_fixed or not 0 < np.diag(noise).max() < self._cabin.max_gnss_std_m**2:
             self._door.refuse(fix.antenna, "too uncertain")
@@ -175,7 +184,9 @@ class CabinEstimator(Estimator):
 
     @abstractmethod
     def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
-        """Correct by a fix: the antenna in the map [m], shape (3,), and its covariance [m²], shape (3, 3)."""
+        """Correct by a fix: the antenna in the map [m], shape (3,), and its covariance [m²], shape
+        (3, 3).
+        """
 
     def add_joints(self, sample: JointSample) -> None:
         if not self._door.admits("joints", sample.stamp_s):
@@ -189,10 +200,14 @@ class CabinEstimator(Estimator):
 
     @abstractmethod
     def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
-        """Correct by a chassis that stands, the cabin turning on it at a rate [rad/s], cabin axes, shape (3,)."""
+        """Correct by a chassis that stands, the cabin turning on it at a rate [rad/s], cabin axes,
+        shape (3,).
+        """
 
     def account(self) -> Sequence[StatusChange]:
-        """Return the changes that have a reason, and what each start waited for, every few seconds."""
+        """Return the changes that have a reason, and what each start waited for,
+        every few seconds.
+        """
         return tuple(self._account)
 
     @abstractmethod

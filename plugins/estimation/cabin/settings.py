@@ -9,11 +9,14 @@ from executive.config import Seconds, Settings
 
 
 class CabinSettings(Settings):
-    """Which sensors are used, and what they are worth; their noise comes from the machine's description."""
+    """Which sensors are used, and what they are worth; their noise comes from the machine's
+    description.
+    """
 
     datum: tuple[float, float, float] | None = Field(
         (47.4084, 8.5106, 440.0),
-        description="Origin of the map: latitude [deg], longitude [deg], altitude [m]; null for the first fix.",
+        description="Origin of the map: latitude [deg], longitude [deg], altitude [m]; null for "
+        "the first fix.",
     )
     imu: str = Field("imu_cabin", description="Inertial sensor on the cabin.")
     chassis_imu: str = Field(

@@ -1,4 +1,6 @@
-"""The correction of a Kalman filter, compiled: several fall on one inertial sample, which must not wait for NumPy."""
+"""The correction of a Kalman filter, compiled: several fall on one inertial sample, which must not
+wait for NumPy.
+"""
 
 import math
 
@@ -14,7 +16,9 @@ _NEW_VECTOR, _NEW_MATRIX = types.float64[::1], types.float64[:, ::1]
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _triangulate(S: Float) -> bool:
-    """Put the Cholesky factor of a symmetric matrix (m, m) into its lower triangle; return whether there is one."""
+    """Put the Cholesky factor of a symmetric matrix (m, m) into its lower triangle; return whether
+    there is one.
+    """
     for i in range(S.shape[0]):
         for j in range(i + 1):
             rest = S[i, j]
@@ -102,9 +106,9 @@ def corrected(
         gate: Largest squared Mahalanobis distance that is believed.
 
     Returns:
-        The covariance after, shape (n, n), and the error, shape (n,); None if it is not believed. With
-        H P Hᵀ + noise = L Lᵀ and W = L⁻¹ H P they are P − Wᵀ W and Wᵀ L⁻¹ residual: exactly symmetric, and positive
-        definite as long as the noise is not below rounding.
+        The covariance after, shape (n, n), and the error, shape (n,); None if it is not believed.
+        With H P Hᵀ + noise = L Lᵀ and W = L⁻¹ H P they are P − Wᵀ W and Wᵀ L⁻¹ residual: exactly
+        symmetric, and positive definite as long as the noise is not below rounding.
     """
     after, error = np.empty(P.shape), np.empty(len(P))
     return (after, error) if _correct(P, H, residual, noise, gate, after, error) else None

@@ -31,9 +31,10 @@ class ErrorStateEkfSettings(GnssImuSettings):
 class ErrorStateEkf(GnssImuFilter):
     """The paper's other baseline, of the MSF kind (Nubert 2022, Sec. V; Lynen 2013).
 
-    It does what the inertial-satellite filter does, delays included: whatever is late by less than `lag_s` is used at
-    its own time. Lidar increments join as relative poses, so that an outage of the satellites costs the odometry's
-    drift and not the inertial sensor's. One frame only: a correction steps the map pose.
+    It does what the inertial-satellite filter does, delays included: whatever is late by less than
+    `lag_s` is used at its own time. Lidar increments join as relative poses, so that an outage of
+    the satellites costs the odometry's drift and not the inertial sensor's. One frame only: a
+    correction steps the map pose.
     """
 
     Settings = ErrorStateEkfSettings
@@ -54,7 +55,9 @@ class ErrorStateEkf(GnssImuFilter):
         return self._cloning
 
     def _correct_by_increment(self, stream: str, increment: LidarIncrement) -> None:
-        """Use the motion since the last increment's end, and remember the pose for the next; the first begins."""
+        """Use the motion since the last increment's end, and remember the pose for the next; the
+        first begins.
+        """
         kalman = self._cloning
         if kalman.has_clone_at(increment.from_s):
             T_imu_lidar = self._T_imu_lidar(increment.frame)
@@ -73,6 +76,8 @@ class ErrorStateEkf(GnssImuFilter):
 
 
 def _adjoint(T: Float) -> Float:
-    """Return the matrix that takes a motion (rotation, translation) in one frame to another, shape (6, 6)."""
+    """Return the matrix that takes a motion (rotation, translation) in one frame to another, shape
+    (6, 6).
+    """
     R, t = T[:3, :3], T[:3, 3]
     return np.block([[R, np.zeros((3, 3))], [skew(t) @ R, R]])

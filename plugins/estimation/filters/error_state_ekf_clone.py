@@ -1,4 +1,6 @@
-"""An error-state filter that also remembers one earlier pose, with all that ties it to the present (a clone)."""
+"""An error-state filter that also remembers one earlier pose, with all that ties it to the present
+(a clone).
+"""
 
 import numpy as np
 from executive_plugins.estimation.filters.compiled_correction import corrected
@@ -26,10 +28,12 @@ _CLONE_ROTATION, _CLONE_POSITION = (
 
 
 class CloningFilter(ErrorStateFilter):
-    """Takes relative poses by stochastic cloning (Roumeliotis 2002), as the MSF filter does (Lynen 2013).
+    """Takes relative poses by stochastic cloning (Roumeliotis 2002), as the MSF filter does (Lynen
+    2013).
 
-    A relative pose taken as an absolute one, from the estimate at its beginning, would count that estimate's error as
-    news at every step; with the clone it is known to be the same error at both ends.
+    A relative pose taken as an absolute one, from the estimate at its beginning, would count that
+    estimate's error as news at every step; with the clone it is known to be the same error at both
+    ends.
     """
 
     _clone_s = -np.inf
@@ -93,10 +97,11 @@ class CloningFilter(ErrorStateFilter):
         return True
 
     def _increment_residual(self, T_from_to: Float) -> tuple[Float, Float, Float]:
-        """Return measured − predicted (6,), its derivative by both errors (6, 21), and the predicted rotation.
+        """Return measured − predicted (6,), its derivative by both errors (6, 21), and the
+        predicted rotation.
 
-        With R = R̂ exp(θ) at both ends, the motion's error is θ − Rᵀθ_c in rotation and, in the earlier frame,
-        R_cᵀ(δp − δp_c) + [p]× θ_c in translation.
+        With R = R̂ exp(θ) at both ends, the motion's error is θ − Rᵀθ_c in rotation and, in the
+        earlier frame, R_cᵀ(δp − δp_c) + [p]× θ_c in translation.
         """
         R = self._R.T @ self.state.R_map_imu
         p = self._R.T @ (self.state.p_map_imu - self._p)

@@ -1,4 +1,6 @@
-"""An error-state Kalman filter over a strapdown state: predict by inertial samples, correct by linearised residuals."""
+"""An error-state Kalman filter over a strapdown state: predict by inertial samples, correct by
+linearised residuals.
+"""
 
 import numpy as np
 from executive_plugins.estimation.filters.compiled_correction import corrected
@@ -22,7 +24,9 @@ _GAP_RATE_RAD_S = 0.8
 
 
 class ErrorStateFilter:
-    """A state and the covariance of its error, moved on in time (Solà 2017, Sec. 5–6; error on the right)."""
+    """A state and the covariance of its error, moved on in time (Solà 2017, Sec. 5–6; error on the
+    right).
+    """
 
     def __init__(self, state: InertialState, covariance: Float, noise: InertialNoise) -> None:
         self.state = state
@@ -43,7 +47,9 @@ class ErrorStateFilter:
         self.state = propagate(self.state, sample, self._noise.gravity_m_s2)
 
     def covariance_after(self, dt_s: float) -> Float:
-        """Return the covariance a step later, by the state's present rate and force, shape (15, 15)."""
+        """Return the covariance a step later, by the state's present rate and force, shape (15,
+        15).
+        """
         return carry_covariance(self.state, self.covariance, self._noise, dt_s)
 
     def correct(self, residual: Float, H: Float, noise: Float, gate: float) -> bool:

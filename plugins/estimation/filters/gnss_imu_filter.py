@@ -28,11 +28,13 @@ _DOUBT_S = 2.0  # time after which a chassis that was seen to move may be taken 
 class GnssImuFilter(CabinEstimator):
     """An error-state Kalman filter on the cabin; heading comes with the antennas' lever arms.
 
-    With one antenna it begins after the first metres of motion, and heading is known as far as the body accelerates.
+    With one antenna it begins after the first metres of motion, and heading is known as far as the
+    body accelerates.
 
-    The role of the paper's baseline, the two-state implicit filter: inertial and satellite measurements only (Nubert
-    2022, Sec. V). The filter itself trails by `lag_s`, so that measurements of whatever latency are used at their own
-    time and in order; the state at the newest inertial sample is predicted from it.
+    The role of the paper's baseline, the two-state implicit filter: inertial and satellite
+    measurements only (Nubert 2022, Sec. V). The filter itself trails by `lag_s`, so that
+    measurements of whatever latency are used at their own time and in order; the state at the
+    newest inertial sample is predicted from it.
     """
 
     Settings = GnssImuSettings
@@ -104,7 +106,9 @@ class GnssImuFilter(CabinEstimator):
             self._moving_s = kalman.state.stamp_s  # in doubt it would believe anything
 
     def _correct_by_standing(self, kalman: ErrorStateFilter, rate_cabin: Float) -> None:
-        """A chassis that drives smoothly looks as if it stood: what the filter contradicts is not believed soon."""
+        """A chassis that drives smoothly looks as if it stood: what the filter contradicts is not
+        believed soon.
+        """
         if kalman.state.stamp_s - self._moving_s < _DOUBT_S:
             return
         settings, gate = self._settings.standing, self._settings.gate

@@ -32,7 +32,9 @@ class TrailingFilter:
         head.take(packed(kalman.state, kalman.covariance))
 
     def add(self, correction: Correction) -> bool:
-        """Take a correction; return whether it is in time. What is older than the first state, that one has in it."""
+        """Take a correction; return whether it is in time. What is older than the first state, that
+        one has in it.
+        """
         if correction.stamp_s > self._begin_s:
             if correction.stamp_s < self.kalman.state.stamp_s:
                 return False
@@ -40,7 +42,9 @@ class TrailingFilter:
         return True
 
     def add_sample(self, sample: Inertial) -> None:
-        """Move the filter on behind a sample that the head has gone on to; put the head where a correction says."""
+        """Move the filter on behind a sample that the head has gone on to; put the head where a
+        correction says.
+        """
         self._samples.append(sample)
         is_corrected = self._advance(sample.stamp_s - self._lag_s)
         if not is_corrected and sample.stamp_s - self._anchored_s < _COVARIANCE_PERIOD_S:
@@ -53,7 +57,9 @@ class TrailingFilter:
             self._head.anchor(estimate)
 
     def _advance(self, until_s: float) -> bool:
-        """Predict up to a time, correcting on the way by all that was measured until then; return whether any was."""
+        """Predict up to a time, correcting on the way by all that was measured until then; return
+        whether any was.
+        """
         is_corrected = False
         while self._corrections and self._corrections[0].stamp_s <= until_s:
             correction = self._corrections.pop(0)

@@ -1,4 +1,6 @@
-"""The door of an estimator: samples that cannot be right are refused and counted, never repaired."""
+"""The door of an estimator: samples that cannot be right are refused and counted,
+never repaired.
+"""
 
 import math
 from collections import Counter
@@ -12,9 +14,10 @@ _SET_BACK_S = (
 class Doorkeeper:
     """Admits samples whose stamps rise, one stream at a time.
 
-    A stamp far ahead is admitted only if the next one agrees with it: by itself it would shut the door on all that is
-    right after it. Where it is the very first, the second may therefore go far back. A clock that goes back for good
-    is followed once its stamps have risen for a second with none of the old clock between them.
+    A stamp far ahead is admitted only if the next one agrees with it: by itself it would shut the
+    door on all that is right after it. Where it is the very first, the second may therefore go far
+    back. A clock that goes back for good is followed once its stamps have risen for a second with
+    none of the old clock between them.
 
     Attributes:
         refused: Number of refused samples by reason, such as `imu_cabin: back in time`.
@@ -35,7 +38,8 @@ class Doorkeeper:
         Args:
             stream: Name of the stream.
             stamp_s: Time of measurement [s].
-            jump_s: A stamp that is so much newer must be followed by another before it is believed [s].
+            jump_s: A stamp that is so much newer must be followed by another before it is believed
+                [s].
         """
         is_usual = stream not in self._alone and stream not in self._ahead_s
         if is_usual and 0 < stamp_s - self._newest_s.get(stream, math.inf) <= jump_s:

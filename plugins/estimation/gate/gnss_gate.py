@@ -1,4 +1,6 @@
-"""Which fixes to believe: by innovation, by agreement with the odometry over a window, and by many in a row."""
+"""Which fixes to believe: by innovation, by agreement with the odometry over a window, and by many
+in a row.
+"""
 
 from collections import deque
 from collections.abc import Sequence
@@ -69,9 +71,11 @@ class Compared:
         fix: The fix.
         residual: Fix minus predicted antenna [m], shape (3,).
         covariance: Of the residual [m²], shape (3, 3).
-        p_odometry_antenna: The antenna by odometry alone, in the odometry's own frame [m], shape (3,).
+        p_odometry_antenna: The antenna by odometry alone, in the odometry's own frame [m], shape
+            (3,).
         R_map_odometry: Attitude of that frame, shape (3, 3).
-        has_odometry: Whether that is a lidar's; else it is the estimate itself, which drifts without fixes.
+        has_odometry: Whether that is a lidar's; else it is the estimate itself, which drifts
+            without fixes.
         slack_m: What it may be wrong by besides [m].
     """
 
@@ -89,7 +93,9 @@ class Compared:
         return float(self.residual @ np.linalg.solve(self.covariance, self.residual))
 
     def moved_since(self, earlier: "Compared") -> Float:
-        """Return how much farther the fixes moved than the odometry, between two of them [m], shape (3,)."""
+        """Return how much farther the fixes moved than the odometry, between two of them [m], shape
+        (3,).
+        """
         by_odometry = self.R_map_odometry @ (self.p_odometry_antenna - earlier.p_odometry_antenna)
         return self.fix.p_map_antenna - earlier.fix.p_map_antenna - by_odometry
 
@@ -97,9 +103,9 @@ class Compared:
 class GnssGate:
     """Judges fixes, and says why it refuses one.
 
-    The paper's gate compares raw consecutive fixes with a fixed distance (Nubert 2022, Sec. IV-C1), so that a wrong
-    fix which holds for a second is believed, and a slow drift always. Here a fix is compared with the estimate, and
-    many with the odometry, which a wrong fix cannot bend.
+    The paper's gate compares raw consecutive fixes with a fixed distance (Nubert 2022, Sec. IV-C1),
+    so that a wrong fix which holds for a second is believed, and a slow drift always. Here a fix is
+    compared with the estimate, and many with the odometry, which a wrong fix cannot bend.
     """
 
     def __init__(self, settings: GnssGateSettings) -> None:
@@ -174,11 +180,16 @@ class GnssGate:
             self._refused_since_s is not None
             and now_s - self._refused_since_s > settings.unlock_after_s
         ):
-            return f"fixes refused for {settings.unlock_after_s:.0f} s, {off_m:.2f} m off: anchored anew"
+            return (
+                f"fixes refused for {settings.unlock_after_s:.0f} s, {off_m:.2f} m off: "
+                "anchored anew"
+            )
         return ""
 
     def agreed(self, after_s: float) -> Sequence[Compared]:
-        """Return the fixes of the run from a time on, at most those of the time that recovery takes."""
+        """Return the fixes of the run from a time on, at most those of the time that recovery
+        takes.
+        """
         since_s = self._run[-1].fix.stamp_s - self._settings.recover_after_s
         return self._since(max(after_s, since_s))
 
@@ -194,7 +205,9 @@ class GnssGate:
 
 
 def _drift(compared: Sequence[Compared], limit_m: float, least_s: float) -> float:
-    """Return how far fixes and odometry came apart from the first to the last third [m]; 0 within limit and noise."""
+    """Return how far fixes and odometry came apart from the first to the last third [m]; 0 within
+    limit and noise.
+    """
     if len(compared) < _FEWEST or compared[-1].fix.stamp_s - compared[0].fix.stamp_s < least_s:
         return 0.0
     third = len(compared) // 3

@@ -1,4 +1,6 @@
-"""What crosses the border to the smoother besides inertial samples: plain values, so that they can be sent."""
+"""What crosses the border to the smoother besides inertial samples: plain values, so that they can
+be sent.
+"""
 
 from dataclasses import dataclass, field
 
@@ -48,8 +50,8 @@ class Standing:
     Attributes:
         stamp_s: Time of the joint sample [s].
         arm_imu: A point on the turn axis in IMU axes [m], shape (3,).
-        rate_imu: Angular velocity by the turn joint, IMU axes [rad/s], shape (3,); None while it turns, for encoders
-            differentiate well at rest only.
+        rate_imu: Angular velocity by the turn joint, IMU axes [rad/s], shape (3,); None while it
+            turns, for encoders differentiate well at rest only.
     """
 
     stamp_s: float

@@ -10,14 +10,18 @@ _AHEAD_S = 1.0  # no sensor is so much earlier than the inertial one
 
 
 class UnorderedDoor:
-    """Admits each stamp once, and none that the inertial samples cannot reach; refusals are the doorkeeper's."""
+    """Admits each stamp once, and none that the inertial samples cannot reach; refusals are the
+    doorkeeper's.
+    """
 
     def __init__(self, door: Doorkeeper) -> None:
         self._door = door
         self._seen: dict[str, deque[float]] = {}
 
     def admits(self, stream: str, stamp_s: float, now_s: float) -> bool:
-        """Return whether a stamp is new, finite and not in the future of the newest inertial sample."""
+        """Return whether a stamp is new, finite and not in the future of the newest inertial
+        sample.
+        """
         seen = self._seen.setdefault(stream, deque(maxlen=_REMEMBERED))
         if not math.isfinite(stamp_s):
             reason = "stamp not finite"

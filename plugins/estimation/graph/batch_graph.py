@@ -64,10 +64,11 @@ class _RecordingGraph(DualGraph):
 
 
 class BatchGraph(TrajectorySmoother):
-    """The dual graph's main graph without its lag and without its gate: all nodes, all fixes, solved together.
+    """The dual graph's main graph without its lag and without its gate: all nodes, all fixes,
+    solved together.
 
-    There is one graph, for with the whole recording at hand an outage is bridged from both of its ends. What a fix is
-    worth is judged by the solution itself.
+    There is one graph, for with the whole recording at hand an outage is bridged from both of its
+    ends. What a fix is worth is judged by the solution itself.
     """
 
     Settings = DualGraphSettings

@@ -1,4 +1,6 @@
-"""Triangulation of a chain of nodes by QR, from the oldest on, that remembers what nothing new has touched."""
+"""Triangulation of a chain of nodes by QR, from the oldest on, that remembers what nothing new has
+touched.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -39,9 +41,10 @@ class Eliminated:
 class GraphChain:
     """The nodes eliminated so far, oldest first.
 
-    Measurements fall on the newest few of sixty nodes, and what was eliminated before them stays as it was: an update
-    costs what is new, not what is in the window. The idea is iSAM2's (Kaess 2012), whose tree is a chain here, so that
-    a list will do; unlike there a node may be put in anywhere.
+    Measurements fall on the newest few of sixty nodes, and what was eliminated before them stays as
+    it was: an update costs what is new, not what is in the window. The idea is iSAM2's (Kaess
+    2012), whose tree is a chain here, so that a list will do; unlike there a node may be put in
+    anywhere.
     """
 
     def __init__(self) -> None:
@@ -66,7 +69,9 @@ class GraphChain:
         return [e.rest for e in self._inherited(leaving, {e.node for e in leaving})]
 
     def separator(self) -> set[int]:
-        """Return the nodes that are not eliminated, but touched by what is: they may not be linearised anew."""
+        """Return the nodes that are not eliminated, but touched by what is: they may not be
+        linearised anew.
+        """
         done = {e.node for e in self._done}
         return set().union(*(e.heirs for e in self._inherited(self._done, done))) - done
 

@@ -1,4 +1,6 @@
-"""Estimation by two factor graphs over inertial, satellite and lidar measurements, propagated at each sample."""
+"""Estimation by two factor graphs over inertial, satellite and lidar measurements, propagated at
+each sample.
+"""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -27,8 +29,9 @@ from executive.messages.status_change import StatusChange
 
 
 class DualGraph(CabinEstimator):
-    """The paper's estimator (Nubert 2022, Sec. IV): each inertial sample is propagated at once, and whenever a fix or
-    a lidar increment comes, the smoother's answer takes the propagation's place and is carried on to the newest sample.
+    """The paper's estimator (Nubert 2022, Sec. IV): each inertial sample is propagated at once, and
+    whenever a fix or a lidar increment comes, the smoother's answer takes the propagation's place
+    and is carried on to the newest sample.
 
     Attributes:
         changes: Changes of the mode since the start, with their reasons.
@@ -123,7 +126,9 @@ class DualGraph(CabinEstimator):
 
 
 def _adjoint(T: Float) -> Float:
-    """Return the map of (rotation, translation) errors in the second frame to the first, shape (6, 6)."""
+    """Return the map of (rotation, translation) errors in the second frame to the first, shape (6,
+    6).
+    """
     J = np.zeros((6, 6))
     J[:3, :3] = J[3:, 3:] = T[:3, :3]
     J[3:, :3] = skew(T[:3, 3]) @ T[:3, :3]

@@ -12,7 +12,8 @@ class DualGraphSettings(CabinSettings):
 
     process: bool = Field(
         False,
-        description="Whether to smooth in a process of its own; false gives the same result on each run.",
+        description="Whether to smooth in a process of its own; false gives the same result on "
+        "each run.",
     )
     answer_within_s: Seconds = Field(
         1.0,

@@ -1,4 +1,6 @@
-"""From measurements and states to GTSAM's factors and back; the orders of its blocks stay in this file."""
+"""From measurements and states to GTSAM's factors and back; the orders of its blocks stay in this
+file.
+"""
 
 from collections.abc import Sequence
 
@@ -31,7 +33,8 @@ _INTEGRATION_VARIANCE = (
 GAP_ACCELERATION_M_S2 = 1.0  # what the machine may do unseen in a gap of inertial samples
 GAP_RATE_RAD_S = 0.8
 _LEAST_VARIANCE = 1e-12  # so that a first state that is known perfectly has an inverse
-# GTSAM orders a node as pose (rotation, position in body axes), velocity, bias (accelerometer, gyro).
+# GTSAM orders a node as pose (rotation, position in body axes), velocity, bias (accelerometer,
+# gyro).
 _ORDER = np.r_[ROTATION, POSITION, VELOCITY, ACCEL_BIAS, GYRO_BIAS]
 
 
@@ -41,7 +44,9 @@ def keys(node: int) -> tuple[int, int, int]:
 
 
 def preintegration(noise: InertialNoise, gap_s: float = 0.0) -> gtsam.PreintegrationCombinedParams:
-    """Return the parameters of preintegration (Forster 2017); a gap of the samples is paid for with covariance."""
+    """Return the parameters of preintegration (Forster 2017); a gap of the samples is paid for with
+    covariance.
+    """
     params = gtsam.PreintegrationCombinedParams.MakeSharedU(noise.gravity_m_s2)
     eye = np.eye(3)
     params.setAccelerometerCovariance(
@@ -86,7 +91,9 @@ def extract(
 
 
 def covariance_of(R_node: Float, R_map_imu: Float) -> Float:
-    """Return the error's covariance in our order and axes from the root's square-root information, (15, 15) each."""
+    """Return the error's covariance in our order and axes from the root's square-root information,
+    (15, 15) each.
+    """
     root = np.linalg.solve(R_node, np.eye(DIMENSION))
     J = np.zeros((DIMENSION, DIMENSION))
     J[_ORDER] = np.eye(DIMENSION)
@@ -121,7 +128,8 @@ def _rotated(R_map_imu: Float) -> Float:
 def inertial_factor(
     nodes: tuple[int, int], first: InertialState, samples: Sequence[Inertial], noise: InertialNoise
 ) -> gtsam.NonlinearFactor:
-    """Preintegrate samples between two nodes; forces act in the attitude of a sample's middle, as in `propagate`.
+    """Preintegrate samples between two nodes; forces act in the attitude of a sample's middle, as
+    in `propagate`.
 
     Args:
         nodes: The earlier node and the later one.
@@ -147,8 +155,8 @@ def inertial_factor(
 def fix_factor(node: int, fix: Fix) -> gtsam.NonlinearFactor:
     """Return |p + R l − z| with the lever arm inside.
 
-    The paper moves the antenna to the IMU beforehand (Nubert 2022, Eq. (8)–(9)), which turns an error of heading into
-    one of position; here it corrects the heading.
+    The paper moves the antenna to the IMU beforehand (Nubert 2022, Eq. (8)–(9)), which turns an
+    error of heading into one of position; here it corrects the heading.
     """
     gaussian = gtsam.noiseModel.Gaussian.Covariance(fix.covariance)
     robust = gtsam.noiseModel.Robust.Create(
@@ -169,7 +177,9 @@ def between_factor(
 
 
 def pose_factor(node: int, T_map_imu: Float, covariance: Float) -> gtsam.NonlinearFactor:
-    """Return a pseudo-global lidar pose (Sec. IV-A4b); covariance of (rotation, translation) in IMU axes, (6, 6)."""
+    """Return a pseudo-global lidar pose (Sec. IV-A4b); covariance of (rotation, translation) in IMU
+    axes, (6, 6).
+    """
     gaussian = gtsam.noiseModel.Gaussian.Covariance(covariance)
     robust = gtsam.noiseModel.Robust.Create(
         gtsam.noiseModel.mEstimator.Huber.Create(_HUBER), gaussian
@@ -183,7 +193,9 @@ def velocity_factor(node: int, v_map_imu: Float, std_m_s: float) -> gtsam.Nonlin
 
 
 def gyro_bias_factor(node: int, gyro_bias: Float, std_rad_s: float) -> gtsam.NonlinearFactor:
-    """Return a gyro bias that is known otherwise [rad/s]; the accelerometer's is left as good as free."""
+    """Return a gyro bias that is known otherwise [rad/s]; the accelerometer's is left as good as
+    free.
+    """
     sigmas = np.concatenate([np.full(3, 10.0), np.full(3, std_rad_s)])
     bias = gtsam.imuBias.ConstantBias(np.zeros(3), gyro_bias)
     return gtsam.PriorFactorConstantBias(B(node), bias, gtsam.noiseModel.Diagonal.Sigmas(sigmas))

@@ -1,4 +1,6 @@
-"""Lidar odometry as one chain of poses: where the IMU is in the frame that the odometry began in."""
+"""Lidar odometry as one chain of poses: where the IMU is in the frame that the odometry
+began in.
+"""
 
 from collections import deque
 
@@ -36,7 +38,9 @@ class LidarChain:
             self._poses.popleft()
 
     def newest(self) -> tuple[float, Float] | None:
-        """Return time [s] and pose of the newest scan, shape (4, 4); None before the first increment."""
+        """Return time [s] and pose of the newest scan, shape (4, 4); None before the first
+        increment.
+        """
         return self._poses[-1] if self._poses else None
 
     def before(self, stamp_s: float, within_s: float) -> tuple[float, Float] | None:

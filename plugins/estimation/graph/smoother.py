@@ -1,4 +1,6 @@
-"""The two factor graphs and who leads: raw samples and measurements in, estimates out (Nubert 2022, Sec. IV-C)."""
+"""The two factor graphs and who leads: raw samples and measurements in, estimates out (Nubert 2022,
+Sec. IV-C).
+"""
 
 from bisect import insort
 from collections import Counter
@@ -40,12 +42,14 @@ _BREAK_S = 0.3  # a gap of samples over which the graph is cut
 
 
 class GraphSmoother:
-    """Main graph with satellites and relative lidar; fallback graph with the lidar's poses as if they were global.
+    """Main graph with satellites and relative lidar; fallback graph with the lidar's poses as if
+    they were global.
 
-    The paper lets the second lead in an outage (Nubert 2022, Sec. IV-A4b, IV-C). Its anchor keeps the tilt and heading
-    that were believed at the loss, and counts each pose as independent of the last: over ten simulated outages the
-    worst error was a third larger than by the main graph alone. So that goes on to lead unless `fallback` says
-    otherwise, and the covariance is its own in any case.
+    The paper lets the second lead in an outage (Nubert 2022, Sec. IV-A4b, IV-C). Its anchor keeps
+    the tilt and heading that were believed at the loss, and counts each pose as independent of the
+    last: over ten simulated outages the worst error was a third larger than by the main graph
+    alone. So that goes on to lead unless `fallback` says otherwise, and the covariance is its own
+    in any case.
     """
 
     def __init__(
@@ -80,7 +84,9 @@ class GraphSmoother:
             self._bridge(before_s, sample.stamp_s)
 
     def _bridge(self, before_s: float, after_s: float) -> None:
-        """Begin anew after a gap of samples that is too long to integrate, at a guess and in doubt."""
+        """Begin anew after a gap of samples that is too long to integrate,
+        at a guess and in doubt.
+        """
         gap_s = after_s - before_s
         doubted = ErrorStateFilter(
             self._leading.state_at(after_s), self._leading.covariance, self._noise
@@ -98,7 +104,9 @@ class GraphSmoother:
             self._anchor = None
 
     def add(self, measurement: Measurement) -> None:
-        """Take a measurement, late or not; it is used in the next update that the samples have reached."""
+        """Take a measurement, late or not; it is used in the next update that the samples have
+        reached.
+        """
         insort(self._waiting, Waiting(measurement.stamp_s, measurement))
 
     @property
@@ -150,7 +158,9 @@ class GraphSmoother:
         self._samples.forget_before(min(window.oldest_s for window in self._windows()))
 
     def _rebuild(self) -> None:
-        """Begin anew at the last good estimate: one graph, its window lost but not its knowledge."""
+        """Begin anew at the last good estimate: one graph, its window lost but not its
+        knowledge.
+        """
         self._refused["smoother: rebuilt"] += 1
         state, P = self._last_good
         self._main = GraphWindow(self._noise, self._samples, state, P)
@@ -200,7 +210,9 @@ class GraphSmoother:
             self._add_pseudo_global(self._fallback, increment)
 
     def _add_pseudo_global(self, fallback: GraphWindow, increment: Increment) -> None:
-        """Add T_map_chain · T_chain_imu (Eq. 10), the chain anchored where it was when the satellites were lost."""
+        """Add T_map_chain · T_chain_imu (Eq. 10), the chain anchored where it was when the
+        satellites were lost.
+        """
         newest = self._chain.newest()
         if newest is None or increment.from_s <= fallback.oldest_s:
             return
@@ -256,7 +268,9 @@ class GraphSmoother:
             self._fall_back(now_s, f"no good fix for {silent_s:.1f} s")
 
     def _fall_back(self, stamp_s: float, reason: str) -> None:
-        """Do without satellites. If the fallback graph is to lead: at this point both are the same."""
+        """Do without satellites. If the fallback graph is to lead:
+        at this point both are the same.
+        """
         self._modes.change(stamp_s, Mode.FALLBACK, reason)
         self._gate.begin_recovery()
         if self._settings.fallback == "relative":
@@ -290,7 +304,9 @@ class GraphSmoother:
         self._modes.change(fix.stamp_s, Mode.GLOBAL, reason)
 
     def _return_to_main(self, first: Compared) -> None:
-        """Let the main graph lead again; where it has drifted more than it knows, it begins anew in doubt."""
+        """Let the main graph lead again; where it has drifted more than it knows, it begins anew in
+        doubt.
+        """
         leading, self._fallback = self._leading, None
         stamp_s = first.fix.stamp_s
         own = self._compared(first.fix)
@@ -318,7 +334,9 @@ class GraphSmoother:
         return Compared(fix, residual, S, transform(T_chain_imu, fix.arm_imu), R_map_chain, True)
 
     def _predicted(self, stamp_s: float) -> tuple[InertialState, Float]:
-        """Return what leads, at a time, and its covariance: the newest node's, grown by the time since."""
+        """Return what leads, at a time, and its covariance: the newest node's, grown by the time
+        since.
+        """
         window = self._leading
         state, ahead_s = window.state_at(stamp_s), stamp_s - window.newest_s
         if ahead_s <= 0:
@@ -330,7 +348,9 @@ class GraphSmoother:
     def _reckoned(
         self, state: InertialState, scan_s: float, T_chain_scan: Float
     ) -> tuple[Float, Float]:
-        """Return the IMU by the lidar chain, carried on from the last scan, and the chain's attitude in the map."""
+        """Return the IMU by the lidar chain, carried on from the last scan, and the chain's
+        attitude in the map.
+        """
         at_scan = self._leading.state_at(scan_s)
         T_map_scan = pose(at_scan.R_map_imu, at_scan.p_map_imu)
         T_scan_imu = inverse(T_map_scan) @ pose(state.R_map_imu, state.p_map_imu)

@@ -1,4 +1,6 @@
-"""One process that smooths: measurements go in by a pipe; samples and estimates lie in memory that both have."""
+"""One process that smooths: measurements go in by a pipe; samples and estimates lie in memory that
+both have.
+"""
 
 import multiprocessing
 import signal
@@ -171,7 +173,9 @@ class _Work:
             )  # one in reserve, which has no smoother, writes nothing
 
     def _answer(self, estimate: Estimate) -> None:
-        """Write the estimate, then say so; what has no room in the block goes first, by the pipe."""
+        """Write the estimate, then say so; what has no room in the block goes first,
+        by the pipe.
+        """
         number = int(self._block["answered"][0]) + 1
         row = self._block["answers"][0][number % ANSWERS : number % ANSWERS + 1]
         pack_into(row, estimate)

@@ -26,7 +26,8 @@ from executive.arrays import Float
 from executive.messages.imu import ImuSample
 
 _log = logging.getLogger(__name__)
-_MOST_BATCHES = 16  # under way at a time: so many fit into the pipe, and a child that hangs never blocks the sender
+# under way at a time: so many fit into the pipe, and a child that hangs never blocks the sender
+_MOST_BATCHES = 16
 _MEASUREMENT_S = 0.01  # what one may cost on a busy machine
 
 
@@ -52,7 +53,8 @@ class SmootherHost(ABC):
     """Takes raw samples, gives estimates whenever there is a new one; never blocks for long.
 
     Attributes:
-        memory: What the head's block is to lie in, for another process to read; None if there is no other.
+        memory: What the head's block is to lie in, for another process to read; None if there is no
+            other.
     """
 
     memory: Any = None
@@ -69,7 +71,8 @@ class SmootherHost(ABC):
     def sampled(
         self, head: LiveHead, sample: ImuSample, since_last_s: float, answered: int
     ) -> News | None:
-        """Take notice of a sample to which the head has gone on; put a new estimate into it, if there is one.
+        """Take notice of a sample to which the head has gone on; put a new estimate into it, if
+        there is one.
 
         Args:
             head: The head.
@@ -84,7 +87,9 @@ class SmootherHost(ABC):
 
 
 class InlineSmoother(SmootherHost):
-    """Updates at the sample that reaches a measurement: the same samples always give the same estimates."""
+    """Updates at the sample that reaches a measurement: the same samples always give the same
+    estimates.
+    """
 
     def __init__(self, settings: SmootherSettings, noise: InertialNoise) -> None:
         self._settings = settings
@@ -122,9 +127,10 @@ class InlineSmoother(SmootherHost):
 class ProcessSmoother(SmootherHost):
     """Updates in a child process, for GTSAM holds the interpreter's lock through a whole update.
 
-    An inertial sample costs no system call: the child finds it in the block, and leaves its estimates there. Only
-    measurements are sent. A child that died, or does not answer in time, is replaced by one that begins at the last
-    estimate. It stands by: to begin with a new process would cost the seconds that its imports take.
+    An inertial sample costs no system call: the child finds it in the block, and leaves its
+    estimates there. Only measurements are sent. A child that died, or does not answer in time, is
+    replaced by one that begins at the last estimate. It stands by: to begin with a new process
+    would cost the seconds that its imports take.
 
     Attributes:
         restarts: Number of children that had to be replaced.
@@ -210,7 +216,8 @@ class ProcessSmoother(SmootherHost):
             self.spare = self._spawned()
 
     def _wait_for_answer(self, measurements: int = 0) -> None:
-        """Give the child its time from now on, by the wall clock, the only one that a hung child obeys.
+        """Give the child its time from now on, by the wall clock, the only one that a hung child
+        obeys.
 
         It is given more if many measurements have gathered, as when it takes over from another.
         """
@@ -240,7 +247,9 @@ class ProcessSmoother(SmootherHost):
         self._send()
 
     def _last_start(self) -> list[Start]:
-        """Return the last estimate as a beginning, or the beginning itself if there is none since."""
+        """Return the last estimate as a beginning, or the beginning itself if there is
+        none since.
+        """
         if self._begun is None:
             return []
         number = int(self._block["answered"][0]) % ANSWERS
@@ -262,7 +271,9 @@ class ProcessSmoother(SmootherHost):
         return int(first)
 
     def wait(self, patience_s: float) -> None:
-        """Wait until all that was sent is answered; for what has no clock to keep, such as a replay or a test."""
+        """Wait until all that was sent is answered; for what has no clock to keep, such as a replay
+        or a test.
+        """
         until_s = time.monotonic() + patience_s
         while (self._outbox or self._handled[0] < self._sent) and time.monotonic() < until_s:
             if self._outbox:
@@ -276,6 +287,8 @@ class ProcessSmoother(SmootherHost):
 
 
 def _counter(memory: Any, name: str) -> memoryview:
-    """Return one number of the block, which Python reads and writes at once, and in the order of its lines."""
+    """Return one number of the block, which Python reads and writes at once, and in the order of
+    its lines.
+    """
     offset = LIVE.fields[name][1]  # type: ignore[index]
     return memoryview(np.frombuffer(memory, np.uint8)[offset : offset + 8]).cast("q")  # type: ignore[arg-type]

@@ -28,7 +28,8 @@ class SmootherSettings(Settings):
     )
     fallback: Literal["relative", "pseudo_global"] = Field(
         "relative",
-        description="What leads without satellites: the main graph by relative poses, or the paper's second one.",
+        description="What leads without satellites: the main graph by relative poses, or the "
+        "paper's second one.",
     )
     fallback_position_std_m: Meters = Field(
         0.02, gt=0, le=5, description="Standard deviation of a pseudo-global lidar position [m]."

@@ -12,10 +12,11 @@ from executive.arrays import Float
 
 
 class StandingBelief:
-    """Holds the measurements against the estimate: a chassis that drives smoothly looks as if it stood.
+    """Holds the measurements against the estimate: a chassis that drives smoothly looks as if it
+    stood.
 
-    On a simulated drive of 0.1 m/s² the detector was fooled for seconds, and the graph, whose fixes its own gate then
-    refused, stayed behind by metres.
+    On a simulated drive of 0.1 m/s² the detector was fooled for seconds, and the graph, whose fixes
+    its own gate then refused, stayed behind by metres.
     """
 
     def __init__(self, settings: SmootherSettings) -> None:
@@ -38,7 +39,9 @@ class StandingBelief:
     def factors(
         self, node: int, standing: Standing, state: InertialState
     ) -> list[gtsam.NonlinearFactor]:
-        """The speed of a point on the turn axis, v + R (ω × l), is zero; R and ω are taken as estimated now."""
+        """The speed of a point on the turn axis, v + R (ω × l), is zero; R and ω are taken as
+        estimated now.
+        """
         speed = state.R_map_imu @ skew(state.rate) @ standing.arm_imu
         made = [velocity_factor(node, -speed, self._settings.standing_velocity_std_m_s)]
         if standing.rate_imu is not None:

@@ -1,4 +1,6 @@
-"""One factor graph over a whole recording: the factors of the window, solved at once by Levenberg and Marquardt."""
+"""One factor graph over a whole recording: the factors of the window, solved at once by Levenberg
+and Marquardt.
+"""
 
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
@@ -42,13 +44,15 @@ _STANDING_SIGMAS = 5.0  # a chassis that is estimated to be so much faster does 
 
 @dataclass(slots=True)
 class Recording:
-    """What an estimator worked with from one start on: the first state, and all that its door let in.
+    """What an estimator worked with from one start on: the first state, and all that its door let
+    in.
 
     Attributes:
         first: The first state and its error's covariance (15, 15).
         samples: Inertial samples after it.
         measurements: Of whatever time, in order of arrival.
-        estimates: The newest states of the online smoother, in order of time: where the search begins.
+        estimates: The newest states of the online smoother, in order of time: where the search
+            begins.
     """
 
     first: tuple[InertialState, Float]
@@ -58,7 +62,9 @@ class Recording:
 
 
 class WholeGraph:
-    """Solves one recording; fixes that the solution contradicts are left out, and it is solved again."""
+    """Solves one recording; fixes that the solution contradicts are left out, and it is solved
+    again.
+    """
 
     def __init__(
         self, recording: Recording, settings: SmootherSettings, noise: InertialNoise
@@ -80,7 +86,9 @@ class WholeGraph:
         self.left_out = 0
 
     def _node_stamps(self, end_s: float) -> list[float]:
-        """Return times of nodes: where something is measured, and so often that no inertial factor gets long."""
+        """Return times of nodes: where something is measured, and so often that no inertial factor
+        gets long.
+        """
         wanted = {
             end_s,
             *(m.stamp_s for m in self._measurements),
@@ -176,7 +184,9 @@ class WholeGraph:
         )
 
     def covariances(self) -> Iterator[Float]:
-        """Yield the covariance of each node's error, as far as its pose, the rest zero, shape (15, 15)."""
+        """Yield the covariance of each node's error, as far as its pose, the rest zero, shape (15,
+        15).
+        """
         marginals = gtsam.Marginals(self._graph, self._values)
         for node in range(len(self._stamps_s)):
             x = keys(node)[0]
@@ -186,7 +196,9 @@ class WholeGraph:
             yield J @ marginals.marginalCovariance(x) @ J.T
 
     def between(self, states: Sequence[InertialState], node: int) -> Iterator[InertialState]:
-        """Yield the states at the samples after a node up to the next, which they lead to without a step."""
+        """Yield the states at the samples after a node up to the next, which they lead to without a
+        step.
+        """
         begin, end = states[node], states[node + 1]
         path = [begin]
         for sample in self._samples.between(begin.stamp_s, end.stamp_s):

@@ -1,4 +1,6 @@
-"""One factor graph over the last seconds: nodes at measurements, inertial factors between, what is older as a prior."""
+"""One factor graph over the last seconds: nodes at measurements, inertial factors between, what is
+older as a prior.
+"""
 
 from bisect import bisect_left
 from collections.abc import Iterable, Sequence
@@ -24,10 +26,12 @@ from executive.errors import DataError
 
 _SAME_S = 5e-4  # measurements nearer in time share a node: at 1 m/s that is half a millimetre
 _MOST_ITERATIONS = 6
-# How far a node may be from where its factors are linearised, in GTSAM's order of a step: biases of the accelerometer
-# and the gyro, velocity, rotation, position. What that neglects is of second order, and a share of a kernel's weight.
+# How far a node may be from where its factors are linearised, in GTSAM's order of a step: biases of
+# the accelerometer and the gyro, velocity, rotation, position. What that neglects is of second
+# order, and a share of a kernel's weight.
 _LINEAR = np.repeat([0.02, 2e-3, 0.03, 6e-4, 1.5e-3], 3)
-# Changes of a node that are not handed on to older ones, in the order of _LINEAR: none of those is given out.
+# Changes of a node that are not handed on to older ones, in the order of _LINEAR: none of those is
+# given out.
 _UNMOVED = np.repeat([5e-4, 2e-5, 2e-4, 5e-5, 2e-4], 3)
 
 
@@ -48,10 +52,11 @@ class _Measured:
 class GraphWindow:
     """A fixed-lag smoother that is solved whole, by QR along the chain of its nodes.
 
-    The paper makes a node of every inertial sample (Nubert 2022, Sec. IV-A2); here nodes stand where something was
-    measured, and the sample that a node falls into is split there: the same estimate from a quarter of the states.
-    Only what a measurement touches is eliminated and linearised again, yet a node may be put in anywhere, and the
-    newest covariance is the last triangle. Cholesky is no option: its squared condition throws on tight inertial noise.
+    The paper makes a node of every inertial sample (Nubert 2022, Sec. IV-A2); here nodes stand
+    where something was measured, and the sample that a node falls into is split there: the same
+    estimate from a quarter of the states. Only what a measurement touches is eliminated and
+    linearised again, yet a node may be put in anywhere, and the newest covariance is the last
+    triangle. Cholesky is no option: its squared condition throws on tight inertial noise.
     """
 
     def __init__(
@@ -74,7 +79,9 @@ class GraphWindow:
         self.covariance = covariance
 
     def copy(self) -> "GraphWindow":
-        """Return an independent window of the same content; factors are shared, for they never change."""
+        """Return an independent window of the same content; factors are shared, for they never
+        change.
+        """
         twin = object.__new__(GraphWindow)
         twin.__dict__.update(self.__dict__)
         twin._points, twin._steps = gtsam.Values(self._points), self._steps.copy()
@@ -119,7 +126,9 @@ class GraphWindow:
         )
 
     def node_at(self, stamp_s: float) -> int:
-        """Return the node at a time within the window and the samples, making it if there is none."""
+        """Return the node at a time within the window and the samples,
+        making it if there is none.
+        """
         i = bisect_left(self._stamps_s, stamp_s - _SAME_S)
         if i < len(self._stamps_s) and self._stamps_s[i] - stamp_s <= _SAME_S:
             return self._nodes[i]
@@ -164,7 +173,8 @@ class GraphWindow:
         )
 
     def solve(self) -> None:
-        """Bring all nodes to the most probable values (Gauss–Newton), and the newest's covariance with them.
+        """Bring all nodes to the most probable values (Gauss–Newton), and the newest's covariance
+        with them.
 
         Raises:
             UnsolvableError: If the equations have no unique solution or it is not finite.
@@ -233,7 +243,9 @@ class GraphWindow:
         return moved
 
     def forget_before(self, stamp_s: float) -> None:
-        """Turn the nodes older than a time into a prior on those that they are tied to (marginalisation)."""
+        """Turn the nodes older than a time into a prior on those that they are tied to
+        (marginalisation).
+        """
         count = min(bisect_left(self._stamps_s, stamp_s), len(self._nodes) - 1)
         if count <= 0:
             return

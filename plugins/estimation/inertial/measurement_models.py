@@ -1,4 +1,6 @@
-"""What the filter's measurements should read, and how the state's error changes it (Solà 2017, error on the right)."""
+"""What the filter's measurements should read, and how the state's error changes it (Solà 2017,
+error on the right).
+"""
 
 import numpy as np
 from executive_plugins.estimation.inertial.state import (
@@ -14,13 +16,16 @@ from executive_plugins.estimation.inertial.state import (
 
 from executive.arrays import Float
 
-# Each returns measured − predicted, shape (3,), and its derivative by the state's error, negated, shape (3, 15).
+# Each returns measured − predicted, shape (3,), and its derivative by the state's error, negated,
+# shape (3, 15).
 
 
 def antenna_residual(
     state: InertialState, arm_imu: Float, p_map_antenna: Float
 ) -> tuple[Float, Float]:
-    """Compare a fix with p_imu + R l, where l is the antenna's lever arm in IMU axes [m]: ∂/∂θ = −R [l]×."""
+    """Compare a fix with p_imu + R l, where l is the antenna's lever arm in IMU axes [m]: ∂/∂θ = −R
+    [l]×.
+    """
     H = np.zeros((3, DIMENSION))
     H[:, ROTATION] = -state.R_map_imu @ skew(arm_imu)
     H[:, POSITION] = IDENTITY_3
@@ -28,7 +33,9 @@ def antenna_residual(
 
 
 def standing_residual(state: InertialState, arm_imu: Float) -> tuple[Float, Float]:
-    """Compare the speed of a point of the cabin that is on the turn axis, v_imu + R (ω × l), with zero."""
+    """Compare the speed of a point of the cabin that is on the turn axis, v_imu + R (ω × l), with
+    zero.
+    """
     speed = skew(state.rate) @ arm_imu
     H = np.zeros((3, DIMENSION))
     H[:, ROTATION] = -state.R_map_imu @ skew(speed)
@@ -38,7 +45,9 @@ def standing_residual(state: InertialState, arm_imu: Float) -> tuple[Float, Floa
 
 
 def rate_residual(state: InertialState, rate_imu: Float) -> tuple[Float, Float]:
-    """Compare the angular velocity, bias removed, with one that is known otherwise [rad/s], both in IMU axes."""
+    """Compare the angular velocity, bias removed, with one that is known otherwise [rad/s], both in
+    IMU axes.
+    """
     H = np.zeros((3, DIMENSION))
     H[:, GYRO_BIAS] = -IDENTITY_3
     return rate_imu - state.rate, H

@@ -41,7 +41,9 @@ class InertialNoise:
 
     @classmethod
     def of(cls, imu: Imu, factor: float, gravity_m_s2: float) -> "InertialNoise":
-        """Take a sensor's data sheet, its white noise scaled by a factor for what a sheet leaves out."""
+        """Take a sensor's data sheet, its white noise scaled by a factor for what a sheet leaves
+        out.
+        """
         seconds = imu.rate_hz**-0.5  # a sample's standard deviation to a density
         return cls(
             max(factor * imu.gyro_noise_rad_s * seconds, 1e-5),

@@ -25,7 +25,9 @@ class SampleBuffer:
         self._samples.append(sample)
 
     def at(self, stamp_s: float) -> Inertial:
-        """Return the part that ends at a time, of the sample that it falls into; the newest one goes on beyond."""
+        """Return the part that ends at a time, of the sample that it falls into; the newest one
+        goes on beyond.
+        """
         i = min(bisect_left(self._stamps_s, stamp_s), len(self._samples) - 1)
         return self._samples[i].until(stamp_s)
 

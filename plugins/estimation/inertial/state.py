@@ -14,7 +14,8 @@ from executive_plugins.estimation.inertial.strapdown import (
 
 from executive.arrays import Float
 
-# Blocks of the error state: rotation [rad] in IMU axes, velocity, position in map axes, gyro bias, accelerometer bias.
+# Blocks of the error state: rotation [rad] in IMU axes, velocity, position in map axes, gyro bias,
+# accelerometer bias.
 ROTATION, VELOCITY, POSITION, GYRO_BIAS, ACCEL_BIAS = (slice(i, i + 3) for i in range(0, 15, 3))
 DIMENSION = 15
 IDENTITY_3, _IDENTITY = np.eye(3), np.eye(DIMENSION)
@@ -24,8 +25,9 @@ IDENTITY_3, _IDENTITY = np.eye(3), np.eye(DIMENSION)
 class Inertial:
     """One inertial measurement as the filter keeps it: bias not removed, IMU axes.
 
-    It stands for the mean since the sample before, as sensors give it behind their anti-aliasing filter; read as the
-    value at its instant, a turn of 0.8 rad/s would lag by half a sample, 4 mrad.
+    It stands for the mean since the sample before, as sensors give it behind their anti-aliasing
+    filter; read as the value at its instant, a turn of 0.8 rad/s would lag by half a sample, 4
+    mrad.
 
     Attributes:
         stamp_s: End of the time that it stands for [s].
@@ -76,7 +78,9 @@ class InertialState:
 
 
 def propagate(state: InertialState, sample: Inertial, gravity_m_s2: float) -> InertialState:
-    """Carry the state on to a later sample; the force acts in the attitude of the middle, the earth does not turn."""
+    """Carry the state on to a later sample; the force acts in the attitude of the middle, the earth
+    does not turn.
+    """
     return propagate_through(state, (sample,), gravity_m_s2)
 
 
@@ -100,7 +104,9 @@ def propagate_through(
 def carry_covariance(
     state: InertialState, covariance: Float, noise: InertialNoise, dt_s: float
 ) -> Float:
-    """Return the covariance of the state's error a step later, by its present rate and force, shape (15, 15)."""
+    """Return the covariance of the state's error a step later, by its present rate and force, shape
+    (15, 15).
+    """
     force = state.sample.force - state.accel_bias
     after = np.empty((DIMENSION, DIMENSION))
     carry_covariance_by(
@@ -110,7 +116,9 @@ def carry_covariance(
 
 
 def carry_cross(state: InertialState, cross: Float, dt_s: float) -> Float:
-    """Return the covariance of the state's error with another's a step later, shape (15, k) → (15, k)."""
+    """Return the covariance of the state's error with another's a step later, shape (15, k) → (15,
+    k).
+    """
     force = state.sample.force - state.accel_bias
     after = np.empty(cross.shape)
     carry_cross_by(cross, state.R_map_imu, state.rate, force, dt_s, after)
@@ -120,7 +128,8 @@ def carry_cross(state: InertialState, cross: Float, dt_s: float) -> Float:
 def error_transition(state: InertialState, dt_s: float) -> Float:
     """Return ∂(error after)/∂(error before) over a step, to first order in it, shape (15, 15).
 
-    The rotation's error is on the right, R = R̂ exp(θ), so that θ̇ = −ω×θ − b_g and v̇ = −R [f]× θ − R b_a.
+    The rotation's error is on the right, R = R̂ exp(θ), so that θ̇ = −ω×θ − b_g and v̇ = −R [f]× θ
+    − R b_a.
     """
     R, force = state.R_map_imu, state.sample.force - state.accel_bias
     F = _IDENTITY.copy()
@@ -147,13 +156,17 @@ def retract(state: InertialState, error: Float) -> InertialState:
 
 
 def skew(v: Float) -> Float:
-    """Return [v]×; as executive.geometry's, on plain floats, which is what a hundred calls a tick ask for."""
+    """Return [v]×; as executive.geometry's, on plain floats, which is what a hundred calls a tick
+    ask for.
+    """
     x, y, z = v.tolist()
     return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
 
 
 def rotation_step(rotation_vector: Float) -> Float:
-    """Map a rotation vector [rad] to its matrix (Rodrigues), on plain floats for speed, shape (3,) → (3, 3)."""
+    """Map a rotation vector [rad] to its matrix (Rodrigues), on plain floats for speed, shape (3,)
+    → (3, 3).
+    """
     x, y, z = rotation_vector.tolist()
     angle2 = x * x + y * y + z * z
     if angle2 < 1e-10:  # the next terms of both series are below 1e-11

@@ -1,8 +1,10 @@
-"""The strapdown equations, compiled: what runs at each inertial sample, where NumPy's cost a call would add up.
+"""The strapdown equations, compiled: what runs at each inertial sample, where NumPy's cost a call
+would add up.
 
-Signatures are fixed, so that all is compiled when this file is imported (once, then it is read from a cache), and no
-sample waits for a compiler. Read-only arrays of any layout are taken: that is what messages hold. What is found is
-written into arrays of the caller: to hand one back costs a microsecond.
+Signatures are fixed, so that all is compiled when this file is imported (once, then it is read from
+a cache), and no sample waits for a compiler. Read-only arrays of any layout are taken: that is what
+messages hold. What is found is written into arrays of the caller: to hand one back costs a
+microsecond.
 """
 
 import math
@@ -16,7 +18,8 @@ _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 _MATRIX = types.Array(types.float64, 2, "A", readonly=True)
 _NEW_VECTOR, _NEW_MATRIX = types.float64[::1], types.float64[:, ::1]
 _REAL = types.float64
-_N = 15  # the error of rotation, velocity, position, gyro bias, accelerometer bias, as in inertial_state
+# the error of rotation, velocity, position, gyro bias, accelerometer bias, as in inertial_state
+_N = 15
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -90,7 +93,8 @@ def advance(  # noqa: PLR0913 - the numbers of a state, which the compiler wants
     p_after: Float,
     v_after: Float,
 ) -> None:
-    """Find orientation, position and velocity a step later; the force acts in the attitude of the middle.
+    """Find orientation, position and velocity a step later; the force acts in the attitude of the
+    middle.
 
     Args:
         R, p, v: In the map, shapes (3, 3), (3,) [m], (3,) [m/s].
@@ -151,7 +155,8 @@ def _turned_force(R: Float, force: Float) -> Float:
 def carry_cross_by(
     C: Float, R: Float, rate: Float, force: Float, dt_s: float, after: Float
 ) -> None:
-    """Find F C, the covariance of the state's error with another's a step later, shape (15, k) → (15, k).
+    """Find F C, the covariance of the state's error with another's a step later, shape (15, k) →
+    (15, k).
 
     The other arguments are those of `carry_covariance_by`.
     """
@@ -162,7 +167,9 @@ def carry_cross_by(
 def carry_covariance_into(
     P: Float, R: Float, rate: Float, force: Float, densities: Float, dt_s: float, after: Float
 ) -> None:
-    """Find F P Fᵀ + Q, see `carry_covariance_by`; for arrays of any kind that compiled code may hold."""
+    """Find F P Fᵀ + Q, see `carry_covariance_by`; for arrays of any kind that compiled code may
+    hold.
+    """
     turned_back, by_rotation = _turn(rate, -dt_s), _turned_force(R, force)
     half = np.empty((_N, _N))
     _carry_rows(P, turned_back, R, by_rotation, dt_s, half)
@@ -189,7 +196,8 @@ def carry_covariance_by(
         P: Before, shape (15, 15).
         R: Orientation before, shape (3, 3).
         rate, force: Biases removed [rad/s], [m/s²], IMU axes, shape (3,) each.
-        densities: White noise of gyro and accelerometer, then the walks of their biases, shape (4,).
+        densities: White noise of gyro and accelerometer, then the walks of their biases, shape
+            (4,).
         dt_s: Length of the step [s].
         after: What is found, shape (15, 15).
     """

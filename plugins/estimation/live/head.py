@@ -1,4 +1,6 @@
-"""The state at the newest inertial sample, and the report of it: what an inertial sample is served from."""
+"""The state at the newest inertial sample, and the report of it: what an inertial sample is served
+from.
+"""
 
 from typing import Any
 
@@ -28,7 +30,8 @@ _ROWS = 32  # reports that are made room for at once, which costs as much as for
 
 
 class LiveHead:
-    """Carries a state on from sample to sample; estimates take its place. The odometry frame never steps (REP-105).
+    """Carries a state on from sample to sample; estimates take its place. The odometry frame never
+    steps (REP-105).
 
     Attributes:
         stamp_s: Time of the newest sample or estimate [s].
@@ -84,7 +87,9 @@ class LiveHead:
         return answered
 
     def turned(self) -> None:
-        """Take notice of what the turn joint has measured, and make room for reports while nobody waits."""
+        """Take notice of what the turn joint has measured, and make room for reports while nobody
+        waits.
+        """
         turn, block = self._turn, self.block
         block["turn_s"], block["turn_rad"], block["turn_rad_s"] = (
             turn.stamp_s,
@@ -96,11 +101,14 @@ class LiveHead:
             self._rows = _new_rows() + self._rows
 
     def forget_samples(self) -> None:
-        """Carry no estimate on through the samples so far: a clock that was set back has put them in its future."""
+        """Carry no estimate on through the samples so far: a clock that was set back has put them
+        in its future.
+        """
         self.block["forgotten"] = self.block["written"]
 
     def take(self, estimate: Block, is_alone: bool = False) -> bool:
-        """Put an estimate in the state's place, shape (1,), dtype `ESTIMATE`; not one that is not finite.
+        """Put an estimate in the state's place, shape (1,), dtype `ESTIMATE`; not one that is not
+        finite.
 
         Args:
             estimate: The estimate; the head goes on from it to the newest sample.
@@ -116,7 +124,9 @@ class LiveHead:
         return True
 
     def anchor(self, estimate: Block) -> None:
-        """Carry the covariance on from an estimate, shape (1,), dtype `ESTIMATE`, and leave the state as it is."""
+        """Carry the covariance on from an estimate, shape (1,), dtype `ESTIMATE`, and leave the
+        state as it is.
+        """
         anchor(self.block, estimate)
         self._row = None
 
@@ -124,7 +134,8 @@ class LiveHead:
         """Put an estimate that lies in the block in the state's place.
 
         Returns:
-            Its mode's number, negative if it is of another epoch and not taken; and the number of words until then.
+            Its mode's number, negative if it is of another epoch and not taken; and the number of
+            words until then.
         """
         answer = take_answer(self.block, number)
         if answer < 0:

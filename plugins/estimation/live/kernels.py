@@ -1,8 +1,9 @@
 """The inertial path, compiled: one call a sample.
 
-Between two samples of 100 Hz the caches, and on many computers the branch predictor as well, are filled by others. What
-counts is then not the arithmetic, which takes a microsecond, but how much code and memory a sample touches: calls into
-NumPy of half a microsecond each take twenty. Hence one block, no array made on the way, and one function.
+Between two samples of 100 Hz the caches, and on many computers the branch predictor as well, are
+filled by others. What counts is then not the arithmetic, which takes a microsecond, but how much
+code and memory a sample touches: calls into NumPy of half a microsecond each take twenty. Hence one
+block, no array made on the way, and one function.
 """
 
 import math
@@ -65,7 +66,9 @@ def _propagate(s: Any, stamp_s: float, rate: Float, force: Float) -> None:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _carry_covariance(s: Any) -> None:
-    """Find the covariance of the cabin's pose at the newest sample, in its axes, from that of the last estimate."""
+    """Find the covariance of the cabin's pose at the newest sample, in its axes, from that of the
+    last estimate.
+    """
     dt_s = s.stamp_s - s.from_s
     carry_covariance_into(s.from_P, s.from_R, s.from_rate, s.from_force, s.densities, dt_s, s.P)
     T, R = s.T_imu_cabin, s.R
@@ -88,7 +91,9 @@ def _carry_covariance(s: Any) -> None:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _pose_index(i: int) -> int:
-    """Return where rotation and position stand among the errors of the state, see `inertial_state`."""
+    """Return where rotation and position stand among the errors of the state,
+    see `inertial_state`.
+    """
     return i if i < 3 else i + 3
 
 
@@ -144,7 +149,9 @@ def report(live: Block, row: Block) -> None:
 
 @njit(types.boolean(_VECTOR, _VECTOR), cache=True)  # type: ignore[untyped-decorator]
 def is_beyond_range(rate: Float, force: Float) -> bool:
-    """Return whether a sensor of this kind cannot have measured that [rad/s], [m/s²], shape (3,) each."""
+    """Return whether a sensor of this kind cannot have measured that [rad/s], [m/s²], shape (3,)
+    each.
+    """
     return bool(_is_beyond(rate, _MAX_RATE_RAD_S) or _is_beyond(force, _MAX_FORCE_M_S2))
 
 
@@ -159,8 +166,8 @@ def step(live: Block, stamp_s: float, rate: Float, force: Float, row: Block) -> 
         row: What is found, shape (1,), dtype `ROW`.
 
     Returns:
-        The number of estimates that the smoother's process has answered; or, with nothing done, `OUT_OF_RANGE`, or
-        `GAP` where so much time has passed that the state is worth nothing.
+        The number of estimates that the smoother's process has answered; or, with nothing done,
+        `OUT_OF_RANGE`, or `GAP` where so much time has passed that the state is worth nothing.
     """
     s = live[0]
     if is_beyond_range(rate, force):
@@ -182,7 +189,8 @@ def step(live: Block, stamp_s: float, rate: Float, force: Float, row: Block) -> 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _correct_odometry(s: Any) -> None:
-    """Move the map under the odometry by what a correction moved the sensor (Nubert 2022, Eq. (11)).
+    """Move the map under the odometry by what a correction moved the sensor (Nubert 2022, Eq.
+    (11)).
 
     The paper does so when the satellites come back; here each correction does, large or small:
     T_odom_map ← T_odom_map · T_before · T_after⁻¹.
@@ -222,7 +230,9 @@ def _anchor(s: Any, e: Any) -> None:
 
 @njit(types.void(_LIVE, _ESTIMATE), cache=True)  # type: ignore[untyped-decorator]
 def anchor(live: Block, estimate: Block) -> None:
-    """Carry the covariance on from an estimate, shape (1,), dtype `ESTIMATE`, and leave the state as it is."""
+    """Carry the covariance on from an estimate, shape (1,), dtype `ESTIMATE`, and leave the state
+    as it is.
+    """
     _anchor(live[0], estimate[0])
 
 
@@ -233,7 +243,8 @@ def take(live: Block, estimate: Block, moves_map: bool) -> None:
     Args:
         live: The block, shape (1,), dtype `LIVE`.
         estimate: What is taken, shape (1,), dtype `ESTIMATE`; finite.
-        moves_map: Whether it corrects a state before, so that the odometry frame goes on from that and the map moves.
+        moves_map: Whether it corrects a state before, so that the odometry frame goes on from that
+            and the map moves.
     """
     s, e = live[0], estimate[0]
     _place(s, s.T_before)
@@ -261,8 +272,8 @@ def take_answer(live: Block, number: int) -> int:
     """Do what `take` does with an estimate that the smoother's process has left in the block.
 
     Returns:
-        Its mode plus `MODES` times the number of words that were sent until then; −1, with nothing done, if it goes
-        back to an earlier beginning.
+        Its mode plus `MODES` times the number of words that were sent until then; −1, with nothing
+        done, if it goes back to an earlier beginning.
     """
     k = number % ANSWERS
     answers = live[0].answers

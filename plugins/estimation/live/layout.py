@@ -1,6 +1,8 @@
-"""What the inertial path keeps, in one block of memory, so that a sample is one call of compiled code.
+"""What the inertial path keeps, in one block of memory, so that a sample is one call of compiled
+code.
 
-The block may be shared with the smoother's process: samples go there and estimates come back without a system call.
+The block may be shared with the smoother's process: samples go there and estimates come back
+without a system call.
 """
 
 import numpy as np
@@ -38,7 +40,8 @@ LIVE = np.dtype(
         ("v", "f8", (3,)),
         ("gyro_bias", "f8", (3,)),
         ("accel_bias", "f8", (3,)),
-        # what was estimated last, from which the covariance is carried on: rate and force without their biases
+        # what was estimated last, from which the covariance is carried on: rate and force without
+        # their biases
         ("from_s", "f8"),
         ("from_R", "f8", (3, 3)),
         ("from_rate", "f8", (3,)),

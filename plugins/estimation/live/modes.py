@@ -11,7 +11,8 @@ class Mode(StrEnum):
     """State of the estimator.
 
     GLOBAL: fixes correct the estimate. SUSPECT: none has lately, or one was refused.
-    FALLBACK: lidar and inertia carry it. RECOVERING: fixes agree again with the odometry, but not for long.
+    FALLBACK: lidar and inertia carry it. RECOVERING: fixes agree again with the odometry, but not
+    for long.
     """
 
     GLOBAL = "GLOBAL"

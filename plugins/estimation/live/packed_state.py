@@ -1,4 +1,6 @@
-"""A state of the machine that costs little to make: its arrays are views, made when they are asked for."""
+"""A state of the machine that costs little to make: its arrays are views, made when they are asked
+for.
+"""
 
 from typing import Any
 
@@ -21,10 +23,11 @@ ROW = np.dtype(
 
 
 class PackedState(BaseState):
-    """What `BaseState` is, over one row of memory, for an estimator that reports at each inertial sample.
+    """What `BaseState` is, over one row of memory, for an estimator that reports at each inertial
+    sample.
 
-    To make and to check six arrays costs more than to propagate a state. Whoever makes the row answers for it: it is
-    finite, locked, and nobody writes to it any more.
+    To make and to check six arrays costs more than to propagate a state. Whoever makes the row
+    answers for it: it is finite, locked, and nobody writes to it any more.
     """
 
     __slots__ = ("_row",)

@@ -1,4 +1,6 @@
-"""Samples and estimates in the block that the inertial path shares with the smoother, and out of it."""
+"""Samples and estimates in the block that the inertial path shares with the smoother, and out of
+it.
+"""
 
 import numpy as np
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
@@ -32,7 +34,9 @@ def sample_of(row: Block) -> Inertial:
 
 
 def packed(state: InertialState, covariance: Float) -> Block:
-    """Return a state with its covariance (15, 15) as an estimate of the mode GLOBAL, shape (1,), dtype `ESTIMATE`."""
+    """Return a state with its covariance (15, 15) as an estimate of the mode GLOBAL, shape (1,),
+    dtype `ESTIMATE`.
+    """
     return packed_estimate(Estimate(state, covariance, Mode.GLOBAL, (), {}))
 
 
@@ -44,7 +48,9 @@ def packed_estimate(estimate: Estimate) -> Block:
 
 
 def pack_into(row: Block, estimate: Estimate) -> None:
-    """Write an estimate into a row, shape (1,), dtype `ESTIMATE`; its changes and refusals do not fit."""
+    """Write an estimate into a row, shape (1,), dtype `ESTIMATE`; its changes and refusals do not
+    fit.
+    """
     state, to = estimate.state, row[0]
     sample = to["sample"]
     sample["stamp_s"], sample["since_last_s"] = state.sample.stamp_s, state.sample.since_last_s
@@ -55,7 +61,9 @@ def pack_into(row: Block, estimate: Estimate) -> None:
 
 
 def unpacked(row: Block) -> tuple[InertialState, Float]:
-    """Return copies of the state and the covariance (15, 15) of a row, shape (1,), dtype `ESTIMATE`."""
+    """Return copies of the state and the covariance (15, 15) of a row, shape (1,), dtype
+    `ESTIMATE`.
+    """
     one = row[0]
     names = ("R", "p", "v", "gyro_bias", "accel_bias")
     return InertialState(sample_of(one["sample"]), *(one[name].copy() for name in names)), one[

@@ -23,7 +23,8 @@ from executive.arrays import Float
 from executive.config import RadiansPerSecond, Seconds, Settings
 
 _DECLARED = 2.0  # a spread of so many of the fixes' own standard deviations is no motion
-_OTHERWISE = 4.0  # standard deviations by which two level sensors may differ; more, and one is mounted otherwise
+# standard deviations by which two level sensors may differ; more, and one is mounted otherwise
+_OTHERWISE = 4.0
 
 
 class RestSettings(Settings):
@@ -50,10 +51,12 @@ class RestSettings(Settings):
 
 
 class RestInitialisation:
-    """Collects samples, forgets old ones, and gives a state as soon as the newest few seconds were at rest.
+    """Collects samples, forgets old ones, and gives a state as soon as the newest few seconds were
+    at rest.
 
     Attributes:
-        waits_for: Why there was no state when one was asked for last; empty if there was, or too little is known yet.
+        waits_for: Why there was no state when one was asked for last; empty if there was, or too
+            little is known yet.
     """
 
     def __init__(
@@ -81,7 +84,9 @@ class RestInitialisation:
             self._samples.popleft()
 
     def add_fix(self, stamp_s: float, antenna: str, p_map_antenna: Float, std_m: float) -> None:
-        """Take the measured position of an antenna in the map, and its largest standard deviation [m]."""
+        """Take the measured position of an antenna in the map, and its largest standard deviation
+        [m].
+        """
         fixes = self._fixes[antenna]
         self._fix_std_m = std_m
         fixes.append((stamp_s, p_map_antenna))
@@ -89,7 +94,9 @@ class RestInitialisation:
             fixes.popleft()
 
     def state(self) -> tuple[InertialState, Float] | None:
-        """Return the state at the newest sample and its error's covariance (15, 15), or None: moving, or not yet."""
+        """Return the state at the newest sample and its error's covariance (15, 15), or None:
+        moving, or not yet.
+        """
         if not self._samples or not self._is_long_enough():
             return None
         rates = np.array([s.rate for s in self._samples])
@@ -144,7 +151,8 @@ class RestInitialisation:
     def _level(self, force: Float) -> tuple[Float, float]:
         """Return what is up in IMU axes, and how well that is known [rad].
 
-        Two accelerometers, of cabin and chassis, err independently: their mean is better than either.
+        Two accelerometers, of cabin and chassis, err independently: their mean is better than
+        either.
         """
         cabin_rad = self._noise.accel_bias_m_s2 / self._noise.gravity_m_s2
         up_imu = force / np.linalg.norm(force)
@@ -198,10 +206,12 @@ class RestInitialisation:
 
 
 def _tie_bias_to_tilt(P: Float, R: Float, noise: InertialNoise, mean_std_m_s2: float) -> None:
-    """Enter the accelerometer's bias b and its correlation with the tilt θ, in place: f = Rᵀ g + b was measured.
+    """Enter the accelerometer's bias b and its correlation with the tilt θ, in place: f = Rᵀ g + b
+    was measured.
 
-    An error of one is an error of the other, δb = −[Rᵀ g]× δθ. Taken as independent, they would seem better known by
-    √2 as soon as the machine is seen not to fall, and be learnt at half the pace. `mean_std_m_s2` is that of f.
+    An error of one is an error of the other, δb = −[Rᵀ g]× δθ. Taken as independent, they would
+    seem better known by √2 as soon as the machine is seen not to fall, and be learnt at half the
+    pace. `mean_std_m_s2` is that of f.
     """
     up_imu = R.T @ np.array([0.0, 0.0, 1.0])
     J = -skew(noise.gravity_m_s2 * up_imu)
@@ -213,7 +223,9 @@ def _tie_bias_to_tilt(P: Float, R: Float, noise: InertialNoise, mean_std_m_s2: f
 
 
 def _triad(first: Float, second: Float) -> Float:
-    """Return the orthonormal frame with z along the first vector and x along the second's part across it, (3, 3)."""
+    """Return the orthonormal frame with z along the first vector and x along the second's part
+    across it, (3, 3).
+    """
     z = first / np.linalg.norm(first)
     x = second - (second @ z) * z
     x = x / np.linalg.norm(x)

@@ -14,13 +14,15 @@ from executive.messages.joints import JointSample
 
 
 class TurnJoint:
-    """The joint that ties the cabin to the chassis, at its newest sample; where there is none, they are one body.
+    """The joint that ties the cabin to the chassis, at its newest sample; where there is none, they
+    are one body.
 
     Attributes:
         axis: Of the turn, cabin axes, shape (3,).
         T_joint_base: The chassis in the cabin at an angle of zero, shape (4, 4).
         stamp_s: Time of the newest sample [s]; −∞ before the first.
-        position_rad, velocity_rad_s: Angle and rate of that sample [rad], [rad/s]; zero before the first.
+        position_rad, velocity_rad_s: Angle and rate of that sample [rad], [rad/s]; zero before the
+            first.
     """
 
     def __init__(self, machine: Rig) -> None:
@@ -50,7 +52,9 @@ class TurnJoint:
         self.stamp_s, self.is_known = sample.stamp_s, True
 
     def T_cabin_base(self, stamp_s: float) -> Float:
-        """Return the chassis in the cabin at a time near the sample's, by its measured speed, shape (4, 4)."""
+        """Return the chassis in the cabin at a time near the sample's, by its measured speed, shape
+        (4, 4).
+        """
         ahead_s = max(-0.1, min(0.1, stamp_s - self.stamp_s))
         angle_rad = self.position_rad + ahead_s * self.velocity_rad_s
         return np.asarray(pose(rotation_step(-angle_rad * self.axis)) @ self.T_joint_base)
@@ -97,11 +101,15 @@ class StandingDetector:
         self._window.append(np.concatenate([rate, force]))
 
     def stands(self, stamp_s: float) -> bool:
-        """Return whether the chassis is seen to stand around a time, and that is to be made use of."""
+        """Return whether the chassis is seen to stand around a time,
+        and that is to be made use of.
+        """
         return self._settings.is_used and self._is_quiet(stamp_s)
 
     def force(self, stamp_s: float) -> Float | None:
-        """Return the mean specific force of a chassis that stands, its sensor's axes [m/s²], shape (3,); else None."""
+        """Return the mean specific force of a chassis that stands, its sensor's axes [m/s²], shape
+        (3,); else None.
+        """
         return np.mean(self._window, axis=0)[3:] if self._is_quiet(stamp_s) else None
 
     def _is_quiet(self, stamp_s: float) -> bool:

@@ -1,4 +1,6 @@
-"""What is up, by the accelerometer of the chassis: a second opinion for a cabin that rests on it."""
+"""What is up, by the accelerometer of the chassis: a second opinion for a cabin that
+rests on it.
+"""
 
 from executive_plugins.estimation.start.chassis import StandingDetector, TurnJoint
 
@@ -27,14 +29,18 @@ class ChassisLevel:
     def of(
         cls, rig: Rig, name: str, T_imu_cabin: Float, turn: TurnJoint, standing: StandingDetector
     ) -> "ChassisLevel | None":
-        """Return the level of a rig whose chassis carries an inertial sensor of that name; None of another."""
+        """Return the level of a rig whose chassis carries an inertial sensor of that name; None of
+        another.
+        """
         sensor = rig.sensors.get(name)
         if not isinstance(sensor, Imu) or sensor.link == rig.cabin_link:
             return None
         return cls(sensor, T_imu_cabin, turn, standing)
 
     def up_imu(self, stamp_s: float) -> Float | None:
-        """Return what is up in axes of the cabin's sensor, shape (3,); None unless the chassis is seen to stand."""
+        """Return what is up in axes of the cabin's sensor, shape (3,); None unless the chassis is
+        seen to stand.
+        """
         force = self._standing.force(stamp_s)
         if force is None or not self._turn.is_known:
             return None

@@ -12,7 +12,8 @@ from executive_plugins.estimation.start.in_motion import MovingStart, MovingStar
 
 from executive.arrays import Float
 
-_PERIOD_S = 0.1  # between looks for rest, which cost milliseconds, where a long rest is followed for its end
+# between looks for rest, which cost milliseconds, where a long rest is followed for its end
+_PERIOD_S = 0.1
 
 
 class FirstState:
@@ -40,7 +41,9 @@ class FirstState:
     def add_fix(
         self, stamp_s: float, antenna: str, p_map_antenna: Float, covariance: Float
     ) -> None:
-        """Take the measured position of an antenna in the map [m], and its covariance [m²], shape (3, 3)."""
+        """Take the measured position of an antenna in the map [m], and its covariance [m²], shape
+        (3, 3).
+        """
         self._rest.add_fix(
             stamp_s, antenna, p_map_antenna, float(np.sqrt(np.diag(covariance).max()))
         )
@@ -49,9 +52,11 @@ class FirstState:
     def add_sample(
         self, sample: Inertial, turn_rate_rad_s: float
     ) -> tuple[InertialState, Float] | None:
-        """Take an inertial sample; return the state at it and its error's covariance (15, 15), once there is one.
+        """Take an inertial sample; return the state at it and its error's covariance (15, 15), once
+        there is one.
 
-        A cabin that turns steadily would look at rest to its own sensor, but for the turn joint's rate.
+        A cabin that turns steadily would look at rest to its own sensor, but for the turn joint's
+        rate.
         """
         self._rest.add_sample(sample)
         at_rest = None

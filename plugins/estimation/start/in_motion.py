@@ -34,10 +34,12 @@ class MovingStartSettings(Settings):
 
 
 class MovingStart:
-    """Dead-reckons from rest with an unknown heading, and turns that path until it lies on the fixes' path.
+    """Dead-reckons from rest with an unknown heading, and turns that path until it lies on the
+    fixes' path.
 
-    The inertial path is right up to one turn about the vertical, as gravity has levelled it, so the turn that fits best
-    is the heading. Nothing is assumed of how the body moves: sideways or backwards will do.
+    The inertial path is right up to one turn about the vertical, as gravity has levelled it, so the
+    turn that fits best is the heading. Nothing is assumed of how the body moves: sideways or
+    backwards will do.
     """
 
     def __init__(
@@ -74,7 +76,9 @@ class MovingStart:
             self._fixes.append((stamp_s, p_map_antenna))
 
     def state(self) -> tuple[InertialState, Float] | None:
-        """Return the state at the newest sample and its error's covariance (15, 15), or None: not far enough."""
+        """Return the state at the newest sample and its error's covariance (15, 15), or None: not
+        far enough.
+        """
         if self._state is None or not self._is_far():
             return None
         elapsed_s, measured, reckoned = self._paths()
@@ -93,7 +97,9 @@ class MovingStart:
         return bool(np.linalg.norm(self._fixes[-1][1] - self._origin) > self._settings.distance_m)
 
     def _paths(self) -> tuple[Float, Float, Float]:
-        """Return times since rest (n,) [s], and fixes and reckoned positions from the rest position (n, 3) [m]."""
+        """Return times since rest (n,) [s], and fixes and reckoned positions from the rest position
+        (n, 3) [m].
+        """
         stamps = np.array([stamp_s for stamp_s, _ in self._fixes])
         path_s, path = (
             np.array([s for s, _ in self._path]),
@@ -115,7 +121,9 @@ class MovingStart:
         )
 
     def _doubted(self, misfit: float) -> Float:
-        """Widen the covariance at rest by what dead reckoning has added: as much as the two paths disagree."""
+        """Widen the covariance at rest by what dead reckoning has added: as much as the two paths
+        disagree.
+        """
         P = self._covariance.copy()
         R_imu_map = self._state.R_map_imu.T if self._state is not None else np.eye(3)
         level = float(np.sqrt(np.linalg.eigvalsh(P[ROTATION, ROTATION])[0])) + 0.01
@@ -135,8 +143,8 @@ def _fit(elapsed_s: Float, measured: Float, reckoned: Float) -> tuple[Float, Flo
     The speed v is there because rest ends some tenths of a second before it is noticed.
 
     Returns:
-        (cosine, sine) of the turn, not normalised: a length of 1 speaks for the fit; v [m/s], shape (3,), horizontal;
-        largest misfit [m].
+        (cosine, sine) of the turn, not normalised: a length of 1 speaks for the fit; v [m/s], shape
+        (3,), horizontal; largest misfit [m].
     """
     n = len(elapsed_s)
     (x, y), one, none = reckoned[:, :2].T, np.ones(n), np.zeros(n)

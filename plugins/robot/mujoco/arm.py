@@ -1,4 +1,6 @@
-"""The arm's servos: position loops with velocity fed forward and a slow integral, limited in effort."""
+"""The arm's servos: position loops with velocity fed forward and a slow integral, limited in
+effort.
+"""
 
 import mujoco
 import numpy as np
@@ -10,8 +12,9 @@ from executive.machine.machine import Machine
 
 _TYPICAL_LOAD = 0.4  # share of the payload that the gains are tuned for
 _INTEGRAL_S = 0.4  # time constant that takes up the sag under a stone [s]
-# Most that the integral may add to an effort: this much of what the payload's weight asks for, and at least a share of
-# the limit. Without it, an arm that presses on the ground winds up to its full strength and jumps when it comes free.
+# Most that the integral may add to an effort: this much of what the payload's weight asks for, and
+# at least a share of the limit. Without it, an arm that presses on the ground winds up to its full
+# strength and jumps when it comes free.
 _INTEGRAL_PAYLOADS = 1.3
 _INTEGRAL_SHARE = 0.1
 _G = 9.81  # [m/s²]
@@ -20,7 +23,8 @@ _G = 9.81  # [m/s²]
 def make_servos(spec: mujoco.MjSpec, machine: Machine, settings: PhysicsSettings) -> None:
     """Turn the arm's motors into critically damped position servos.
 
-    Damping is part of the actuator, where MuJoCo integrates it implicitly: an explicit one is unstable at wrists.
+    Damping is part of the actuator, where MuJoCo integrates it implicitly: an explicit one is
+    unstable at wrists.
     """
     omega = settings.servo_rad_s
     for joint, inertia in zip(machine.joints, _reflected_inertia(spec, machine), strict=True):
@@ -31,7 +35,9 @@ def make_servos(spec: mujoco.MjSpec, machine: Machine, settings: PhysicsSettings
 
 
 def _reflected_inertia(spec: mujoco.MjSpec, machine: Machine) -> Float:
-    """Return each joint's inertia in the carrying posture with a typical load between the jaws, shape (n,)."""
+    """Return each joint's inertia in the carrying posture with a typical load between the jaws,
+    shape (n,).
+    """
     model = spec.copy().compile()
     data = mujoco.MjData(model)
     q = machine.posture("carry")
@@ -83,7 +89,9 @@ class ArmServos:
         return np.array(self._data.qvel[self._dofs])
 
     def effort(self) -> Float:
-        """Return the torques and forces that the actuators exert, the links' own weights included, shape (n,)."""
+        """Return the torques and forces that the actuators exert, the links' own weights included,
+        shape (n,).
+        """
         return np.array(self._data.qfrc_actuator[self._dofs])
 
     def drive(self, position: Float, velocity: Float) -> None:

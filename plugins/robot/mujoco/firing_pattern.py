@@ -1,4 +1,6 @@
-"""Where a spinning lidar fires in one revolution, and what of the link that carries it is in the way."""
+"""Where a spinning lidar fires in one revolution, and what of the link that carries it is in the
+way.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +19,8 @@ class FiringPattern:
 
     Attributes:
         directions: Unit vectors in the lidar's frame, shape (columns, lasers, 3).
-        own_range_m: Range to the carrying link, inf where it is not in the way, shape (columns · lasers,).
+        own_range_m: Range to the carrying link, inf where it is not in the way, shape (columns ·
+            lasers,).
         free: Indices of the rays that the carrying link does not stop, rising, shape (M,).
         free_rays: Those rays in the lidar's frame: origin 0 and direction, shape (M, 6).
     """

@@ -17,9 +17,10 @@ _QUICKEST_STOP_S = 0.1  # where joints hardly move, the clock still takes this l
 class Follower:
     """Gives the arm's reference at each step.
 
-    The reference is a point s of a trajectory's own time. While following, ds/dt = 1. While stopping, ds/dt falls to
-    0 as fast as the acceleration limits of all joints allow, so that the arm stays on the path that was checked for
-    collisions: with q(s), the joints' acceleration is q″ (ds/dt)² + q′ d²s/dt².
+    The reference is a point s of a trajectory's own time. While following, ds/dt = 1. While
+    stopping, ds/dt falls to 0 as fast as the acceleration limits of all joints allow, so that the
+    arm stays on the path that was checked for collisions: with q(s), the joints' acceleration is q″
+    (ds/dt)² + q′ d²s/dt².
     """
 
     def __init__(self, machine: Machine, position: Float) -> None:
@@ -43,7 +44,8 @@ class Follower:
             position: The arm's present positions, shape (n,).
 
         Raises:
-            RobotError: If it names an unknown joint, starts elsewhere, or leaves a joint's range or speed.
+            RobotError: If it names an unknown joint, starts elsewhere, or leaves a joint's range or
+                speed.
         """
         unknown = [name for name in trajectory.names if name not in self._index]
         if unknown:
@@ -66,7 +68,9 @@ class Follower:
         self._is_stopping = False
 
     def advance(self, dt_s: float) -> tuple[Float, Float]:
-        """Move on by one step and return the arm's reference: position and velocity, each shape (n,)."""
+        """Move on by one step and return the arm's reference: position and velocity, each shape
+        (n,).
+        """
         if self._trajectory is None:
             return self._held, np.zeros_like(self._held)
         if self._is_stopping:
@@ -88,7 +92,9 @@ class Follower:
         return position, velocity
 
     def _room(self, direction: float) -> float:
-        """Return the largest |d²s/dt²|, speeding up (1) or slowing down (-1), within each joint's acceleration."""
+        """Return the largest |d²s/dt²|, speeding up (1) or slowing down (-1), within each joint's
+        acceleration.
+        """
         if self._trajectory is None:
             return 0.0
         limit = self._machine.max_acceleration[self._columns]
@@ -104,7 +110,8 @@ class Follower:
         ):
             if abs(start - have) > START_TOLERANCE:
                 raise RobotError(
-                    f"trajectory starts {name} at {start:.3f}, the joint is at {have:.3f}; plan from where the arm is"
+                    f"trajectory starts {name} at {start:.3f}, the joint is at "
+                    f"{have:.3f}; plan from where the arm is"
                 )
 
     def _check_limits(self, trajectory: JointTrajectory, columns: Int) -> None:
@@ -119,7 +126,8 @@ class Follower:
             if beyond[i]:
                 worst = positions[:, i].min(), positions[:, i].max()
                 raise RobotError(
-                    f"trajectory takes {name} to {worst[0]:.3f} … {worst[1]:.3f}, beyond {lower[i]} … {upper[i]}"
+                    f"trajectory takes {name} to {worst[0]:.3f} … {worst[1]:.3f}, "
+                    f"beyond {lower[i]} … {upper[i]}"
                 )
             top = machine.max_velocity[columns[i]]
             if speed[i] > top * _SPEED_TOLERANCE:

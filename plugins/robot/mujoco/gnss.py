@@ -1,4 +1,6 @@
-"""One RTK antenna: its position on the ellipsoid, with white noise of the covariance that it reports."""
+"""One RTK antenna: its position on the ellipsoid, with white noise of the covariance that it
+reports.
+"""
 
 import mujoco
 import numpy as np

@@ -12,8 +12,9 @@ from executive.messages.imu import ImuSample
 class MountedImu:
     """One IMU of the machine.
 
-    A sample is the mean over the time since the last one, as after an anti-aliasing filter: rate from the change of
-    orientation, specific force from the change of the mount's velocity. Integrating samples gives back the motion.
+    A sample is the mean over the time since the last one, as after an anti-aliasing filter: rate
+    from the change of orientation, specific force from the change of the mount's velocity.
+    Integrating samples gives back the motion.
     """
 
     def __init__(self, imu: Imu, model: mujoco.MjModel, rng: np.random.Generator) -> None:

@@ -1,4 +1,6 @@
-"""Spinning lidars: one revolution is cast column by column, each at its own time, while everything moves."""
+"""Spinning lidars: one revolution is cast column by column, each at its own time, while everything
+moves.
+"""
 
 from collections.abc import Mapping
 from functools import cache
@@ -15,17 +17,20 @@ from executive.geometry.pose import pose
 from executive.machine.sensor import Lidar
 from executive.messages.lidar import LidarScan
 
-_SLICES = 3  # of a revolution: the arm and stones under way stand still within one (33 ms; ±1 cm at 0.6 m/s)
-_PHASES = 4  # firing is not locked to the angle: a revolution begins at one of so many fractions of a column
+# of a revolution: the arm and stones under way stand still within one (33 ms; ±1 cm at 0.6 m/s)
+_SLICES = 3
+# firing is not locked to the angle: a revolution begins at one of so many fractions of a column
+_PHASES = 4
 
 
 class SpinningLidar:
     """One lidar of the machine.
 
-    What stands still on the site is cast with the pose of each firing column. What moves against it (other links,
-    stones under way) is cast in the lidar's own frame, a slice of the revolution at a time. The carrying link never
-    moves in that frame: it is cast once and for all, and taken to be in front of everything else. All lasers of a
-    column fire at once: the 55 µs from first to last would turn the beam by 0.2 deg.
+    What stands still on the site is cast with the pose of each firing column. What moves against it
+    (other links, stones under way) is cast in the lidar's own frame, a slice of the revolution at a
+    time. The carrying link never moves in that frame: it is cast once and for all, and taken to be
+    in front of everything else. All lasers of a column fire at once: the 55 µs from first to last
+    would turn the beam by 0.2 deg.
     """
 
     def __init__(
@@ -81,7 +86,9 @@ class SpinningLidar:
         return self._scene.cast_resting(rays.reshape(-1, 6)[pattern.free])
 
     def _cast_movers(self, pattern: FiringPattern, times: Float) -> Rays:
-        """Return the ranges of the free rays to all that moves: other links, and stones under way."""
+        """Return the ranges of the free rays to all that moves: other links,
+        and stones under way.
+        """
         stones = [
             (self._history.index(self._scene.name(i)), self._scene.skin(i))
             for i in self._scene.moving

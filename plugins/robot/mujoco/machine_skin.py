@@ -7,7 +7,9 @@ from executive.machine.machine import Machine
 
 
 def machine_skin(machine: Machine) -> dict[str, Mesh]:
-    """Return one mesh a link, of all its convex shapes, in the link's frame; links without shapes are left out."""
+    """Return one mesh a link, of all its convex shapes, in the link's frame; links without shapes
+    are left out.
+    """
     return {
         name: joined([hull_mesh(shape.vertices) for shape in link.shapes])
         for name, link in machine.links.items()

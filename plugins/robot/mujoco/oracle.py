@@ -1,4 +1,6 @@
-"""The truth about a simulated run: where stones really are, what was hit, how far beliefs were off."""
+"""The truth about a simulated run: where stones really are, what was hit,
+how far beliefs were off.
+"""
 
 from collections.abc import Sequence
 from typing import Any
@@ -37,8 +39,8 @@ class MujocoOracle(Oracle):
     def truth(self, view: MissionView) -> dict[str, Any]:
         """Return `stones`, `grasps`, `collisions`, `ground_contacts`, `estimate`.
 
-        `ground_contacts` counts touches of gripper or jaws with the ground, which are no collisions: jaws close
-        around a stone that lies on it.
+        `ground_contacts` counts touches of gripper or jaws with the ground, which are no
+        collisions: jaws close around a stone that lies on it.
         """
         targets = [(attempt.started_s, self._nearest(attempt)) for attempt in view.attempts]
         spans = self._log.spans()
@@ -55,7 +57,9 @@ class MujocoOracle(Oracle):
         }
 
     def _nearest(self, attempt: Attempt) -> int:
-        """Return the index of the stone that an attempt was about, by its true centroid; −1 if there is none."""
+        """Return the index of the stone that an attempt was about, by its true centroid; −1 if
+        there is none.
+        """
         distances = np.linalg.norm(
             self._log.centroids(attempt.started_s) - attempt.grasp_centroid_map, axis=1
         )
@@ -85,7 +89,8 @@ class MujocoOracle(Oracle):
                 np.linalg.norm(T_end[:2, 3] - view.slots[first.id].position_map[:2])
             )
         if first.id in now:
-            # The object's frame should have moved as the stone did: T_end T_seen⁻¹ carries it along.
+            # The object's frame should have moved as the stone did: T_end T_seen⁻¹ carries it
+            # along.
             T_expected = T_end @ inverse(self._log.T_world_stone(i, seen_s)) @ first.T_map_object
             T_tracked = now[first.id].T_map_object
             report["database_error_m"] = float(np.linalg.norm(T_tracked[:3, 3] - T_expected[:3, 3]))
@@ -108,7 +113,9 @@ class MujocoOracle(Oracle):
         }
 
     def _is_collision(self, span: Span, targets: Sequence[tuple[float, int]]) -> bool:
-        """Say whether a contact was wrong: all are, but the hand's with the ground or with the stone it is after."""
+        """Say whether a contact was wrong: all are, but the hand's with the ground or with the
+        stone it is after.
+        """
         if span.link not in self._hand:
             return True
         if span.other == TERRAIN:

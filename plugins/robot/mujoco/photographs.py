@@ -1,4 +1,6 @@
-"""Photographs of a simulated site, as a drone's camera takes them: textured ground and stones, no machine."""
+"""Photographs of a simulated site, as a drone's camera takes them: textured ground and stones, no
+machine.
+"""
 
 from collections.abc import Iterator, Sequence
 
@@ -16,7 +18,8 @@ from executive.geometry.rotation import quaternion_wxyz
 _CAMERA = "drone"
 _SHADOW_PX = 4096
 _SAMPLES = 4  # of each pixel: edges of stones are not jagged
-# From MuJoCo's camera (x right, y up, z backward) to the optical frame (x right, y down, z forward).
+# From MuJoCo's camera (x right, y up, z backward) to the optical frame (x right, y down, z
+# forward).
 _R_OPTICAL_CAMERA = np.diag([1.0, -1.0, -1.0])
 
 
@@ -27,10 +30,12 @@ def photograph_site(
     size_px: tuple[int, int],
     view_angle_rad: float,
 ) -> Iterator[NDArray[np.uint8]]:
-    """Yield what a pinhole camera sees from each pose, as `executive.interfaces.robot.Photographer` says.
+    """Yield what a pinhole camera sees from each pose, as `executive.interfaces.robot.Photographer`
+    says.
 
-    Ground and stones are built into a world of their own, so that textures touch neither physics nor lidars, and the
-    machine is not in it: a survey is flown before the machine drives in. The same site has the same textures.
+    Ground and stones are built into a world of their own, so that textures touch neither physics
+    nor lidars, and the machine is not in it: a survey is flown before the machine drives in. The
+    same site has the same textures.
 
     Raises:
         RobotError: If this computer cannot draw without a screen; the message names the cure.
@@ -78,7 +83,8 @@ def _screen(size_px: tuple[int, int]) -> "mujoco.egl.GLContext":
         screen.make_current()
     except (ImportError, AttributeError, RuntimeError, OSError) as error:
         raise RobotError(
-            f"no photographs: this computer cannot draw without a screen ({error}); install EGL, on Debian: "
+            f"no photographs: this computer cannot draw without a screen ({error}); "
+            "install EGL, on Debian: "
             "apt-get install libegl1 libgl1 libgl1-mesa-dri"
         ) from error
     return screen

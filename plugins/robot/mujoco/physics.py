@@ -7,7 +7,9 @@ from executive.config import Newtons, Seconds, Settings
 
 
 class PhysicsSettings(Settings):
-    """How the world is integrated and how surfaces touch; the defaults hold a 2.7 t stone without creeping."""
+    """How the world is integrated and how surfaces touch; the defaults hold a 2.7 t stone without
+    creeping.
+    """
 
     timestep_s: Seconds = Field(0.0025, ge=0.001, le=0.004, description="Integration step [s].")
     friction: float = Field(
@@ -29,7 +31,9 @@ class PhysicsSettings(Settings):
 
 
 def apply_physics(spec: mujoco.MjSpec, settings: PhysicsSettings) -> None:
-    """Set the solver and the contacts of everything in a world that is complete but for its compilation."""
+    """Set the solver and the contacts of everything in a world that is complete but for its
+    compilation.
+    """
     option = spec.option
     option.timestep = settings.timestep_s
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST

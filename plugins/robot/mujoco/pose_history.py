@@ -14,7 +14,8 @@ from executive.arrays import Float
 class PoseHistory:
     """Poses of chosen bodies at the control steps, interpolated in between.
 
-    Rotations are interpolated entry by entry: over a step of 10 ms at 1 rad/s the result is off by 1e-5 rad.
+    Rotations are interpolated entry by entry: over a step of 10 ms at 1 rad/s the result is off by
+    1e-5 rad.
     """
 
     def __init__(self, model: mujoco.MjModel, bodies: Sequence[str], span_s: float) -> None:
@@ -43,11 +44,15 @@ class PoseHistory:
         return self._samples[0][0] if self._samples else np.inf
 
     def track(self, body: str, times_s: Float) -> tuple[Float, Float]:
-        """Return positions (N, 3) [m] and rotations (N, 3, 3) of one body in the world at rising times (N,)."""
+        """Return positions (N, 3) [m] and rotations (N, 3, 3) of one body in the world at rising
+        times (N,).
+        """
         return self._interpolate(times_s, self._index[body])
 
     def poses(self, time_s: float) -> tuple[Float, Float]:
-        """Return positions (B, 3) [m] and rotations (B, 3, 3) of all bodies, in their order, at a time."""
+        """Return positions (B, 3) [m] and rotations (B, 3, 3) of all bodies, in their order, at a
+        time.
+        """
         positions, rotations = self._interpolate(np.array([time_s]), slice(None))
         return positions[0], rotations[0]
 

@@ -35,7 +35,9 @@ class Puppet:
         return cls(vertices, owners, triangles)
 
     def posed(self, positions: Float, rotations: Float, T_world_frame: Float) -> Mesh:
-        """Return the mesh in a frame, for poses of all bodies in the world: (B, 3) [m] and (B, 3, 3)."""
+        """Return the mesh in a frame, for poses of all bodies in the world: (B, 3) [m] and (B, 3,
+        3).
+        """
         world = (
             np.einsum("vij,vj->vi", rotations[self.owners], self.vertices) + positions[self.owners]
         )

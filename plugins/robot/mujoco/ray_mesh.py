@@ -13,7 +13,9 @@ Rays = NDArray[np.float32]
 
 
 class RayMesh:
-    """A bounding-volume hierarchy over meshes in one frame; single precision (about 1e-6 of the range)."""
+    """A bounding-volume hierarchy over meshes in one frame; single precision (about 1e-6 of the
+    range).
+    """
 
     def __init__(self, meshes: Sequence[Mesh]) -> None:
         self._scene = o3d.t.geometry.RaycastingScene(nthreads=1)

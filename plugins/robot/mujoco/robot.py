@@ -22,7 +22,8 @@ from executive.messages.observation import Observation
 
 
 class MujocoRobot(Robot, Scene, Photographer):
-    """Simulates the machine on a random site, with its sensors; deterministic by the generator's seed.
+    """Simulates the machine on a random site, with its sensors; deterministic by the generator's
+    seed.
 
     `world` and `truth_log` are the truth: only sensors and the oracle read them.
     """
@@ -39,7 +40,8 @@ class MujocoRobot(Robot, Scene, Photographer):
         """Lay out the site and set the machine on it; takes some seconds.
 
         Raises:
-            ConfigError: If the site cannot be made, such as stones that do not fit or cannot be read.
+            ConfigError: If the site cannot be made, such as stones that do not fit or cannot be
+                read.
         """
         site_rng, sensor_rng = self._rng.spawn(2)
         site = make_site(self.settings.site, self._machine, self.settings.physics, site_rng)
@@ -73,7 +75,9 @@ class MujocoRobot(Robot, Scene, Photographer):
         return self._world
 
     def read(self, until_s: float) -> Sequence[Observation]:
-        """Advance the world to a mission time [s] and return what its sensors sent since the last call."""
+        """Advance the world to a mission time [s] and return what its sensors sent since the last
+        call.
+        """
         observations: list[Observation] = []
         # Half a step of slack: until_s is a rounded multiple of the tick.
         while self.world.time_s + CONTROL_STEP_S / 2 < until_s:
@@ -94,7 +98,9 @@ class MujocoRobot(Robot, Scene, Photographer):
                 self._sensors.lidars_on = command.on
 
     def stop(self) -> None:
-        """Slow down along the path within the acceleration limits and hold; the jaws keep pressing."""
+        """Slow down along the path within the acceleration limits and hold;
+        the jaws keep pressing.
+        """
         self.world.stop()
 
     def resume(self) -> None:
@@ -102,7 +108,9 @@ class MujocoRobot(Robot, Scene, Photographer):
         self.world.resume()
 
     def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
-        """Return the range [m] along unit directions to the ground or a stone, inf for none, shape (N,)."""
+        """Return the range [m] along unit directions to the ground or a stone, inf for none, shape
+        (N,).
+        """
         return self._sensors.cast_rays(self.world.data, origins_world, directions_world)
 
     def photograph(

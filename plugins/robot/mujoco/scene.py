@@ -12,10 +12,11 @@ _MOVED_M = 2e-3  # a stone that has moved by more than this no longer counts as 
 
 
 class SiteScene:
-    """Ground and stones as rays see them; the hierarchy is rebuilt only when a stone begins or ends to move.
+    """Ground and stones as rays see them; the hierarchy is rebuilt only when a stone begins or ends
+    to move.
 
-    Stones under way are left out of the resting scene: a lidar casts them apart, each slice of a revolution at its
-    own time; see `lidar.py`.
+    Stones under way are left out of the resting scene: a lidar casts them apart, each slice of a
+    revolution at its own time; see `lidar.py`.
     """
 
     def __init__(self, site: Site) -> None:
@@ -46,7 +47,9 @@ class SiteScene:
         return self._skins[index]
 
     def update(self, T_world_stones: Sequence[Float]) -> None:
-        """Tell where the stones are now; one that lies where it lay at the last call counts as resting."""
+        """Tell where the stones are now; one that lies where it lay at the last call counts as
+        resting.
+        """
         still = {
             i for i, T in enumerate(T_world_stones) if self._shift_m(i, T, self._last[i]) < _MOVED_M
         }
@@ -76,7 +79,9 @@ class SiteScene:
         return RayMesh(meshes)
 
     def cast_resting(self, rays_world: Rays) -> Rays:
-        """Return the range to the ground and the resting stones, inf for none, shape (N,); rays are (N, 6)."""
+        """Return the range to the ground and the resting stones, inf for none, shape (N,); rays are
+        (N, 6).
+        """
         ranges = np.full(len(rays_world), np.inf, dtype=np.float32)
         hopeful = np.flatnonzero(
             (rays_world[:, 5] < 0) | (rays_world[:, 2] <= self._top_m)
@@ -85,7 +90,8 @@ class SiteScene:
         return ranges
 
     def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
-        """Return the range to the ground and all stones, as `executive.interfaces.robot.Scene` says.
+        """Return the range to the ground and all stones, as `executive.interfaces.robot.Scene`
+        says.
 
         The machine is not in it: a survey is flown before the machine drives in.
         """

@@ -42,8 +42,8 @@ class SensorSettings(Settings):
 class SensorSuite:
     """The machine's sensors in a simulated world; each has its own stream of chance.
 
-    Every control step is told; what was measured is given back once its latency has passed. Lidars measure only
-    while `lidars_on`, whole revolutions.
+    Every control step is told; what was measured is given back once its latency has passed. Lidars
+    measure only while `lidars_on`, whole revolutions.
     """
 
     def __init__(
@@ -87,7 +87,9 @@ class SensorSuite:
                 return JointEncoders(sensor, machine, model, rng).sample
 
     def step(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> list[Observation]:
-        """Measure what is due at the end of a control step and return what has arrived, in order of stamps."""
+        """Measure what is due at the end of a control step and return what has arrived, in order of
+        stamps.
+        """
         # mj_step leaves poses and velocities one integration step behind the coordinates.
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
@@ -106,12 +108,16 @@ class SensorSuite:
     def cast_rays(
         self, data: mujoco.MjData, origins_world: Float, directions_world: Float
     ) -> Float:
-        """Return what `executive.interfaces.robot.Scene` asks for: ranges to the site as it is now."""
+        """Return what `executive.interfaces.robot.Scene` asks for:
+        ranges to the site as it is now.
+        """
         self.scene.update(self._stone_poses(data))
         return self.scene.cast_rays(origins_world, directions_world)
 
     def _follow(self, time_s: float, data: mujoco.MjData) -> None:
-        """Record motion while the lidars are on; bring the scene up to date when a revolution ends."""
+        """Record motion while the lidars are on; bring the scene up to date when a
+        revolution ends.
+        """
         if not self.lidars_on:
             self._history.clear()
             return
@@ -124,7 +130,9 @@ class SensorSuite:
         return [pose(body.xmat.reshape(3, 3), body.xpos) for body in bodies]
 
     def _is_due(self, sensor: Sensor, time_s: float) -> bool:
-        """Say whether a sensor's next period ends in this control step; periods are multiples since time 0."""
+        """Say whether a sensor's next period ends in this control step; periods are multiples since
+        time 0.
+        """
         now, before = (
             np.floor(at_s * sensor.rate_hz + _EPSILON) for at_s in (time_s, self._last_s)
         )

@@ -4,12 +4,15 @@ import numpy as np
 
 from executive.arrays import Float, Int
 
-# Second moments ∫ x xᵀ dV of the tetrahedron with corners 0, e₁, e₂, e₃ are this over 120 (Blow & Binstock 2004).
+# Second moments ∫ x xᵀ dV of the tetrahedron with corners 0, e₁, e₂, e₃ are this over 120 (Blow &
+# Binstock 2004).
 _UNIT_MOMENTS = np.ones((3, 3)) + np.eye(3)
 
 
 def volume_and_centroid(vertices: Float, triangles: Int) -> tuple[float, Float]:
-    """Return the volume [m³] (negative if the mesh is inside out) and its centroid [m], shape (3,)."""
+    """Return the volume [m³] (negative if the mesh is inside out) and its centroid [m],
+    shape (3,).
+    """
     corners = vertices[triangles]
     six_volumes = np.linalg.det(corners)
     volume = six_volumes.sum() / 6

@@ -24,7 +24,8 @@ def mesh_files(folder: Path) -> tuple[Path, ...]:
     """
     if not folder.is_dir():
         raise ConfigError(
-            f"{_SETTING}.folder: '{folder}' is no folder; give one that holds OBJ, PLY or STL meshes"
+            f"{_SETTING}.folder: '{folder}' is no folder; give one that holds OBJ, PLY "
+            "or STL meshes"
         )
     files = tuple(sorted(path for path in folder.iterdir() if path.suffix.lower() in _SUFFIXES))
     if not files:
@@ -38,7 +39,8 @@ def read_skin(path: Path, scale: float) -> Skin:
     """Read a closed mesh, scaled, its triangles turned outwards.
 
     Raises:
-        ConfigError: If it cannot be read, has a hole, or has an absurd size; the message names the file and the cure.
+        ConfigError: If it cannot be read, has a hole, or has an absurd size; the message names the
+            file and the cure.
     """
     with o3d.utility.VerbosityContextManager(o3d.utility.VerbosityLevel.Error):
         mesh = o3d.io.read_triangle_mesh(path)
@@ -50,7 +52,8 @@ def read_skin(path: Path, scale: float) -> Skin:
     )
     if not len(triangles) or not np.isfinite(vertices).all():
         raise ConfigError(
-            f"{path}: no readable mesh; export it again as OBJ, PLY or STL, or take it out of the folder"
+            f"{path}: no readable mesh; export it again as OBJ, PLY or STL, or take it "
+            "out of the folder"
         )
     _check_size(path, vertices, scale)
     if not (mesh.is_watertight() and mesh.orient_triangles()):

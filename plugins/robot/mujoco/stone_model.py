@@ -65,8 +65,9 @@ class StoneModel:
     def add_to(self, spec: mujoco.MjSpec, T_world_stone: Float) -> None:
         """Add the stone to a world as a free body.
 
-        The contact geometry is the convex hull, also of a scanned stone: its hollows count as solid for the jaws
-        (the hull of a typical scan holds 14 % more than the scan), while mass, inertia and lidars use the skin.
+        The contact geometry is the convex hull, also of a scanned stone: its hollows count as solid
+        for the jaws (the hull of a typical scan holds 14 % more than the scan), while mass, inertia
+        and lidars use the skin.
         """
         quat = np.zeros(4)
         mujoco.mju_mat2Quat(quat, np.ascontiguousarray(T_world_stone[:3, :3]).ravel())

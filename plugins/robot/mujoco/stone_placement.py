@@ -22,7 +22,8 @@ _CLEARANCE_M = 0.02  # above the ground at the drop
 _ROLL_M = 0.15  # more gap than asked for: stones roll a little when they are dropped
 _SETTLING_S = (0.5, 8.0)  # least and longest time that the stones are given [s]
 _STILL = 1e-3  # m/s and rad/s
-_DAMPING_S = 0.5  # soil takes the energy of rocking within about this time [s]; a rigid height field does not
+# soil takes the energy of rocking within about this time [s]; a rigid height field does not
+_DAMPING_S = 0.5
 
 
 class _NoRoomError(Exception):
@@ -40,7 +41,8 @@ def place(
     """Return where the stones have come to rest, T_world_stone each.
 
     Raises:
-        ConfigError: If there is no room for them, or one cannot come to rest; the message says what to change.
+        ConfigError: If there is no room for them, or one cannot come to rest; the message says what
+            to change.
     """
     for _ in range(_ARRANGEMENTS):
         try:
@@ -51,7 +53,8 @@ def place(
         if rest and _gaps_hold(stones, rest, settings.gap_m):
             return rest
     raise ConfigError(
-        f"robot.site.stones: no room for {len(stones)} stones with {settings.gap_m} m between them; "
+        f"robot.site.stones: no room for {len(stones)} stones with {settings.gap_m} m "
+        "between them; "
         "lower count or gap_m, or widen placement.sector_width_rad or placement.max_radius_m"
     )
 
@@ -63,7 +66,9 @@ def _arrangement(
     reach_m: float,
     rng: np.random.Generator,
 ) -> tuple[Float, ...]:
-    """Place the stones one after the other where they keep their distance (random sequential insertion)."""
+    """Place the stones one after the other where they keep their distance (random sequential
+    insertion).
+    """
     placed: list[Float] = []
     outlines: list[Float] = []
     for stone in stones:
@@ -86,7 +91,9 @@ def _draw(
     reach_m: float,
     rng: np.random.Generator,
 ) -> Float:
-    """Draw a pose above the ground: the shortest axis up but for a tilt, as stones that were unloaded lie."""
+    """Draw a pose above the ground: the shortest axis up but for a tilt, as stones that were
+    unloaded lie.
+    """
     least = 0.45 * reach_m if settings.min_radius_m is None else settings.min_radius_m
     most = 0.75 * reach_m if settings.max_radius_m is None else settings.max_radius_m
     if least > most:
@@ -103,7 +110,9 @@ def _draw(
 
 
 def _flat(stone: StoneModel) -> Float:
-    """Return the rotation that brings the axis of the largest moment of inertia, the shortest one, up."""
+    """Return the rotation that brings the axis of the largest moment of inertia, the shortest one,
+    up.
+    """
     _, axes = np.linalg.eigh(stone.inertia)
     axes[:, 0] *= np.sign(np.linalg.det(axes))
     return np.asarray(axes.T)

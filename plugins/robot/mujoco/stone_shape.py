@@ -10,7 +10,8 @@ from executive.arrays import Float, Int
 def rough_skin(
     corners: Float, roughness_m: float, edge_m: float, rng: np.random.Generator
 ) -> tuple[Float, Int]:
-    """Return a closed mesh over a convex block whose faces are bumpy: vertices (V, 3) [m], triangles (F, 3).
+    """Return a closed mesh over a convex block whose faces are bumpy: vertices (V, 3) [m],
+    triangles (F, 3).
 
     Args:
         corners: Of the block [m], shape (N, 3).
@@ -33,5 +34,6 @@ def rough_skin(
 def _longest_edge_m(mesh: o3d.geometry.TriangleMesh) -> float:
     corners = np.asarray(mesh.vertices)[np.asarray(mesh.triangles)]
     edges = corners - np.roll(corners, 1, axis=1)
-    # The median of the triangles' longest edges: a few long slivers are not worth four times the triangles.
+    # The median of the triangles' longest edges: a few long slivers are not worth four times the
+    # triangles.
     return float(np.median(np.linalg.norm(edges, axis=2).max(axis=1)))

@@ -80,7 +80,8 @@ def make_stones(
     """Draw the stones of a site, `stone_1` first.
 
     Raises:
-        ConfigError: If the folder has not enough meshes that can be lifted, or a file that cannot be used.
+        ConfigError: If the folder has not enough meshes that can be lifted, or a file that cannot
+            be used.
     """
     if settings.folder is None or settings.count == 0:
         return tuple(_generated(f"stone_{i + 1}", settings, rng) for i in range(settings.count))
@@ -100,7 +101,9 @@ def _generated(name: str, settings: StoneSettings, rng: np.random.Generator) -> 
 def _scanned(
     settings: StoneSettings, folder: Path, max_mass_kg: float, rng: np.random.Generator
 ) -> tuple[StoneModel, ...]:
-    """Take meshes in random order, skipping those that are too heavy to lift; none is taken twice."""
+    """Take meshes in random order, skipping those that are too heavy to lift;
+    none is taken twice.
+    """
     files = mesh_files(folder)
     chosen: list[StoneModel] = []
     for i in rng.permutation(len(files)):
@@ -112,7 +115,8 @@ def _scanned(
             chosen.append(stone)
     if len(chosen) < settings.count:
         raise ConfigError(
-            f"robot.site.stones.folder: only {len(chosen)} of the {len(files)} meshes of '{folder}' weigh at most "
+            f"robot.site.stones.folder: only {len(chosen)} of the {len(files)} meshes "
+            f"of '{folder}' weigh at most "
             f"{max_mass_kg:.0f} kg at scale {settings.scale:g}; {settings.count} are wanted: "
             "lower stones.count or stones.scale"
         )

@@ -1,4 +1,6 @@
-"""Textures of ground and stones, for pictures only: what structure from motion finds again from view to view."""
+"""Textures of ground and stones, for pictures only: what structure from motion finds again from
+view to view.
+"""
 
 from dataclasses import dataclass
 
@@ -15,7 +17,8 @@ _GROUND_TEXEL_M, _GROUND_TEXELS = (
     0.0075,
     4096,
 )  # and the most along a side, which is what graphics memory likes
-_FALL = 0.9  # amplitude falls with frequency to this power: as in nature, there is detail at every distance
+# amplitude falls with frequency to this power: as in nature, there is detail at every distance
+_FALL = 0.9
 _CONTRAST = (0.26, 0.28, 0.32)  # of red, green and blue: dark is warmer than bright
 _GROUND_RGB, _STONE_RGB = (134, 112, 86), (158, 156, 150)
 
@@ -36,7 +39,9 @@ class Skin:
 
 
 def ground_skin(mesh: Mesh, rng: np.random.Generator) -> Skin:
-    """Lay one texture over the ground from above; it never repeats, for a repeat would be matched with itself."""
+    """Lay one texture over the ground from above; it never repeats, for a repeat would be matched
+    with itself.
+    """
     corners = _corners(mesh)[:, :2]
     low, high = corners.min(axis=0), corners.max(axis=0)
     side = min(_GROUND_TEXELS, int(np.ceil((high - low).max() / _GROUND_TEXEL_M)))
@@ -44,7 +49,9 @@ def ground_skin(mesh: Mesh, rng: np.random.Generator) -> Skin:
 
 
 def stone_skin(mesh: Mesh, rng: np.random.Generator) -> Skin:
-    """Wrap a stone as a box: each triangle takes its colours from the one of six pictures that it faces most."""
+    """Wrap a stone as a box: each triangle takes its colours from the one of six pictures that it
+    faces most.
+    """
     vertices, triangles = mesh
     low, size_m = vertices.min(axis=0), np.ptp(vertices, axis=0).max()
     side = int(np.ceil(size_m / _TEXEL_M))
@@ -66,7 +73,9 @@ def _corners(mesh: Mesh) -> Float:
 
 
 def _facing(corners: Float) -> Int:
-    """Return for triangles (F, 3, 3) the axis that the normal is nearest to: 0 to 2, and 3 to 5 if against it."""
+    """Return for triangles (F, 3, 3) the axis that the normal is nearest to: 0 to 2, and 3 to 5 if
+    against it.
+    """
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     axis = np.abs(normals).argmax(axis=1)
     against = np.take_along_axis(normals, axis[:, None], axis=1)[:, 0] < 0

@@ -60,13 +60,17 @@ class Terrain:
         object.__setattr__(self, "heights_m", checked("heights_m", self.heights_m, n, n))
 
     def height_at(self, points_xy: Float) -> Float:
-        """Return the bilinear height [m] at points (N, 2), shape (N,); beyond the edge, that of the edge."""
+        """Return the bilinear height [m] at points (N, 2), shape (N,); beyond the edge, that of the
+        edge.
+        """
         cell = self.coordinates_m[1] - self.coordinates_m[0]
         indices = (np.asarray(points_xy) - self.coordinates_m[0]) / cell
         return np.asarray(map_coordinates(self.heights_m, indices.T, order=1, mode="nearest"))
 
     def mesh(self) -> tuple[Float, Int]:
-        """Return vertices (V, 3) [m] and triangles (F, 3), counter-clockwise from above, as MuJoCo splits the cells."""
+        """Return vertices (V, 3) [m] and triangles (F, 3), counter-clockwise from above, as MuJoCo
+        splits the cells.
+        """
         n = len(self.coordinates_m)
         x, y = np.meshgrid(self.coordinates_m, self.coordinates_m, indexing="ij")
         index = np.arange(n * n).reshape(n, n)
@@ -99,7 +103,9 @@ class Terrain:
 
 
 def make_terrain(settings: TerrainSettings, rng: np.random.Generator) -> Terrain:
-    """Draw a terrain: long waves plus roughness, both Gaussian fields, faded out towards the machine's pad."""
+    """Draw a terrain: long waves plus roughness, both Gaussian fields, faded out towards the
+    machine's pad.
+    """
     n = 2 * round(settings.half_size_m / settings.cell_m) + 1
     coordinates = np.linspace(-settings.half_size_m, settings.half_size_m, n)
     waves = _field(

@@ -15,7 +15,9 @@ _EPSILON_S = 1e-6
 
 
 class TruthLog:
-    """Poses of stones, cabin and gripper ten times a second; contacts of the machine at every control step."""
+    """Poses of stones, cabin and gripper ten times a second; contacts of the machine at every
+    control step.
+    """
 
     def __init__(self, machine: Machine, stones: Sequence[str], model: mujoco.MjModel) -> None:
         self.stones = tuple(stones)
@@ -43,7 +45,9 @@ class TruthLog:
         return self._stamps_s[-1]
 
     def T_world_stone(self, stone: int, time_s: float) -> Float:
-        """Return a stone's pose (origin at its volume's centroid) at a time, interpolated, shape (4, 4)."""
+        """Return a stone's pose (origin at its volume's centroid) at a time, interpolated, shape
+        (4, 4).
+        """
         i, fraction = self._bracket(time_s)
         return interpolate(
             self._T_stones[i][stone], self._T_stones[min(i + 1, self._last)][stone], fraction
@@ -55,7 +59,9 @@ class TruthLog:
         return interpolate(self._T_cabin[i], self._T_cabin[min(i + 1, self._last)], fraction)
 
     def holding(self, stone: int, from_s: float, to_s: float) -> tuple[Float, Float]:
-        """Return the heights of a stone's centroid and its distances from the palm in a span [m], shape (N,) each."""
+        """Return the heights of a stone's centroid and its distances from the palm in a span [m],
+        shape (N,) each.
+        """
         stamps = np.array(self._stamps_s)
         inside = np.flatnonzero((stamps >= from_s - _EPSILON_S) & (stamps <= to_s + _EPSILON_S))
         centroids = np.array([self._T_stones[i][stone][:3, 3] for i in inside]).reshape(-1, 3)

@@ -69,7 +69,8 @@ class World:
         jaw, gripper = self.machine.jaw, self.machine.gripper
         if not jaw.lower <= command.position_rad <= jaw.upper:
             raise RobotError(
-                f"jaws to {command.position_rad:.3f} rad; possible is {jaw.lower} to {jaw.upper} rad"
+                f"jaws to {command.position_rad:.3f} rad; possible is {jaw.lower} to "
+                f"{jaw.upper} rad"
             )
         if not 0 < command.force_n <= gripper.tip_force_n:
             raise RobotError(
@@ -105,7 +106,8 @@ class World:
             or not np.isfinite(self.data.qpos).all()
         ):
             raise RobotError(
-                f"the simulated world diverged at {self.time_s:.2f} s; use a smaller physics.timestep_s"
+                f"the simulated world diverged at {self.time_s:.2f} s; use a smaller "
+                "physics.timestep_s"
             )
         for observer in self._observers:
             observer(self)

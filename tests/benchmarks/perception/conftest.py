@@ -1,4 +1,6 @@
-"""Scenes for the figures of perception: single stones (drawn as in the tests of registration) and stones in piles."""
+"""Scenes for the figures of perception: single stones (drawn as in the tests of registration) and
+stones in piles.
+"""
 
 import importlib.util
 import sys
@@ -39,7 +41,8 @@ class Piles:
 
     Attributes:
         gap_m: Distance between surfaces of neighbours in a pile.
-        clouds: What the lidars and the drone see, each (points, number of the stone that each point is of, 0: ground).
+        clouds: What the lidars and the drone see, each (points, number of the stone that each point
+            is of, 0: ground).
     """
 
     gap_m: float
@@ -91,7 +94,9 @@ def _rays(mesh: Mesh) -> o3d.t.geometry.RaycastingScene:
 
 
 def gap_between(a: Mesh, b: Mesh) -> float:
-    """Return the distance of two surfaces [m], negative if they cut each other; right to a few millimetres."""
+    """Return the distance of two surfaces [m], negative if they cut each other; right to a few
+    millimetres.
+    """
     rng, found = np.random.default_rng(0), []
     for one, other in ((a, b), (b, a)):
         shares = rng.dirichlet([1, 1, 1], 1500)
@@ -108,7 +113,9 @@ def gap_between(a: Mesh, b: Mesh) -> float:
 
 
 def _beside(stone: Mesh, placed: Sequence[Mesh], gap_m: float, rng: np.random.Generator) -> Mesh:
-    """Push a stone from aside towards the last one placed, until the nearest of all is a gap away."""
+    """Push a stone from aside towards the last one placed, until the nearest of all is a
+    gap away.
+    """
     while True:
         angle = rng.uniform(-np.pi, np.pi)
         way = np.array([np.cos(angle), np.sin(angle), 0.0])

@@ -1,4 +1,6 @@
-"""The tables of docs/perception.md, made of figures that were measured: bounds, Table 1, kinds of decoys."""
+"""The tables of docs/perception.md, made of figures that were measured: bounds, Table 1, kinds of
+decoys.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -6,8 +8,10 @@ from typing import Any
 
 Figures = Mapping[str, Any]
 
-# Milliseconds of lidar map and vision map together, mean and standard deviation of what is one figure there, in both
-# experiments, on an Intel Xeon E-2176M (Mascaro 2020, Table 1); points of both maps (Table 2); Sec. 6.2.
+# Milliseconds of lidar map and vision map together, mean and standard deviation of what is one
+# figure there, in both experiments, on an Intel Xeon E-2176M (Mascaro 2020, Table 1); points of
+# both maps (Table 2); Sec.
+# 6.2.
 PAPER = {
     "segmentation": ("110", "119"),
     "keypoints": ("104", "101"),
@@ -43,7 +47,9 @@ class Row:
 
 
 def bounds(figures: Figures) -> str:
-    """Return the table of bounds, those that are not met in bold; rows that were not measured say so."""
+    """Return the table of bounds, those that are not met in bold; rows that were not measured say
+    so.
+    """
     lines = ["| what | must | stretch | measured |", "|---|---|---|---|"]
     for row in ROWS:
         is_known = all(part in figures for part in row.parts)
@@ -60,11 +66,14 @@ def missed(figures: Figures) -> list[str]:
 
 
 def beside_the_paper(figures: Figures) -> str:
-    """Return the paper's Table 1 row by row, with the milliseconds of this registration beside it."""
+    """Return the paper's Table 1 row by row, with the milliseconds of this registration
+    beside it.
+    """
     long = figures["swing_20_s"]
     points = "{:,} / {:,}".format(*long["points"])
     lines = [
-        "| stage, both maps [ms] | paper, experiment 1 | paper, experiment 2 | `segment_shot`, median | p95 |",
+        "| stage, both maps [ms] | paper, experiment 1 | paper, experiment 2 | "
+        "`segment_shot`, median | p95 |",
         "|---|---|---|---|---|",
     ]
     for stage, (one, two) in PAPER.items():
@@ -75,7 +84,8 @@ def beside_the_paper(figures: Figures) -> str:
     if "first_success" in figures:
         first = figures["first_success"]
         lines.append(
-            f"| first success [s] | 15 | in both together | {first['median_s']:.1f} | at worst {first['worst_s']:.1f} |"
+            f"| first success [s] | 15 | in both together | {first['median_s']:.1f} | "
+            f"at worst {first['worst_s']:.1f} |"
         )
     return "\n".join(lines)
 
@@ -200,7 +210,8 @@ ROWS = (
         "",
         ("stretched",),
         lambda f: (
-            f"{_share(f['stretched'])}, scale told to {100 * f['stretched']['worst_scale_error']:.2f} %"
+            f"{_share(f['stretched'])}, scale told to "
+            f"{100 * f['stretched']['worst_scale_error']:.2f} %"
         ),
         lambda f: f["stretched"]["right"] >= 0.95 * f["stretched"]["n"],
     ),
@@ -264,7 +275,8 @@ ROWS = (
         "1.5 cm, 1.5°",
         ("database",),
         lambda f: (
-            "{median_cm:.1f}, {p90_cm:.1f}, {worst_cm:.0f} cm; {median_deg:.1f}, {p90_deg:.1f}, {worst_deg:.1f}°; "
+            "{median_cm:.1f}, {p90_cm:.1f}, {worst_cm:.0f} cm; {median_deg:.1f}, "
+            "{p90_deg:.1f}, {worst_deg:.1f}°; "
             "{within} of {n} within".format(**f["database"])
         ),
         lambda f: f["database"]["within"] == f["database"]["n"],

@@ -1,10 +1,12 @@
-"""Run the mapping mission over seeds and print when the drone's map was first registered, one line a seed.
+"""Run the mapping mission over seeds and print when the drone's map was first registered, one line
+a seed.
 
     OMP_NUM_THREADS=1 python tests/benchmarks/perception/first_success.py 1 2 3
-    OMP_NUM_THREADS=1 python tests/benchmarks/perception/first_success.py 1 2 3 -- registration.plugin=segment_fpfh
+    OMP_NUM_THREADS=1 python tests/benchmarks/perception/first_success.py 1 2 3 --
+    registration.plugin=segment_fpfh
 
-Times are the mission's, from the first movement of the swing. The paper's first success came after 15 s (Sec. 6.2).
-Fifteen seconds of processor time a seed.
+Times are the mission's, from the first movement of the swing. The paper's first success came after
+15 s (Sec. 6.2). Fifteen seconds of processor time a seed.
 """
 
 import json
@@ -23,7 +25,9 @@ from executive.tree.load import load_mission
 
 
 class Witness:
-    """Remembers where the points of the last survey really are, and where the survey's own frame puts them."""
+    """Remembers where the points of the last survey really are, and where the survey's own frame
+    puts them.
+    """
 
     def __init__(self) -> None:
         self.pair: tuple[Float, Float] | None = None
@@ -47,7 +51,9 @@ class Witness:
 
 
 def line(journal: list[dict], witness: Witness, seed: int) -> tuple[str, float, float]:
-    """Return a line for people, the time of the first success [s] (inf if none) and its error [m]."""
+    """Return a line for people, the time of the first success [s] (inf if none) and its
+    error [m].
+    """
     tried = [entry for entry in journal if entry["kind"] == "registration"]
     dense = [entry for entry in journal if entry["kind"] == "dense"]
     stones = [len(entry["payload"]["stones"]) for entry in journal if entry["kind"] == "segmented"]
@@ -58,14 +64,19 @@ def line(journal: list[dict], witness: Witness, seed: int) -> tuple[str, float, 
     first_s = accepted[0]["time_s"] - dense[0]["time_s"] + dense_s
     error_m = witness.error_m(accepted[0]["payload"])
     matched = accepted[0]["payload"]["matched_segments"]
-    text = f"{seed:4d} {dense_s:8.1f} {first_s:8.1f} {len(tried):8d} {matched:7d} {stones[-1]:6d} {1e3 * error_m:9.0f}"
+    text = (
+        f"{seed:4d} {dense_s:8.1f} {first_s:8.1f} {len(tried):8d} {matched:7d} "
+        f"{stones[-1]:6d} {1e3 * error_m:9.0f}"
+    )
     return text, first_s, error_m
 
 
 def measured(
     seeds: Sequence[int], overrides: Sequence[str] = ()
 ) -> tuple[list[float], list[float]]:
-    """Run the mission over seeds; return when each first succeeded [s] and how far it was off [m], inf if never."""
+    """Run the mission over seeds; return when each first succeeded [s] and how far it was off [m],
+    inf if never.
+    """
     times, errors, witness = [], [], Witness()
     with tempfile.TemporaryDirectory() as folder:
         for seed in seeds:
@@ -89,7 +100,8 @@ def main(seeds: list[int], overrides: list[str]) -> None:
         f"{np.mean(np.array(times) <= limit):.0%} after {limit} s" for limit in (5, 10, 15)
     )
     print(
-        f"first success: median {np.median(times):.1f} s, worst {max(times):.1f} s; {early}, of {len(times)}"
+        f"first success: median {np.median(times):.1f} s, worst {max(times):.1f} s; "
+        f"{early}, of {len(times)}"
     )
     print(f"error: median {1e3 * np.median(errors):.0f} mm, worst {1e3 * max(errors):.0f} mm")
 

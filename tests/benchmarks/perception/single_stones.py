@@ -2,10 +2,10 @@
 
     OMP_NUM_THREADS=1 python tests/benchmarks/perception/single_stones.py 12
 
-So many drawn sites of seven stones. A stone's model comes from one swing and a survey; it is tumbled, and looked for in
-what another swing shows within 1.8 m of itself and of the next two. An answer is right if it is off by less than 5 cm
-and 5°, wherever it was looked for: the next stone may stand within those 1.8 m. Fifteen seconds of processor time a
-site.
+So many drawn sites of seven stones. A stone's model comes from one swing and a survey; it is
+tumbled, and looked for in what another swing shows within 1.8 m of itself and of the next two. An
+answer is right if it is off by less than 5 cm and 5°, wherever it was looked for: the next stone
+may stand within those 1.8 m. Fifteen seconds of processor time a site.
 """
 
 import sys

@@ -1,7 +1,8 @@
-"""How many stones are one segment each, by the gap to their neighbour, and what a segmentation costs.
+"""How many stones are one segment each, by the gap to their neighbour, and what a segmentation
+costs.
 
-Run with `OMP_NUM_THREADS=1 pytest tests/benchmarks/perception/test_neighbours.py -s`: three minutes of processor time.
-Seeds 7500 and up are drawn here only; nothing has been tuned on them.
+Run with `OMP_NUM_THREADS=1 pytest tests/benchmarks/perception/test_neighbours.py -s`: three minutes
+of processor time. Seeds 7500 and up are drawn here only; nothing has been tuned on them.
 """
 
 import time
@@ -51,7 +52,9 @@ def _fate(shares: Float, kept: float, seen: int, stone: int) -> str:
 
 
 def tallied(make_piles: Callable, scenes: int) -> tuple[Tallies, dict[str, list[float]]]:
-    """Segment so many scenes a gap and kind of stones; return the fates of stones, and what a cloud took [ms]."""
+    """Segment so many scenes a gap and kind of stones; return the fates of stones, and what a cloud
+    took [ms].
+    """
     segmentation = GroundAndClusters(GroundAndClustersSettings())
     segmentation.start()
     spent_ms: dict[str, list[float]] = {"lidar": [], "drone": []}
@@ -74,7 +77,9 @@ def summed(tallies: Tallies, least_m: float) -> Counter[str]:
 def test_neighbours(make_piles: Callable) -> None:
     tallies, spent_ms = tallied(make_piles, SCENES)
     print(
-        f"\n  {'stones':10}{'gap [cm]':>10}{'single':>10}{'merged':>8}{'split':>8}{'missed':>8}{'seen':>6}"
+        "\n  "
+        f"{'stones':10}{'gap [cm]':>10}{'single':>10}{'merged':>8}{'split':>8}{'missed':>8}"
+        f"{'seen':>6}"
     )
     for (shape, band), tally in tallies.items():
         _print(shape, f"{100 * band[0]:.0f}-{100 * band[1]:.0f}", tally)
@@ -83,7 +88,8 @@ def test_neighbours(make_piles: Callable) -> None:
     _print("all", ">= 15", wide)
     for kind, spent in spent_ms.items():
         print(
-            f"  {kind}: {np.median(spent):.0f} ms median, {np.percentile(spent, 95):.0f} ms p95, n {len(spent)}"
+            f"  {kind}: {np.median(spent):.0f} ms median, "
+            f"{np.percentile(spent, 95):.0f} ms p95, n {len(spent)}"
         )
     assert narrow["single"] >= 0.90 * seen(narrow)
     assert wide["single"] >= 0.97 * seen(wide)

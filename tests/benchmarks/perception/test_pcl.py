@@ -1,7 +1,7 @@
 """Registration beside PCL's own parts, on the same segments: time and rate of both.
 
-Run with `OMP_NUM_THREADS=1 pytest tests/benchmarks/perception/test_pcl.py -s`; needs g++ and Debian's libpcl-dev, five
-minutes of processor time. Seeds 2400 and up are drawn here only.
+Run with `OMP_NUM_THREADS=1 pytest tests/benchmarks/perception/test_pcl.py -s`; needs g++ and
+Debian's libpcl-dev, five minutes of processor time. Seeds 2400 and up are drawn here only.
 """
 
 import json
@@ -76,7 +76,9 @@ def _write(path: Path, segmentation: Segmentation) -> None:
 
 
 def _run(chain: Path, folder: Path, radii: tuple[float, float]) -> tuple[Float | None, float]:
-    """Return T_target_source, or None, and milliseconds; PCL 1.13 is seen to crash where no keypoint is described."""
+    """Return T_target_source, or None, and milliseconds; PCL 1.13 is seen to crash where no
+    keypoint is described.
+    """
     words = [chain, folder / "target", folder / "source", *map(str, radii)]
     done = subprocess.run(words, capture_output=True, text=True, timeout=120)
     if done.returncode:

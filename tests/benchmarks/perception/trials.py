@@ -1,4 +1,6 @@
-"""Registration tried on drawn scenes: what each trial came to. Nothing has been tuned on the seeds drawn here."""
+"""Registration tried on drawn scenes: what each trial came to. Nothing has been tuned on the seeds
+drawn here.
+"""
 
 import os
 import subprocess
@@ -36,7 +38,9 @@ Answers = list[dict[str, Any]]
 
 
 def registrar(method: str = METHOD) -> Any:
-    """Return a started registrar whose stages are timed by the processor's clock: others may use the computer."""
+    """Return a started registrar whose stages are timed by the processor's clock: others may use
+    the computer.
+    """
     stopwatch.wall_s = time.process_time  # type: ignore[assignment]
     plugin = registry.load("registration", method)
     segmentation = GroundAndClusters(GroundAndClustersSettings())
@@ -93,7 +97,9 @@ def tried(ours: Any, scene: Any, survey: Cloud) -> dict[str, Any]:
 
 
 def segmented(count: int) -> list[float]:
-    """Return processor milliseconds to segment one cloud each, maps and surveys of the swings of 20 s."""
+    """Return processor milliseconds to segment one cloud each, maps and surveys of the swings of 20
+    s.
+    """
     scenes, segmentation = load_scenes(), GroundAndClusters(GroundAndClustersSettings())
     segmentation.start()
     spent_ms = []
@@ -107,7 +113,9 @@ def segmented(count: int) -> list[float]:
 
 
 def same_bits(count: int) -> dict[str, int]:
-    """Return how many scenes give one T, to the last bit, twice over and on one, two and four threads."""
+    """Return how many scenes give one T, to the last bit, twice over and on one, two and four
+    threads.
+    """
     told: dict[str, list[str]] = {}
     for name, threads in {"1": 1, "1 again": 1, "2": 2, "4": 4}.items():
         environment = os.environ | {

@@ -1,4 +1,6 @@
-"""What can be wrong with satellite fixes: each a function of time and antenna to the error in the map, or no fix."""
+"""What can be wrong with satellite fixes: each a function of time and antenna to the error in the
+map, or no fix.
+"""
 
 from collections.abc import Callable
 
@@ -17,7 +19,9 @@ def none(stamp_s: float, antenna: str) -> Float | None:
 
 
 def wander(rng: np.random.Generator, std_m: float) -> Fault:
-    """Let all fixes wander slowly together, as the air and reflections make real ones do; no covariance tells it."""
+    """Let all fixes wander slowly together, as the air and reflections make real ones do; no
+    covariance tells it.
+    """
     periods_s = rng.uniform((10.0, 20.0, 40.0), (20.0, 40.0, 80.0))
     phases = rng.uniform(0, 2 * np.pi, (3, 3))
     size_m = std_m * np.sqrt(2 / 3)
@@ -27,7 +31,9 @@ def wander(rng: np.random.Generator, std_m: float) -> Fault:
 
 
 def spikes(rng: np.random.Generator, starts_s: tuple[float, ...]) -> Fault:
-    """Move fixes by 3 to 4 m for 0.05 to 1 s, of one antenna or of both; their covariance stays good."""
+    """Move fixes by 3 to 4 m for 0.05 to 1 s, of one antenna or of both; their covariance stays
+    good.
+    """
     drawn = [
         (s, s + rng.uniform(0.05, 1.0), _direction(rng) * rng.uniform(3, 4), rng.integers(3))
         for s in starts_s

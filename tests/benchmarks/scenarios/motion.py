@@ -1,4 +1,6 @@
-"""How the machine moves, in closed form: it stands, drives slowly over uneven ground, or swings its cabin."""
+"""How the machine moves, in closed form: it stands, drives slowly over uneven ground, or swings its
+cabin.
+"""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -64,7 +66,9 @@ class Motion:
         return self.speed_m_s * (rise_s * (u**3 - u**4 / 2) + beyond_s)
 
     def p_map_base(self, t: Float) -> Float:
-        """Return the chassis on a rosette r = ρ (1 + sin(3φ)/8) over waves of the ground [m], shape (n, 3)."""
+        """Return the chassis on a rosette r = ρ (1 + sin(3φ)/8) over waves of the ground [m], shape
+        (n, 3).
+        """
         phi = self.way_m(t) / self.radius_m
         r = self.radius_m * (1 + np.sin(3 * phi + self.phases[0]) / 8)
         angle = phi + self.phases[1]

@@ -1,4 +1,6 @@
-"""What an outage of the satellites costs: drift as a share of the way, and the time until they are believed again."""
+"""What an outage of the satellites costs: drift as a share of the way, and the time until they are
+believed again.
+"""
 
 import numpy as np
 
@@ -15,7 +17,9 @@ def way_m(trial: Trial, from_s: float, to_s: float) -> float:
 
 
 def drift_share(trial: Trial, from_s: float, to_s: float) -> float:
-    """Return the largest error of the lidar's position in an outage, as a share of the whole way in it."""
+    """Return the largest error of the lidar's position in an outage, as a share of the whole way in
+    it.
+    """
     during = (trial.stamps_s > from_s) & (trial.stamps_s <= to_s)
     T_cabin_lidar = trial.truth.machine.sensors[LIDAR].T_link_sensor
     estimated, true = (T[during] @ T_cabin_lidar for T in (trial.T_map_cabin, trial.T_true))
@@ -34,7 +38,9 @@ def odometry_share(trial: Trial, from_s: float, to_s: float) -> float:
 
 
 def backs_s(trial: Trial, good_from_s: float) -> float:
-    """Return how long after fixes are good again the estimator says so for the first time, and keeps to it [s]."""
+    """Return how long after fixes are good again the estimator says so for the first time, and
+    keeps to it [s].
+    """
     after = trial.stamps_s >= good_from_s
     believed = trial.is_global[after]
     if believed.all():

@@ -1,4 +1,6 @@
-"""What the sensors say of a motion, in order of arrival: noise, bias walk, latency, and lidar odometry that drifts."""
+"""What the sensors say of a motion, in order of arrival: noise, bias walk, latency, and lidar
+odometry that drifts.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -44,7 +46,9 @@ class LidarErrors:
 def stream(
     truth: Truth, end_s: float, fault: Fault, lidar: LidarErrors | None, rng: np.random.Generator
 ) -> list[tuple[float, Message]]:
-    """Return arrival times [s] and messages, in order; inertial samples come at their stamp, which is k/100."""
+    """Return arrival times [s] and messages, in order; inertial samples come at their stamp, which
+    is k/100.
+    """
     stamps = np.arange(1, round(end_s * RATE_HZ)) / RATE_HZ
     arrivals: list[tuple[float, int, Message]] = []
     for rank, name in enumerate(("imu_base", "imu_cabin")):
@@ -62,7 +66,9 @@ def stream(
 def _inertial(
     truth: Truth, name: str, stamps: Float, rng: np.random.Generator
 ) -> Iterator[ImuSample]:
-    """Yield means over the last sample: of the rate by the turn, of the force by the change of velocity."""
+    """Yield means over the last sample: of the rate by the turn, of the force by the change of
+    velocity.
+    """
     sensor = truth.machine.sensors[name]
     if not isinstance(sensor, Imu):
         raise TypeError(f"{name} is no inertial sensor")

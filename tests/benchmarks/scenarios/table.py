@@ -1,4 +1,6 @@
-"""The table: one row a figure, one column an estimator, beside what must be and what was hoped for."""
+"""The table: one row a figure, one column an estimator, beside what must be and what was
+hoped for.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,7 +20,8 @@ class Row:
         must, stretch: Bounds on it; None where there is none.
         is_mean: Whether the mean over trials is held against the bounds; else the worst.
         is_least: Whether the bounds are lower ones.
-        is_best: Whether the best is held against the bounds, for what else runs on the computer only makes it worse.
+        is_best: Whether the best is held against the bounds, for what else runs on the computer
+            only makes it worse.
         digits: Decimals.
     """
 
@@ -181,7 +184,8 @@ def table(rows: Sequence[Row], values: Values) -> str:
         bounds = f"{_bound(row.must, row)} | {_bound(row.stretch, row)}"
         lines.append(f"| {row.label} | {bounds} | {n} | " + " | ".join(cells) + " |")
         missed += [
-            f"- `{name}`, {row.label}: {row.held(v):.{row.digits}f}, must be {_bound(row.must, row)}"
+            f"- `{name}`, {row.label}: {row.held(v):.{row.digits}f}, must be "
+            f"{_bound(row.must, row)}"
             for name, v in zip(names, per_name, strict=True)
             if v and row.must is not None and not row.meets(row.must, v)
         ]
@@ -195,7 +199,9 @@ def _bound(bound: float | None, row: Row) -> str:
 
 
 def _cell(row: Row, values: Sequence[float]) -> str:
-    """Median and worst, or mean and spread; bold where the must is missed, a star where the stretch is reached."""
+    """Median and worst, or mean and spread; bold where the must is missed, a star where the stretch
+    is reached.
+    """
     if not values:
         return ""
     first, second = (

@@ -1,4 +1,6 @@
-"""How long the estimators take: an inertial sample at 100 Hz in real time, in turns, and an update of the smoother."""
+"""How long the estimators take: an inertial sample at 100 Hz in real time, in turns, and an update
+of the smoother.
+"""
 
 import gc
 import os
@@ -53,8 +55,9 @@ class Lane:
         """Feed a block in real time; return how long each sample of the cabin's sensor took.
 
         Args:
-            is_awake: Whether to wait for the next message without leaving the core, as a real-time thread of its own
-                core would find it: its caches warm. A sleeper finds them as what else runs has left them.
+            is_awake: Whether to wait for the next message without leaving the core, as a real-time
+                thread of its own core would find it: its caches warm. A sleeper finds them as what
+                else runs has left them.
         """
         times: Times = []
         offset_s = time.perf_counter() - self._until_s
@@ -87,7 +90,8 @@ def _wait_until(when_s: float, is_awake: bool) -> None:
 def service(
     makers: Mapping[str, Callable[[bool], Estimator]], machine: Machine
 ) -> dict[str, dict[str, list[float]]]:
-    """Return figures of one value a block; the estimators take turns, so that a busy computer is busy for all.
+    """Return figures of one value a block; the estimators take turns, so that a busy computer is
+    busy for all.
 
     Args:
         makers: Of estimators, by name; `dual_graph` smooths in a process of its own if told so.
@@ -127,7 +131,9 @@ def _describe(figures: dict[str, list[float]], times: np.ndarray, how: str) -> N
 def updates(
     make: Callable[[bool], Estimator], machine: Machine, seconds: float = 30.0
 ) -> dict[str, list[float]]:
-    """Return the 99th percentile of an update's duration, a value for each two seconds, after the window is full."""
+    """Return the 99th percentile of an update's duration, a value for each two seconds, after the
+    window is full.
+    """
     times: Times = []
     update = GraphSmoother.update
 
@@ -156,11 +162,15 @@ def updates(
 
 
 def computer() -> str:
-    """Say how busy the computer is, and by how much it slows down who sleeps between two samples."""
+    """Say how busy the computer is, and by how much it slows down who sleeps between two
+    samples.
+    """
     awake_us, asleep_us = (1e6 * float(np.median(_probe(is_awake))) for is_awake in (True, False))
     return (
-        f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores, samples at {RATE_HZ} Hz; reading the thread's clock "
-        f"costs {1e6 * _clock_s():.1f} µs; some NumPy work takes {awake_us:.0f} µs awake, {asleep_us:.0f} µs after "
+        f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores, samples at {RATE_HZ} "
+        "Hz; reading the thread's clock "
+        f"costs {1e6 * _clock_s():.1f} µs; some NumPy work takes {awake_us:.0f} µs "
+        f"awake, {asleep_us:.0f} µs after "
         "each sleep of 10 ms"
     )
 

@@ -59,7 +59,9 @@ class Trial:
         return cls(truth, states, dict(getattr(estimator, "refused", {})), fixes, increments)
 
     def chain(self, from_s: float, to_s: float) -> tuple[Float, Float]:
-        """Return times [s] and poses of the lidar by its increments alone, between two times, shape (m,), (m, 4, 4)."""
+        """Return times [s] and poses of the lidar by its increments alone, between two times, shape
+        (m,), (m, 4, 4).
+        """
         stamps, poses = [], [np.eye(4)]
         for increment in self.increments:
             if from_s <= increment.to_s <= to_s:
@@ -105,7 +107,9 @@ class Trial:
 
     @cached_property
     def odometry_step_m(self) -> Float:
-        """How much farther the cabin moved in the odometry frame between two states than v·dt [m], shape (n − 1,)."""
+        """How much farther the cabin moved in the odometry frame between two states than v·dt [m],
+        shape (n − 1,).
+        """
         T_odom = [s.T_odom_base @ inverse(s.T_map_base) @ s.T_map_cabin for s in self.states]
         moved = np.linalg.norm(np.diff([T[:3, 3] for T in T_odom], axis=0), axis=1)
         speed = np.linalg.norm([s.v_map_cabin for s in self.states], axis=1)
@@ -113,9 +117,11 @@ class Trial:
 
     @cached_property
     def consistency_m(self) -> Float:
-        """By how much each correction moved the pose at its own time [m] (Nubert 2022, Sec. V-B1), shape (m,).
+        """By how much each correction moved the pose at its own time [m] (Nubert 2022, Sec. V-B1),
+        shape (m,).
 
-        The odometry frame is the propagated pose, so that a change of T_map_odom is a correction and nothing else.
+        The odometry frame is the propagated pose, so that a change of T_map_odom is a correction
+        and nothing else.
         """
         T_map_odom = np.array([s.T_map_base @ inverse(s.T_odom_base) for s in self.states])
         p_odom = np.array([s.T_odom_base[:3, 3] for s in self.states])
@@ -126,7 +132,9 @@ class Trial:
         return np.asarray(moved[moved > 1e-6])
 
     def nees(self, every: int = 10) -> Float:
-        """Return the squared error of the pose in units of its covariance, 6 degrees of freedom, shape (n/every,)."""
+        """Return the squared error of the pose in units of its covariance, 6 degrees of freedom,
+        shape (n/every,).
+        """
         squares = []
         for state, T_true in zip(self.states[::every], self.T_true[::every], strict=True):
             D = inverse(T_true) @ state.T_map_cabin

@@ -13,7 +13,8 @@ from executive.messages.cloud import Cloud
 
 GICP, PLANE = Gicp(GicpSettings()), PointToPlane(PointToPlaneSettings())
 ALIGNERS = [GICP, PLANE]
-# Noise of 8 mm in voxels of 5 cm. On a smooth boulder normals alone say little about its turning about itself.
+# Noise of 8 mm in voxels of 5 cm. On a smooth boulder normals alone say little about its turning
+# about itself.
 TOLERANCE_M = {GICP: 0.01, PLANE: 0.03}
 
 
@@ -59,7 +60,9 @@ def test_half_a_surface_is_enough() -> None:
 
 
 def test_a_surface_that_slides_away_is_refused() -> None:
-    """Half a boulder by its normals alone turns about itself, far beyond the reach; the gate sees that."""
+    """Half a boulder by its normals alone turns about itself, far beyond the reach; the gate sees
+    that.
+    """
     seen, source = boulder(7), boulder(8)
     half = Cloud("map", seen[seen[:, 0] + 0.4 * seen[:, 1] < 0.2])
     credulous = PointToPlane(PointToPlaneSettings(max_rmse_m=1.0, min_overlap=0.0))

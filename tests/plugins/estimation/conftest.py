@@ -27,7 +27,8 @@ DATUM = np.array([47.4084, 8.5106, 440.0])
 
 @dataclass
 class SwingingCabin:
-    """A chassis at rest on a slope; the cabin rests, then swings as a·(1 − cos(2πt/T))/2, then rests again.
+    """A chassis at rest on a slope; the cabin rests, then swings as a·(1 − cos(2πt/T))/2, then
+    rests again.
 
     With 3.2 rad in 12 s it reaches 0.84 rad/s.
     """
@@ -58,7 +59,9 @@ class SwingingCabin:
         return self.T_map_base @ joint.T_parent_joint @ pose(from_rpy(0, 0, self.turn(t)[0]))
 
     def imu(self, name: str, t: float, rng: np.random.Generator, dt: float = 0.01) -> ImuSample:
-        """Measure the mean over the last dt: rate by the change of angle, force by the change of velocity."""
+        """Measure the mean over the last dt: rate by the change of angle, force by the change of
+        velocity.
+        """
         sensor = self.machine.sensors[name]
         on_cabin = sensor.link == self.machine.cabin_link
         rate, T_map_link, acceleration = np.zeros(3), self.T_map_base, np.zeros(3)
@@ -99,7 +102,9 @@ class SwingingCabin:
         return JointSample(t, names, position, velocity, np.zeros(len(names)))
 
     def observations(self, end_s: float, start_s: float = 0.0) -> Iterator[Observation]:
-        """Yield what is measured, in order of arrival: IMUs and joints at 100 Hz, fixes at 20 Hz and late."""
+        """Yield what is measured, in order of arrival: IMUs and joints at 100 Hz, fixes at 20 Hz
+        and late.
+        """
         rng = np.random.default_rng(self.seed)
         late = round(self.gnss_latency_s * 100)
         for k in range(round(100 * start_s), round(100 * end_s)):
@@ -164,7 +169,9 @@ def with_lidar():
     """Put lidar increments between observations."""
 
     def with_lidar(cabin, observations, std_m=0.005, std_rad=0.0005):
-        """Yield the observations and, after each tenth cabin sample, the increment since the last, late by 50 ms."""
+        """Yield the observations and, after each tenth cabin sample, the increment since the last,
+        late by 50 ms.
+        """
         rng = np.random.default_rng(7)
         T_cabin_lidar = cabin.machine.sensors[LIDAR].T_link_sensor
         covariance = np.diag(np.repeat([std_rad**2, std_m**2], 3))

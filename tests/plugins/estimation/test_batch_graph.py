@@ -1,4 +1,6 @@
-"""The whole recording at once: against the window, against the truth through an outage, and without a step anywhere."""
+"""The whole recording at once: against the window, against the truth through an outage, and without
+a step anywhere.
+"""
 
 from dataclasses import replace
 
@@ -58,7 +60,8 @@ def test_its_newest_state_is_that_of_a_window_that_forgets_nothing(recording) ->
     window.solve()
     states = graph.solve()
     assert len(states) == len(window)
-    # The window linearises anew only what has moved far, which is worth some tenths of a millimetre.
+    # The window linearises anew only what has moved far, which is worth some tenths of a
+    # millimetre.
     for name in ("R_map_imu", "p_map_imu", "v_map_imu", "gyro_bias", "accel_bias"):
         np.testing.assert_allclose(
             getattr(states[-1], name), getattr(window.newest(), name), atol=1e-3
@@ -102,7 +105,8 @@ def test_an_outage_is_bridged_from_both_ends(cabin) -> None:
         np.linalg.norm((s.T_map_cabin - cabin.T_map_cabin(s.stamp_s))[:3, 3]) for s in states
     ]
     assert max(distances) < 0.02  # online, inertia alone is off by decimetres after three seconds
-    # The end of one step is the beginning of the next: a step of the trajectory would show as a wrong velocity.
+    # The end of one step is the beginning of the next: a step of the trajectory would show as a
+    # wrong velocity.
     p = np.array([state.T_map_cabin[:3, 3] for state in states])
     v = np.array([state.v_map_cabin for state in states])
     np.testing.assert_allclose(np.diff(p, axis=0), 0.01 * 0.5 * (v[1:] + v[:-1]), atol=1e-3)

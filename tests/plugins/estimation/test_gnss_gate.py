@@ -12,7 +12,9 @@ VELOCITY = np.array([0.8, -0.2, 0.0])
 
 
 def compare(t, error, rng, estimate_error=0.0, has_odometry=True):
-    """Compare a fix that is wrong by `error` with a right estimate and a right odometry in a frame of its own."""
+    """Compare a fix that is wrong by `error` with a right estimate and a right odometry in a frame
+    of its own.
+    """
     truth = t * VELOCITY
     measured = truth + error + rng.normal(0, 0.01, 3)
     fix = Fix(t, "gnss_left", np.zeros(3), measured, 1e-4 * np.eye(3))

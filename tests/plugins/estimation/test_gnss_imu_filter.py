@@ -74,7 +74,8 @@ def test_covariance_is_honest(cabin, estimator) -> None:
             D = inverse(cabin.T_map_cabin(state.stamp_s)) @ state.T_map_cabin
             error = np.concatenate([log_so3(D[:3, :3]), D[:3, 3]])
             squares.append(error @ np.linalg.solve(state.covariance, error))
-    # Six degrees of freedom: 6 for a perfect model; less, for the inertial noise is taken as twice the data sheet's.
+    # Six degrees of freedom: 6 for a perfect model; less, for the inertial noise is taken as twice
+    # the data sheet's.
     assert 1.0 < np.mean(squares) < 8.0
 
 

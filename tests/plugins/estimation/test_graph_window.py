@@ -1,4 +1,6 @@
-"""The window against a general optimiser, a split of its nodes, its own marginal, and equations without a solution."""
+"""The window against a general optimiser, a split of its nodes, its own marginal, and equations
+without a solution.
+"""
 
 import gtsam
 import numpy as np

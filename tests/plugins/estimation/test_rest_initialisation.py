@@ -1,4 +1,6 @@
-"""The first state at rest: level by both accelerometers, what stays unknown, and fixes that say they are noisy."""
+"""The first state at rest: level by both accelerometers, what stays unknown, and fixes that say
+they are noisy.
+"""
 
 from dataclasses import replace
 

@@ -14,7 +14,9 @@ from executive.messages.gnss import GnssFix
 
 @pytest.fixture
 def drive(cabin):
-    """The cabin fixture on a chassis that gains 0.7 m/s within seven seconds, from the fourth on, and does not turn."""
+    """The cabin fixture on a chassis that gains 0.7 m/s within seven seconds, from the fourth on,
+    and does not turn.
+    """
 
     class Drive(type(cabin)):
         def speed(self, t: float) -> float:

@@ -1,4 +1,6 @@
-"""Stones on a field, as a planner sees them, and a motion planner for which every pose is in reach."""
+"""Stones on a field, as a planner sees them, and a motion planner for which every pose
+is in reach.
+"""
 
 from collections.abc import Callable
 
@@ -33,7 +35,9 @@ class FreeMotion(MotionPlanner):
 
 
 def box_surface(sides_m: tuple[float, float, float], spacing_m: float = 0.025) -> Float:
-    """Return points on a box that stands on z = 0 about the z axis, without its underside, shape (N, 3)."""
+    """Return points on a box that stands on z = 0 about the z axis, without its underside, shape
+    (N, 3).
+    """
     x, y, z = (np.arange(-side / 2, side / 2 + 1e-9, spacing_m) for side in sides_m)
     grid = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
     half = np.array([x[-1], y[-1], z[-1]])
@@ -43,7 +47,9 @@ def box_surface(sides_m: tuple[float, float, float], spacing_m: float = 0.025) -
 
 
 def field(half_m: float = 4.0, spacing_m: float = 0.05, without: Float | None = None) -> Float:
-    """Return level ground about the origin, without the square shadow (half side,) of a stone, shape (N, 3)."""
+    """Return level ground about the origin, without the square shadow (half side,) of a stone,
+    shape (N, 3).
+    """
     x = np.arange(-half_m, half_m, spacing_m)
     xy = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
     if without is not None:

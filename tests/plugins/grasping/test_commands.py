@@ -1,4 +1,6 @@
-"""The verbs of grasping: light to ask for, from nothing to weights by two commands, and clear about mistakes."""
+"""The verbs of grasping: light to ask for, from nothing to weights by two commands, and clear about
+mistakes.
+"""
 
 import json
 import subprocess
@@ -13,14 +15,23 @@ from executive.registry import VERBS, installed, load_verb
 
 
 def executive(*words: str) -> subprocess.CompletedProcess[str]:
-    code = f"import sys; sys.argv = ['executive', *{list(words)!r}]; from executive.commands.main import main; main()"
+    code = (
+        f"import sys; sys.argv = ['executive', *{list(words)!r}]; from "
+        "executive.commands.main import main; main()"
+    )
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
 
 
 @pytest.mark.parametrize("verb", ["grasp-data", "grasp-train"])
 def test_help_is_light(verb: str) -> None:
-    code = f"import sys; sys.argv = ['executive', '{verb}', '--help']; from executive.commands.main import main\n"
-    code += "try: main()\nexcept SystemExit: print(sorted({'torch', 'mujoco', 'numba', 'scipy'} & set(sys.modules)))"
+    code = (
+        f"import sys; sys.argv = ['executive', '{verb}', '--help']; from "
+        "executive.commands.main import main\n"
+    )
+    code += (
+        "try: main()\nexcept SystemExit: print(sorted({'torch', 'mujoco', 'numba', "
+        "'scipy'} & set(sys.modules)))"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert verb in done.stdout
     assert done.stdout.splitlines()[-1] == "[]", done.stdout

@@ -49,7 +49,9 @@ def close(
 
 
 def test_the_push_stops_where_brute_force_first_touches(tables: JawField, gripper: Gripper) -> None:
-    """The tables are on the safe side by about a cell, more where a face is steep: never deeper, hardly shallower."""
+    """The tables are on the safe side by about a cell, more where a face is steep: never deeper,
+    hardly shallower.
+    """
     rng = np.random.default_rng(3)
     stone = rng.normal(0, 0.25, (400, 3)) + (0, 0, 0.6)
     faces = [

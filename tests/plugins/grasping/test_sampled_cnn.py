@@ -107,7 +107,9 @@ def test_an_unknown_ranking_is_refused() -> None:
 
 @pytest.fixture
 def one_sided(make_box: Callable, make_field: Callable) -> tuple[Float, Float]:
-    """A slab of which one end is seen better, with noise: without symmetry, there is one way to look at it."""
+    """A slab of which one end is seen better, with noise: without symmetry, there is one way to
+    look at it.
+    """
     rng, box, ground = np.random.default_rng(2), make_box(SIDES_M), make_field()
     slab = box[rng.random(len(box)) < np.where(box[:, 0] > 0, 0.9, 0.5)]
     return slab + rng.normal(0, 0.005, slab.shape), ground + rng.normal(0, 0.005, ground.shape)

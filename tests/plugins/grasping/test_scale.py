@@ -1,4 +1,6 @@
-"""A gripper and a stone at a twentieth of their size: the same choice, at a twentieth of the distances."""
+"""A gripper and a stone at a twentieth of their size: the same choice, at a twentieth of the
+distances.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -52,7 +54,9 @@ def small(machine: Machine) -> Machine:
 
 @pytest.fixture(scope="module")
 def scene(make_box: Callable, make_field: Callable) -> tuple[Float, Float]:
-    """A slab that is seen better at one end, and a neighbour; no point is on a cell's border, to fall either way."""
+    """A slab that is seen better at one end, and a neighbour; no point is on a cell's border, to
+    fall either way.
+    """
     rng, box = np.random.default_rng(2), make_box((1.3, 0.8, 0.65))
     stone = box[rng.random(len(box)) < np.where(box[:, 0] > 0, 0.9, 0.5)]
     around = np.concatenate([make_field(), make_box((0.5, 0.5, 0.5)) + (0.3, 1.1, 0.0)])

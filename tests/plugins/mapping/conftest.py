@@ -1,4 +1,6 @@
-"""A machine that swings in a yard of planes, and what its lidars measure there, with motion distortion."""
+"""A machine that swings in a yard of planes, and what its lidars measure there, with motion
+distortion.
+"""
 
 from collections.abc import Callable
 

@@ -1,4 +1,6 @@
-"""The graph beside its caller gives the poses of the graph in line with it, and outlives its process."""
+"""The graph beside its caller gives the poses of the graph in line with it, and outlives its
+process.
+"""
 
 import os
 import signal

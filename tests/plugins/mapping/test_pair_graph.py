@@ -1,4 +1,6 @@
-"""The pose graph against known motions, against least squares solved at once, and over long times."""
+"""The pose graph against known motions, against least squares solved at once,
+and over long times.
+"""
 
 import numpy as np
 import pytest
@@ -28,7 +30,9 @@ def perturbed(
 def chain(
     count: int, rng: np.random.Generator, with_matches: bool = True, anchored: int = 10
 ) -> list[Node]:
-    """Nodes on a circle: increments of 1 mm, matches of 0.5 mm, a tie to an estimate of 5 mm now and then."""
+    """Nodes on a circle: increments of 1 mm, matches of 0.5 mm, a tie to an estimate of 5 mm now
+    and then.
+    """
     nodes, guess = [], on_circle(0)
     for k in range(count):
         estimate = PoseConstraint(perturbed(rng, on_circle(k), 1e-3, 5e-3), covariance(1e-3, 5e-3))

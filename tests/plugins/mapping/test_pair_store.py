@@ -1,4 +1,6 @@
-"""Stored pairs: a pose that moves takes its points with it, what is removed stays away, memory is bounded."""
+"""Stored pairs: a pose that moves takes its points with it, what is removed stays away, memory is
+bounded.
+"""
 
 import numpy as np
 import pytest

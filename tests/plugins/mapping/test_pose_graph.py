@@ -1,4 +1,6 @@
-"""The pose graph's map: matches mend a poor estimate, pairs at rest make no node, nothing grows without bound."""
+"""The pose graph's map: matches mend a poor estimate, pairs at rest make no node, nothing grows
+without bound.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace

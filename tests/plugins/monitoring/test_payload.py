@@ -23,7 +23,9 @@ def potential_energy(machine: Machine, q: np.ndarray, jaw_rad: float, payload_kg
 
 
 def efforts(machine: Machine, q: np.ndarray, jaw_rad: float, payload_kg: float) -> np.ndarray:
-    """Return the gradient of the potential energy by central differences: what holds the machine still."""
+    """Return the gradient of the potential energy by central differences: what holds the machine
+    still.
+    """
     steps = 1e-5 * np.eye(len(q))
     return (
         np.array(

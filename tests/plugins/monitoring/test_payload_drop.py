@@ -25,7 +25,9 @@ def scale(machine: Machine) -> PayloadScale:
 
 
 class Series:
-    """Joint samples of an arm whose boom moves at given speeds while the gripper holds given masses."""
+    """Joint samples of an arm whose boom moves at given speeds while the gripper holds given
+    masses.
+    """
 
     def __init__(self, machine: Machine, scale: PayloadScale, seed: int = 0) -> None:
         self._machine, self._scale = machine, scale

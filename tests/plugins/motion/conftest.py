@@ -1,4 +1,6 @@
-"""A site of which the truth is known, seen as noisy points, and a judge of what the arm does there."""
+"""A site of which the truth is known, seen as noisy points,
+and a judge of what the arm does there.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -111,7 +113,9 @@ class Site:
 
 
 class Judge:
-    """Looks at a trajectory in fine steps, with other means than the planner: Pinocchio, whole hulls, ellipsoids."""
+    """Looks at a trajectory in fine steps, with other means than the planner: Pinocchio, whole
+    hulls, ellipsoids.
+    """
 
     def __init__(self, machine: Machine, site: Site) -> None:
         self.machine, self.site = machine, site

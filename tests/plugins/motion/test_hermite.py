@@ -1,4 +1,6 @@
-"""The whole planner: its trajectories are judged by the truth of a made-up site, not by its own checks."""
+"""The whole planner: its trajectories are judged by the truth of a made-up site, not by its own
+checks.
+"""
 
 import numpy as np
 import pytest

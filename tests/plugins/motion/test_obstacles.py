@@ -8,7 +8,9 @@ from executive.arrays import Float
 
 
 def site() -> Float:
-    """Level ground at −1 m, and a cube of 1 m that stands on it at x = 5 m; its underside is not seen."""
+    """Level ground at −1 m, and a cube of 1 m that stands on it at x = 5 m; its underside is not
+    seen.
+    """
     x, y = np.meshgrid(np.arange(-8, 8, 0.05), np.arange(-8, 8, 0.05))
     z = np.where((np.abs(x - 5) < 0.5) & (np.abs(y) < 0.5), 0.0, -1.0)
     return np.c_[x.ravel(), y.ravel(), z.ravel()]
@@ -55,7 +57,9 @@ SUN = np.array(
 
 
 def shadowed(slope: float) -> Float:
-    """Ground that rises along y, and a cube of 1 m at x = 5 m whose far side and shadow the lidar does not see."""
+    """Ground that rises along y, and a cube of 1 m at x = 5 m whose far side and shadow the lidar
+    does not see.
+    """
     x, y = np.meshgrid(np.arange(-8, 8, 0.05), np.arange(-8, 8, 0.05))
     is_stone = (np.abs(x - 5) < 0.5) & (np.abs(y) < 0.5)
     is_dark = (x >= 5.5) & (x < 5.5 + 1.0 / -SUN[2]) & (np.abs(y) < 0.5)

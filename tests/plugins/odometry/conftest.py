@@ -28,7 +28,9 @@ Way = Callable[[float], np.ndarray]
 
 
 class Yard:
-    """Scans, inertial and joint samples of the machine whose cabin turns; the chassis may travel along x."""
+    """Scans, inertial and joint samples of the machine whose cabin turns; the chassis may travel
+    along x.
+    """
 
     def __init__(
         self, planes: np.ndarray = YARD, rate_rad_s: float = 0.0, speed_m_s: float = 0.0

@@ -14,7 +14,9 @@ WORLD = np.random.default_rng(7).uniform(
 
 
 def thicket(yard, end_s: float) -> LidarScan:
-    """The same points from wherever the sensor is; rings on bare planes would hold a point-to-point match still."""
+    """The same points from wherever the sensor is; rings on bare planes would hold a point-to-point
+    match still.
+    """
     stamps = np.linspace(end_s - 0.1, end_s, 61)[1:]
     parts = np.array_split(WORLD, 60)
     points = [

@@ -48,7 +48,8 @@ def test_the_chain_of_increments_is_the_sensors_motion(
         T = T @ increment.T_from_to
     truth = moving.T_from_to(increments[0].from_s, increments[-1].to_s)
     assert angle_between(T[:3, :3], truth[:3, :3]) < 0.003
-    # The first scan is taken as if the chassis stood: 0.1 m over its revolution, half of that on average.
+    # The first scan is taken as if the chassis stood: 0.1 m over its revolution, half of that on
+    # average.
     assert np.linalg.norm(T[:3, 3] - truth[:3, 3]) < 0.015 + 0.05 * speed_m_s
 
 

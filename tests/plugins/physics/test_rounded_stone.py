@@ -1,4 +1,6 @@
-"""Rounded stones: of the volume asked for, longest along x, the same from a seed, and without a large flat face."""
+"""Rounded stones: of the volume asked for, longest along x, the same from a seed, and without a
+large flat face.
+"""
 
 import numpy as np
 import pytest

@@ -1,4 +1,6 @@
-"""Scenes with truth: stones on rough ground, seen by lidars from the machine and by a drone from above."""
+"""Scenes with truth: stones on rough ground, seen by lidars from the machine and by a drone from
+above.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +18,9 @@ from executive.messages.cloud import Cloud
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """A map and a survey of one site; p_target = c + (T p_source − c) / stretch undoes the survey's frame and scale."""
+    """A map and a survey of one site; p_target = c + (T p_source − c) / stretch undoes the survey's
+    frame and scale.
+    """
 
     target: Cloud
     source: Cloud
@@ -26,7 +30,9 @@ class Scene:
     stones: Float
 
     def errors(self, apply: Callable[[Float], Float]) -> tuple[float, float]:
-        """Return the largest error over the site [m] and that at its centre [m] of a map from source to target."""
+        """Return the largest error over the site [m] and that at its centre [m] of a map from
+        source to target.
+        """
         corners = self.centre + np.array([[x, y, 0.0] for x in (-4, 0, 4) for y in (-4, 0, 4)])
         in_source = transform(
             inverse(self.T_target_source), self.centre + (corners - self.centre) * self.stretch
@@ -50,7 +56,9 @@ def _stone(rng: np.random.Generator) -> Float:
 def _world(
     rng: np.random.Generator, count: int, near_m: float, far_m: float
 ) -> tuple[o3d.t.geometry.RaycastingScene, Float]:
-    """Return a site about the origin: waves of 4 cm, ruts of 1 cm, stones between two distances in front and aside."""
+    """Return a site about the origin: waves of 4 cm, ruts of 1 cm, stones between two distances in
+    front and aside.
+    """
     scene, centres = o3d.t.geometry.RaycastingScene(), []
     phases, directions = rng.uniform(0, 6.28, 4), rng.uniform(-1.5, 1.5, (4, 2))
 
@@ -127,7 +135,9 @@ def _swept(scene: o3d.t.geometry.RaycastingScene, rng: np.random.Generator, rays
 def _surveyed(
     scene: o3d.t.geometry.RaycastingScene, rng: np.random.Generator, rays: int, centre: Float
 ) -> Float:
-    """Return what a drone sees from twenty places around, warped smoothly by a centimetre or two."""
+    """Return what a drone sees from twenty places around, warped smoothly by a
+    centimetre or two.
+    """
     around = rng.integers(20, size=rays) * 2 * np.pi / 20
     origins = centre + np.column_stack([7 * np.cos(around), 7 * np.sin(around), np.full(rays, 6.0)])
     aims = centre + np.column_stack([rng.uniform(-5.5, 5.5, (rays, 2)), np.zeros(rays)])
@@ -144,7 +154,9 @@ def scene_of(
     survey_seed: int | None = None,
     stretch: float | None = None,
 ) -> Scene:
-    """Return the scene of a seed; with `survey_seed` the drone flew over another site, which must be refused."""
+    """Return the scene of a seed; with `survey_seed` the drone flew over another site, which must
+    be refused.
+    """
     rng = np.random.default_rng(seed)
     scene, stones = _world(rng, count, 3.2, 7.5)
     centre = np.array([*stones[:, :2].mean(axis=0), 0.3])

@@ -28,7 +28,8 @@ def test_a_larger_or_smaller_ball_differs_by_its_radius(difference_m: float) -> 
 
 @pytest.mark.parametrize("count", [800, 3000])
 def test_noise_of_a_centimetre_and_thin_sampling_are_no_difference_of_form(count: int) -> None:
-    # A patch of 10 cm has a hundredth of the ball: 8 and 30 points, so 12 mm come to 4.2 and 2.2 mm.
+    # A patch of 10 cm has a hundredth of the ball: 8 and 30 points, so 12 mm come to 4.2 and 2.2
+    # mm.
     expected_m = 0.012 / np.sqrt(count / 100)
     assert form_error(SURFACE, ball(0.5, count, 1, 0.012), REACH_M) < 1.3 * expected_m
 

@@ -1,7 +1,8 @@
 """Global registration, on scenes with truth.
 
-Over seeds 100 … 129 (250,000 rays) and 200 … 219 (60,000 rays) of these scenes 50 of 50 registered, with a median error
-of 10 mm at the centre and 0.1°; over 75 seeds from 300 on, with a survey of another site, 75 of 75 were refused.
+Over seeds 100 … 129 (250,000 rays) and 200 … 219 (60,000 rays) of these scenes 50 of 50 registered,
+with a median error of 10 mm at the centre and 0.1°; over 75 seeds from 300 on, with a survey of
+another site, 75 of 75 were refused.
 """
 
 import json

@@ -1,4 +1,6 @@
-"""Registration by SHOT, on scenes with truth; its figures are in tests/benchmarks/perception_figures.py."""
+"""Registration by SHOT, on scenes with truth; its figures are in
+tests/benchmarks/perception_figures.py.
+"""
 
 import json
 from collections.abc import Callable

@@ -1,4 +1,6 @@
-"""What `start` promises, in processes of their own: nothing is compiled later, and threads change no bit."""
+"""What `start` promises, in processes of their own: nothing is compiled later, and threads change
+no bit.
+"""
 
 import json
 import os
@@ -16,11 +18,19 @@ import numpy as np
 from executive.messages.cloud import Cloud
 from executive_plugins.alignment.gicp import Gicp, GicpSettings
 from executive_plugins.registration.segment_shot import SegmentShot, SegmentShotSettings
-from executive_plugins.segmentation.ground_and_clusters import GroundAndClusters, GroundAndClustersSettings
+from executive_plugins.segmentation.ground_and_clusters import (
+    GroundAndClusters,
+    GroundAndClustersSettings,
+)
 
 def compiled():
-    ours = [module for name, module in sys.modules.items() if name.startswith("plugins.")]
-    loops = [(name, loop) for module in ours for name, loop in vars(module).items() if hasattr(loop, "signatures")]
+    ours = [module for name, module in sys.modules.items() if name.startswith("executive_plugins.")]
+    loops = [
+        (name, loop)
+        for module in ours
+        for name, loop in vars(module).items()
+        if hasattr(loop, "signatures")
+    ]
     return {name: len(loop.signatures) for name, loop in loops}
 
 segmentation = GroundAndClusters(GroundAndClustersSettings())
@@ -29,7 +39,8 @@ segmentation.start()
 registrar.start()
 before = compiled()
 clouds = np.load(sys.argv[1])
-found = registrar.register(Cloud("map", clouds["target"]), Cloud("survey", clouds["source"]), np.random.default_rng(0))
+target, source = Cloud("map", clouds["target"]), Cloud("survey", clouds["source"])
+found = registrar.register(target, source, np.random.default_rng(0))
 late = [name for name, count in compiled().items() if count > before.get(name, 0)]
 print(json.dumps({"late": late, "loops": len(before), "T": found.T_target_source.tobytes().hex(),
                   "accepted": found.accepted, "scale": found.scale.hex()}))

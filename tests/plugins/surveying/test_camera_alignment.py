@@ -1,4 +1,6 @@
-"""The similarity from cameras to rough positions: exact without noise, unmoved by outliers, honest about its scale."""
+"""The similarity from cameras to rough positions: exact without noise, unmoved by outliers, honest
+about its scale.
+"""
 
 import numpy as np
 import pytest
@@ -11,7 +13,9 @@ SCALE, R, T = 2.5, exp_so3(np.array([0.3, -0.2, 2.0])), np.array([30.0, -12.0, 7
 
 
 def grid(rng: np.random.Generator) -> np.ndarray:
-    """Return 36 cameras on a grid of 4 by 7 units, all nearly at one height, in a frame of their own."""
+    """Return 36 cameras on a grid of 4 by 7 units, all nearly at one height, in a frame of their
+    own.
+    """
     x, y = np.meshgrid(np.linspace(-2, 2, 4), np.linspace(-3.5, 3.5, 9))
     return np.stack([x.ravel(), y.ravel(), rng.normal(0, 0.05, 36)], axis=1)
 
@@ -58,7 +62,8 @@ def test_states_how_far_the_scale_may_be_off() -> None:
     for outliers in (0, 6):
         found = [aligned(0.5, outliers, seed) for seed in range(30)]
         ratios = np.array([(one.scale / SCALE - 1) / one.scale_error for one in found])
-        # 30 draws give a deviation to 13 %; trimming at 2.5 deviations makes the stated one a little small.
+        # 30 draws give a deviation to 13 %; trimming at 2.5 deviations makes the stated one a
+        # little small.
         assert 0.7 < ratios.std() < 1.4
         tilts = [angle_between(one.R, R) for one in found]
         assert np.median(tilts) < np.radians(3)

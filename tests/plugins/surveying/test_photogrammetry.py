@@ -1,4 +1,6 @@
-"""From a small simulated site's pictures to a cloud: where it should be, as surely as it says, twice the same."""
+"""From a small simulated site's pictures to a cloud: where it should be, as surely as it says,
+twice the same.
+"""
 
 import sys
 from pathlib import Path

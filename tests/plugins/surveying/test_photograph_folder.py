@@ -1,4 +1,6 @@
-"""A folder of pictures: positions from a table or from tags, and clear words for what is missing."""
+"""A folder of pictures: positions from a table or from tags,
+and clear words for what is missing.
+"""
 
 from pathlib import Path
 
@@ -34,7 +36,9 @@ def geodetic(datum: np.ndarray) -> np.ndarray:
 
 
 def gps(latitude: float, longitude: float, altitude: float) -> Image.Exif:
-    """Return tags as cameras write them: degrees, minutes and seconds, and hemispheres as letters."""
+    """Return tags as cameras write them: degrees, minutes and seconds,
+    and hemispheres as letters.
+    """
 
     def parts(angle: float) -> tuple[float, float, float]:
         minutes = (abs(angle) - int(abs(angle))) * 60

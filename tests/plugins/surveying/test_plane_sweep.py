@@ -1,4 +1,6 @@
-"""Planes and a step of known depth, drawn analytically from several cameras, are measured where they are."""
+"""Planes and a step of known depth, drawn analytically from several cameras, are measured where
+they are.
+"""
 
 from pathlib import Path
 
@@ -29,7 +31,9 @@ def heights(xy: np.ndarray, step_m: float) -> np.ndarray:
 
 
 def drawn(position: list[float], aim: list[float], step_m: float = 0.0, gain: float = 1.0) -> View:
-    """Return the view of a camera: where each ray meets the block's top or the ground, and the texture there."""
+    """Return the view of a camera: where each ray meets the block's top or the ground, and the
+    texture there.
+    """
     T = look(np.array(position), np.array(aim))
     view = View(np.zeros((120, 160), dtype=np.float32), K, inverse(T))
     rays = view.rays()

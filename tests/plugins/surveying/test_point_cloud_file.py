@@ -23,7 +23,8 @@ def survey(path: Path, points: np.ndarray) -> np.ndarray:
 def test_keeps_the_shape_of_a_cloud_in_national_coordinates(tmp_path: Path) -> None:
     points = survey(tmp_path / "site.ply", SITE + np.array([2_683_000.0, 1_247_000.0, 440.0]))
     assert np.abs(points).max() < 5
-    # 1 mm: sparse points are alone in their cells, and double precision has micrometres left at 2,683 km.
+    # 1 mm: sparse points are alone in their cells, and double precision has micrometres left at
+    # 2,683 km.
     assert np.allclose(np.ptp(points, axis=0), np.ptp(SITE, axis=0), atol=1e-3)
 
 

@@ -1,4 +1,6 @@
-"""The drone's cloud is the site but for noise, a warp and a similarity; what no camera sees is a hole."""
+"""The drone's cloud is the site but for noise, a warp and a similarity; what no camera sees is a
+hole.
+"""
 
 import numpy as np
 import pytest
@@ -86,7 +88,8 @@ def test_noise_and_warp_have_the_size_that_the_settings_say() -> None:
     shift = warp(points, settings, np.random.default_rng(1)) - points
     assert np.abs(shift).max() <= 0.03
     assert np.abs(shift).max() > 0.01
-    # Smooth: neighbours 0.1 m apart move together within slope · distance = 0.03 · 2π/10 · √3 · 0.1 m.
+    # Smooth: neighbours 0.1 m apart move together within slope · distance = 0.03 · 2π/10 · √3 · 0.1
+    # m.
     step = points + np.array([0.1, 0, 0])
     beside = warp(step, settings, np.random.default_rng(1)) - step
     assert np.abs(beside - shift).max() < 0.0035

@@ -1,4 +1,6 @@
-"""Following a trajectory: what is refused, and how a stop stays on the path and within the limits."""
+"""Following a trajectory: what is refused, and how a stop stays on the path and within
+the limits.
+"""
 
 import numpy as np
 import pytest

@@ -83,7 +83,9 @@ def test_the_scene_is_ground_and_stones_also_while_a_stone_moves() -> None:
 def sweep(
     site: Site, turn_rad_s: float, stone_m_s: float, duration_s: float = 0.6
 ) -> tuple[World, list[LidarScan]]:
-    """Turn the cabin and slide the stone along y, both evenly, and return the scans after the first."""
+    """Turn the cabin and slide the stone along y, both evenly, and return the scans after the
+    first.
+    """
     world = World(MACHINE, site, PhysicsSettings())
     suite = SensorSuite(MACHINE, site, SensorSettings(), world.model, np.random.default_rng(0))
     suite.lidars_on = True

@@ -1,4 +1,6 @@
-"""Photographs show the site that lidars see: each pixel the surface that its ray hits; and they change nothing."""
+"""Photographs show the site that lidars see: each pixel the surface that its ray hits; and they
+change nothing.
+"""
 
 import numpy as np
 import pytest
@@ -102,7 +104,8 @@ def test_each_side_of_a_stone_has_a_picture_of_its_own() -> None:
     assert len(tiles) == 6
     assert (skin.coordinates >= 0).all()
     assert (skin.coordinates <= 1).all()
-    # True to size: a side of one metre is a third of the texture's width, and has the same number of texels each way.
+    # True to size: a side of one metre is a third of the texture's width, and has the same number
+    # of texels each way.
     corners = skin.coordinates.reshape(-1, 3, 2)
     assert np.allclose(np.ptp(corners[..., 0], axis=1) * 3, 0.998)
     assert np.allclose(np.ptp(corners[..., 1], axis=1) * 2, 0.998)

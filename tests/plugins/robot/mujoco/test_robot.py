@@ -1,4 +1,6 @@
-"""The simulated machine as a mission sees it: observations in order, commands, the stop, chance by seed."""
+"""The simulated machine as a mission sees it: observations in order, commands, the stop, chance by
+seed.
+"""
 
 import numpy as np
 import pytest

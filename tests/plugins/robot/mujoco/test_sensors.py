@@ -1,4 +1,6 @@
-"""Rates, latencies, noise and drop-outs of the sensors, measured; the motion is prescribed, so the truth is known."""
+"""Rates, latencies, noise and drop-outs of the sensors, measured; the motion is prescribed, so the
+truth is known.
+"""
 
 from collections.abc import Iterator
 

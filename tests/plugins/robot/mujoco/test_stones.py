@@ -59,7 +59,8 @@ def test_stones_weigh_what_their_volume_and_density_say() -> None:
         assert 0.5 <= volume <= 1.0
         assert stone.mass_kg == pytest.approx(2500 * volume)
         assert np.allclose(centroid, 0.0, atol=1e-9)
-        # What touches and what is seen are the same block but for bumps of 8 mm on faces of some square metres.
+        # What touches and what is seen are the same block but for bumps of 8 mm on faces of some
+        # square metres.
         assert ConvexHull(stone.hull).volume == pytest.approx(volume, rel=0.03)
         assert (np.linalg.eigvalsh(stone.inertia) > 0).all()
 

@@ -1,4 +1,6 @@
-"""The machine in its world: standing still, tracking with a load, holding a stone without creeping, determinism."""
+"""The machine in its world: standing still, tracking with a load, holding a stone without creeping,
+determinism.
+"""
 
 from collections.abc import Sequence
 
@@ -41,7 +43,9 @@ def run(world: World, duration_s: float) -> None:
 
 
 def move(world: World, goal: np.ndarray) -> float:
-    """Move with the loaded limits and return the gripper's largest distance from the path in time [m]."""
+    """Move with the loaded limits and return the gripper's largest distance from the path in time
+    [m].
+    """
     machine, kinematics = world.machine, Kinematics(world.machine)
     start = world.arm.position()
     way = np.abs(goal - start)
@@ -125,7 +129,9 @@ def test_a_held_stone_of_two_tonnes_neither_creeps_nor_pulls_the_arm_off_its_pat
 
 
 def test_the_boom_carries_what_the_jaws_hold() -> None:
-    """Statics: the boom's torque balances the machine's own weights, J^T m g of each link beyond it."""
+    """Statics: the boom's torque balances the machine's own weights, J^T m g of each link beyond
+    it.
+    """
     machine = load_machine("m545")
     world = level_world(machine)
     run(world, 1.0)
