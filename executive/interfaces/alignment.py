@@ -11,6 +11,8 @@ from executive.messages.cloud import Cloud
 class Aligner(Plugin, ABC):
     """Refine a transform locally (Mascaro 2020, Sec. 4.4 step 5 and Sec. 4.5)."""
 
+    capability = "alignment"
+
     @abstractmethod
     def align(
         self, target: Cloud, source: Cloud, T_target_source: Float, max_distance_m: float

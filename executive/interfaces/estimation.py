@@ -18,6 +18,8 @@ class Estimator(Plugin, ABC):
     their stamps may be older.
     """
 
+    capability = "estimation"
+
     @abstractmethod
     def add_imu(self, sample: ImuSample) -> None:
         """Propagate by one inertial sample."""

@@ -14,6 +14,8 @@ from executive.messages.stone import Stone
 class GraspPlanner(Plugin, ABC):
     """Find poses of the gripper that hold a stone and hit nothing (Mascaro 2020, Sec. 5)."""
 
+    capability = "grasping"
+
     @abstractmethod
     def plan(
         self, target: Stone, cloud: Cloud, T_map_base: Float, rng: np.random.Generator

@@ -13,6 +13,8 @@ from executive.messages.motion import Motion
 class Mapper(Plugin, ABC):
     """Build the map around the machine (Mascaro 2020, Sec. 4.2)."""
 
+    capability = "mapping"
+
     @abstractmethod
     def add_scan_pair(self, scans: Sequence[LidarScan], motion: Motion) -> int:
         """Fuse one scan of each lidar, undistorted by the motion that spans them.

@@ -10,6 +10,9 @@ from executive.messages.verdict import Verdict
 class Monitor(Plugin, ABC):
     """Watch a held stone (Mascaro 2020, Sec. 6.3). It sees every joint sample, held or not."""
 
+    capability = "monitoring"
+    is_plural = True
+
     @abstractmethod
     def begin_hold(self) -> None:
         """Watch from now on: the jaws have closed on a stone."""

@@ -12,6 +12,8 @@ class MotionPlanner(Plugin, ABC):
     Sec. 6.1).
     """
 
+    capability = "motion"
+
     @abstractmethod
     def reach(self, T_base_gripper: Float, seed: Float) -> Float | None:
         """Return joint positions (n,) that bring the gripper there free of self-collision, near a

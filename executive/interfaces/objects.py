@@ -16,6 +16,8 @@ class ObjectDatabase(Plugin, ABC):
     Each call is one transaction; what returned is on the disk.
     """
 
+    capability = "objects"
+
     @abstractmethod
     def open(self, path: str, read_only: bool = False) -> None:
         """Open or create the database file; `:memory:` keeps nothing. Called once, after `start`.

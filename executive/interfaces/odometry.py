@@ -12,6 +12,8 @@ from executive.messages.odometry import LidarIncrement
 class LidarOdometry(Plugin, ABC):
     """Estimate how the lidar moved from one scan to the next (Nubert 2022, Sec. IV-A4)."""
 
+    capability = "odometry"
+
     @abstractmethod
     def add_scan(self, scan: LidarScan) -> LidarIncrement | None:
         """Match one scan; None for the first, or where the match is not to be trusted."""

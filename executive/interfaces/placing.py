@@ -15,6 +15,8 @@ class PlacementPlanner(Plugin, ABC):
     Sec. 6.1).
     """
 
+    capability = "placing"
+
     @abstractmethod
     def slots(self, segmentation: Segmentation, T_map_base: Float, count: int) -> tuple[Slot, ...]:
         """Return up to `count` places on free ground in reach, best first."""

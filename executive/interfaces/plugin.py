@@ -15,6 +15,13 @@ class Plugin:
     given. `start` and `close` own resources.
     """
 
+    # Name of the capability that the interface stands for, as mission files write it. Interfaces
+    # set it; a plugin has it from its interface.
+    capability: ClassVar[str] = ""
+
+    # Whether a mission may select several plugins of the capability, which then run side by side.
+    is_plural: ClassVar[bool] = False
+
     Settings: ClassVar[type[Settings]] = NoSettings
 
     # Verbs that take long, and the time that a simulated mission charges for one call [s].

@@ -12,6 +12,8 @@ from executive.messages.cloud import Cloud
 class Registrar(Plugin, ABC):
     """Find the transform that lays a source cloud over a target (Mascaro 2020, Sec. 4.4)."""
 
+    capability = "registration"
+
     @abstractmethod
     def register(self, target: Cloud, source: Cloud, rng: np.random.Generator) -> Alignment:
         """Return the transform, accepted or refused with a reason; a wrong one accepted is the

@@ -23,6 +23,8 @@ class RobotSettings(Settings):
 class Robot(Plugin, ABC):
     """Measures and moves. Its settings class derives from RobotSettings."""
 
+    capability = "robot"
+
     @abstractmethod
     def read(self, until_s: float) -> Sequence[Observation]:
         """Return what was measured since the last call and arrived until a mission time [s], in

@@ -10,6 +10,8 @@ from executive.messages.segment import Segmentation
 class Segmenter(Plugin, ABC):
     """Find object-like parts of a cloud (Mascaro 2020, Sec. 4.3)."""
 
+    capability = "segmentation"
+
     @abstractmethod
     def segment(self, cloud: Cloud) -> Segmentation:
         """Split a cloud into its ground and the objects on it; deterministic.

@@ -14,6 +14,8 @@ class TrajectorySmoother(Plugin, ABC):
     before it.
     """
 
+    capability = "smoothing"
+
     @abstractmethod
     def smooth(self, observations: Iterable[Observation | LidarIncrement]) -> Sequence[BaseState]:
         """Return the state at each inertial sample, from the first that is known; empty if none

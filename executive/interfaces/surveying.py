@@ -13,6 +13,8 @@ class Survey(Plugin, ABC):
     2020, Sec. 4.1).
     """
 
+    capability = "surveying"
+
     @abstractmethod
     def survey(self, rng: np.random.Generator) -> Cloud:
         """Return the site as seen from outside.

@@ -8,6 +8,8 @@ from executive.interfaces.plugin import Plugin
 class Viewer(Plugin, ABC):
     """Draw named values; it never answers back. A failing viewer never disturbs a mission."""
 
+    capability = "viewing"
+
     @abstractmethod
     def open(self, path: str) -> None:
         """Record into a file. Called once, after `start`."""
