@@ -1,4 +1,8 @@
-"""Installed plugins by capability and name; only what is selected is imported."""
+"""Installed plugins by capability and name; only what is selected is imported.
+
+Every group is called `executive.<capability>.v1`. The group `executive.capability.v1` names the
+interface of each capability, so that a package may bring a capability of its own.
+"""
 
 import inspect
 from collections.abc import Callable, Mapping
@@ -11,7 +15,7 @@ from executive.config import Settings
 from executive.errors import ConfigError, UnknownPluginError
 from executive.interfaces.plugin import Plugin
 
-# In the order in which data flows (DESIGN: the way of the data).
+# The shipped ones, in the order in which data flows (DESIGN: the way of the data).
 CAPABILITIES = (
     "robot",
     "estimation",
@@ -30,6 +34,8 @@ CAPABILITIES = (
 )
 # Several plugins of these capabilities may run side by side; a list is what the mission gets.
 PLURAL = ("monitoring",)
+INTERFACES = "capability"  # the abstract class of each capability
+EXERCISES = "exercise"  # what the conformance kit asks of the plugins of a capability
 BEHAVIOURS = "behaviour"
 ORACLES = "oracle"
 SMOOTHERS = "smoothing"  # of whole recordings: no mission selects one
@@ -53,6 +59,45 @@ class Installed:
 @cache
 def _entry_points(capability: str) -> Mapping[str, EntryPoint]:
     return {point.name: point for point in entry_points(group=f"executive.{capability}.v1")}
+
+
+def capabilities() -> tuple[str, ...]:
+    """List the capabilities that a mission may select plugins of: the shipped ones in the order in
+    which data flows, then those of other packages by name.
+    """
+    shipped = (*CAPABILITIES, SMOOTHERS)
+    return (*CAPABILITIES, *sorted(set(_entry_points(INTERFACES)) - set(shipped)))
+
+
+def interface(capability: str) -> type[Plugin]:
+    """Import the abstract class that every plugin of a capability derives from.
+
+    Raises:
+        UnknownPluginError: If no installed package has a capability of that name.
+        BrokenPluginError: If it cannot be imported, is no Plugin, or is the interface of another
+            capability.
+    """
+    found = load(INTERFACES, capability)
+    if not issubclass(found, Plugin):
+        raise BrokenPluginError(
+            f"capability '{capability}': {found.__qualname__} does not derive from Plugin"
+        )
+    if found.capability != capability:
+        raise BrokenPluginError(
+            f"capability '{capability}': {found.__qualname__}.capability is "
+            f"'{found.capability}'; the entry point and the class must agree"
+        )
+    return found
+
+
+def is_plural(capability: str) -> bool:
+    """Return whether a mission may select several plugins of a capability, side by side."""
+    return interface(capability).is_plural
+
+
+def reread() -> None:
+    """Forget what was found: packages that were installed since then are seen from now on."""
+    _entry_points.cache_clear()
 
 
 def installed(capability: str) -> tuple[Installed, ...]:
@@ -134,10 +179,11 @@ def describe(capability: str, name: str) -> dict[str, Any]:
 def diagnose() -> list[dict[str, str]]:
     """Import every installed plugin, behaviour and verb, and say which are broken and why."""
     findings = []
-    for capability in (*CAPABILITIES, SMOOTHERS, BEHAVIOURS, ORACLES, VERBS):
+    groups = (INTERFACES, *capabilities(), SMOOTHERS, BEHAVIOURS, ORACLES, EXERCISES, VERBS)
+    for capability in groups:
         for one in installed(capability):
             try:
-                load_verb(one.name) if capability == VERBS else load(capability, one.name)
+                _load_any(capability, one.name)
                 problem = ""
             except BrokenPluginError as error:
                 problem = str(error)
@@ -150,6 +196,12 @@ def diagnose() -> list[dict[str, str]]:
                 }
             )
     return findings
+
+
+def _load_any(group: str, name: str) -> object:
+    if group == VERBS:
+        return load_verb(name)
+    return interface(name) if group == INTERFACES else load(group, name)
 
 
 def _plain(field: Any) -> Any:
