@@ -3,7 +3,7 @@
 import numpy as np
 
 from executive.arrays import Float
-from executive.geometry.rotation import exp_so3, from_rpy, log_so3
+from executive.geometry.rotation import exp_so3, from_rpy, log_so3, skew
 
 
 def pose(R: Float | None = None, t: Float | None = None) -> Float:
@@ -30,6 +30,19 @@ def inverse(T: Float) -> Float:
 def transform(T_to_from: Float, points_from: Float) -> Float:
     """Express points (N, 3) or one point (3,) in the other frame."""
     return np.asarray(points_from @ T_to_from[:3, :3].T + T_to_from[:3, 3])
+
+
+def adjoint(T_to_from: Float) -> Float:
+    """Return the adjoint of a pose, which expresses a twist in the other frame, shape (6, 6).
+
+    A twist, or a small error, is ordered as rotation [rad], then translation [m], both in body
+    axes: T exp(x) T⁻¹ = exp(adjoint(T) x). A covariance follows as adjoint(T) P adjoint(T)ᵀ.
+    """
+    R = T_to_from[:3, :3]
+    J = np.zeros((6, 6))
+    J[:3, :3] = J[3:, 3:] = R
+    J[3:, :3] = skew(T_to_from[:3, 3]) @ R
+    return J
 
 
 def interpolate(T_a: Float, T_b: Float, fraction: float) -> Float:

@@ -7,8 +7,8 @@ from executive.arrays import Float
 
 def skew(v: Float) -> Float:
     """Return the matrix [v]× with [v]× u = v × u, shape (3, 3)."""
-    x, y, z = v
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    x, y, z = np.asarray(v, dtype=float).tolist()
+    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
 
 
 def exp_so3(rotation_vector: Float) -> Float:

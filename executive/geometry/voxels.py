@@ -1,8 +1,8 @@
-"""Clouds on a grid."""
+"""Point clouds thinned by a cubic grid."""
 
 import numpy as np
 
-from executive.arrays import Float
+from executive.arrays import Float, Int
 
 
 def voxel_means(points: Float, size_m: float) -> Float:
@@ -20,3 +20,18 @@ def voxel_means(points: Float, size_m: float) -> Float:
     _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
     sums = np.stack([np.bincount(inverse, weights=points[:, i]) for i in range(3)], axis=1)
     return np.asarray(sums / counts[:, None])
+
+
+def first_in_cells(coordinates: Float, size_m: float) -> Int:
+    """Return the row of the first point in each occupied cell of a cubic grid, shape (M,).
+
+    Args:
+        coordinates: Positions [m], shape (N, d).
+        size_m: Edge of a cell [m].
+
+    Returns:
+        Rows of `coordinates` in the order of the cells (x, then y, then z).
+    """
+    cells = np.floor(coordinates / size_m).astype(np.int64)
+    _, first = np.unique(cells, axis=0, return_index=True)
+    return np.asarray(first)

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from executive.arrays import Float
+from executive.geometry.voxels import first_in_cells
 
 _CELL_M = 0.2  # the lowest point of each cell may be ground
 _BAND_M = 0.2  # rough ground strays this far from its plane
@@ -108,6 +109,4 @@ def _refined(low: Float, normal: Float, offset: float, band_m: float) -> tuple[F
 
 def _lowest_of_cells(points: Float, cell_m: float) -> Float:
     order = np.argsort(points[:, 2], kind="stable")
-    cells = np.floor(points[order, :2] / cell_m).astype(np.int64)
-    _, first = np.unique(cells, axis=0, return_index=True)
-    return np.asarray(points[order[np.sort(first)]])
+    return np.asarray(points[order[np.sort(first_in_cells(points[order, :2], cell_m))]])

@@ -17,6 +17,7 @@ from executive.arrays import Bool, Float
 from executive.geometry.convex import convex_corners, volume_and_centroid
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis
+from executive.geometry.voxels import voxel_means
 
 _FOOT_M = 0.15  # a stone's foot that segmentation left with the ground is at most this high …
 _REACH_M = 0.10  # … and this far from the stone's known points
@@ -98,16 +99,18 @@ def build_planning_cloud(
     """
     T_map_plan = _stone_frame(stone_map)
     T_plan_map = inverse(T_map_plan)
-    stone = thinned(transform(T_plan_map, stone_map), spacing_m)
+    stone = voxel_means(transform(T_plan_map, stone_map), spacing_m)
     low, high = stone.min(axis=0) - margin_m, stone.max(axis=0) + margin_m
     cloud = transform(T_plan_map, cloud_map)
     cloud = cloud[((cloud > low) & (cloud < high)).all(axis=1)]
     distance, _ = cKDTree(stone).query(cloud)
-    ground = fit_ground(thinned(cloud[distance > 1.5 * spacing_m], spacing_m), stone, rng, scale)
+    ground = fit_ground(
+        voxel_means(cloud[distance > 1.5 * spacing_m], spacing_m), stone, rng, scale
+    )
     is_foot = _is_foot(cloud, distance, ground, scale)
-    stone = thinned(np.concatenate([stone, cloud[is_foot]]), spacing_m)
+    stone = voxel_means(np.concatenate([stone, cloud[is_foot]]), spacing_m)
     around = cloud[(distance > 1.5 * spacing_m) & ~is_foot]
-    others = thinned(
+    others = voxel_means(
         np.concatenate([around, fill_ground(ground, stone, low[:2], high[:2], spacing_m)]),
         spacing_m,
     )
@@ -129,19 +132,6 @@ def _planning_cloud(
         ground=ground,
         scale=scale,
     )
-
-
-def thinned(points: Float, spacing_m: float) -> Float:
-    """Return the mean of the points in each cell of a grid, in the grid's order, shape (M, 3)."""
-    if not len(points):
-        return points
-    cells = np.floor(points / spacing_m).astype(np.int64)
-    cells -= cells.min(axis=0)
-    size = cells.max(axis=0) + 1
-    key = (cells[:, 0] * size[1] + cells[:, 1]) * size[2] + cells[:, 2]
-    _, index, count = np.unique(key, return_inverse=True, return_counts=True)
-    sums = np.column_stack([np.bincount(index, weights=points[:, i]) for i in range(3)])
-    return np.asarray(sums / count[:, None])
 
 
 def _stone_frame(stone_map: Float) -> Float:

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from executive_plugins.grasping.planning_cloud import thinned
 
 from executive.arrays import Bool, Float
 from executive.geometry.convex import convex_corners, half_spaces
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import about_axis, exp_so3, from_quaternion
+from executive.geometry.voxels import voxel_means
 
 Solid = Callable[
     [Float, Float], Float
@@ -99,8 +99,8 @@ def look_at(target: Solid, neighbours: tuple[Solid, ...], rng: np.random.Generat
     sights = [_sight((target, *neighbours), sensor, noise_m, rng) for sensor in sensors]
     points = np.concatenate([points for points, _ in sights])
     is_target = np.concatenate([of_target for _, of_target in sights]) & (points[:, 2] > _FOOT_M)
-    stone = thinned(points[is_target], _MAP_CELL_M)
-    return StoneView(stone, np.concatenate([stone, thinned(points[~is_target], _MAP_CELL_M)]))
+    stone = voxel_means(points[is_target], _MAP_CELL_M)
+    return StoneView(stone, np.concatenate([stone, voxel_means(points[~is_target], _MAP_CELL_M)]))
 
 
 def neighbour_place(rng: np.random.Generator) -> Float:

@@ -15,8 +15,7 @@ from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Meters, Radians, Seconds, Settings
-from executive.geometry.pose import inverse
-from executive.geometry.rotation import skew
+from executive.geometry.pose import adjoint, inverse
 from executive.interfaces.odometry import LidarOdometry
 from executive.machine.rig import Rig
 from executive.messages.imu import ImuSample
@@ -204,7 +203,7 @@ class ScanToSubmap(LidarOdometry):
             self._map.add(T, points)
         # Both ends were fitted: the earlier one's error moves the increment as seen from the later
         # frame.
-        J = _adjoint(inverse(T_from_to))
+        J = adjoint(inverse(T_from_to))
         both = J @ track.covariance @ J.T + covariance
         increment = LidarIncrement(track.stamp_s, stamp_s, settings.frame, T_from_to, both)
         if self._reckoning is not None:
@@ -215,13 +214,3 @@ class ScanToSubmap(LidarOdometry):
         self._refusals += 1
         if self._refusals >= self._settings.restart_after:
             self._begin(stamp_s, points)
-
-
-def _adjoint(T: Float) -> Float:
-    """Return the map of (rotation, translation) errors in the second frame to the first, shape (6,
-    6).
-    """
-    J = np.zeros((6, 6))
-    J[:3, :3] = J[3:, 3:] = T[:3, :3]
-    J[3:, :3] = skew(T[:3, 3]) @ T[:3, :3]
-    return J

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from executive.arrays import Float
+from executive.geometry.voxels import first_in_cells
 from executive.messages.segment import Segmentation
 
 _RADIUS_M = 0.7  # of the ground under a stone
@@ -54,13 +55,8 @@ class FreeGround:
 
 
 def _thinned(points: Float) -> Float:
-    """Return the first point of each cell: a dense map says no more about a slot than a
-    thin one.
-    """
-    _, first = np.unique(
-        np.floor(points[:, :2] / _THIN_M).astype(np.int64), axis=0, return_index=True
-    )
-    return points[np.sort(first)]
+    """Return the first point of each cell, for a dense map tells no more about a slot."""
+    return points[np.sort(first_in_cells(points[:, :2], _THIN_M))]
 
 
 def _covers(offsets: Float) -> bool:

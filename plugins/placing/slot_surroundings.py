@@ -6,6 +6,7 @@ from scipy.spatial import cKDTree
 from executive.arrays import Float
 from executive.geometry.convex import depth_inside, half_spaces
 from executive.geometry.pose import inverse, transform
+from executive.geometry.voxels import first_in_cells
 from executive.machine.gripper import Gripper
 
 _OPENINGS = (1.0, 0.75, 0.5)  # of the widest: the jaws pass all of them
@@ -32,7 +33,8 @@ class SlotSurroundings:
         self._faces = [half_spaces(hull) for hull in hulls]
         self._reach_m = max(float(np.linalg.norm(hull, axis=1).max()) for hull in hulls) + _APART_M
         distance = np.linalg.norm(cloud[:, :2] - position_map[:2], axis=1)
-        near = one_a_cell(cloud[distance < radius_m + self._reach_m], _SPACING_M)
+        near = cloud[distance < radius_m + self._reach_m]
+        near = near[first_in_cells(near, _SPACING_M)]
         level = float(position_map[2])
         under = cloud[
             (distance < 0.8 * radius_m) & (np.abs(cloud[:, 2] - level) < _GROUND_BAND_M), 2
@@ -59,9 +61,3 @@ class SlotSurroundings:
         local = transform(inverse(T_map_gripper), points)
         local = local[np.linalg.norm(local, axis=1) < self._reach_m]
         return max(float(depth_inside(faces, local).max(initial=-np.inf)) for faces in self._faces)
-
-
-def one_a_cell(points: Float, spacing_m: float) -> Float:
-    """Return the first point of each cell of a grid, in the cells' order, shape (M, 3)."""
-    _, first = np.unique(np.floor(points / spacing_m).astype(np.int64), axis=0, return_index=True)
-    return points[first]

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from executive.geometry.pose import interpolate, inverse, pose, pose_xyz_rpy, transform
-from executive.geometry.rotation import angle_between, exp_so3, from_rpy
+from executive.geometry.pose import adjoint, interpolate, inverse, pose, pose_xyz_rpy, transform
+from executive.geometry.rotation import angle_between, exp_so3, from_rpy, log_so3
 
 
 def some_poses(n: int) -> list[np.ndarray]:
@@ -59,3 +59,18 @@ def test_interpolation_begins_ends_and_moves_evenly() -> None:
         T = interpolate(T_a, T_b, fraction)
         assert angle_between(T_a[:3, :3], T[:3, :3]) == pytest.approx(fraction * whole)
         np.testing.assert_allclose(T[:3, 3], (1 - fraction) * T_a[:3, 3] + fraction * T_b[:3, 3])
+
+
+def test_the_adjoint_carries_a_small_motion_to_the_other_frame() -> None:
+    for T in some_poses(5):
+        twist = np.random.default_rng(5).normal(0, 1e-7, 6)
+        small = pose(exp_so3(twist[:3]), twist[3:])
+        moved = T @ small @ inverse(T)
+        expected = adjoint(T) @ twist
+        np.testing.assert_allclose(log_so3(moved[:3, :3]), expected[:3], atol=1e-12)
+        np.testing.assert_allclose(moved[:3, 3], expected[3:], atol=1e-11)
+
+
+def test_the_adjoint_of_a_product_is_the_product_of_the_adjoints() -> None:
+    T_a_b, T_b_c = some_poses(2)
+    np.testing.assert_allclose(adjoint(T_a_b @ T_b_c), adjoint(T_a_b) @ adjoint(T_b_c), atol=1e-12)

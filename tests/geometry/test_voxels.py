@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from executive.geometry.voxels import voxel_means
+from executive.geometry.voxels import first_in_cells, voxel_means
 
 
 def test_each_occupied_cell_gives_the_mean_of_its_points() -> None:
@@ -27,3 +27,24 @@ def test_no_points_give_no_points() -> None:
 def test_a_grid_finer_than_the_points_keeps_them_all() -> None:
     points = np.random.default_rng(1).uniform(-50, 50, (500, 3))
     assert len(voxel_means(points, 1e-3)) == 500
+
+
+def test_thinning_leaves_one_point_in_each_cell_and_keeps_the_mean() -> None:
+    points = np.random.default_rng(0).uniform(0, 1, (20000, 3))
+    thin = voxel_means(points, 0.25)
+    assert len(thin) == 64
+    np.testing.assert_allclose(thin.mean(axis=0), points.mean(axis=0), atol=0.01)
+    np.testing.assert_allclose(voxel_means(np.repeat(points, 3, axis=0), 0.25), thin)
+
+
+def test_the_first_point_of_each_cell_is_found() -> None:
+    points = np.array([[0.9, 0.1], [-0.2, 0.3], [0.1, 0.8], [-0.1, 0.9], [1.2, 0.0]])
+    np.testing.assert_array_equal(first_in_cells(points, 1.0), [1, 0, 4])
+
+
+def test_every_point_shares_a_cell_with_one_that_was_kept() -> None:
+    points = np.random.default_rng(2).normal(0, 3, (500, 3))
+    kept = points[first_in_cells(points, 0.7)]
+    cells, of_kept = (set(map(tuple, np.floor(p / 0.7))) for p in (points, kept))
+    assert cells == of_kept
+    assert len(kept) == len(cells)

@@ -5,12 +5,12 @@ from executive_plugins.estimation.filters.error_state_ekf_clone import CloningFi
 from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
 from executive_plugins.estimation.filters.gnss_imu_settings import GnssImuSettings
-from executive_plugins.estimation.inertial.state import InertialState, skew
+from executive_plugins.estimation.inertial.state import InertialState
 from pydantic import Field
 
 from executive.arrays import Float
 from executive.errors import ConfigError
-from executive.geometry.pose import inverse
+from executive.geometry.pose import adjoint, inverse
 from executive.machine.rig import Rig
 from executive.messages.odometry import LidarIncrement
 
@@ -62,7 +62,7 @@ class ErrorStateEkf(GnssImuFilter):
         if kalman.has_clone_at(increment.from_s):
             T_imu_lidar = self._T_imu_lidar(increment.frame)
             T_from_to = T_imu_lidar @ increment.T_from_to @ inverse(T_imu_lidar)
-            Ad = _adjoint(T_imu_lidar)
+            Ad = adjoint(T_imu_lidar)
             covariance = self._lidar.odometry_scale**2 * Ad @ increment.covariance @ Ad.T
             if not kalman.correct_by_increment(T_from_to, covariance, self._lidar.odometry_gate):
                 self._door.refuse(stream, "outlier")
@@ -73,11 +73,3 @@ class ErrorStateEkf(GnssImuFilter):
         if sensor is None or sensor.link != self._machine.cabin_link:
             raise ConfigError(f"estimation: odometry of '{frame}', which is no sensor on the cabin")
         return np.asarray(self._T_imu_cabin @ sensor.T_link_sensor)
-
-
-def _adjoint(T: Float) -> Float:
-    """Return the matrix that takes a motion (rotation, translation) in one frame to another, shape
-    (6, 6).
-    """
-    R, t = T[:3, :3], T[:3, 3]
-    return np.block([[R, np.zeros((3, 3))], [skew(t) @ R, R]])

@@ -13,11 +13,10 @@ from executive_plugins.estimation.inertial.state import (
     carry_cross,
     retract,
     rotation_step,
-    skew,
 )
 
 from executive.arrays import Float
-from executive.geometry.rotation import log_so3
+from executive.geometry.rotation import log_so3, skew
 
 _POSE = np.r_[ROTATION, POSITION]
 _CLONE = slice(DIMENSION, DIMENSION + 6)

@@ -16,11 +16,11 @@ from executive_plugins.estimation.graph.smoother_process import (
     ProcessSmoother,
     SmootherHost,
 )
-from executive_plugins.estimation.inertial.state import InertialState, skew
+from executive_plugins.estimation.inertial.state import InertialState
 from executive_plugins.estimation.live.modes import Mode, ModeChange
 
 from executive.arrays import Float
-from executive.geometry.pose import inverse
+from executive.geometry.pose import adjoint, inverse
 from executive.machine.rig import Rig
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
@@ -107,7 +107,7 @@ class DualGraph(CabinEstimator):
             return
         T_imu_lidar = self._T_imu_cabin @ self._machine.sensors[increment.frame].T_link_sensor
         T_from_to = T_imu_lidar @ increment.T_from_to @ inverse(T_imu_lidar)
-        J = _adjoint(T_imu_lidar)
+        J = adjoint(T_imu_lidar)
         self._hand_over(
             Increment(increment.from_s, increment.to_s, T_from_to, J @ increment.covariance @ J.T)
         )
@@ -123,13 +123,3 @@ class DualGraph(CabinEstimator):
 
     def _status(self) -> str:
         return self._mode.value
-
-
-def _adjoint(T: Float) -> Float:
-    """Return the map of (rotation, translation) errors in the second frame to the first, shape (6,
-    6).
-    """
-    J = np.zeros((6, 6))
-    J[:3, :3] = J[3:, 3:] = T[:3, :3]
-    J[3:, :3] = skew(T[:3, 3]) @ T[:3, :3]
-    return J

@@ -6,9 +6,10 @@ from executive_plugins.estimation.gate.measurements import Standing
 from executive_plugins.estimation.graph.factors import gyro_bias_factor, velocity_factor
 from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
 from executive_plugins.estimation.inertial.measurement_models import standing_residual
-from executive_plugins.estimation.inertial.state import InertialState, skew
+from executive_plugins.estimation.inertial.state import InertialState
 
 from executive.arrays import Float
+from executive.geometry.rotation import skew
 
 
 class StandingBelief:

@@ -11,10 +11,10 @@ from executive_plugins.estimation.inertial.state import (
     ROTATION,
     VELOCITY,
     InertialState,
-    skew,
 )
 
 from executive.arrays import Float
+from executive.geometry.rotation import skew
 
 # Each returns measured − predicted, shape (3,), and its derivative by the state's error, negated,
 # shape (3, 15).

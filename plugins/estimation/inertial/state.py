@@ -1,6 +1,5 @@
 """The strapdown state of one inertial sensor, and how a pair of its samples carries it on."""
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -10,9 +9,11 @@ from executive_plugins.estimation.inertial.strapdown import (
     advance,
     carry_covariance_by,
     carry_cross_by,
+    turn_into,
 )
 
 from executive.arrays import Float
+from executive.geometry.rotation import skew
 
 # Blocks of the error state: rotation [rad] in IMU axes, velocity, position in map axes, gyro bias,
 # accelerometer bias.
@@ -155,29 +156,8 @@ def retract(state: InertialState, error: Float) -> InertialState:
     )
 
 
-def skew(v: Float) -> Float:
-    """Return [v]×; as executive.geometry's, on plain floats, which is what a hundred calls a tick
-    ask for.
-    """
-    x, y, z = v.tolist()
-    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
-
-
 def rotation_step(rotation_vector: Float) -> Float:
-    """Map a rotation vector [rad] to its matrix (Rodrigues), on plain floats for speed, shape (3,)
-    → (3, 3).
-    """
-    x, y, z = rotation_vector.tolist()
-    angle2 = x * x + y * y + z * z
-    if angle2 < 1e-10:  # the next terms of both series are below 1e-11
-        a, b = 1.0 - angle2 / 6, 0.5 - angle2 / 24
-    else:
-        angle = math.sqrt(angle2)
-        a, b = math.sin(angle) / angle, (1 - math.cos(angle)) / angle2
-    return np.array(
-        (
-            (1 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y),
-            (b * x * y + a * z, 1 - b * (x * x + z * z), b * y * z - a * x),
-            (b * x * z - a * y, b * y * z + a * x, 1 - b * (x * x + y * y)),
-        )
-    )
+    """Map a rotation vector [rad] to its matrix (Rodrigues), shape (3,) → (3, 3)."""
+    R = np.empty((3, 3))
+    turn_into(*rotation_vector.tolist(), R)
+    return R

@@ -14,13 +14,13 @@ from executive_plugins.estimation.inertial.state import (
     VELOCITY,
     Inertial,
     InertialState,
-    skew,
 )
 from executive_plugins.estimation.start.chassis_level import ChassisLevel
 from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import RadiansPerSecond, Seconds, Settings
+from executive.geometry.rotation import skew
 
 _DECLARED = 2.0  # a spread of so many of the fixes' own standard deviations is no motion
 # standard deviations by which two level sensors may differ; more, and one is mounted otherwise

@@ -17,6 +17,7 @@ from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Meters, Seconds, Settings
+from executive.geometry.rotation import from_rpy
 
 
 class MovingStartSettings(Settings):
@@ -88,7 +89,7 @@ class MovingStart:
             if np.linalg.norm(measured[-1]) > 3 * self._settings.distance_m:
                 self._state = None  # more way will not help: wait for the next rest
             return None
-        R = _about_vertical(float(np.arctan2(sine, cosine)))
+        R = from_rpy(0.0, 0.0, float(np.arctan2(sine, cosine)))
         return self._turned(R, velocity), self._doubted(misfit)
 
     def _is_far(self) -> bool:
@@ -153,8 +154,3 @@ def _fit(elapsed_s: Float, measured: Float, reckoned: Float) -> tuple[Float, Flo
     A, b = np.vstack([east, north]), measured[:, :2].T.ravel()
     solution = np.linalg.lstsq(A, b, rcond=None)[0]
     return solution[:2], np.append(solution[2:4], 0.0), float(np.abs(A @ solution - b).max())
-
-
-def _about_vertical(yaw_rad: float) -> Float:
-    c, s = np.cos(yaw_rad), np.sin(yaw_rad)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -20,10 +20,9 @@ from executive_plugins.estimation.inertial.state import (
     propagate,
     retract,
     rotation_step,
-    skew,
 )
 
-from executive.geometry.rotation import exp_so3, log_so3
+from executive.geometry.rotation import exp_so3, log_so3, skew
 
 GRAVITY = 9.81
 

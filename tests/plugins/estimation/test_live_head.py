@@ -12,7 +12,6 @@ from executive_plugins.estimation.inertial.state import (
     InertialState,
     carry_covariance,
     propagate_through,
-    skew,
 )
 from executive_plugins.estimation.live.head import GAP, OUT_OF_RANGE, LiveHead
 from executive_plugins.estimation.live.layout import SAMPLES
@@ -20,7 +19,7 @@ from executive_plugins.estimation.live.parcel import packed
 from executive_plugins.estimation.start.chassis import TurnJoint
 
 from executive.geometry.pose import inverse, pose
-from executive.geometry.rotation import exp_so3
+from executive.geometry.rotation import exp_so3, skew
 from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
 

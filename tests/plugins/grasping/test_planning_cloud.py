@@ -4,8 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from executive_plugins.grasping.planning_cloud import PlanningCloud, build_planning_cloud, thinned
-from scipy.spatial import cKDTree
+from executive_plugins.grasping.planning_cloud import PlanningCloud, build_planning_cloud
 
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import about_axis
@@ -78,13 +77,3 @@ def test_a_turned_and_shifted_scene_gives_the_same_numbers(
     here, there = build(box, cloud), build(transform(T, box), transform(T, cloud))
     np.testing.assert_allclose(there.points, here.points, atol=1e-6)
     np.testing.assert_allclose(there.T_map_plan, T @ here.T_map_plan, atol=1e-6)
-
-
-def test_thinning_leaves_one_point_a_cell_and_keeps_the_mean(make_box: Callable) -> None:
-    rng = np.random.default_rng(0)
-    points = rng.uniform(0, 1, (20000, 3))
-    thin = thinned(points, 0.25)
-    assert len(thin) == 64
-    np.testing.assert_allclose(thin.mean(axis=0), points.mean(axis=0), atol=0.01)
-    assert cKDTree(thin).query(points)[0].max() < 0.25 * 3**0.5
-    np.testing.assert_allclose(thinned(np.repeat(points, 3, axis=0), 0.25), thin)
