@@ -8,6 +8,7 @@ from executive.interfaces.plugin import Plugin
 from executive.messages.cloud import Cloud
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
+from executive.messages.sector import Sector
 
 
 class Mapper(Plugin, ABC):
@@ -39,6 +40,21 @@ class Mapper(Plugin, ABC):
 
         A removed sphere may cut into a neighbour whose shape is known (Sec. 4.5); this puts it
         back.
+        """
+
+    @abstractmethod
+    def dense_share(self, sector: Sector, points_per_m2: float) -> float:
+        """Return which share of a sector's square metres the map covers densely, from 0 to 1.
+
+        Each cell of 1 m x 1 m counts by itself: a mean density would be carried by the few cells
+        next to the machine.
+
+        Args:
+            sector: The part of the ground that is looked at, in the map.
+            points_per_m2: Points of the map that make a cell dense [1/m²].
+
+        Raises:
+            DataError: If the sector is so small that it holds no cell.
         """
 
     @abstractmethod

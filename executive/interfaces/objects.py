@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from executive.arrays import Float
 from executive.interfaces.plugin import Plugin
+from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment
 from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
@@ -80,3 +81,46 @@ class ObjectDatabase(Plugin, ABC):
     @abstractmethod
     def set_state(self, stone_id: int, state: StoneState, stamp_s: float) -> Stone:
         """Change the stone's state only."""
+
+    @abstractmethod
+    def surroundings(self, map_cloud: Cloud, without: int | None = None) -> Cloud:
+        """Return the map merged with the models of the lying stones (Sec. 5.2), at one density.
+
+        Args:
+            map_cloud: The map, in the frame `map`.
+            without: Id of a stone whose model and map points are left out, such as the one that is
+                held.
+
+        Raises:
+            DataError: If there is no stone of that id.
+        """
+
+    @abstractmethod
+    def unexplained(self, map_cloud: Cloud, stone_id: int, radius_m: float) -> Cloud:
+        """Return the map around a stone's centroid without the points of other lying stones.
+
+        Ground and the stone's own points are kept.
+
+        Args:
+            map_cloud: The map, in the frame `map`.
+            stone_id: The stone whose surroundings are returned.
+            radius_m: Largest horizontal distance from the stone's centroid [m].
+
+        Raises:
+            DataError: If there is no stone of that id.
+        """
+
+    @abstractmethod
+    def surface_within(
+        self, centre_map: Float, radius_m: float, without: int | None = None
+    ) -> Float:
+        """Return the points of lying stones' models that are in a sphere of the map.
+
+        Args:
+            centre_map: Centre of the sphere [m], shape (3,).
+            radius_m: Its radius [m].
+            without: Id of a stone that is left out.
+
+        Returns:
+            Points in the map [m], in order of the stones' ids, shape (N, 3).
+        """

@@ -1,6 +1,7 @@
 """Segmentation: a cloud to the objects on its ground."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 from executive.interfaces.plugin import Plugin
 from executive.messages.cloud import Cloud
@@ -18,4 +19,18 @@ class Segmenter(Plugin, ABC):
 
         Gravity need not be along z to the degree: the ground's normal is within 30° of the frame's
         z axis.
+        """
+
+    @abstractmethod
+    def merge(self, clouds: Sequence[Cloud]) -> Cloud:
+        """Merge clouds of one site, such as the machine's map and a survey, at one density.
+
+        Segments are found from the density of their points, so overlapping clouds are thinned to
+        the density that `segment` expects.
+
+        Args:
+            clouds: At least one, all in the same frame.
+
+        Raises:
+            DataError: If there is no cloud, or the clouds are in different frames.
         """

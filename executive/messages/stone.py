@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+
 from executive.arrays import Float, checked
 
 
@@ -47,3 +49,8 @@ class Stone:
         object.__setattr__(self, "points_map", checked("points_map", self.points_map, None, 3))
         object.__setattr__(self, "centroid_map", checked("centroid_map", self.centroid_map, 3))
         object.__setattr__(self, "T_map_object", checked("T_map_object", self.T_map_object, 4, 4))
+
+    @property
+    def reach_m(self) -> float:
+        """Distance of the farthest point from the centroid [m]."""
+        return float(np.linalg.norm(self.points_map - self.centroid_map, axis=1).max())

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from executive_plugins.mapping.cylinder import Cylinder
+from executive_plugins.mapping.density import dense_share
 from executive_plugins.mapping.map_cloud import cloud_of
 from executive_plugins.mapping.map_settings import MapSettings
 from executive_plugins.mapping.scan_front import ScanFront
@@ -22,6 +23,7 @@ from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
+from executive.messages.sector import Sector
 
 
 class VoxelMapSettings(MapSettings):
@@ -95,6 +97,10 @@ class VoxelMap(Mapper):
         grid.insert(
             np.repeat(points[self._cylinder.contains(points)], self._settings.min_points, axis=0)
         )
+
+    def dense_share(self, sector: Sector, points_per_m2: float) -> float:
+        """Return the share of the sector's square metres that hold so many points."""
+        return dense_share(self.cloud().points, sector, points_per_m2)
 
     def cloud(self) -> Cloud:
         """Return one point for each occupied voxel; 100 ms for 300,000 voxels, kept until the map

@@ -9,6 +9,7 @@ from contextlib import closing, contextmanager
 from executive_plugins.objects.association import associate
 from executive_plugins.objects.database_file import open_file, transaction
 from executive_plugins.objects.growth import Fit, drawn_shift, fit_of, merged, shifts_of
+from executive_plugins.objects.scene import surface_within, surroundings, unexplained
 from executive_plugins.objects.schema import pack_pose, read_event, read_stone, unpack_pose
 from executive_plugins.objects.surface import pack
 from pydantic import Field
@@ -18,6 +19,7 @@ from executive.config import Meters, Settings
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import inverse, pose, transform
 from executive.interfaces.objects import ObjectDatabase
+from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment
 from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
@@ -52,6 +54,12 @@ class SqliteObjectsSettings(Settings):
     )
     max_rmse_m: Meters = Field(
         0.04, gt=0, description="Largest distance of surfaces that agree, RMS [m]."
+    )
+    explained_m: Meters = Field(
+        0.08, gt=0, description="A map point this near to a stone's model is of that stone [m]."
+    )
+    ground_m: Meters = Field(
+        0.10, ge=0, description="Map points this low on a stone's model are kept as ground [m]."
     )
 
 
@@ -184,6 +192,29 @@ class SqliteObjects(ObjectDatabase):
             db.execute("UPDATE stones SET T_map_gripper_grasp = NULL WHERE id = ?", (stone_id,))
             self._note(db, stone_id, stamp_s, "state", state)
         return self.stone(stone_id)
+
+    def surroundings(self, map_cloud: Cloud, without: int | None = None) -> Cloud:
+        """Return the map merged with the lying stones' models, one point a cell of `voxel_m`."""
+        own = None if without is None else self.stone(without)
+        s = self._settings
+        points = surroundings(map_cloud.points, self.stones(), own, s.voxel_m, s.ground_m)
+        return Cloud(map_cloud.frame, points)
+
+    def unexplained(self, map_cloud: Cloud, stone_id: int, radius_m: float) -> Cloud:
+        """Return the map around a stone without the points of other lying stones."""
+        around = map_cloud.near(self.stone(stone_id).centroid_map, radius_m)
+        s, others = self._settings, self._lying(stone_id)
+        points = unexplained(around.points, others, s.explained_m, s.ground_m)
+        return Cloud(map_cloud.frame, points)
+
+    def surface_within(
+        self, centre_map: Float, radius_m: float, without: int | None = None
+    ) -> Float:
+        """Return the points of lying stones' models that are in a sphere."""
+        return surface_within(self._lying(without), checked("centre_map", centre_map, 3), radius_m)
+
+    def _lying(self, without: int | None) -> list[Stone]:
+        return [s for s in self.stones() if s.id != without and s.state.is_lying]
 
     def _connection(self) -> sqlite3.Connection:
         if self._open is None:

@@ -1,5 +1,7 @@
 """Segmentation by geometry: take the ground away, and what still hangs together is an object."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from executive_plugins.segmentation.clusters import connected_clusters
 from executive_plugins.segmentation.ground_plane import fit_ground_plane
@@ -17,6 +19,7 @@ from pydantic import Field
 from executive.arrays import Float
 from executive.config import Meters, Radians, Settings
 from executive.errors import DataError
+from executive.geometry.voxels import voxel_means
 from executive.interfaces.segmentation import Segmenter
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment, Segmentation
@@ -71,6 +74,9 @@ class GroundAndClustersSettings(Settings):
     )
     flat_share: float = Field(
         0.85, gt=0, le=1, description="Share of points on one plane above which it is no object."
+    )
+    merged_voxel_m: Meters = Field(
+        0.03, gt=0, le=1, description="Grid edge to which merged clouds are thinned [m]."
     )
     seed: int = Field(0, ge=0, description="Seed of the random samples.")
 
@@ -129,6 +135,17 @@ class GroundAndClusters(Segmenter):
             ground=Cloud(cloud.frame, cloud.points.take(lying, axis=0), normals),
             ground_plane=np.array([*plane[:3], plane[3] + plane[:3] @ centre]),
         )
+
+    def merge(self, clouds: Sequence[Cloud]) -> Cloud:
+        """Return one point for each occupied cell of `merged_voxel_m`, without normals."""
+        frames = sorted({cloud.frame for cloud in clouds})
+        if len(frames) != 1:
+            raise DataError(
+                f"clouds in {len(frames)} frames ({', '.join(frames) or 'no cloud'}) cannot be "
+                "merged: express all in one frame first"
+            )
+        points = np.concatenate([cloud.points for cloud in clouds])
+        return Cloud(frames[0], voxel_means(points, self._settings.merged_voxel_m))
 
     def _objects(
         self, points: Float, heights: Float, places: Float, rng: np.random.Generator

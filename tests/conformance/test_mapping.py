@@ -13,6 +13,7 @@ from executive.machine.kinematics import Kinematics
 from executive.machine.machine import load_machine
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
+from executive.messages.sector import Sector
 
 MACHINE = load_machine("m545")
 LIDARS = ("lidar_vertical", "lidar_horizontal")
@@ -152,3 +153,24 @@ def test_an_unknown_sensor_is_an_error(make_mapper: Callable[[], Mapper]) -> Non
     stranger = LidarScan(1.0, "lidar_of_another_machine", np.full((5, 3), 5.0), np.ones(5))
     with pytest.raises(DataError, match="lidar_of_another_machine"):
         make_mapper().add_scan_pair([stranger], motion(1.0))
+
+
+def test_the_dense_share_is_that_of_the_cells_it_shows(make_mapper: Callable[[], Mapper]) -> None:
+    """Beyond a wall at x = 8 m nothing is mapped, and behind the cabin neither."""
+    mapper = filled(make_mapper())
+    centre = T_MAP_CABIN[:2, 3]
+    seen = Sector(centre, 0.0, 0.6, 3.5, 6.5)
+    assert mapper.dense_share(seen, 20.0) == 1.0
+    assert mapper.dense_share(seen, 1e6) == 0.0
+    half = Sector(centre, 0.0, 0.2, 1.0, 13.0)  # 1 m to 13 m, of which 3 m to 7 m is mapped
+    assert 0.1 < mapper.dense_share(half, 20.0) < 0.6
+    assert mapper.dense_share(Sector(centre, np.pi, 0.6, 3.5, 6.5), 1.0) == 0.0
+
+
+def test_a_new_map_is_nowhere_dense(make_mapper: Callable[[], Mapper]) -> None:
+    assert make_mapper().dense_share(Sector(np.zeros(2), 0.0, 1.0, 2.0, 6.0), 1.0) == 0.0
+
+
+def test_a_sector_without_a_cell_is_refused(make_mapper: Callable[[], Mapper]) -> None:
+    with pytest.raises(DataError, match="larger"):
+        filled(make_mapper()).dense_share(Sector(np.zeros(2), 0.0, 0.01, 2.0, 2.1), 1.0)

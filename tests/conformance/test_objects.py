@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 from executive import registry
+from executive.arrays import Float
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import from_rpy
 from executive.interfaces.objects import ObjectDatabase
+from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment
 from executive.messages.stone import StoneState
 
@@ -171,3 +173,78 @@ def test_a_folder_that_is_not_there_is_an_error(
 ) -> None:
     with pytest.raises(ConfigError):
         make_database().open(str(tmp_path / "nowhere" / "objects.db"))
+
+
+def scene(database: ObjectDatabase) -> Cloud:
+    """Two lying stones 1.1 m apart, one held between them, and the map that shows all three."""
+    boulders = [boulder(5, 0), boulder(6.1, 0), boulder(5.5, 0.8)]
+    database.observe(boulders, 1.0, False)
+    database.grasp(3, T_GRASP, 2.0)
+    xy = np.random.default_rng(1).uniform(-3, 3, (20_000, 2)) + [5.5, 0.0]
+    ground = np.column_stack([xy, np.full(len(xy), -0.03)])
+    return Cloud("map", np.vstack([ground, *(b.points for b in boulders)]))
+
+
+def within(points: Float, centre: Float, radius_m: float) -> int:
+    return int((np.linalg.norm(points - centre, axis=1) < radius_m).sum())
+
+
+def test_the_surroundings_show_lying_stones_that_the_map_has_forgotten(
+    database: ObjectDatabase,
+) -> None:
+    cloud = scene(database)
+    ground = Cloud("map", cloud.points[cloud.points[:, 2] < -0.02])
+    merged = database.surroundings(ground)
+    assert merged.frame == "map"
+    tops = merged.points[merged.points[:, 2] > 0.4]
+    for stone in database.stones():
+        count = within(tops, stone.centroid_map, 0.55)
+        assert (count > 100) == stone.state.is_lying or stone.id == 3
+    assert not within(tops, database.stone(3).centroid_map + [0.0, 0.3, 0.0], 0.15)
+
+
+def test_the_surroundings_leave_out_one_stone_and_keep_the_ground_under_it(
+    database: ObjectDatabase,
+) -> None:
+    cloud = scene(database)
+    whole, less = database.surroundings(cloud), database.surroundings(cloud, without=2)
+    own = database.stone(2)
+    top = own.centroid_map + [0.3, 0.0, 0.25]
+    assert within(whole.points, top, 0.2) > 20
+    assert within(less.points, top, 0.2) == 0
+    under = np.array([*own.centroid_map[:2], -0.03])
+    assert within(less.points, under, 0.2) > 0.9 * within(whole.points, under, 0.2) > 50
+    with pytest.raises(DataError, match="9"):
+        database.surroundings(cloud, without=9)
+
+
+def test_what_lying_neighbours_explain_is_left_out_but_not_ground_nor_what_is_held(
+    database: ObjectDatabase,
+) -> None:
+    cloud = scene(database)
+    left = database.unexplained(cloud, 1, 2.0)
+    assert left.frame == "map"
+    centre = database.stone(1).centroid_map[:2]
+    assert np.hypot(*(left.points[:, :2] - centre).T).max() < 2.0
+    neighbour, held = database.stone(2), database.stone(3)
+    high = left.points[left.points[:, 2] > 0.15]
+    assert within(high, neighbour.centroid_map + [0.2, -0.1, 0.2], 0.2) == 0
+    assert within(high, held.centroid_map + [0.0, 0.3, 0.0], 0.3) > 50
+    assert within(high, database.stone(1).centroid_map, 0.6) > 300
+    near = np.hypot(*(cloud.points[:, :2] - centre).T) < 2.0
+    is_ground = cloud.points[:, 2] < -0.02
+    assert (left.points[:, 2] < -0.02).sum() == (near & is_ground).sum()
+    with pytest.raises(DataError, match="9"):
+        database.unexplained(cloud, 9, 2.0)
+
+
+def test_what_a_sphere_takes_from_lying_stones_is_known(database: ObjectDatabase) -> None:
+    scene(database)
+    centre = database.stone(1).centroid_map
+    cut = database.surface_within(centre, 0.8, without=1)
+    model = database.stone(2).points_map  # the held one is nearer, and not in the map
+    expected = model[np.linalg.norm(model - centre, axis=1) <= 0.8]
+    assert len(expected) > 20
+    np.testing.assert_array_equal(cut, expected)
+    assert len(database.surface_within(centre, 0.8)) == len(cut) + len(database.stone(1).points_map)
+    assert database.surface_within(np.array([50.0, 0, 0]), 1.0).shape == (0, 3)

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from executive import registry
 from executive.errors import DataError
@@ -88,3 +89,37 @@ def test_the_cloud_stays_as_it_was(segmenter: Segmenter) -> None:
 def test_nothing_has_no_ground(segmenter: Segmenter) -> None:
     with pytest.raises(DataError, match="cloud"):
         segmenter.segment(Cloud("map", np.empty((0, 3))))
+
+
+def test_merged_clouds_are_of_one_density_and_keep_what_one_alone_shows(
+    segmenter: Segmenter,
+) -> None:
+    whole = site()
+    left, right = whole[whole[:, 0] < 0.5], whole[whole[:, 0] > -0.5]
+    merged = segmenter.merge([Cloud("map", left), Cloud("map", np.repeat(right, 3, axis=0))])
+    assert merged.frame == "map"
+    assert len(merged) <= len(whole)
+    assert cKDTree(merged.points).query(whole)[0].max() < 0.1
+    assert len(segmenter.segment(merged).segments) == len(SPOTS)
+
+
+def test_merging_does_not_depend_on_the_order(segmenter: Segmenter) -> None:
+    a, b = Cloud("map", site()), Cloud("map", site(0.02))
+    np.testing.assert_allclose(
+        segmenter.merge([a, b]).points, segmenter.merge([b, a]).points, atol=1e-9
+    )
+
+
+def test_clouds_of_several_frames_are_not_merged(segmenter: Segmenter) -> None:
+    with pytest.raises(DataError, match="drone, map"):
+        segmenter.merge([Cloud("map", site()), Cloud("drone", site())])
+    with pytest.raises(DataError, match="no cloud"):
+        segmenter.merge([])
+
+
+def test_an_empty_cloud_adds_nothing(segmenter: Segmenter) -> None:
+    empty, full = Cloud("map", np.empty((0, 3))), Cloud("map", site())
+    np.testing.assert_array_equal(
+        segmenter.merge([empty, full]).points, segmenter.merge([full]).points
+    )
+    assert len(segmenter.merge([empty])) == 0

@@ -26,6 +26,7 @@ from executive.messages.motion import Motion
 from executive.messages.odometry import LidarIncrement
 from executive.messages.placement import Placement, Slot
 from executive.messages.request import MotionPlan, MoveRequest
+from executive.messages.sector import Sector
 from executive.messages.segment import Segment, Segmentation
 from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
@@ -87,6 +88,13 @@ MESSAGES: dict[type, Callable[[], dict[str, object]]] = {
         "T_map_cabin": np.stack([T, T]),
         "joint_names": ("a",),
         "joint_position": [[0.0], [1.0]],
+    },
+    Sector: lambda: {
+        "centre_map": np.zeros(2),
+        "heading_rad": 0.0,
+        "angle_rad": 1.0,
+        "nearest_m": 1.0,
+        "farthest_m": 2.0,
     },
     Cloud: lambda: {"frame": "map", "points": P.copy(), "normals": P.copy()},
     Segment: lambda: {"id": 0, "points": P.copy(), "centroid": zeros(), "extents": zeros()},

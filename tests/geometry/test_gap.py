@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from executive.leaf.surroundings import gap_below
+from executive.geometry.gap import gap_below
 
 STONE = np.random.default_rng(0).uniform(-0.4, 0.4, (200, 3)) + [5.0, 0.0, 1.2]
 LOWEST_M = STONE[:, 2].min()
