@@ -27,7 +27,7 @@ def grasp_data(
     workers: Annotated[int, typer.Option(min=1, help="Processes at a time.")] = 1,
 ) -> None:
     """Make labels for grasp classifiers: simulated lifts of generated stones, under noise."""
-    from executive_plugins.grasping.labels import LabelSettings, make_labels
+    from executive_plugins.grasping.learning.labels import LabelSettings, make_labels
 
     settings = LabelSettings(machine=machine, seed=seed, grasps_per_stone=grasps)
     for done in make_labels(folder, stones, settings, workers):
@@ -48,8 +48,8 @@ def grasp_train(
     seed: _Seed = 1,
 ) -> None:
     """Train a grasp classifier; print its data card, which is also in the file."""
-    from executive_plugins.grasping.grasp_training import train_weights
-    from executive_plugins.grasping.training import Progress, TrainingSettings
+    from executive_plugins.grasping.learning.grasp_training import train_weights
+    from executive_plugins.grasping.learning.training import Progress, TrainingSettings
     from pydantic import ValidationError
 
     from executive.errors import ConfigError

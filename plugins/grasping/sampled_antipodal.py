@@ -5,9 +5,9 @@
 from typing import ClassVar
 
 import numpy as np
-from executive_plugins.grasping.planning_cloud import PlanningCloud
-from executive_plugins.grasping.pool import Pool
 from executive_plugins.grasping.sampled_planner import Order, SampledPlanner, SampledPlannerSettings
+from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud
+from executive_plugins.grasping.sampling.pool import Pool
 
 from executive.config import Settings
 from executive.interfaces.motion import MotionPlanner

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from executive_plugins.grasping.evidence import evidence_of
-from executive_plugins.grasping.grasp_images import draw_images, image_cube
-from executive_plugins.grasping.planning_cloud import PlanningCloud
-from executive_plugins.grasping.pool import Pool
+from executive_plugins.grasping.classifier.grasp_features import features_of
+from executive_plugins.grasping.classifier.grasp_images import draw_images, image_cube
 from executive_plugins.grasping.sampled_planner import Order, SampledPlanner, SampledPlannerSettings
+from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud
+from executive_plugins.grasping.sampling.pool import Pool
 from pydantic import Field
 
 from executive.arrays import Bool
@@ -83,9 +83,9 @@ class SampledCnn(SampledPlanner):
         """Return the pool by predicted success, or by the paper's stages on what is predicted to
         succeed.
         """
-        from executive_plugins.grasping.outcome_net import success
+        from executive_plugins.grasping.classifier.outcome_net import success
 
-        likely = success(self._loaded(), evidence_of(scene, pool, self._machine.gripper))
+        likely = success(self._loaded(), features_of(scene, pool, self._machine.gripper))
         by_success = (int(i) for i in np.argsort(-likely, kind="stable"))
         is_paper = self._judging.ranking == "paper"
         order = (
@@ -106,7 +106,7 @@ class SampledCnn(SampledPlanner):
 
     def _loaded(self) -> Any:
         """Return the network, a `FourLayer` or a `TwoStream`."""
-        from executive_plugins.grasping.outcome_net import load_net
+        from executive_plugins.grasping.classifier.outcome_net import load_net
 
         if self._net is None:
             self._net = load_net(weights_file(self._judging.weights))

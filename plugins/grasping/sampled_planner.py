@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from executive_plugins.grasping.arm_reach import ArmReach
-from executive_plugins.grasping.planning_cloud import PlanningCloud
-from executive_plugins.grasping.pool import Pool, Sampler, SamplingSettings
-from executive_plugins.grasping.ranking import Costs, ranked_rounds, spread
-from executive_plugins.grasping.recheck import Recheck
-from executive_plugins.grasping.rehearsal import FALLEN_M, Lifted, Rehearsal
-from executive_plugins.grasping.way_in import WayIn
+from executive_plugins.grasping.feasibility.approach_path import ApproachPath
+from executive_plugins.grasping.feasibility.arm_reach import ArmReach
+from executive_plugins.grasping.feasibility.fcl_check import FclCheck
+from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud
+from executive_plugins.grasping.sampling.pool import Pool, Sampler, SamplingSettings
+from executive_plugins.grasping.sampling.ranking import Costs, ranked_rounds, spread
+from executive_plugins.grasping.simulated_lift import FALLEN_M, Lifted, SimulatedLift
 from pydantic import Field, model_validator
 
 from executive.arrays import Float, checked
@@ -42,7 +42,7 @@ _SPREAD_M, _SPREAD_RAD = 0.10, np.radians(20.0)
 class SampledPlannerSettings(SamplingSettings):
     """Sampling, the paper's stages, reach and rehearsal."""
 
-    way_in_m: Meters = Field(
+    approach_m: Meters = Field(
         0.8, ge=0, description="Straight way down to a grasp that must be free and in reach [m]."
     )
     overload: float = Field(
@@ -162,7 +162,8 @@ class SampledPlanner(GraspPlanner):
         theirs.
         """
         s, gripper = self._settings, self._machine.gripper
-        rehearsal = Rehearsal(gripper, scene.body, scene.ground.normal, scene.volume_m3 * s.density)
+        mass_kg = scene.volume_m3 * s.density
+        simulated_lift = SimulatedLift(gripper, scene.body, scene.ground.normal, mass_kg)
         order = self.ordered(scene, pool)
         grasps: list[Grasp] = []
         firm, best = 0, -np.inf
@@ -173,7 +174,7 @@ class SampledPlanner(GraspPlanner):
             lifted = (
                 {}
                 if is_beaten
-                else self._rehearsed(rehearsal, T_plan_gripper, float(pool.jaw_rad[i]))
+                else self._rehearsed(simulated_lift, T_plan_gripper, float(pool.jaw_rad[i]))
             )
             cost = round(lifted.get("slip_m", 0.0) + _PUSH_WEIGHT * lifted.get("push_m", 0.0), 2)
             firm += bool(lifted) and cost <= _FIRM_M
@@ -209,27 +210,27 @@ class SampledPlanner(GraspPlanner):
         order given.
         """
         gripper, scale, up = self._machine.gripper, self._settings.scale, scene.ground.normal
-        way_in_m, room_m = scale * self._settings.way_in_m, scale * _ROOM_IN_CLOUD_M
+        approach_m, room_m = scale * self._settings.approach_m, scale * _ROOM_IN_CLOUD_M
         mass_kg = scene.volume_m3 * self._settings.density / self._settings.overload
-        way_in, recheck = WayIn(gripper, scale), Recheck(gripper, room_m)
+        approach, recheck = ApproachPath(gripper, scale), FclCheck(gripper, room_m)
         for i in spread(order, pool.R, pool.position, scale * _SPREAD_M, _SPREAD_RAD):
             T_plan_gripper = pose(pool.R[i], pool.position[i])
             T_map_gripper = self._arm.reached(
-                scene.T_map_plan @ T_plan_gripper, T_map_base, way_in_m
+                scene.T_map_plan @ T_plan_gripper, T_map_base, approach_m
             )
             if T_map_gripper is None:
                 refused["out_of_reach"] += 1
             elif not self._arm.holds(T_map_gripper, T_map_base, mass_kg):
                 refused["too_heavy_at_radius"] += 1
-            elif not way_in.is_free(scene.points, T_plan_gripper, up, way_in_m, room_m):
-                refused["way_in_blocked"] += 1
+            elif not approach.is_free(scene.points, T_plan_gripper, up, approach_m, room_m):
+                refused["approach_blocked"] += 1
             elif not recheck.is_free(scene.points, T_plan_gripper):
                 refused["gripper_in_cloud"] += 1
             else:
                 yield i, T_map_gripper
 
     def _rehearsed(
-        self, rehearsal: Rehearsal, T_plan_gripper: Float, jaw_rad: float
+        self, simulated_lift: SimulatedLift, T_plan_gripper: Float, jaw_rad: float
     ) -> dict[str, float]:
         """Return `slip_m`, how far the stone moves in the jaws, and `push_m`, how far they move it
         before.
@@ -241,7 +242,7 @@ class SampledPlanner(GraspPlanner):
         lifts: list[Lifted] = []
         for friction, offset in _VARIANTS:
             lifts.append(
-                rehearsal.lift(T_plan_gripper @ pose(t=np.array(offset)), jaw_rad, friction)
+                simulated_lift.lift(T_plan_gripper @ pose(t=np.array(offset)), jaw_rad, friction)
             )
             if lifts[0].slip_m >= FALLEN_M:
                 break  # hopeless: spare the variants

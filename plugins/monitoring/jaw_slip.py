@@ -6,7 +6,7 @@ from collections import deque
 from dataclasses import dataclass, field
 
 import numpy as np
-from executive_plugins.monitoring.smoothing import RunningMedian
+from executive_plugins.monitoring.signal_filters import RunningMedian
 from pydantic import Field
 
 from executive.config import Meters, Seconds, Settings

@@ -4,8 +4,8 @@ from collections import deque
 from dataclasses import dataclass, field
 
 import numpy as np
-from executive_plugins.monitoring.payload import PayloadScale
-from executive_plugins.monitoring.smoothing import LowPass
+from executive_plugins.monitoring.payload_scale import PayloadScale
+from executive_plugins.monitoring.signal_filters import LowPass
 from pydantic import Field
 
 from executive.config import Kilograms, Meters, Seconds, Settings

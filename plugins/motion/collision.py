@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from executive_plugins.motion.chain import link_frames
-from executive_plugins.motion.convex import Convex
+from executive_plugins.motion.convex_body import ConvexBody
+from executive_plugins.motion.forward_kinematics import link_frames
 from executive_plugins.motion.obstacles import Obstacles
 from executive_plugins.motion.self_collision import SelfCollision
 from scipy.spatial import cKDTree
@@ -88,7 +88,7 @@ class CollisionCheck:
 
     def _depths(
         self, frames: dict[str, Float], low: Bool
-    ) -> Iterator[tuple[int, Convex, Int, Float]]:
+    ) -> Iterator[tuple[int, ConvexBody, Int, Float]]:
         """Yield posture, body, indices of points near it and their depths in it, where the height
         map is not clear.
         """

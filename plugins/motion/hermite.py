@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
-from executive_plugins.motion.chain import link_frames
 from executive_plugins.motion.collision import CollisionCheck
-from executive_plugins.motion.convex import Convex
+from executive_plugins.motion.convex_body import ConvexBody
+from executive_plugins.motion.forward_kinematics import link_frames
 from executive_plugins.motion.ground import ground_normal
 from executive_plugins.motion.inverse_kinematics import InverseKinematics, InverseKinematicsSettings
-from executive_plugins.motion.move import Move, NoWay
+from executive_plugins.motion.move import Move, NoPath
 from executive_plugins.motion.obstacles import Obstacles
 from executive_plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
 from executive_plugins.motion.sweep import sweep
@@ -92,13 +92,13 @@ class Hermite(MotionPlanner):
         leave = move.leave(
             start, self._normal(obstacles, self._kinematics.gripper(start)), request.leave_m
         )
-        if isinstance(leave, NoWay):
+        if isinstance(leave, NoPath):
             return _refused(leave.reason)
         arrive = move.arrive(goal, leave.nodes[-1], self._normal(obstacles, goal), request.arrive_m)
-        if isinstance(arrive, NoWay):
+        if isinstance(arrive, NoPath):
             return _refused(arrive.reason)
         path = move.travel(leave, arrive)
-        if isinstance(path, NoWay):
+        if isinstance(path, NoPath):
             return _refused(path.reason)
         return self._planned(
             time_path(self._machine.arm_names, path, move.limits), request.T_map_base
@@ -145,7 +145,7 @@ class Hermite(MotionPlanner):
             least_arrival=settings.least_arrival,
         )
 
-    def _machine_check_for(self, request: MoveRequest, held: Convex | None) -> SelfCollision:
+    def _machine_check_for(self, request: MoveRequest, held: ConvexBody | None) -> SelfCollision:
         """Return a check that keeps the clearance; one that forbids contact only, where the start
         is closer already.
         """
@@ -165,7 +165,7 @@ class Hermite(MotionPlanner):
     def _normal(self, obstacles: Obstacles, T_base_gripper: Float) -> Float:
         return ground_normal(obstacles.points, T_base_gripper[:3, 3])
 
-    def _reaching(self, jaw_rad: float, held: Convex | None) -> Float:
+    def _reaching(self, jaw_rad: float, held: ConvexBody | None) -> Float:
         parts = [hull for hulls in self._machine.gripper.hulls(jaw_rad).values() for hull in hulls]
         return np.vstack(parts if held is None else [*parts, held.corners])
 

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from executive_plugins.motion.chain import link_frames
 from executive_plugins.motion.collision import CollisionCheck
+from executive_plugins.motion.forward_kinematics import link_frames
 from executive_plugins.motion.inverse_kinematics import InverseKinematics
 from executive_plugins.motion.obstacles import Obstacles
 from executive_plugins.motion.path import HermitePath, path_through
@@ -27,7 +27,7 @@ _ALIKE_COS = 0.9994  # 2 deg: directions that need no second try
 
 
 @dataclass(frozen=True, slots=True)
-class NoWay:
+class NoPath:
     """Why a part of a move does not exist."""
 
     reason: str
@@ -60,44 +60,44 @@ class Move:
     clearance_m: float
     least_arrival: float
 
-    def leave(self, start: Float, normal: Float, length_m: float) -> Line | NoWay:
+    def leave(self, start: Float, normal: Float, length_m: float) -> Line | NoPath:
         """Go up from the start as far as the arm reaches; only a collision forbids it."""
-        first: NoWay | None = None
+        first: NoPath | None = None
         for direction in self._directions(self._frame(start), normal):
             line = self.waypoints.line_up(start, direction, length_m)
             hit = self.check.first_hit(line.nodes)
             if hit is None:
                 return line
-            first = first or NoWay(
+            first = first or NoPath(
                 f"leaving: collision of {hit.what} at "
                 f"{hit.posture / len(line.nodes):.0%} of the way up"
             )
-        return first or NoWay("leaving: no direction")
+        return first or NoPath("leaving: no direction")
 
     def arrive(
         self, T_base_goal: Float, seed: Float, normal: Float, length_m: float
-    ) -> Line | NoWay:
+    ) -> Line | NoPath:
         """Come straight down to the goal."""
-        first: NoWay | None = None
+        first: NoPath | None = None
         for direction in self._directions(T_base_goal, normal):
             for line in self._arrivals(T_base_goal, seed, direction, length_m):
                 refusal = self._refusal(line, length_m)
                 if refusal is None:
                     return line
                 first = first or refusal
-        return first or NoWay("goal out of reach")
+        return first or NoPath("goal out of reach")
 
-    def travel(self, leave: Line, arrive: Line) -> HermitePath | NoWay:
+    def travel(self, leave: Line, arrive: Line) -> HermitePath | NoPath:
         """Connect the two tops: at the least height, the shorter way round first."""
-        first: NoWay | None = None
+        first: NoPath | None = None
         for path in self._paths(leave, arrive):
             dense = self._dense(path)
             hit = self.check.first_hit(dense)
             if hit is None:
                 return path
             share = hit.posture / (len(dense) - 1)
-            first = first or NoWay(f"travelling: collision of {hit.what} at fraction {share:.2f}")
-        return first or NoWay("travelling: no way")
+            first = first or NoPath(f"travelling: collision of {hit.what} at fraction {share:.2f}")
+        return first or NoPath("travelling: no way")
 
     def _paths(self, leave: Line, arrive: Line) -> Iterator[HermitePath]:
         a, b = leave.nodes[-1], arrive.nodes[-1]
@@ -160,9 +160,9 @@ class Move:
     def _is_free(self, q: Float) -> bool:
         return self.check.machine_hit(q[None]) is None
 
-    def _refusal(self, line: Line, length_m: float) -> NoWay | None:
+    def _refusal(self, line: Line, length_m: float) -> NoPath | None:
         if line.length_m < self.least_arrival * length_m:
-            return NoWay(
+            return NoPath(
                 f"arriving: only {line.length_m:.2f} m of {length_m:.2f} m above the "
                 "goal are in reach"
             )
@@ -170,7 +170,7 @@ class Move:
         if hit is None:
             return None
         above = line.length_m * hit.posture / len(line.nodes)
-        return NoWay(f"arriving: collision of {hit.what}, {above:.2f} m above the goal")
+        return NoPath(f"arriving: collision of {hit.what}, {above:.2f} m above the goal")
 
     def _dense(self, path: HermitePath) -> Float:
         """Return postures along a path, close enough that nothing slips through between them, shape

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import fcl
 import numpy as np
-from executive_plugins.motion.convex import Convex
+from executive_plugins.motion.convex_body import ConvexBody
 
 from executive.arrays import Float
 from executive.machine.gripper import SIDES
@@ -22,9 +22,9 @@ class SelfCollision:
     def __init__(
         self,
         machine: Machine,
-        bodies: Sequence[Convex],
+        bodies: Sequence[ConvexBody],
         clearance_m: float,
-        held: Convex | None = None,
+        held: ConvexBody | None = None,
     ) -> None:
         self.machine = machine
         self.bodies = tuple(bodies) if held is None else (*bodies, held)
@@ -76,16 +76,16 @@ class SelfCollision:
         return list(zip(postures.tolist(), pairs.tolist(), strict=True))
 
 
-def machine_bodies(machine: Machine) -> list[Convex]:
+def machine_bodies(machine: Machine) -> list[ConvexBody]:
     """Return the convex parts of all links, in the machine's order."""
     return [
-        Convex(name, shape.vertices, name)
+        ConvexBody(name, shape.vertices, name)
         for name, link in machine.links.items()
         for shape in link.shapes
     ]
 
 
-def held_body(machine: Machine, held_gripper: Float) -> Convex:
+def held_body(machine: Machine, held_gripper: Float) -> ConvexBody:
     """Return the hull of a held stone's surface points (N, 3) in the gripper's frame [m].
 
     The outermost points along 200 directions stand for all: a stone's hull loses a centimetre and
@@ -95,7 +95,7 @@ def held_body(machine: Machine, held_gripper: Float) -> Convex:
         ShapeError: If the points span no volume.
     """
     outermost = np.unique((held_gripper @ _DIRECTIONS.T).argmax(axis=0))
-    return Convex(machine.gripper_link, held_gripper[outermost], "held_stone")
+    return ConvexBody(machine.gripper_link, held_gripper[outermost], "held_stone")
 
 
 def _spiral(count: int) -> Float:

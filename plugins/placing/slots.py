@@ -48,13 +48,15 @@ class SlotsSettings(Settings):
     drop_m: Meters = Field(
         0.05, ge=0, description="Height of the stone's bottom above the ground at the release [m]."
     )
-    way_in_m: Meters = Field(
+    approach_m: Meters = Field(
         0.8, ge=0, description="Straight way down to a slot that must be in reach [m]."
     )
     turns: int = Field(
         24, ge=1, le=360, description="Yaws of a stone over its slot that are tried."
     )
-    max_ways: int = Field(4, ge=1, description="Most ways to set a stone down that are returned.")
+    max_placements: int = Field(
+        4, ge=1, description="Most ways to set a stone down that are returned."
+    )
 
 
 class Slots(PlacementPlanner):
@@ -123,7 +125,7 @@ class Slots(PlacementPlanner):
                 T, T_map_base
             ):
                 ways.append(Placement(slot, T, T_map_map @ stone.T_map_object))
-            if len(ways) == s.max_ways:
+            if len(ways) == s.max_placements:
                 break
         return tuple(ways)
 
@@ -155,7 +157,7 @@ class Slots(PlacementPlanner):
         T_base_gripper = inverse(T_map_base) @ T_map_gripper
         above = (
             inverse(T_map_base)
-            @ pose(t=np.array([0.0, 0.0, self._settings.way_in_m]))
+            @ pose(t=np.array([0.0, 0.0, self._settings.approach_m]))
             @ T_map_gripper
         )
         seed = self._machine.posture("carry")

@@ -5,7 +5,7 @@ runs of trees.
 from collections.abc import Sequence
 
 import numpy as np
-from executive_plugins.robot.mujoco.follower import Follower
+from executive_plugins.robot.trajectory_follower import Follower
 from pydantic import Field
 
 from executive.arrays import Float

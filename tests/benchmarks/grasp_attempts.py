@@ -7,9 +7,9 @@ motion and monitors.
 
 The sites of `grasp_lifts.py`, of the same numbers, some ten times faster: what replaces the
 mission's lidars, mapping and estimation is a made-up view of each stone and its neighbours (half of
-the scenes with a drone's, noise of 1–3 cm, see `plugins/grasping/stone_views.py`) and an error of
-the gripper's pose by up to 2 cm and 1.5° along and about each axis. Ways are planned around the
-true surroundings. The rest is the machine's own: arm, jaws, encoders, monitors.
+the scenes with a drone's, noise of 1–3 cm, see `plugins/grasping/learning/training_scene.py`) and
+an error of the gripper's pose by up to 2 cm and 1.5° along and about each axis. Paths are planned
+around the true surroundings. The rest is the machine's own: arm, jaws, encoders, monitors.
 
 An attempt is placed if no monitor told of trouble on the way, the stone was lifted, and it stands
 after its release no lower than 0.2 m and no farther than 0.6 m from where it was set down. After a
@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from executive_plugins.grasping.stone_views import look_at
+from executive_plugins.grasping.learning.training_scene import look_at
 from grasp_lifts import (
     A_SITE,
     FIRST_SEED,

@@ -18,14 +18,14 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
-from executive_plugins.grasping.evidence import evidence_of
-from executive_plugins.grasping.labels import LabelSettings, chosen_for_lifts
-from executive_plugins.grasping.lift_trials import LIFTED_M, LiftTrials
-from executive_plugins.grasping.outcome_net import load_net, success
-from executive_plugins.grasping.pool import Sampler, SamplingSettings
+from executive_plugins.grasping.classifier.grasp_features import features_of
+from executive_plugins.grasping.classifier.outcome_net import load_net, success
+from executive_plugins.grasping.learning.labels import LabelSettings, chosen_for_lifts
+from executive_plugins.grasping.learning.lift_trials import LIFTED_M, LiftTrials
+from executive_plugins.grasping.learning.training import area_under_curve
+from executive_plugins.grasping.learning.training_scene import Solid, look_at
 from executive_plugins.grasping.sampled_cnn import weights_file
-from executive_plugins.grasping.stone_views import Solid, look_at
-from executive_plugins.grasping.training import area_under_curve
+from executive_plugins.grasping.sampling.pool import Sampler, SamplingSettings
 from lone_stones import generated, scanned
 from numpy.typing import NDArray
 
@@ -62,7 +62,7 @@ def judged(stones: Iterator[tuple[Float, Solid]], weights: list[str]) -> Iterato
             [trials.lift(scene.T_map_plan @ pose(R, at), jaw_rad, rng) for _ in range(LIFTS)]
             for R, at, jaw_rad in zip(pool.R, pool.position, pool.jaw_rad, strict=True)
         ]
-        shown = evidence_of(scene, pool, gripper)
+        shown = features_of(scene, pool, gripper)
         yield Judged(
             {name: success(net, shown) for name, net in nets.items()}, np.array(slip_m) <= LIFTED_M
         )

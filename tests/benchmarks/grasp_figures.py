@@ -12,14 +12,14 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
-from executive_plugins.grasping.labels import LabelSettings
-from executive_plugins.grasping.lift_trials import LIFTED_M, LiftTrials
-from executive_plugins.grasping.pool import Pool, Sampler, SamplingSettings
-from executive_plugins.grasping.ranking import paper_costs
+from executive_plugins.grasping.learning.labels import LabelSettings
+from executive_plugins.grasping.learning.lift_trials import LIFTED_M, LiftTrials
+from executive_plugins.grasping.learning.training_scene import StoneView, convex_solid, look_at
 from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
 from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
 from executive_plugins.grasping.sampled_planner import SampledPlanner
-from executive_plugins.grasping.stone_views import StoneView, convex_solid, look_at
+from executive_plugins.grasping.sampling.pool import Pool, Sampler, SamplingSettings
+from executive_plugins.grasping.sampling.ranking import paper_costs
 from lone_stones import generated
 from matplotlib.figure import Figure
 

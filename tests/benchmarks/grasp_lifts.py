@@ -27,8 +27,8 @@ from typing import Any
 
 import numpy as np
 from executive_plugins.grasping.sampled_cnn import weights_file
-from executive_plugins.robot.mujoco.solid import volume_and_centroid
-from executive_plugins.robot.mujoco.stone_meshes import mesh_files, read_skin
+from executive_plugins.robot.mujoco.site.mass_properties import volume_and_centroid
+from executive_plugins.robot.mujoco.site.stone_meshes import mesh_files, read_skin
 
 from executive.clock import wall_s
 from executive.machine.machine import load_machine

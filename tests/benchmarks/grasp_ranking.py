@@ -13,11 +13,11 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
-from executive_plugins.grasping.labels import LabelSettings
-from executive_plugins.grasping.lift_trials import LIFTED_M, LiftTrials
+from executive_plugins.grasping.learning.labels import LabelSettings
+from executive_plugins.grasping.learning.lift_trials import LIFTED_M, LiftTrials
+from executive_plugins.grasping.learning.training_scene import Solid, look_at
 from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
 from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
-from executive_plugins.grasping.stone_views import Solid, look_at
 from lone_stones import generated, scanned
 
 from executive.arrays import Float

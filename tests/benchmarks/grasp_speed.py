@@ -15,13 +15,13 @@ from itertools import islice
 from time import process_time
 
 import numpy as np
-from executive_plugins.grasping.labels import LabelSettings
-from executive_plugins.grasping.pool import Sampler, SamplingSettings
-from executive_plugins.grasping.recheck import Recheck
+from executive_plugins.grasping.feasibility.fcl_check import FclCheck
+from executive_plugins.grasping.learning.labels import LabelSettings
+from executive_plugins.grasping.learning.training_scene import StoneView, look_at
 from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
 from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
 from executive_plugins.grasping.sampled_planner import SampledPlanner
-from executive_plugins.grasping.stone_views import StoneView, look_at
+from executive_plugins.grasping.sampling.pool import Sampler, SamplingSettings
 from lone_stones import generated
 
 from executive.arrays import Float
@@ -52,7 +52,7 @@ def freedom(planner: SampledPlanner, view: StoneView, seed: int, plan: GraspPlan
         view.stone, view.cloud, np.random.default_rng(seed)
     )
     points = transform(scene.T_map_plan, scene.points)
-    return [Recheck(gripper, 0.01).is_free(points, grasp.T_map_gripper) for grasp in plan.grasps]
+    return [FclCheck(gripper, 0.01).is_free(points, grasp.T_map_gripper) for grasp in plan.grasps]
 
 
 def scaled(view: StoneView, factors: Float) -> StoneView:

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import open3d as o3d
-from executive_plugins.grasping.labels import LabelSettings, resting_stone
-from executive_plugins.grasping.stone_views import Solid, at_rest, convex_solid
-from executive_plugins.robot.mujoco.stone_meshes import mesh_files, read_skin
+from executive_plugins.grasping.learning.labels import LabelSettings, resting_stone
+from executive_plugins.grasping.learning.training_scene import Solid, at_rest, convex_solid
+from executive_plugins.robot.mujoco.site.stone_meshes import mesh_files, read_skin
 
 from executive.arrays import Float, Int
 from executive.geometry.convex import convex_corners

@@ -5,8 +5,7 @@ the computer.
 """
 
 import numpy as np
-from executive_plugins.robot.mujoco.robot import MujocoRobot
-from executive_plugins.robot.mujoco.settings import MujocoSettings
+from executive_plugins.robot.mujoco.robot import MujocoRobot, MujocoSettings
 
 from executive.clock import wall_s
 from executive.machine.machine import load_machine

@@ -17,10 +17,9 @@ import numpy as np
 import open3d as o3d
 import pytest
 from executive_plugins.alignment.gicp import Gicp, GicpSettings
-from executive_plugins.robot.mujoco.ray_mesh import joined, moved
-from executive_plugins.robot.mujoco.robot import MujocoRobot
-from executive_plugins.robot.mujoco.settings import MujocoSettings
-from executive_plugins.robot.mujoco.site import Site
+from executive_plugins.robot.mujoco.robot import MujocoRobot, MujocoSettings
+from executive_plugins.robot.mujoco.site.ray_mesh import joined, moved
+from executive_plugins.robot.mujoco.site.site import Site
 from executive_plugins.segmentation.ground_and_clusters import (
     GroundAndClusters,
     GroundAndClustersSettings,

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import yaml
 from executive_plugins.grasping import sampled_planner
-from executive_plugins.grasping.push import Outcome
+from executive_plugins.grasping.sampling.closing import HoldOutcome
 
 from executive import registry
 from executive.clouds.coloured_ply import write_parts
@@ -57,7 +57,7 @@ def test_the_page_names_every_reason_of_refusal() -> None:
     reasons = set(re.findall(r'refused\["(\w+)"\]', source)) | set(
         re.findall(r'\{"(\w+)": 1\}', source)
     )
-    reasons |= {outcome.name.lower() for outcome in Outcome} - {"held"} | {"too_steep"}
+    reasons |= {outcome.name.lower() for outcome in HoldOutcome} - {"held"} | {"too_steep"}
     assert len(reasons) > 10
     assert reasons <= set(re.findall(r"`(\w+)`", PAGE))
 

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from executive_plugins.robot.mujoco.contact_log import Span
 from executive_plugins.robot.mujoco.robot import MujocoRobot
-from executive_plugins.robot.mujoco.terrain import TERRAIN
-from executive_plugins.robot.mujoco.truth_log import TruthLog
+from executive_plugins.robot.mujoco.site.terrain import TERRAIN
+from executive_plugins.robot.mujoco.truth.contact_log import Span
+from executive_plugins.robot.mujoco.truth.truth_log import TruthLog
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse

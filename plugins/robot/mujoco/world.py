@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 import mujoco
 import numpy as np
-from executive_plugins.robot.mujoco.arm import ArmServos, make_servos
-from executive_plugins.robot.mujoco.follower import Follower
-from executive_plugins.robot.mujoco.jaws import JawDrive, make_jaw_drive
+from executive_plugins.robot.mujoco.machine.arm_servos import ArmServos, make_servos
+from executive_plugins.robot.mujoco.machine.jaw_drive import JawDrive, make_jaw_drive
 from executive_plugins.robot.mujoco.physics import PhysicsSettings, apply_physics
-from executive_plugins.robot.mujoco.site import Site
+from executive_plugins.robot.mujoco.site.site import Site
+from executive_plugins.robot.trajectory_follower import Follower
 
 from executive.arrays import Float
 from executive.errors import ConfigError, RobotError

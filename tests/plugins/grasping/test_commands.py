@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from executive_plugins.grasping.outcome_net import load_net
+from executive_plugins.grasping.classifier.outcome_net import load_net
 
 from executive.errors import UnknownPluginError
 from executive.registry import VERBS, installed, load_verb

@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from executive_plugins.grasping import push
-from executive_plugins.grasping.recheck import Recheck
+from executive_plugins.grasping.feasibility.approach_path import ApproachPath
+from executive_plugins.grasping.feasibility.fcl_check import FclCheck
 from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
-from executive_plugins.grasping.way_in import WayIn
+from executive_plugins.grasping.sampling import closing
 
 from executive.arrays import Float
 from executive.errors import DataError
@@ -59,8 +59,8 @@ def test_no_returned_gripper_stands_in_the_cloud(
     planner: SampledAntipodal, scene: tuple, gripper: Gripper
 ) -> None:
     for grasp in plan(planner, scene).grasps:
-        assert WayIn(gripper).depth_m(scene[1].points, grasp.T_map_gripper) < 0.01
-        assert Recheck(gripper, 0.01).is_free(scene[1].points, grasp.T_map_gripper)
+        assert ApproachPath(gripper).depth_m(scene[1].points, grasp.T_map_gripper) < 0.01
+        assert FclCheck(gripper, 0.01).is_free(scene[1].points, grasp.T_map_gripper)
 
 
 def test_grasps_come_best_first_and_differ(planner: SampledAntipodal, scene: tuple) -> None:
@@ -106,7 +106,10 @@ def test_a_neighbour_at_0_3_m_is_avoided(
     neighbour = box + (1.1, 0.0, 0.0)
     grasps = plan(planner, see(box, np.concatenate([neighbour, make_field()]))).grasps
     assert grasps
-    assert max(WayIn(gripper).depth_m(neighbour, grasp.T_map_gripper) for grasp in grasps) < 0.01
+    assert (
+        max(ApproachPath(gripper).depth_m(neighbour, grasp.T_map_gripper) for grasp in grasps)
+        < 0.01
+    )
 
 
 @pytest.mark.parametrize(
@@ -159,9 +162,9 @@ def test_a_plan_compiles_nothing_that_the_start_has_not(
         SampledAntipodalSettings(samples=10, rehearsed=0), machine, free_motion
     )
     planner.start()
-    compiled = len(push._try_all.signatures)
+    compiled = len(closing._try_all.signatures)
     plan(planner, scene)
-    assert len(push._try_all.signatures) == compiled > 0
+    assert len(closing._try_all.signatures) == compiled > 0
 
 
 def test_too_few_points_are_refused(planner: SampledAntipodal, scene: tuple, see: Callable) -> None:

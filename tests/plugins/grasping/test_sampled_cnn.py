@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from executive_plugins.grasping.recheck import Recheck
-from executive_plugins.grasping.rehearsal import FALLEN_M
+from executive_plugins.grasping.feasibility.fcl_check import FclCheck
 from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
+from executive_plugins.grasping.simulated_lift import FALLEN_M
 from pydantic import ValidationError
 
 from executive.arrays import Float
@@ -151,7 +151,7 @@ def test_next_to_a_neighbour_and_on_a_slope_no_returned_gripper_stands_in_the_cl
     )
     grasps = plan(scene).grasps
     assert grasps
-    recheck = Recheck(machine.gripper, 0.01)
+    recheck = FclCheck(machine.gripper, 0.01)
     assert all(recheck.is_free(np.concatenate(scene), grasp.T_map_gripper) for grasp in grasps)
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from executive_plugins.monitoring.payload import PayloadScale
 from executive_plugins.monitoring.payload_drop import PayloadDrop, PayloadDropSettings
+from executive_plugins.monitoring.payload_scale import PayloadScale
 
 from executive.arrays import Float
 from executive.machine.machine import Machine, load_machine

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from executive_plugins.motion.chain import link_frames
+from executive_plugins.motion.forward_kinematics import link_frames
 from executive_plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
 
 from executive.machine.machine import load_machine

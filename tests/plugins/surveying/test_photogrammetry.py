@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import open3d as o3d
 import pytest
-from executive_plugins.robot.mujoco.ray_mesh import joined, moved
-from executive_plugins.robot.mujoco.robot import MujocoRobot
-from executive_plugins.robot.mujoco.settings import MujocoSettings
+from executive_plugins.robot.mujoco.robot import MujocoRobot, MujocoSettings
+from executive_plugins.robot.mujoco.site.ray_mesh import joined, moved
 from executive_plugins.surveying.camera_alignment import umeyama
 from executive_plugins.surveying.colmap import Colmap, ColmapSettings
 from executive_plugins.surveying.grid_flight import GridFlightSettings, fly, recorded

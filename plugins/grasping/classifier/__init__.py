@@ -1,0 +1,1 @@
+"""A network that predicts from grasp images and costs whether a lift succeeds."""

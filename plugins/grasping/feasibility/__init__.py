@@ -1,0 +1,1 @@
+"""Whether the arm reaches a grasp, and whether the open gripper gets there without a collision."""

@@ -1,0 +1,77 @@
+"""The last look at a grasp, by another library: palm and open jaws as convex bodies in FCL, held
+against the cloud.
+"""
+
+import fcl
+import numpy as np
+from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
+
+from executive.arrays import Float
+from executive.geometry.convex import half_spaces
+from executive.geometry.pose import inverse, transform
+from executive.machine.gripper import Gripper
+
+_POINT = 1e-3  # radius of the ball that stands for a point, over the depth that is allowed
+_REQUEST = fcl.CollisionRequest()
+
+
+class FclCheck:
+    """The open gripper at a pose, against points.
+
+    Its parts are shrunk by the depth that points may have, and FCL only says whether one touches:
+    the depths that it returns for a ball in a polyhedron are too large by up to a third.
+    """
+
+    def __init__(self, gripper: Gripper, allowed_m: float) -> None:
+        """Prepare the parts.
+
+        Args:
+            gripper: The gripper, open.
+            allowed_m: How deep a point may be in a part, for its noise [m].
+        """
+        hulls = [hull for parts in gripper.hulls(gripper.open_rad).values() for hull in parts]
+        cores = [core for hull in hulls if (core := _shrunk(hull, allowed_m)) is not None]
+        self._bodies = [
+            (core.min(axis=0), core.max(axis=0), fcl.CollisionObject(_convex(core)))
+            for core in cores
+        ]
+        self._ball = fcl.Sphere(_POINT * allowed_m)
+
+    def is_free(self, points: Float, T_points_gripper: Float) -> bool:
+        """Return whether none of the points (N, 3) is deeper in palm or open jaws than allowed."""
+        local = transform(inverse(T_points_gripper), points)
+        for low, high, body in self._bodies:
+            near = local[((local >= low) & (local <= high)).all(axis=1)]
+            for point in near:
+                ball = fcl.CollisionObject(self._ball, fcl.Transform(point))
+                if fcl.collide(body, ball, _REQUEST, fcl.CollisionResult()):
+                    return False
+        return True
+
+
+def _shrunk(hull: Float, by_m: float) -> Float | None:
+    """Return the corners of a polyhedron whose faces have moved inward; None if nothing is left."""
+    faces = half_spaces(hull)
+    try:
+        return np.asarray(
+            HalfspaceIntersection(
+                np.column_stack([faces[:, :3], by_m - faces[:, 3]]), hull.mean(axis=0)
+            ).intersections
+        )
+    except QhullError:
+        return None
+
+
+def _convex(points: Float) -> fcl.Convex:
+    """Return the hull of points as a convex body; its triangles are turned counter-clockwise from
+    outside.
+    """
+    hull = ConvexHull(points)
+    index = np.full(len(points), -1)
+    index[hull.vertices] = np.arange(len(hull.vertices))
+    triangles = hull.simplices.copy()
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    is_inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
+    triangles[is_inward] = triangles[is_inward][:, ::-1]
+    faces = np.column_stack([np.full(len(triangles), 3), index[triangles]]).ravel()
+    return fcl.Convex(points[hull.vertices], len(triangles), faces)

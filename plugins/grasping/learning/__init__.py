@@ -1,0 +1,1 @@
+"""Labels for the classifier from simulated lifts, and its training."""

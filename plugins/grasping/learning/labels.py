@@ -1,0 +1,206 @@
+"""Labelled grasps: pools on generated stones, seen in part, and lifts of what the stones truly are.
+
+One file a stone, drawn from a seed and the stone's number alone: making labels can stop, go on and
+be spread over processes at will, and gives the same files.
+"""
+
+import json
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import cache, partial
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from executive_plugins.grasping.classifier.grasp_features import features_of
+from executive_plugins.grasping.learning.lift_trials import LIFTED_M, LiftTrials
+from executive_plugins.grasping.learning.training_scene import (
+    at_rest,
+    convex_solid,
+    look_at,
+    neighbour_place,
+)
+from executive_plugins.grasping.sampling.pool import Pool, Sampler, SamplingSettings
+from executive_plugins.grasping.sampling.ranking import ranked_rounds
+from executive_plugins.physics.quarried_block import block
+from executive_plugins.physics.rounded_stone import rounded_stone
+from numpy.typing import NDArray
+from pydantic import Field
+
+from executive.arrays import Float, Int
+from executive.config import Settings
+from executive.errors import ConfigError, DataError
+from executive.geometry.pose import pose, transform
+from executive.machine.gripper import Gripper
+from executive.machine.machine import load_machine
+
+_STAGES = (("align_rad", 40), ("enclose_m", 20))
+_DESCRIPTION = "labels.json"
+_GRAY = 255.0  # images are stored in steps of this
+
+
+class LabelSettings(Settings):
+    """Which labels are made; all files of a folder belong to one of these."""
+
+    machine: str = Field("m545", description="Machine whose gripper lifts: a name or a folder.")
+    seed: int = Field(1, ge=0, description="All chance follows from it and the stone's number.")
+    grasps_per_stone: int = Field(
+        24, ge=1, le=1000, description="Half of them the paper's first, half at random."
+    )
+    volume_m3: tuple[float, float] = Field(
+        (0.1, 1.1), description="Least and largest volume of a stone [m³]."
+    )
+    rounded: float = Field(
+        0.5, ge=0, le=1, description="Part of the stones that are rounded; the others are blocks."
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Labels:
+    """Grasps with their outcome.
+
+    Attributes:
+        images: Shape (M, 15, 32, 32), uint8: 255 is 1.
+        numbers: Shape (M, 9), see `evidence.NUMBERS`.
+        is_lifted: Whether the lift succeeded, shape (M,).
+        stone: Number of each grasp's stone, shape (M,).
+    """
+
+    images: NDArray[np.uint8]
+    numbers: NDArray[np.float32]
+    is_lifted: NDArray[np.bool_]
+    stone: Int
+
+    def of_stones(self, is_wanted: NDArray[np.bool_]) -> "Labels":
+        """Return the labels with a mask over grasps, shape (M,)."""
+        return Labels(
+            self.images[is_wanted],
+            self.numbers[is_wanted],
+            self.is_lifted[is_wanted],
+            self.stone[is_wanted],
+        )
+
+
+def make_labels(
+    folder: Path, stones: int, settings: LabelSettings, workers: int = 1
+) -> Iterator[int]:
+    """Make the files of stones 0 … that are not there yet; yield how many stones are done.
+
+    Raises:
+        ConfigError: If the folder holds labels of other settings.
+    """
+    _claim(folder, settings)
+    missing = [i for i in range(stones) if not _file(folder, i).exists()]
+    yield stones - len(missing)
+    if not missing:
+        return
+    make = partial(_label_stone, folder, settings)
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as processes:
+        for done, _ in enumerate(processes.map(make, missing), start=stones - len(missing) + 1):
+            yield done
+
+
+def read_labels(folder: Path) -> Labels:
+    """Read all labels of a folder.
+
+    Raises:
+        DataError: If there are none.
+    """
+    files = sorted(folder.glob("stone_*.npz"))
+    if not files:
+        raise DataError(f"{folder}: no labels; make some with `executive grasp-data {folder}`")
+    parts = [_read(path) for path in files]
+    images, numbers, slip_m = (
+        np.concatenate([part[name] for part in parts]) for name in ("images", "numbers", "slip")
+    )
+    stone = np.repeat([int(path.stem[6:]) for path in files], [len(part["slip"]) for part in parts])
+    return Labels(images, numbers, slip_m <= LIFTED_M, stone)
+
+
+def read_description(folder: Path) -> dict[str, Any]:
+    """Return the settings that the labels of a folder were made with."""
+    described: dict[str, Any] = json.loads((folder / _DESCRIPTION).read_text())
+    return described
+
+
+def _claim(folder: Path, settings: LabelSettings) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    path, wanted = folder / _DESCRIPTION, settings.model_dump(mode="json")
+    if not path.exists():
+        path.write_text(json.dumps(wanted, indent=2) + "\n")
+    elif json.loads(path.read_text()) != wanted:
+        raise ConfigError(
+            f"{path}: the folder holds labels of other settings than {wanted}; give another folder"
+        )
+
+
+def _file(folder: Path, index: int) -> Path:
+    return folder / f"stone_{index:05d}.npz"
+
+
+def _read(path: Path) -> dict[str, NDArray[np.generic]]:
+    with np.load(path, allow_pickle=False) as file:
+        return {name: file[name] for name in ("images", "numbers", "slip")}
+
+
+@cache
+def _sampler(machine: str) -> tuple[Gripper, Sampler]:
+    gripper = load_machine(machine).gripper
+    return gripper, Sampler(SamplingSettings(), gripper)  # its tables take a second: once a process
+
+
+def _label_stone(folder: Path, settings: LabelSettings, index: int) -> None:
+    rng = np.random.default_rng((settings.seed, index))
+    gripper, sampler = _sampler(settings.machine)
+    hull = resting_stone(settings, rng)
+    neighbours = tuple(
+        convex_solid(resting_stone(settings, rng) + neighbour_place(rng))
+        for _ in range(rng.integers(3))
+    )
+    view = look_at(convex_solid(hull), neighbours, rng)
+    scene = sampler.scene(view.stone, view.cloud, rng)
+    pool = sampler.pool(scene, rng)
+    chosen = chosen_for_lifts(pool, settings.grasps_per_stone, rng)
+    trials = LiftTrials(gripper, hull)
+    slip_m = [
+        trials.lift(scene.T_map_plan @ pose(pool.R[i], pool.position[i]), pool.jaw_rad[i], rng)
+        for i in chosen
+    ]
+    shown = features_of(scene, pool.taken(chosen), gripper)
+    images = np.round(shown.images * _GRAY).astype(np.uint8)
+    unfinished = _file(folder, index).with_suffix(".unfinished")
+    with unfinished.open("wb") as file:
+        np.savez_compressed(file, images=images, numbers=shown.numbers, slip=np.array(slip_m))
+    unfinished.rename(_file(folder, index))
+
+
+def resting_stone(settings: LabelSettings, rng: np.random.Generator) -> Float:
+    """Draw a stone until one comes to rest; return its corners there, the middle above the origin
+    [m].
+
+    Sizes are drawn evenly by length: a small stone is as hard to hold as a large one.
+    """
+    least, most = np.cbrt(settings.volume_m3)
+    while True:
+        volume_m3 = float(rng.uniform(least, most)) ** 3
+        hull = (
+            rounded_stone(volume_m3, rng)
+            if rng.random() < settings.rounded
+            else block(volume_m3, rng)
+        )
+        T = at_rest(hull, rng)
+        if T is not None:
+            corners = transform(T, hull)
+            middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+            return np.asarray(corners - middle * (1.0, 1.0, 0.0))
+
+
+def chosen_for_lifts(pool: Pool, most: int, rng: np.random.Generator) -> Int:
+    """Choose grasps of a pool: half the first of the paper's order, the rest at random."""
+    ordered = np.concatenate(
+        [*ranked_rounds(pool.costs, _STAGES, "distance_m"), np.empty(0, dtype=np.int64)]
+    )
+    first = ordered[: most // 2]
+    return np.concatenate([first, rng.permutation(ordered[len(first) :])[: most - len(first)]])

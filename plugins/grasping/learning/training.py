@@ -1,0 +1,131 @@
+"""Training of the outcome networks on labels, split by stone, and the figures that say how good
+they are.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from executive_plugins.grasping.classifier.grasp_features import GraspFeatures
+from executive_plugins.grasping.classifier.grasp_images import mirrored
+from executive_plugins.grasping.classifier.outcome_net import (
+    Architecture,
+    FourLayer,
+    TwoStream,
+    new_net,
+    success,
+)
+from executive_plugins.grasping.learning.labels import Labels
+from numpy.typing import NDArray
+from pydantic import Field
+from scipy.stats import rankdata
+from torch import Tensor
+
+from executive.arrays import Float
+from executive.config import Settings
+
+_GRAY = 255.0
+
+
+class TrainingSettings(Settings):
+    """How a network is trained."""
+
+    architecture: Architecture = Field(
+        "two_stream", description="four_layer, the paper's, or two_stream."
+    )
+    seed: int = Field(1, ge=0, description="All chance follows from it.")
+    epochs: int = Field(12, ge=1, le=1000, description="Passes over the labels.")
+    batch: int = Field(64, ge=2, le=4096, description="Labels a step.")
+    rate: float = Field(
+        1e-3, gt=0, lt=1, description="Largest step of AdamW; it falls along half a cosine."
+    )
+    decay: float = Field(1e-3, ge=0, lt=1, description="Weight decay.")
+    held_out: float = Field(
+        0.15, gt=0, lt=1, description="Part of the stones that is kept for validation."
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """What an epoch has led to."""
+
+    epoch: int
+    loss: float
+    auc: float
+
+
+def split_by_stone(
+    labels: Labels, held_out: float, rng: np.random.Generator
+) -> tuple[Labels, Labels]:
+    """Return labels to train on and to validate with; no stone is in both."""
+    stones = rng.permutation(np.unique(labels.stone))
+    is_held_out = np.isin(labels.stone, stones[: int(np.ceil(held_out * len(stones)))])
+    return labels.of_stones(~is_held_out), labels.of_stones(is_held_out)
+
+
+def train(
+    net: FourLayer | TwoStream, learned: Labels, validation: Labels, settings: TrainingSettings
+) -> Iterator[Progress]:
+    """Train a network in place, epoch by epoch; the last epoch's weights are the result.
+
+    Each batch is mirrored at random at the gripper's two planes: a lift has a mirror image.
+    """
+    rng = np.random.default_rng(settings.seed)
+    torch.manual_seed(settings.seed)
+    if isinstance(net, TwoStream):
+        net.mean.copy_(torch.from_numpy(learned.numbers.mean(axis=0)))
+        net.spread.copy_(torch.from_numpy(learned.numbers.std(axis=0) + 1e-6))
+    steps = settings.epochs * int(np.ceil(len(learned.is_lifted) / settings.batch))
+    optimiser = torch.optim.AdamW(net.parameters(), lr=settings.rate, weight_decay=settings.decay)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, steps)
+    measure = torch.nn.BCEWithLogitsLoss()
+    for epoch in range(settings.epochs):
+        net.train()
+        order, losses = rng.permutation(len(learned.is_lifted)), []
+        for batch in np.array_split(order, int(np.ceil(len(order) / settings.batch))):
+            images, numbers, wanted = _tensors(learned, batch, rng)
+            optimiser.zero_grad()
+            loss = measure(net(images, numbers), wanted)
+            loss.backward()
+            optimiser.step()
+            schedule.step()
+            losses.append(float(loss.detach()))
+        yield Progress(
+            epoch + 1, float(np.mean(losses)), area_under_curve(*predictions(net, validation))
+        )
+
+
+def predictions(net: FourLayer | TwoStream, labels: Labels) -> tuple[Float, NDArray[np.bool_]]:
+    """Return the predicted success of labelled grasps and what became of them, shape (M,) each."""
+    return success(
+        net, GraspFeatures(labels.images.astype(np.float32) / _GRAY, labels.numbers)
+    ), labels.is_lifted
+
+
+def area_under_curve(score: Float, is_positive: NDArray[np.bool_]) -> float:
+    """Return the probability that a positive scores above a negative, ties half (ROC AUC); NaN
+    without both kinds.
+    """
+    positives, negatives = int(is_positive.sum()), int((~is_positive).sum())
+    if not positives or not negatives:
+        return float("nan")
+    ranks = rankdata(score)[is_positive].sum()
+    return float((ranks - positives * (positives + 1) / 2) / (positives * negatives))
+
+
+def untrained(settings: TrainingSettings) -> FourLayer | TwoStream:
+    """Return a network that is about to be trained: its first weights follow from the seed."""
+    torch.manual_seed(settings.seed)
+    return new_net(settings.architecture)
+
+
+def _tensors(
+    labels: Labels, batch: NDArray[np.int64], rng: np.random.Generator
+) -> tuple[Tensor, Tensor, Tensor]:
+    images = labels.images[batch].astype(np.float32) / _GRAY
+    for axis in (1, 2):
+        flipped = rng.random(len(batch)) < 0.5
+        images[flipped] = mirrored(images[flipped], axis)
+    wanted = torch.from_numpy(labels.is_lifted[batch].astype(np.float32))
+    return torch.from_numpy(images), torch.from_numpy(labels.numbers[batch]), wanted

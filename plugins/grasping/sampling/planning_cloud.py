@@ -1,0 +1,155 @@
+"""The planning cloud: a stone, its neighbours and the ground under them, at one density (Mascaro
+2020, Sec. 5.2).
+
+It is built in a frame of the stone's own: origin at the mean of its points, z up, x along its
+longer side. The same scene turned or shifted in the map hence gives the same numbers, and the same
+grasp.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from executive_plugins.grasping.sampling.frames import outward_normals
+from executive_plugins.grasping.sampling.ground import Ground, fill_ground, fit_ground
+from scipy.spatial import cKDTree
+
+from executive.arrays import Bool, Float
+from executive.geometry.convex import convex_corners, volume_and_centroid
+from executive.geometry.pose import inverse, pose, transform
+from executive.geometry.rotation import about_axis
+from executive.geometry.voxels import voxel_means
+
+_FOOT_M = 0.15  # a stone's foot that segmentation left with the ground is at most this high …
+_REACH_M = 0.10  # … and this far from the stone's known points
+_SLAB_M, _YAWS = 0.1, 90  # half the height, and directions, in which the width is taken
+_LEVEL_M = 0.03  # what is lower than this above the ground is ground
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanningCloud:
+    """What the gripper is tried on; all coordinates in the frame `plan` of the stone.
+
+    Attributes:
+        T_map_plan: Pose of that frame, shape (4, 4).
+        points: The stone's points, then neighbours and ground [m], shape (N, 3).
+        is_target: Which are the stone's, shape (N,).
+        normals: Outward normals of the stone's points, shape (T, 3).
+        centre: Centre of volume of the stone's convex hull [m], shape (3,).
+        volume_m3: Volume of that hull.
+        ground: The ground.
+        scale: Factor on the lengths of this file, see `SamplingSettings`.
+    """
+
+    T_map_plan: Float
+    points: Float
+    is_target: Bool
+    normals: Float
+    centre: Float
+    volume_m3: float
+    ground: Ground
+    scale: float = 1.0
+
+    @property
+    def body(self) -> Float:
+        """Corners of the stone's hull with its lowest points brought down to the ground, where
+        nobody saw it.
+        """
+        height = self.stone[:, 2] - self.ground.height(self.stone[:, :2])
+        foot = (self.stone - height[:, None] * (0.0, 0.0, 1.0))[height < self.scale * _FOOT_M]
+        return convex_corners(np.concatenate([self.stone, foot]))
+
+    @property
+    def least_width_m(self) -> float:
+        """Least horizontal width of the stone about the height of its centre [m]; what nobody saw
+        is missing.
+        """
+        slab = self.stone[np.abs(self.stone[:, 2] - self.centre[2]) < self.scale * _SLAB_M, :2]
+        yaw = np.linspace(0.0, np.pi, _YAWS, endpoint=False)
+        along = slab @ np.stack([np.cos(yaw), np.sin(yaw)])
+        return float(np.ptp(along, axis=0).min()) if len(slab) else 0.0
+
+    @property
+    def stone(self) -> Float:
+        """The stone's points, shape (T, 3)."""
+        return self.points[self.is_target]
+
+
+def build_planning_cloud(
+    stone_map: Float,
+    cloud_map: Float,
+    margin_m: float,
+    spacing_m: float,
+    rng: np.random.Generator,
+    scale: float = 1.0,
+) -> PlanningCloud:
+    """Crop, merge, thin and fill.
+
+    Args:
+        stone_map: Best known surface of the stone: lidar, drone and earlier sights merged [m],
+            shape (T, 3).
+        cloud_map: The map, the stone included [m], shape (N, 3).
+        margin_m: How far around the stone to look: as far as the open gripper reaches to either
+            side.
+        spacing_m: Density of the result.
+        rng: For the ground's RANSAC.
+        scale: Factor on the lengths of this file, see `SamplingSettings`.
+
+    Raises:
+        DataError: If the stone's points span no volume.
+    """
+    T_map_plan = _stone_frame(stone_map)
+    T_plan_map = inverse(T_map_plan)
+    stone = voxel_means(transform(T_plan_map, stone_map), spacing_m)
+    low, high = stone.min(axis=0) - margin_m, stone.max(axis=0) + margin_m
+    cloud = transform(T_plan_map, cloud_map)
+    cloud = cloud[((cloud > low) & (cloud < high)).all(axis=1)]
+    distance, _ = cKDTree(stone).query(cloud)
+    ground = fit_ground(
+        voxel_means(cloud[distance > 1.5 * spacing_m], spacing_m), stone, rng, scale
+    )
+    is_foot = _is_foot(cloud, distance, ground, scale)
+    stone = voxel_means(np.concatenate([stone, cloud[is_foot]]), spacing_m)
+    around = cloud[(distance > 1.5 * spacing_m) & ~is_foot]
+    others = voxel_means(
+        np.concatenate([around, fill_ground(ground, stone, low[:2], high[:2], spacing_m)]),
+        spacing_m,
+    )
+    return _planning_cloud(T_map_plan, stone, others, ground, scale)
+
+
+def _planning_cloud(
+    T_map_plan: Float, stone: Float, others: Float, ground: Ground, scale: float
+) -> PlanningCloud:
+    """Put the parts together, with what follows from them."""
+    volume_m3, centre = volume_and_centroid(stone)
+    return PlanningCloud(
+        T_map_plan=T_map_plan,
+        points=np.concatenate([stone, others]),
+        is_target=np.arange(len(stone) + len(others)) < len(stone),
+        normals=outward_normals(stone, centre),
+        centre=centre,
+        volume_m3=volume_m3,
+        ground=ground,
+        scale=scale,
+    )
+
+
+def _stone_frame(stone_map: Float) -> Float:
+    """Return T_map_plan: at the mean, x along the horizontal direction of most spread, toward its
+    longer tail.
+    """
+    middle = stone_map.mean(axis=0)
+    flat = (stone_map - middle)[:, :2]
+    x = np.linalg.eigh(flat.T @ flat)[1][:, 1]
+    x = x if ((flat @ x) ** 3).sum() >= 0 else -x
+    return pose(about_axis(np.array([0.0, 0.0, 1.0]), float(np.arctan2(x[1], x[0]))), middle)
+
+
+def _is_foot(cloud: Float, distance: Float, ground: Ground, scale: float) -> Bool:
+    """Say which points are the stone's foot: low, above the ground, near the stone; segmentation
+    took it for ground.
+    """
+    is_foot = distance < scale * _REACH_M
+    height = cloud[is_foot, 2] - ground.height(cloud[is_foot, :2])
+    is_foot[is_foot] = (height > scale * _LEVEL_M) & (height < scale * _FOOT_M)
+    return is_foot

@@ -1,0 +1,192 @@
+"""The pool: all ways to hold a stone that sampling finds, before any ranking (Mascaro 2020, Sec.
+5.2 and 5.3).
+
+Every planner of this folder, and the making of labels, draws its grasps from here.
+"""
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from executive_plugins.grasping.sampling.closing import (
+    Clearance,
+    HoldOutcome,
+    Hypotheses,
+    push_and_close,
+)
+from executive_plugins.grasping.sampling.frames import downward_frames, local_frames, turned_frames
+from executive_plugins.grasping.sampling.jaw_field import JawField, build_jaw_field
+from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud, build_planning_cloud
+from executive_plugins.grasping.sampling.ranking import hold_costs, paper_costs
+from pydantic import Field
+
+from executive.arrays import Float, Int
+from executive.config import KilogramsPerCubicMeter, Meters, Radians, Settings
+from executive.machine.gripper import Gripper
+
+_CELL_M = 0.03  # of the gripper's tables
+_SKIN_M = 0.03  # the front map is grown by this: the arm stands as precisely
+_TURN_Y_RAD, _TURN_Z_RAD = np.radians(60.0), np.radians(80.0)
+_DOWNWARD_SHIFTS = (-0.25, 0.0, 0.25)  # of the jaws' width, along it, from the stone's centre
+
+
+class SamplingSettings(Settings):
+    """Density, sampling and clearance; the lengths are those of a gripper that opens some two
+    metres.
+    """
+
+    scale: float = Field(
+        1.0,
+        gt=0,
+        le=10,
+        description="Factor on all lengths of this plugin, for a gripper and stones of another "
+        "size.",
+    )
+    samples: int = Field(
+        80, ge=1, le=5000, description="Points on the stone that approaches are made for."
+    )
+    turns_about_y: int = Field(
+        5, ge=1, le=36, description="Rotations about a frame's y axis, over ±60°."
+    )
+    turns_about_z: int = Field(
+        8, ge=1, le=36, description="Rotations about a frame's z axis, over ±80°."
+    )
+    downward_yaws: int = Field(
+        36, ge=0, le=360, description="Yaws of the approaches straight down; 0 for none."
+    )
+    spacing_m: Meters = Field(0.04, gt=0, description="Density of the planning cloud [m].")
+    frame_radius_m: Meters = Field(
+        0.25, gt=0, description="Radius of the ball of a local frame (Eq. 4) [m]."
+    )
+    max_tilt_rad: Radians = Field(
+        0.7, gt=0, le=1.6, description="Largest angle of an approach off the vertical [rad]."
+    )
+    stone_clearance_m: Meters = Field(
+        0.04, ge=0, description="Room between palm or open jaws and the stone [m]."
+    )
+    other_clearance_m: Meters = Field(
+        0.02, ge=0, description="Room between the gripper and anything else [m]."
+    )
+    tips_below_centre_m: Meters = Field(
+        0.02, description="How far the tips close below the stone's centre [m]."
+    )
+    density: KilogramsPerCubicMeter = Field(2700.0, gt=0, description="Density of a stone [kg/m³].")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pool:
+    """M grasps that hold the stone and touch nothing else, in the frame of the planning cloud.
+
+    Attributes:
+        R: Orientations of the gripper, shape (M, 3, 3).
+        position: Palm centres [m], shape (M, 3).
+        jaw_rad: Jaw angle at which the first jaw touches [rad], shape (M,).
+        costs: The paper's three costs and those of the hold, by name, each of shape (M,).
+        refused: Number of hypotheses that were refused, by reason.
+    """
+
+    R: Float
+    position: Float
+    jaw_rad: Float
+    costs: Mapping[str, Float]
+    refused: Counter[str]
+
+    def __len__(self) -> int:
+        return len(self.R)
+
+    def taken(self, index: Int) -> "Pool":
+        """Return the grasps of some indices, in their order."""
+        costs = {name: cost[index] for name, cost in self.costs.items()}
+        return Pool(self.R[index], self.position[index], self.jaw_rad[index], costs, self.refused)
+
+
+class Sampler:
+    """Makes planning clouds and pools for one gripper."""
+
+    def __init__(self, settings: SamplingSettings, gripper: Gripper) -> None:
+        self._settings = settings
+        self._gripper = gripper
+        self._tables: JawField | None = None
+
+    def prepare(self) -> None:
+        """Tabulate the gripper and compile the loops: seconds that no plan is to wait for."""
+        point, nothing = np.zeros((1, 3)), np.zeros(1, dtype=bool)
+        push_and_close(
+            self._field(),
+            point,
+            ~nothing,
+            point[0],
+            Hypotheses(np.eye(3)[None], point, nothing),
+            Clearance(0, 0, 0),
+        )
+
+    def scene(self, stone_map: Float, cloud_map: Float, rng: np.random.Generator) -> PlanningCloud:
+        """Build the planning cloud of a stone with the margin of the open gripper's width (Sec.
+        5.2).
+        """
+        scale, margin_m = (
+            self._settings.scale,
+            -float(self._field().origin[1]),
+        )  # half of it to either side
+        return build_planning_cloud(
+            stone_map, cloud_map, margin_m, scale * self._settings.spacing_m, rng, scale
+        )
+
+    def pool(self, scene: PlanningCloud, rng: np.random.Generator) -> Pool:
+        """Sample approaches, push and close each, and keep what holds (Sec. 5.3)."""
+        s, field = self._settings, self._field()
+        tried, too_steep = self._hypotheses(scene, rng)
+        clearance = Clearance(
+            *(
+                s.scale * x
+                for x in (s.stone_clearance_m, s.other_clearance_m, s.tips_below_centre_m)
+            )
+        )
+        holds = push_and_close(field, scene.points, scene.is_target, scene.centre, tried, clearance)
+        refused = Counter(
+            {outcome.name.lower(): int((holds.outcome == outcome).sum()) for outcome in HoldOutcome}
+        )
+        del refused[HoldOutcome.HELD.name.lower()]
+        refused["too_steep"] = too_steep
+        held = np.flatnonzero(holds.outcome == HoldOutcome.HELD)
+        R, position = tried.R[held], holds.position[held]
+        costs = paper_costs(R, position, scene.centre, scene.ground.normal)
+        costs |= hold_costs(field, holds, held, R, scene.centre)
+        jaw_rad = field.jaw_rad[holds.progress[held].min(axis=1, initial=len(field.jaw_rad) - 1)]
+        return Pool(R, position, jaw_rad, costs, refused)
+
+    def _hypotheses(self, scene: PlanningCloud, rng: np.random.Generator) -> tuple[Hypotheses, int]:
+        """Return the approaches to try, and how many more were too far off the vertical.
+
+        Those straight down are an addition to the paper: they are the nominal configuration of an
+        excavator's arm.
+        """
+        s, stone = self._settings, scene.stone
+        at = stone[rng.choice(len(stone), min(s.samples, len(stone)), replace=False)]
+        y = np.linspace(-_TURN_Y_RAD, _TURN_Y_RAD, s.turns_about_y)
+        z = np.linspace(-_TURN_Z_RAD, _TURN_Z_RAD, s.turns_about_z)
+        R = turned_frames(local_frames(stone, scene.normals, at, s.scale * s.frame_radius_m), y, z)
+        anchor = np.repeat(at, len(y) * len(z), axis=0)
+        level = -R[:, :, 0] @ scene.ground.normal >= np.cos(s.max_tilt_rad)
+        down = downward_frames(
+            np.arange(s.downward_yaws) * np.pi / max(s.downward_yaws, 1)
+        )  # the jaws are alike
+        shifts = (
+            self._gripper.jaw_width_m * np.array(_DOWNWARD_SHIFTS)[:, None, None] * down[:, :, 2]
+        )
+        down_anchor = (scene.centre + shifts).reshape(-1, 3)
+        R_all = np.concatenate([R[level], np.tile(down, (len(shifts), 1, 1))])
+        is_centred = np.arange(len(R_all)) >= level.sum()
+        return Hypotheses(R_all, np.concatenate([anchor[level], down_anchor]), is_centred), int(
+            (~level).sum()
+        )
+
+    def _field(self) -> JawField:
+        if (
+            self._tables is None
+        ):  # a second of work: not at construction, where a tree is only drawn
+            self._tables = build_jaw_field(
+                self._gripper, self._settings.scale * _CELL_M, self._settings.scale * _SKIN_M
+            )
+        return self._tables

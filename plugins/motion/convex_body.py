@@ -1,0 +1,105 @@
+"""Convex bodies of the machine and of a held stone: corners, faces, a sphere around them, samples
+of their surface.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import fcl
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from executive.arrays import Float, Int
+from executive.errors import ShapeError
+
+_SPACING_M = 0.12  # of the samples on a surface
+
+
+@dataclass(frozen=True, eq=False)
+class ConvexBody:
+    """The hull of points, fixed to a link.
+
+    Attributes:
+        link: Name of the link that carries it.
+        points: Points in the link's frame [m], shape (V, 3), not all in one plane.
+        name: What messages call it.
+    """
+
+    link: str
+    points: Float
+    name: str
+
+    @cached_property
+    def _hull(self) -> ConvexHull:
+        try:
+            return ConvexHull(self.points)
+        except (QhullError, ValueError) as error:
+            raise ShapeError(
+                f"{self.name}: {len(self.points)} points that span no volume: {error}"
+            ) from None
+
+    @cached_property
+    def faces(self) -> Int:
+        """Corners of the triangles, counter-clockwise from outside, shape (F, 3)."""
+        triangles = self._hull.simplices.astype(np.int64)
+        a, b, c = (self.points[triangles[:, i]] for i in range(3))
+        is_inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), self._hull.equations[:, :3]) < 0
+        triangles[is_inward] = triangles[is_inward][:, ::-1]
+        return np.asarray(triangles)
+
+    @cached_property
+    def corners(self) -> Float:
+        """Corners of the hull, shape (C, 3)."""
+        return np.asarray(self.points[self._hull.vertices])
+
+    @cached_property
+    def sphere(self) -> tuple[Float, float]:
+        """Centre (3,) and radius [m] of a sphere around it."""
+        centre = (self.corners.min(axis=0) + self.corners.max(axis=0)) / 2
+        return centre, float(np.linalg.norm(self.corners - centre, axis=1).max())
+
+    @cached_property
+    def thickness_m(self) -> float:
+        """Depth of its middle [m], about half of its least extent."""
+        return float(self.depths(self.corners.mean(axis=0)[None])[0])
+
+    @cached_property
+    def half_spaces(self) -> Float:
+        """Rows (n, d): a point p is inside where n·p + d ≤ 0 for all, shape (F, 4); coplanar
+        triangles once.
+        """
+        return np.unique(np.round(self._hull.equations, 9), axis=0)
+
+    @cached_property
+    def geometry(self) -> fcl.Convex:
+        """The body for the collision library."""
+        index = np.full(len(self.points), -1)
+        index[self._hull.vertices] = np.arange(len(self._hull.vertices))
+        faces = np.c_[np.full(len(self.faces), 3), index[self.faces]].ravel()
+        return fcl.Convex(self.corners, len(self.faces), faces)
+
+    def depths(self, points_link: Float) -> Float:
+        """Return how deep points lie inside, negative outside [m], shape (N,)."""
+        H = self.half_spaces
+        return np.asarray(-(points_link @ H[:, :3].T + H[:, 3]).max(axis=1))
+
+    @cached_property
+    def samples(self) -> Float:
+        """Points that cover the surface, at most 12 cm apart, shape (N, 3)."""
+        triangles = self.points[self.faces]
+        sides = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).max(axis=1)
+        splits = np.ceil(sides / _SPACING_M).astype(np.int64)
+        samples = [
+            np.einsum("wc,fcx->fwx", _weights(n), triangles[splits == n]) for n in np.unique(splits)
+        ]
+        points = np.vstack([part.reshape(-1, 3) for part in samples])
+        _, first = np.unique(np.round(points / (_SPACING_M / 2)), axis=0, return_index=True)
+        return np.asarray(points[np.sort(first)])
+
+
+def _weights(splits: int) -> Float:
+    """Return barycentric weights of the grid that splits each side of a triangle evenly, shape (W,
+    3).
+    """
+    i, j = np.mgrid[: splits + 1, : splits + 1]
+    return np.asarray(np.stack([i, j, splits - i - j], axis=-1)[i + j <= splits] / splits)

@@ -1,0 +1,1 @@
+"""The drives of the simulated machine: position servos of the arm, and the drive of the jaws."""

@@ -1,0 +1,1 @@
+"""The simulated sensors: lidars, inertial units, GNSS antennas and joint encoders."""

@@ -1,0 +1,44 @@
+"""Surfaces of several bodies as one mesh that is posed anew whenever the bodies have moved."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from executive_plugins.robot.mujoco.site.ray_mesh import Mesh, joined
+
+from executive.arrays import Float, Int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ArticulatedMesh:
+    """Meshes in the frames of their bodies.
+
+    Attributes:
+        vertices: In the frame of the owning body [m], shape (V, 3).
+        owners: Index of each vertex's body among all bodies, shape (V,).
+        triangles: Counter-clockwise from outside, shape (F, 3).
+    """
+
+    vertices: Float
+    owners: Int
+    triangles: Int
+
+    @classmethod
+    def of(cls, parts: Sequence[tuple[int, Mesh]]) -> "ArticulatedMesh":
+        """Put meshes together, each with the index of its body; none gives an empty movers."""
+        if not parts:
+            return cls(
+                np.zeros((0, 3)), np.zeros(0, dtype=np.int64), np.zeros((0, 3), dtype=np.int64)
+            )
+        vertices, triangles = joined([mesh for _, mesh in parts])
+        owners = np.repeat([body for body, _ in parts], [len(mesh[0]) for _, mesh in parts])
+        return cls(vertices, owners, triangles)
+
+    def posed(self, positions: Float, rotations: Float, T_world_frame: Float) -> Mesh:
+        """Return the mesh in a frame, for poses of all bodies in the world: (B, 3) [m] and (B, 3,
+        3).
+        """
+        world = (
+            np.einsum("vij,vj->vi", rotations[self.owners], self.vertices) + positions[self.owners]
+        )
+        return (world - T_world_frame[:3, 3]) @ T_world_frame[:3, :3], self.triangles

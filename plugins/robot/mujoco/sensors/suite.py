@@ -1,0 +1,161 @@
+"""All sensors of the machine: who measures when, and when it arrives."""
+
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+from executive_plugins.physics.hull_mesh import hull_mesh
+from executive_plugins.robot.mujoco.sensors.dropout import Dropout, check_dropouts, is_silent
+from executive_plugins.robot.mujoco.sensors.encoders import JointEncoders
+from executive_plugins.robot.mujoco.sensors.gnss import Antenna
+from executive_plugins.robot.mujoco.sensors.imu import MountedImu
+from executive_plugins.robot.mujoco.sensors.lidar import SpinningLidar
+from executive_plugins.robot.mujoco.sensors.pose_history import PoseHistory
+from executive_plugins.robot.mujoco.site.ray_mesh import Mesh, joined
+from executive_plugins.robot.mujoco.site.site import Site
+from executive_plugins.robot.mujoco.site.site_scene import SiteScene
+from pydantic import Field
+
+from executive.arrays import Float
+from executive.config import Settings
+from executive.geometry.pose import pose
+from executive.machine.machine import Machine
+from executive.machine.sensor import Encoders, Gnss, Imu, Lidar, Sensor
+from executive.messages.observation import Observation
+
+Measure = Callable[[float, mujoco.MjData], Observation | None]
+_EPSILON = 1e-6  # times are sums of steps
+
+
+class SensorSettings(Settings):
+    """What robot.yaml does not say: where on earth, and which faults."""
+
+    datum: tuple[float, float, float] = Field(
+        (47.4084, 8.5106, 440.0),
+        description="Origin of the map: latitude [deg], longitude [deg], altitude [m].",
+    )
+    azimuth_stride: int = Field(
+        1, ge=1, le=20, description="Fire every n-th azimuth step of the lidars only."
+    )
+    dropouts: tuple[Dropout, ...] = Field((), description="Spans in which a sensor is silent.")
+
+
+class SensorSuite:
+    """The machine's sensors in a simulated world; each has its own stream of chance.
+
+    Every control step is told; what was measured is given back once its latency has passed. Lidars
+    measure only while `lidars_on`, whole revolutions.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        site: Site,
+        settings: SensorSettings,
+        model: mujoco.MjModel,
+        rng: np.random.Generator,
+    ) -> None:
+        check_dropouts(settings.dropouts, machine.sensors)
+        self.scene = SiteScene(site)
+        self.lidars_on = False
+        self._settings = settings
+        self._stones = tuple(stone.name for stone in site.stones)
+        self._lidars = [sensor for sensor in machine.sensors.values() if isinstance(sensor, Lidar)]
+        span_s = max((1 / lidar.rate_hz for lidar in self._lidars), default=0.0)
+        self._history = PoseHistory(model, (*machine.links, *self._stones), span_s)
+        self._skin = link_meshes(machine)
+        self._sensors: list[tuple[Sensor, Measure]] = []
+        for sensor, own_rng in zip(
+            machine.sensors.values(), rng.spawn(len(machine.sensors)), strict=True
+        ):
+            self._sensors.append((sensor, self._measure(sensor, machine, model, own_rng)))
+        self._last_s = 0.0
+        self._on_the_way: list[tuple[float, Observation]] = []
+
+    def _measure(
+        self, sensor: Sensor, machine: Machine, model: mujoco.MjModel, rng: np.random.Generator
+    ) -> Measure:
+        match sensor:
+            case Lidar():
+                stride = self._settings.azimuth_stride
+                lidar = SpinningLidar(sensor, stride, self._skin, self.scene, self._history, rng)
+                return lambda time_s, _: lidar.scan(time_s)
+            case Imu():
+                return MountedImu(sensor, model, rng).sample
+            case Gnss():
+                return Antenna(sensor, np.array(self._settings.datum), model, rng).sample
+            case Encoders():
+                return JointEncoders(sensor, machine, model, rng).sample
+
+    def step(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> list[Observation]:
+        """Measure what is due at the end of a control step and return what has arrived, in order of
+        stamps.
+        """
+        # mj_step leaves poses and velocities one integration step behind the coordinates.
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_comVel(model, data)
+        self._follow(time_s, data)
+        for sensor, measure in self._sensors:
+            if self._is_due(sensor, time_s):
+                observation = measure(time_s, data)
+                if observation is not None and not is_silent(
+                    self._settings.dropouts, sensor.name, time_s
+                ):
+                    self._on_the_way.append((time_s + sensor.latency_s, observation))
+        self._last_s = time_s
+        return self._arrived(time_s)
+
+    def cast_rays(
+        self, data: mujoco.MjData, origins_world: Float, directions_world: Float
+    ) -> Float:
+        """Return what `executive.interfaces.robot.Scene` asks for:
+        ranges to the site as it is now.
+        """
+        self.scene.update(self._stone_poses(data))
+        return self.scene.cast_rays(origins_world, directions_world)
+
+    def _follow(self, time_s: float, data: mujoco.MjData) -> None:
+        """Record motion while the lidars are on; bring the scene up to date when a
+        revolution ends.
+        """
+        if not self.lidars_on:
+            self._history.clear()
+            return
+        self._history.push(time_s, data)
+        if any(self._is_due(lidar, time_s) for lidar in self._lidars):
+            self.scene.update(self._stone_poses(data))
+
+    def _stone_poses(self, data: mujoco.MjData) -> list[Float]:
+        bodies = [data.body(name) for name in self._stones]
+        return [pose(body.xmat.reshape(3, 3), body.xpos) for body in bodies]
+
+    def _is_due(self, sensor: Sensor, time_s: float) -> bool:
+        """Say whether a sensor's next period ends in this control step; periods are multiples since
+        time 0.
+        """
+        now, before = (
+            np.floor(at_s * sensor.rate_hz + _EPSILON) for at_s in (time_s, self._last_s)
+        )
+        if now == before:
+            return False
+        if not isinstance(sensor, Lidar):
+            return True
+        is_whole = self._history.oldest_s <= time_s - 1 / sensor.rate_hz + _EPSILON
+        return is_whole and not is_silent(self._settings.dropouts, sensor.name, time_s)
+
+    def _arrived(self, time_s: float) -> list[Observation]:
+        arrived = [
+            observation for at_s, observation in self._on_the_way if at_s <= time_s + _EPSILON
+        ]
+        self._on_the_way = [item for item in self._on_the_way if item[0] > time_s + _EPSILON]
+        return sorted(arrived, key=lambda observation: observation.stamp_s)
+
+
+def link_meshes(machine: Machine) -> dict[str, Mesh]:
+    """Return one mesh per link, in the link's frame, for all links that have shapes."""
+    return {
+        name: joined([hull_mesh(shape.vertices) for shape in link.shapes])
+        for name, link in machine.links.items()
+        if link.shapes
+    }

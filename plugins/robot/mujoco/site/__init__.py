@@ -1,0 +1,1 @@
+"""The simulated site: ground, stones, their surfaces for rays, and photographs of them."""

@@ -1,0 +1,82 @@
+"""A site: rough ground, and stones that have come to rest on it."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from executive_plugins.robot.mujoco.physics import PhysicsSettings
+from executive_plugins.robot.mujoco.site.stone_model import StoneModel
+from executive_plugins.robot.mujoco.site.stone_placement import place
+from executive_plugins.robot.mujoco.site.stones import StoneSettings, make_stones
+from executive_plugins.robot.mujoco.site.terrain import Terrain, TerrainSettings, make_terrain
+
+from executive.arrays import Float
+from executive.config import Settings
+from executive.machine.machine import Machine
+
+
+class SiteSettings(Settings):
+    """The ground and the stones."""
+
+    terrain: TerrainSettings = TerrainSettings()
+    stones: StoneSettings = StoneSettings()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Site:
+    """What surrounds the machine when the mission begins.
+
+    Attributes:
+        terrain: The ground.
+        stones: The stones, `stone_1` first; none is a site, too.
+        T_world_stones: Where each lies at rest, (4, 4) each.
+    """
+
+    terrain: Terrain
+    stones: tuple[StoneModel, ...]
+    T_world_stones: tuple[Float, ...]
+
+    def add_to(self, spec: mujoco.MjSpec) -> None:
+        """Add ground, stones and daylight to a world."""
+        add_daylight(spec)
+        self.terrain.add_to(spec)
+        for stone, T_world_stone in zip(self.stones, self.T_world_stones, strict=True):
+            stone.add_to(spec, T_world_stone)
+
+
+def make_site(
+    settings: SiteSettings, machine: Machine, physics: PhysicsSettings, rng: np.random.Generator
+) -> Site:
+    """Draw a site; one generator state gives one site, bit for bit.
+
+    Raises:
+        ConfigError: If its stones cannot be read or do not fit; the message says what to change.
+    """
+    ground_rng, shape_rng, place_rng = rng.spawn(3)
+    terrain = make_terrain(settings.terrain, ground_rng)
+    stones = make_stones(settings.stones, machine.payload_kg, shape_rng)
+    if not stones:
+        return Site(terrain, (), ())
+    poses = place(stones, terrain, settings.stones.placement, machine.reach_m, physics, place_rng)
+    return Site(terrain, stones, poses)
+
+
+def add_daylight(spec: mujoco.MjSpec) -> None:
+    """Add a sun and a sky, for pictures only."""
+    spec.worldbody.add_light(
+        name="sun",
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        pos=[0.0, 0.0, 30.0],
+        dir=[-0.5, 0.35, -0.8],
+        diffuse=[0.75, 0.72, 0.66],
+        castshadow=True,
+    )
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=[0.55, 0.7, 0.9],
+        rgb2=[0.9, 0.93, 0.96],
+        width=256,
+        height=1536,
+    )

@@ -1,0 +1,106 @@
+"""What an external eye sees of the site: ground and stones, without the machine."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from executive_plugins.robot.mujoco.site.ray_mesh import Mesh, RayMesh, Rays, moved
+from executive_plugins.robot.mujoco.site.site import Site
+
+from executive.arrays import Float, checked
+
+_MOVED_M = 2e-3  # a stone that has moved by more than this no longer counts as resting
+
+
+class SiteScene:
+    """Ground and stones as rays see them; the hierarchy is rebuilt only when a stone begins or ends
+    to move.
+
+    Stones under way are left out of the resting scene: a lidar casts them apart, each slice of a
+    revolution at its own time; see `lidar.py`.
+    """
+
+    def __init__(self, site: Site) -> None:
+        self._terrain: Mesh = site.terrain.mesh()
+        self._names = tuple(stone.name for stone in site.stones)
+        self._skins: tuple[Mesh, ...] = tuple(
+            (stone.vertices, stone.triangles) for stone in site.stones
+        )
+        self._radii = tuple(
+            float(np.linalg.norm(stone.vertices, axis=1).max()) for stone in site.stones
+        )
+        self._last: tuple[Float, ...] = site.T_world_stones
+        self._built: tuple[Float, ...] = site.T_world_stones
+        self._resting = frozenset(range(len(site.stones)))
+        self._mesh = self._build()
+
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """Indices of the stones that are under way."""
+        return tuple(i for i in range(len(self._skins)) if i not in self._resting)
+
+    def name(self, index: int) -> str:
+        """Return the name of a stone's body."""
+        return self._names[index]
+
+    def skin(self, index: int) -> Mesh:
+        """Return a stone's surface in its own frame."""
+        return self._skins[index]
+
+    def update(self, T_world_stones: Sequence[Float]) -> None:
+        """Tell where the stones are now; one that lies where it lay at the last call counts as
+        resting.
+        """
+        still = {
+            i for i, T in enumerate(T_world_stones) if self._shift_m(i, T, self._last[i]) < _MOVED_M
+        }
+        stays = {
+            i
+            for i in still & self._resting
+            if self._shift_m(i, T_world_stones[i], self._built[i]) < _MOVED_M
+        }
+        self._last = tuple(T_world_stones)
+        resting = frozenset(stays | (still - self._resting))
+        if resting != self._resting:
+            self._resting = resting
+            self._built = self._last
+            self._mesh = self._build()
+
+    def _shift_m(self, i: int, T_a: Float, T_b: Float) -> float:
+        """Bound how far any point of a stone has moved [m]."""
+        turn = float(np.linalg.norm(T_a[:3, :3] - T_b[:3, :3]))
+        return float(np.linalg.norm(T_a[:3, 3] - T_b[:3, 3])) + turn * self._radii[i]
+
+    def _build(self) -> RayMesh:
+        meshes = [
+            self._terrain,
+            *(moved(self._skins[i], self._built[i]) for i in sorted(self._resting)),
+        ]
+        self._top_m = max(float(vertices[:, 2].max()) for vertices, _ in meshes)
+        return RayMesh(meshes)
+
+    def cast_resting(self, rays_world: Rays) -> Rays:
+        """Return the range to the ground and the resting stones, inf for none, shape (N,); rays are
+        (N, 6).
+        """
+        ranges = np.full(len(rays_world), np.inf, dtype=np.float32)
+        hopeful = np.flatnonzero(
+            (rays_world[:, 5] < 0) | (rays_world[:, 2] <= self._top_m)
+        )  # the others see the sky
+        ranges[hopeful] = self._mesh.cast(rays_world[hopeful])
+        return ranges
+
+    def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
+        """Return the range to the ground and all stones, as `executive.interfaces.robot.Scene`
+        says.
+
+        The machine is not in it: a survey is flown before the machine drives in.
+        """
+        origins = checked("origins_world", origins_world, None, 3)
+        rays = np.hstack(
+            [origins, checked("directions_world", directions_world, len(origins), 3)]
+        ).astype(np.float32)
+        ranges = self.cast_resting(rays)
+        if self.moving:
+            under_way = RayMesh([moved(self._skins[i], self._last[i]) for i in self.moving])
+            ranges = np.minimum(ranges, under_way.cast(rays))
+        return ranges.astype(np.float64)

@@ -1,0 +1,179 @@
+"""Where stones lie: drawn with gaps, dropped, and left to come to rest."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from executive_plugins.robot.mujoco.physics import PhysicsSettings, apply_physics
+from executive_plugins.robot.mujoco.site.stone_model import StoneModel
+from executive_plugins.robot.mujoco.site.stones import PlacementSettings
+from executive_plugins.robot.mujoco.site.terrain import Terrain
+from scipy.spatial import ConvexHull
+
+from executive.arrays import Float
+from executive.errors import ConfigError
+from executive.geometry.pose import pose, transform
+from executive.geometry.rotation import about_axis, exp_so3, from_quaternion
+
+_TRIES = 200  # draws of one stone's place before the whole arrangement is drawn anew
+_ARRANGEMENTS = 10
+_TILT_RAD = 0.15  # spread of how far from flat a stone is dropped
+_CLEARANCE_M = 0.02  # above the ground at the drop
+_ROLL_M = 0.15  # more gap than asked for: stones roll a little when they are dropped
+_SETTLING_S = (0.5, 8.0)  # least and longest time that the stones are given [s]
+_STILL = 1e-3  # m/s and rad/s
+# soil takes the energy of rocking within about this time [s]; a rigid height field does not
+_DAMPING_S = 0.5
+
+
+class _NoRoomError(Exception):
+    """This arrangement has jammed; another may not."""
+
+
+def place(
+    stones: Sequence[StoneModel],
+    terrain: Terrain,
+    settings: PlacementSettings,
+    reach_m: float,
+    physics: PhysicsSettings,
+    rng: np.random.Generator,
+) -> tuple[Float, ...]:
+    """Return where the stones have come to rest, T_world_stone each.
+
+    Raises:
+        ConfigError: If there is no room for them, or one cannot come to rest; the message says what
+            to change.
+    """
+    for _ in range(_ARRANGEMENTS):
+        try:
+            drops = _arrangement(stones, terrain, settings, reach_m, rng)
+        except _NoRoomError:
+            continue
+        rest = _settle(stones, drops, terrain, physics)
+        if rest and _gaps_hold(stones, rest, settings.gap_m):
+            return rest
+    raise ConfigError(
+        f"robot.site.stones: no room for {len(stones)} stones with {settings.gap_m} m "
+        "between them; "
+        "lower count or gap_m, or widen placement.sector_width_rad or placement.max_radius_m"
+    )
+
+
+def _arrangement(
+    stones: Sequence[StoneModel],
+    terrain: Terrain,
+    settings: PlacementSettings,
+    reach_m: float,
+    rng: np.random.Generator,
+) -> tuple[Float, ...]:
+    """Place the stones one after the other where they keep their distance (random sequential
+    insertion).
+    """
+    placed: list[Float] = []
+    outlines: list[Float] = []
+    for stone in stones:
+        for _ in range(_TRIES):
+            T = _draw(stone, terrain, settings, reach_m, rng)
+            outline = footprint(transform(T, stone.hull))
+            if all(_is_clear(outline, other, settings.gap_m + _ROLL_M) for other in outlines):
+                break
+        else:
+            raise _NoRoomError
+        placed.append(T)
+        outlines.append(outline)
+    return tuple(placed)
+
+
+def _draw(
+    stone: StoneModel,
+    terrain: Terrain,
+    settings: PlacementSettings,
+    reach_m: float,
+    rng: np.random.Generator,
+) -> Float:
+    """Draw a pose above the ground: the shortest axis up but for a tilt, as stones that were
+    unloaded lie.
+    """
+    least = 0.45 * reach_m if settings.min_radius_m is None else settings.min_radius_m
+    most = 0.75 * reach_m if settings.max_radius_m is None else settings.max_radius_m
+    if least > most:
+        raise ConfigError(
+            f"robot.site.stones.placement: min_radius_m {least:g} is beyond max_radius_m {most:g}"
+        )
+    radius = np.sqrt(rng.uniform(least**2, most**2))  # even over the area
+    azimuth = settings.sector_centre_rad + settings.sector_width_rad * rng.uniform(-0.5, 0.5)
+    tilt = exp_so3(np.append(rng.normal(0.0, _TILT_RAD, 2), 0.0))
+    R = about_axis(np.array([0.0, 0.0, 1.0]), rng.uniform(0, 2 * np.pi)) @ tilt @ _flat(stone)
+    corners = stone.hull @ R.T + np.array([radius * np.cos(azimuth), radius * np.sin(azimuth), 0.0])
+    height = (terrain.height_at(corners[:, :2]) - corners[:, 2]).max() + _CLEARANCE_M
+    return pose(R, np.array([radius * np.cos(azimuth), radius * np.sin(azimuth), height]))
+
+
+def _flat(stone: StoneModel) -> Float:
+    """Return the rotation that brings the axis of the largest moment of inertia, the shortest one,
+    up.
+    """
+    _, axes = np.linalg.eigh(stone.inertia)
+    axes[:, 0] *= np.sign(np.linalg.det(axes))
+    return np.asarray(axes.T)
+
+
+def footprint(corners: Float) -> Float:
+    """Return the outline from above, counter-clockwise, shape (K, 2)."""
+    return np.asarray(corners[ConvexHull(corners[:, :2]).vertices, :2])
+
+
+def gap(outline_a: Float, outline_b: Float) -> float:
+    """Return the distance of two convex outlines [m]; 0 if they overlap."""
+    if not _is_apart(outline_a, outline_b) and not _is_apart(outline_b, outline_a):
+        return 0.0
+    return min(_corner_to_edges(outline_a, outline_b), _corner_to_edges(outline_b, outline_a))
+
+
+def _is_clear(outline: Float, other: Float, gap_m: float) -> bool:
+    """Say whether two outlines keep a distance; those whose boxes do are not looked at closely."""
+    lower = np.maximum(outline.min(axis=0), other.min(axis=0))
+    upper = np.minimum(outline.max(axis=0), other.max(axis=0))
+    return bool((lower - upper >= gap_m).any()) or gap(outline, other) >= gap_m
+
+
+def _is_apart(outline: Float, other: Float) -> bool:
+    """Say whether an edge of the outline separates the two (separating axes)."""
+    edges = np.roll(outline, -1, axis=0) - outline
+    outward = np.c_[edges[:, 1], -edges[:, 0]]
+    return bool((((other[:, None, :] - outline) * outward).sum(axis=2).min(axis=0) > 0).any())
+
+
+def _corner_to_edges(corners: Float, outline: Float) -> float:
+    ends = np.roll(outline, -1, axis=0)
+    along = ends - outline
+    fraction = ((corners[:, None, :] - outline) * along).sum(axis=2) / (along**2).sum(axis=1)
+    nearest = outline + np.clip(fraction, 0, 1)[..., None] * along
+    return float(np.linalg.norm(corners[:, None, :] - nearest, axis=2).min())
+
+
+def _gaps_hold(stones: Sequence[StoneModel], poses: Sequence[Float], gap_m: float) -> bool:
+    outlines = [footprint(transform(T, stone.hull)) for stone, T in zip(stones, poses, strict=True)]
+    return all(gap(a, b) >= gap_m for i, a in enumerate(outlines) for b in outlines[:i])
+
+
+def _settle(
+    stones: Sequence[StoneModel], drops: Sequence[Float], terrain: Terrain, physics: PhysicsSettings
+) -> tuple[Float, ...]:
+    """Let the stones fall and return where they rest; empty if one is still moving in the end."""
+    spec = mujoco.MjSpec()
+    terrain.add_to(spec)
+    for stone, T in zip(stones, drops, strict=True):
+        stone.add_to(spec, T)
+    apply_physics(spec, physics)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    least_s, most_s = _SETTLING_S
+    while data.time < least_s or (
+        np.abs(data.qvel).max(initial=0.0) > _STILL and data.time < most_s
+    ):
+        mujoco.mj_step(model, data)
+        data.qvel *= 1 - model.opt.timestep / _DAMPING_S
+    if np.abs(data.qvel).max(initial=0.0) > _STILL:
+        return ()
+    return tuple(pose(from_quaternion(q[3:]), q[:3]) for q in data.qpos.reshape(-1, 7))

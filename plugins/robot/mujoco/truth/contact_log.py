@@ -1,0 +1,83 @@
+"""Which bodies touched the machine, from when to when, how hard."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from executive_plugins.robot.mujoco.site.terrain import TERRAIN
+
+from executive.arrays import Float
+from executive.machine.machine import Machine
+
+_MERGE_S = 0.2  # contacts of one pair with shorter gaps are one
+
+
+@dataclass(slots=True)
+class Span:
+    """A contact of a machine's link with another body.
+
+    Attributes:
+        link: The machine's link.
+        other: A stone, `terrain`, or another link.
+        from_s: Begin [s].
+        to_s: End [s].
+        max_force_n: Largest force of one contact point [N].
+    """
+
+    link: str
+    other: str
+    from_s: float
+    to_s: float
+    max_force_n: float
+
+
+class ContactLog:
+    """Reads MuJoCo's contacts at every control step."""
+
+    def __init__(self, machine: Machine, stones: Sequence[str], model: mujoco.MjModel) -> None:
+        self._names = {model.body(name).id: name for name in (*machine.links, *stones)} | {
+            0: TERRAIN
+        }
+        self._is_link = np.zeros(model.nbody, dtype=bool)
+        self._is_link[[model.body(name).id for name in machine.links]] = True
+        self._body_of_geom = model.geom_bodyid
+        self._open: dict[tuple[str, str], Span] = {}
+        self._closed: list[Span] = []
+
+    def step(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Record the contacts of a control step."""
+        touching = np.flatnonzero(data.contact.dist <= 0.0)
+        bodies = self._body_of_geom[data.contact.geom[touching]]  # (N, 2)
+        links = self._is_link[bodies]
+        for i in np.flatnonzero(links.any(axis=1)):
+            a, b = bodies[i] if links[i, 0] else bodies[i][::-1]
+            self._note(
+                self._names[int(a)],
+                self._names[int(b)],
+                time_s,
+                _force_n(model, data, int(touching[i])),
+            )
+
+    def _note(self, link: str, other: str, time_s: float, force_n: float) -> None:
+        key = (link, other)
+        span = self._open.get(key)
+        if span is None or time_s - span.to_s > _MERGE_S:
+            if span is not None:
+                self._closed.append(span)
+            self._open[key] = Span(link, other, time_s, time_s, force_n)
+            return
+        span.to_s = time_s
+        span.max_force_n = max(span.max_force_n, force_n)
+
+    def spans(self) -> tuple[Span, ...]:
+        """Return all contacts so far, in order of their begin."""
+        return tuple(
+            sorted([*self._closed, *self._open.values()], key=lambda span: (span.from_s, span.link))
+        )
+
+
+def _force_n(model: mujoco.MjModel, data: mujoco.MjData, contact: int) -> float:
+    wrench: Float = np.zeros(6)
+    mujoco.mj_contactForce(model, data, contact, wrench)
+    return float(np.linalg.norm(wrench[:3]))

@@ -1,0 +1,86 @@
+"""The networks: what they are told to ignore, what their files may hold, and half turns."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from executive_plugins.grasping.classifier.grasp_features import NUMBERS, GraspFeatures
+from executive_plugins.grasping.classifier.grasp_images import CHANNELS, PIXELS, mirrored
+from executive_plugins.grasping.classifier.outcome_net import (
+    Architecture,
+    load_net,
+    new_net,
+    save_net,
+    success,
+)
+from executive_plugins.grasping.sampled_cnn import weights_file
+from safetensors.torch import save_file
+
+from executive.errors import DataError
+
+BOTH: list[Architecture] = ["four_layer", "two_stream"]
+
+
+def shown(n: int = 5) -> GraspFeatures:
+    rng = np.random.default_rng(0)
+    images = rng.random((n, CHANNELS, PIXELS, PIXELS), dtype=np.float32)
+    return GraspFeatures(images, rng.random((n, len(NUMBERS)), dtype=np.float32))
+
+
+@pytest.mark.parametrize("architecture", BOTH)
+def test_a_file_gives_back_the_network(architecture: Architecture, tmp_path: Path) -> None:
+    torch.manual_seed(0)
+    net = new_net(architecture)
+    save_net(net, tmp_path / "net.safetensors", "{}")
+    loaded = load_net(tmp_path / "net.safetensors")
+    assert type(loaded) is type(net)
+    np.testing.assert_array_equal(success(loaded, shown()), success(net, shown()))
+
+
+@pytest.mark.parametrize("architecture", BOTH)
+def test_half_a_turn_about_the_approach_changes_no_prediction(architecture: Architecture) -> None:
+    torch.manual_seed(0)
+    net, evidence = new_net(architecture), shown()
+    turned = GraspFeatures(mirrored(mirrored(evidence.images, 1), 2), evidence.numbers)
+    np.testing.assert_allclose(success(net, evidence), success(net, turned), atol=2e-3)
+
+
+def test_a_prediction_does_not_depend_on_the_grasps_beside_it() -> None:
+    net, evidence = load_net(weights_file("two_stream")), shown(300)
+    alone = success(net, GraspFeatures(evidence.images[290:], evidence.numbers[290:]))
+    np.testing.assert_allclose(alone, success(net, evidence)[290:], atol=2e-3)
+
+
+def test_no_grasps_have_no_predictions() -> None:
+    assert success(new_net("two_stream"), shown(0)).shape == (0,)
+
+
+@pytest.mark.parametrize("content", [b"", b"\x80\x04K\x01.", b"not weights"])
+def test_a_file_that_holds_no_tensors_is_refused_by_name(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "net.safetensors"
+    path.write_bytes(content)
+    with pytest.raises(DataError, match=r"net\.safetensors: no readable weights"):
+        load_net(path)
+
+
+def test_a_missing_file_is_refused_with_the_cure(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="grasp-train"):
+        load_net(tmp_path / "none.safetensors")
+
+
+def test_tensors_of_something_else_are_refused(tmp_path: Path) -> None:
+    save_file({"a": torch.zeros(2)}, tmp_path / "a.safetensors")
+    with pytest.raises(DataError, match="no weights of a grasp classifier"):
+        load_net(tmp_path / "a.safetensors")
+    metadata = {"format": "executive.grasp_outcome.v1", "architecture": "four_layer"}
+    save_file({"a": torch.zeros(2)}, tmp_path / "a.safetensors", metadata=metadata)
+    with pytest.raises(DataError, match="do not fit"):
+        load_net(tmp_path / "a.safetensors")
+
+
+@pytest.mark.parametrize("architecture", BOTH)
+def test_shipped_weights_are_small(architecture: Architecture) -> None:
+    path = weights_file(architecture)
+    assert type(load_net(path)) is type(new_net(architecture))
+    assert path.stat().st_size < 10e6

@@ -1,0 +1,65 @@
+"""Scenes to learn from: stones lie still on the ground, and rays stop where they should."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from executive_plugins.grasping.learning.lift_trials import LIFTED_M, LiftTrials
+from executive_plugins.grasping.learning.training_scene import at_rest, convex_solid, look_at
+
+from executive.geometry.pose import transform
+from executive.machine.gripper import Gripper
+
+SLAB = np.array(list(product((-0.6, 0.6), (-0.4, 0.4), (-0.2, 0.2))))
+
+
+def test_a_slab_comes_to_rest_flat_on_the_ground() -> None:
+    T = at_rest(SLAB, np.random.default_rng(0))
+    assert T is not None
+    height = transform(T, SLAB)[:, 2]
+    assert height.min() == pytest.approx(0.0, abs=0.01)
+    assert height.max() == pytest.approx(0.4, abs=0.01)
+
+
+def test_rays_stop_at_the_first_face_of_a_convex_stone() -> None:
+    directions = np.array(
+        [[1.0, 0, 0], [-1.0, 0, 0], [0.8, 0.6, 0.0], [3.0, 0.3, 0.0] / np.hypot(3.0, 0.3)]
+    )
+    ranges = convex_solid(SLAB)(np.array([-3.0, 0.0, 0.0]), directions)
+    np.testing.assert_allclose(ranges, [2.4, np.inf, np.inf, 2.4 * np.hypot(3.0, 0.3) / 3.0])
+
+
+def test_a_view_shows_the_stone_in_part_with_noise_and_the_ground_around_it() -> None:
+    hull = SLAB + (0.0, 0.0, 0.2)
+    view = look_at(convex_solid(hull), (), np.random.default_rng(1))
+    outside = np.abs(view.stone - (0.0, 0.0, 0.2)) - (0.6, 0.4, 0.2)
+    assert outside.max() < 0.15  # five times the largest noise
+    ground = view.cloud[len(view.stone) :]
+    assert np.median(np.abs(ground[:, 2])) < 0.05
+    np.testing.assert_array_equal(view.cloud[: len(view.stone)], view.stone)
+
+
+def test_a_neighbour_in_front_hides_the_stone() -> None:
+    hull = SLAB + (0.0, 0.0, 0.2)
+    ring = tuple(
+        convex_solid(np.array(list(product((x - 0.3, x + 0.3), (y - 0.3, y + 0.3), (0.0, 5.0)))))
+        for x, y in product((-1.2, -0.6, 0.0, 0.6, 1.2), repeat=2)
+        if max(abs(x), abs(y)) > 1
+    )
+    free, hidden = (
+        look_at(convex_solid(hull), others, np.random.default_rng(2)) for others in ((), ring)
+    )
+    assert len(hidden.stone) < 0.5 * len(free.stone)
+
+
+def test_a_good_grasp_lifts_under_noise_and_one_in_the_air_never(gripper: Gripper) -> None:
+    block = np.array(list(product((-0.4, 0.4), (-0.4, 0.4), (0.0, 0.7))))
+    T = np.array([[0.0, 0, -1, 0], [0, 1, 0, 0], [-1, 0, 0, 1.25], [0, 0, 0, 1]]) @ np.diag(
+        [1.0, 1, -1, 1]
+    )
+    T[:3, 2] = np.cross(T[:3, 0], T[:3, 1])
+    rng, trials = np.random.default_rng(0), LiftTrials(gripper, block)
+    slips = [trials.lift(T, 0.6 * gripper.open_rad, rng) for _ in range(5)]
+    assert np.mean(np.array(slips) <= LIFTED_M) >= 0.8
+    T[2, 3] = 2.6
+    assert trials.lift(T, 0.6 * gripper.open_rad, rng) > LIFTED_M

@@ -1,0 +1,130 @@
+"""Following a trajectory: what is refused, and how a stop stays on the path and within
+the limits.
+"""
+
+import numpy as np
+import pytest
+from executive_plugins.robot.trajectory_follower import Follower
+
+from executive.errors import RobotError
+from executive.machine.machine import Machine, load_machine
+from executive.messages.trajectory import JointTrajectory
+
+DT_S = 0.0025
+
+
+@pytest.fixture
+def machine() -> Machine:
+    return load_machine("m545")
+
+
+def quintic(machine: Machine, goal: np.ndarray, duration_s: float) -> JointTrajectory:
+    """Move from the scanning posture to a goal with a fifth-order profile."""
+    start, u = machine.posture("scan"), np.linspace(0, 1, 60)
+    share, slope = (
+        10 * u**3 - 15 * u**4 + 6 * u**5,
+        (30 * u**2 - 60 * u**3 + 30 * u**4) / duration_s,
+    )
+    position = start + np.outer(share, goal - start)
+    return JointTrajectory(
+        machine.arm_names, u * duration_s, position, np.outer(slope, goal - start)
+    )
+
+
+def test_follows_to_the_end_and_holds(machine: Machine) -> None:
+    goal = machine.posture("carry")
+    follower = Follower(machine, machine.posture("scan"))
+    follower.follow(quintic(machine, goal, 8.0), machine.posture("scan"))
+    for _ in range(round(8.1 / DT_S)):
+        position, velocity = follower.advance(DT_S)
+    assert not follower.is_moving
+    np.testing.assert_allclose(position, goal, atol=1e-9)
+    np.testing.assert_array_equal(velocity, 0.0)
+
+
+@pytest.mark.parametrize("stop_s", [0.5, 2.0, 3.3, 5.0, 6.5])
+def test_a_stop_stays_on_the_path_within_the_acceleration_limits(
+    machine: Machine, stop_s: float
+) -> None:
+    start, goal = machine.posture("scan"), machine.posture("carry") + np.eye(7)[0] * 1.5
+    follower = Follower(machine, start)
+    follower.follow(quintic(machine, goal, 7.0), start)
+    positions, velocities = [], []
+    for step in range(round(14.0 / DT_S)):
+        if step == round(stop_s / DT_S):
+            follower.stop()
+        position, velocity = follower.advance(DT_S)
+        positions.append(position)
+        velocities.append(velocity)
+    share = (np.array(positions) - start)[:, 0] / (goal - start)[0]
+    # The path is a straight line in joint space (up to the Hermite pieces' 1e-6).
+    np.testing.assert_allclose(
+        np.array(positions), start + np.outer(share, goal - start), atol=1e-5
+    )
+    acceleration = np.abs(np.diff(velocities, axis=0)).max(axis=0) / DT_S
+    assert (
+        acceleration <= machine.max_acceleration * 1.05
+    ).all()  # the pieces' acceleration jumps a little
+    assert not follower.is_moving
+    assert share[-1] < 1.0 or stop_s > 6.0
+
+
+def test_a_stop_in_mid_swing_is_quick(machine: Machine) -> None:
+    start = machine.posture("scan")
+    follower = Follower(machine, start)
+    follower.follow(quintic(machine, start + np.eye(7)[0] * 1.5, 6.0), start)
+    for _ in range(round(3.0 / DT_S)):
+        _, velocity = follower.advance(DT_S)
+    follower.stop()
+    steps = 0
+    while follower.is_moving:
+        follower.advance(DT_S)
+        steps += 1
+    shortest_s = velocity[0] / machine.max_acceleration[0]
+    assert shortest_s * 0.95 <= steps * DT_S <= shortest_s * 1.2
+
+
+def test_joints_that_are_not_named_hold(machine: Machine) -> None:
+    start = machine.posture("scan")
+    follower = Follower(machine, start)
+    follower.follow(
+        JointTrajectory(("J_TELE",), np.array([0.0, 2.0]), [[0.0], [0.3]], [[0.0], [0.0]]), start
+    )
+    for _ in range(round(2.1 / DT_S)):
+        position, _ = follower.advance(DT_S)
+    np.testing.assert_allclose(position, start + 0.3 * np.eye(7)[3], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("joint", "positions", "words"),
+    [
+        ("J_KNEE", (0.0, 0.1), "J_KNEE; the arm has J_TURN"),
+        ("J_TURN", (0.2, 0.3), "starts J_TURN at 0.200, the joint is at 0.000"),
+        ("J_TELE", (0.0, 1.9), "J_TELE to 0.000 … 1.900, beyond -0.031 … 1.769"),
+    ],
+)
+def test_refuses_what_the_arm_cannot_do(
+    machine: Machine, joint: str, positions: tuple[float, float], words: str
+) -> None:
+    follower = Follower(machine, machine.posture("scan"))
+    trajectory = JointTrajectory(
+        (joint,), np.array([0.0, 20.0]), np.c_[positions].T, np.zeros((2, 1))
+    )
+    with pytest.raises(RobotError, match=words):
+        follower.follow(trajectory, machine.posture("scan"))
+    assert not follower.is_moving
+
+
+def test_refuses_a_speed_beyond_the_limit(machine: Machine) -> None:
+    follower = Follower(machine, machine.posture("scan"))
+    trajectory = JointTrajectory(("J_TURN",), np.array([0.0, 1.0]), [[0.0], [1.0]], [[0.0], [1.0]])
+    with pytest.raises(RobotError, match=r"J_TURN at 1\.000 per second; its limit is 0\.8"):
+        follower.follow(trajectory, machine.posture("scan"))
+
+
+def test_refuses_a_piece_that_swings_beyond_a_range_between_its_samples(machine: Machine) -> None:
+    follower = Follower(machine, machine.posture("scan"))
+    velocity = [[-0.38], [0.38]]  # the cubic between two samples at 0 dips by h·v/4 = 0.095 m
+    trajectory = JointTrajectory(("J_TELE",), np.array([0.0, 1.0]), [[0.0], [0.0]], velocity)
+    with pytest.raises(RobotError, match="beyond"):
+        follower.follow(trajectory, machine.posture("scan"))
