@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from executive.arrays import Float
-from executive.clouds.coloured_ply import write_parts
+from executive.clouds.ply_writer import write_parts
 from executive.clouds.units import unit_hint
 from executive.errors import ConfigError
 from executive.messages.alignment import Alignment

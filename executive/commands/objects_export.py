@@ -4,12 +4,11 @@ import csv
 from collections.abc import Sequence
 from pathlib import Path
 
+from executive.clouds.ply_writer import write_ply
 from executive.errors import ConfigError
 from executive.geometry.rotation import quaternion_wxyz
-from executive.messages.cloud import Cloud
 from executive.messages.stone import Stone
 from executive.messages.stone_event import StoneEvent
-from executive.mission.ply import write_ply
 
 COLUMNS = ("stone", "stamp_s", "kind", "state", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz", "note")
 
@@ -34,7 +33,7 @@ def export_objects(folder: Path, known: Sequence[tuple[Stone, Sequence[StoneEven
             "stone stays in it"
         )
     for stone, _ in known:
-        write_ply(folder / f"stone_{stone.id:03}.ply", Cloud("map", stone.points_map))
+        write_ply(folder / f"stone_{stone.id:03}.ply", stone.points_map, "map")
     with (folder / "poses.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(COLUMNS)

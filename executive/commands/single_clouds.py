@@ -26,7 +26,7 @@ def segment(
     as_json: JsonOption = False,
 ) -> None:
     """Find the objects on the ground of a cloud."""
-    from executive.clouds.coloured_ply import write_parts
+    from executive.clouds.ply_writer import write_parts
     from executive.clouds.reader import read_site
     from executive.commands.alignment_answer import check_out
     from executive.commands.plugin_choice import chosen

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from executive.clock import SimulatedClock, WallClock, wall_s
+from executive.clouds.ply_writer import write_ply
 from executive.errors import ConfigError, RobotError
 from executive.interfaces.robot import RobotSettings
 from executive.journal import Journal
@@ -16,7 +17,6 @@ from executive.mission.jobs import InlineRunner, Jobs, ProcessRunner, Runner, Th
 from executive.mission.mission import Mission, Setup
 from executive.mission.operator import Operator
 from executive.mission.picks import picks_from
-from executive.mission.ply import write_ply
 from executive.mission.report import Ending, counts_from, summary, timings_from, write_report
 from executive.mission.run_folder import RunFolder
 from executive.mission.run_log import run_log
@@ -166,7 +166,8 @@ class Run:
 
     def _save_map(self) -> None:
         if "mapping" in self._assembly.plugins:
-            write_ply(self.folder.map, self._assembly.plugins["mapping"].cloud())
+            cloud = self._assembly.plugins["mapping"].cloud()
+            write_ply(self.folder.map, cloud.points, cloud.frame)
 
 
 def _model(description: MissionFile) -> str:

@@ -38,7 +38,7 @@ def survey(
     from executive_plugins.surveying.photograph_folder import read_photographs
     from executive_plugins.surveying.structure_from_motion import MotionSettings
 
-    from executive.clouds.coloured_ply import write_parts
+    from executive.clouds.ply_writer import write_parts
 
     _refuse(out, view_angle)
     motion = MotionSettings(

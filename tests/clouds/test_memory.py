@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from executive.clouds.coloured_ply import write_parts
+from executive.clouds.ply_writer import write_parts
 from executive.clouds.point_collector import MOST
 
 PEAK = """

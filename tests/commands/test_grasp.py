@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
-from executive.clouds.coloured_ply import write_parts
+from executive.clouds.ply_writer import write_parts
 from executive.commands.grasp_answer import answer, lines, write_answer
 from executive.commands.grasp_picture import draw_grasp
 from executive.commands.grasp_scene import read_scene

@@ -11,7 +11,7 @@ import open3d as o3d
 import pytest
 
 from executive import registry
-from executive.clouds.coloured_ply import write_parts
+from executive.clouds.ply_writer import write_parts
 from executive.commands.main import main
 from executive.errors import DataError
 

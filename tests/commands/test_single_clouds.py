@@ -11,7 +11,7 @@ import numpy as np
 import open3d as o3d
 import pytest
 
-from executive.clouds.coloured_ply import write_parts
+from executive.clouds.ply_writer import write_parts
 from executive.clouds.reader import read_points
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import angle_between, from_rpy

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from executive.clouds.coloured_ply import write_parts
+from executive.clouds.ply_writer import write_parts
 from executive.clouds.reader import _READERS
 from executive.commands.main import main
 from executive.geometry.pose import inverse, pose, transform

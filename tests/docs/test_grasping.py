@@ -14,7 +14,7 @@ from executive_plugins.grasping import sampled_planner
 from executive_plugins.grasping.sampling.closing import HoldOutcome
 
 from executive import registry
-from executive.clouds.coloured_ply import write_parts
+from executive.clouds.ply_writer import write_parts
 
 PAGE = (Path(__file__).parents[2] / "docs" / "grasping.md").read_text(encoding="utf-8")
 SELECTIONS = re.findall(
