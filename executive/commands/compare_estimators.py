@@ -48,10 +48,11 @@ def compare_estimators(  # noqa: PLR0913 - the options of the command line, each
     """
     from executive.commands.recorded_mission import compare_on, is_mission, rehearse
     from executive.estimate.compare import compare, table
-    from executive.estimate.run import Material, Options
+    from executive.estimate.material import Material
+    from executive.estimate.options import EstimateOptions
     from executive.registry import installed
 
-    options = Options(machine, topic or (), drop or (), offset or (), odometry=odometry)
+    options = EstimateOptions(machine, topic or (), drop or (), offset or (), odometry=odometry)
     names = estimator or [plugin.name for plugin in installed("estimation")]
     if is_mission(material):
         with TemporaryDirectory() as folder:

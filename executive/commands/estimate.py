@@ -72,12 +72,13 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
     as_json: JsonOption = False,
 ) -> None:
     """Run an estimator over a recorded log: trajectory, report and plot."""
+    from executive.estimate.estimator_run import estimate as run_estimator
     from executive.estimate.files import write_files
+    from executive.estimate.material import Material
+    from executive.estimate.options import EstimateOptions
     from executive.estimate.reference import with_reference
-    from executive.estimate.run import Material, Options
-    from executive.estimate.run import estimate as run_estimator
 
-    options = Options(
+    options = EstimateOptions(
         machine, topic or (), drop or (), offset or (), set_ or (), odometry, realtime
     )
     material = Material.read(log, options)

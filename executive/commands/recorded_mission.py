@@ -10,8 +10,8 @@ import numpy as np
 from executive import registry
 from executive.errors import DataError
 from executive.estimate.compare import compare
-from executive.estimate.run import Material
-from executive.estimate.run import Options as EstimateOptions
+from executive.estimate.material import Material
+from executive.estimate.options import EstimateOptions
 from executive.interfaces.oracle import MissionView, Oracle
 from executive.messages.base_state import BaseState
 from executive.mission.mission import Mission

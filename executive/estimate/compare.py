@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from executive.arrays import Float
+from executive.estimate.estimator_run import Estimated, estimate
+from executive.estimate.material import Material
 from executive.estimate.measures import Track
-from executive.estimate.run import Estimated, Material, Options, estimate
+from executive.estimate.options import EstimateOptions
 from executive.messages.base_state import BaseState
 
 # What a simulator says of estimated states: `error_m` and `error_rad`, each with mean, std and max
@@ -18,7 +20,7 @@ Truth = Callable[[Sequence[BaseState]], Mapping[str, Mapping[str, float]]]
 
 
 def compare(
-    material: Material, names: Sequence[str], options: Options, truth: Truth | None = None
+    material: Material, names: Sequence[str], options: EstimateOptions, truth: Truth | None = None
 ) -> dict[str, dict[str, Any]]:
     """Return the report of each estimator by name, with what its outages did to it, and the truth
     where it is known.

@@ -8,8 +8,9 @@ from scipy.spatial.transform import Rotation
 
 from executive.arrays import Float
 from executive.errors import ConfigError
+from executive.estimate.estimator_run import Estimated
+from executive.estimate.material import Material
 from executive.estimate.plot import plot
-from executive.estimate.run import Estimated, Material
 
 
 def write_files(out: Path, material: Material, estimated: Estimated) -> tuple[Path, ...]:

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from executive.estimate.drop import Drop
-from executive.estimate.run import Estimated
+from executive.estimate.estimator_run import Estimated
 
 _SMALLEST_M = 1e-4  # shown on the logarithmic axis
 

@@ -9,8 +9,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from executive.errors import DataError
+from executive.estimate.estimator_run import Estimated, map_origin, prepare
+from executive.estimate.material import Material
 from executive.estimate.measures import Track, fix_errors, spread, statistics
-from executive.estimate.run import Estimated, Material, prepare
 from executive.interfaces.smoothing import TrajectorySmoother
 
 _DIGITS = 6
@@ -24,8 +25,7 @@ def with_reference(material: Material, estimated: Estimated, name: str) -> Estim
         ConfigError: If there is no such smoother.
         DataError: If it comes to no trajectory.
     """
-    prepared = prepare(material, "smoothing", name, ())
-    smoother: TrajectorySmoother = prepared.plugin
+    smoother: TrajectorySmoother = prepare(material, "smoothing", name, ())
     smoother.start()
     try:
         states = smoother.smooth(arrival.observation for arrival in material.arrivals)
@@ -37,7 +37,8 @@ def with_reference(material: Material, estimated: Estimated, name: str) -> Estim
             "where it begins"
         )
     reference = Track.of(states)
-    fixes = fix_errors(reference, estimated.replay.fixes, material.rig, prepared.datum, ())
+    datum = map_origin(smoother, material)
+    fixes = fix_errors(reference, estimated.replay.fixes, material.rig, datum, ())
     report = {
         "smoother": name,
         **_difference(estimated.track, reference),

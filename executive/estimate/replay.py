@@ -61,7 +61,7 @@ class Replayer:
                 )  # a clock counts from its last tick, not from now: once is not always enough
             self._take(arrival.observation)
         self._replay.wall_s = wall_s() - started_s
-        self._replay.refused = dict(getattr(self._estimator, "refused", {}))
+        self._replay.refused = dict(self._estimator.refused)
         return self._replay
 
     def _take(self, observation: Observation | LidarIncrement) -> None:

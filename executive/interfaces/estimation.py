@@ -1,9 +1,9 @@
 """State estimation: inertial, satellite, lidar and joint measurements to one state."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from executive.interfaces.plugin import Plugin
+from executive.interfaces.recorded_log import LogPlugin
 from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
@@ -13,9 +13,11 @@ from executive.messages.odometry import LidarIncrement
 from executive.messages.status_change import StatusChange
 
 
-class Estimator(Plugin, ABC):
-    """Estimate where the machine is. Samples arrive in order of arrival;
-    their stamps may be older.
+class Estimator(LogPlugin, ABC):
+    """Estimate the pose and velocity of the machine.
+
+    Measurements are handed over in the order in which they arrive. Their stamps may be out of
+    order, for some sensors deliver late.
     """
 
     capability = "estimation"
@@ -34,11 +36,12 @@ class Estimator(Plugin, ABC):
 
     @abstractmethod
     def add_joints(self, sample: JointSample) -> None:
-        """Take the joints, of which the turn joint ties the cabin to the chassis."""
+        """Take a joint sample; the turn joint gives the pose of the cabin on the chassis."""
 
     def add(self, observation: Observation | LidarIncrement) -> None:
-        """Hand an observation to the verb that takes it; none takes scans, whose odometry is
-        estimated before.
+        """Hand an observation to the method for its kind.
+
+        Lidar scans are ignored: a `LidarOdometry` turns them into increments beforehand.
         """
         if isinstance(observation, ImuSample):
             self.add_imu(observation)
@@ -51,10 +54,25 @@ class Estimator(Plugin, ABC):
 
     @abstractmethod
     def state(self) -> BaseState:
-        """Return the newest state; its status says whether it may be used."""
+        """Return the newest state; `BaseState.is_ready` tells whether it may be used."""
 
     def account(self) -> Sequence[StatusChange]:
-        """Return the changes of the status since the start, with their reasons; none where no
-        account is kept.
+        """Return the changes of the status since the start, with their reasons.
+
+        The default is an empty sequence, for estimators that keep no such record.
         """
         return ()
+
+    @property
+    def imu(self) -> str | None:
+        """Frame of the inertial sensor that the state is propagated by.
+
+        On a log the state is read after each sample of that sensor. None, the default, stands for
+        the first inertial sensor in the log.
+        """
+        return None
+
+    @property
+    def refused(self) -> Mapping[str, int]:
+        """Number of refused measurements by stream and reason; empty if they are not counted."""
+        return {}

@@ -1,6 +1,7 @@
 """Lidar odometry: scans to pose increments."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
 
 from executive.interfaces.plugin import Plugin
 from executive.messages.imu import ImuSample
@@ -13,6 +14,15 @@ class LidarOdometry(Plugin, ABC):
     """Estimate how the lidar moved from one scan to the next (Nubert 2022, Sec. IV-A4)."""
 
     capability = "odometry"
+
+    @classmethod
+    def settings_for(cls, lidars: Sequence[str]) -> Mapping[str, object]:
+        """Return the settings for a rig, by the names of the fields of `Settings`.
+
+        Args:
+            lidars: Names of the rig's lidars, at least one.
+        """
+        return {}
 
     @abstractmethod
     def add_scan(self, scan: LidarScan) -> LidarIncrement | None:

@@ -1,25 +1,24 @@
-"""Smoothing of a whole recording: where the machine was, once everything is measured."""
+"""Smoothing: the trajectory of the machine from a whole recording."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 
-from executive.interfaces.plugin import Plugin
+from executive.interfaces.recorded_log import LogPlugin
 from executive.messages.base_state import BaseState
 from executive.messages.observation import Observation
 from executive.messages.odometry import LidarIncrement
 
 
-class TrajectorySmoother(Plugin, ABC):
-    """Estimate a trajectory from all measurements at once, those after a time as well as those
-    before it.
-    """
+class TrajectorySmoother(LogPlugin, ABC):
+    """Estimate a trajectory from all measurements of a recording at once."""
 
     capability = "smoothing"
 
     @abstractmethod
     def smooth(self, observations: Iterable[Observation | LidarIncrement]) -> Sequence[BaseState]:
-        """Return the state at each inertial sample, from the first that is known; empty if none
-        ever is.
+        """Return the state at each inertial sample from the first known state on.
+
+        The answer is empty if no state was ever found.
 
         Args:
             observations: In order of arrival.

@@ -2,6 +2,8 @@
 joints.
 """
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 from executive_plugins.odometry.dead_reckoning import DeadReckoning
 from executive_plugins.odometry.own_returns import OwnReturns
@@ -73,6 +75,11 @@ class KissIcp(LidarOdometry):
     def __init__(self, settings: KissIcpSettings, machine: Rig) -> None:
         self._settings = settings
         self._machine = machine
+
+    @classmethod
+    def settings_for(cls, lidars: Sequence[str]) -> Mapping[str, object]:
+        default = cls.Settings.model_fields["frame"].default
+        return {} if default in lidars else {"frame": lidars[0]}
 
     def start(self) -> None:
         self._own = OwnReturns(self._machine)

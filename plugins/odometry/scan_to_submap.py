@@ -2,6 +2,7 @@
 and joints.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -114,6 +115,11 @@ class ScanToSubmap(LidarOdometry):
     def __init__(self, settings: ScanToSubmapSettings, machine: Rig) -> None:
         self._settings = settings
         self._machine = machine
+
+    @classmethod
+    def settings_for(cls, lidars: Sequence[str]) -> Mapping[str, object]:
+        default = cls.Settings.model_fields["frame"].default
+        return {} if default in lidars else {"frame": lidars[0]}
 
     def start(self) -> None:
         self._track: _Track | None = None

@@ -22,7 +22,9 @@ from pathlib import Path
 import numpy as np
 
 from executive.estimate.drop import Drop
-from executive.estimate.run import Estimated, Material, Options, estimate
+from executive.estimate.estimator_run import Estimated, estimate
+from executive.estimate.material import Material
+from executive.estimate.options import EstimateOptions
 
 LOG = Path(__file__).parents[3] / "shared" / "data" / "estimation" / "drive_0708.mcap"
 ESTIMATORS = ("dual_graph", "error_state_ekf", "gnss_imu_filter")
@@ -73,14 +75,15 @@ class Drive:
 
     def __init__(self, path: Path, offsets: Sequence[str]) -> None:
         started_s = time.process_time()
-        self._material = Material.read(path, Options(offsets=offsets))
+        options = EstimateOptions(offsets=offsets, odometry="scan_to_submap")
+        self._material = Material.read(path, options)
         self.reading_s = time.process_time() - started_s
 
     def run(self, name: str, drops: Sequence[str] = ()) -> tuple[Estimated, float]:
         """Return what came of one run, and the processor time that it took [s]."""
         material = replace(self._material, drops=tuple(map(Drop.parse, drops)))
         started_s = time.process_time()
-        estimated = estimate(material, name, Options(drops=drops))
+        estimated = estimate(material, name, EstimateOptions(drops=drops))
         return estimated, time.process_time() - started_s
 
     def outages(self, name: str, duration_s: int, shifts: int) -> list[float]:

@@ -23,7 +23,9 @@ from matplotlib.figure import Figure
 from executive.commands.recorded_mission import Rehearsal, rehearse
 from executive.estimate.compare import reported, table
 from executive.estimate.drop import Drop
-from executive.estimate.run import Material, Options, estimate
+from executive.estimate.estimator_run import estimate
+from executive.estimate.material import Material
+from executive.estimate.options import EstimateOptions
 from executive.messages.base_state import BaseState
 
 ESTIMATORS = ("dual_graph", "error_state_ekf", "gnss_imu_filter")
@@ -41,7 +43,7 @@ WINDOW_S = 0.5  # of a point in the plot
 def recorded(seed: int, folder: Path) -> tuple[Rehearsal, Material]:
     """Run the mission and read its log."""
     rehearsal = rehearse(str(MISSION), (), seed, folder)
-    material = Material.read(rehearsal.log, Options())
+    material = Material.read(rehearsal.log, EstimateOptions(odometry="scan_to_submap"))
     return rehearsal, replace(material, datum=np.array(rehearsal.datum))
 
 
@@ -63,7 +65,7 @@ def compared(
         cut = replace(material, drops=tuple(map(Drop.parse, drops)))
         reports = {}
         for name in ESTIMATORS:
-            estimated = estimate(cut, name, Options())
+            estimated = estimate(cut, name, EstimateOptions(odometry="scan_to_submap"))
             reports[name] = reported(estimated, rehearsal.truth)
             curves.setdefault(title, {})[name] = curve(rehearsal, estimated.replay.states)
         print(f"\nseed {seed}: {title}\n{table(reports)}", flush=True)

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from executive.estimate.estimator_run import estimate
 from executive.estimate.files import write_files
+from executive.estimate.material import Material
+from executive.estimate.options import EstimateOptions
 from executive.estimate.reference import with_reference
-from executive.estimate.run import Material, Options, estimate
 from executive.geometry.geodesy import enu_from_geodetic, geodetic_from_enu
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import from_rpy, log_so3
@@ -62,7 +64,7 @@ def log(machine, T_map_cabin, T_map_base, tmp_path_factory):
 def test_the_whole_log_gives_pose_and_heading_of_cabin_and_chassis(
     log, T_map_base, T_map_cabin, tmp_path
 ) -> None:
-    options = Options()
+    options = EstimateOptions()
     material = Material.read(log, options)
     online = estimate(material, "dual_graph", options)
     estimated = with_reference(material, online, "batch_graph")

@@ -11,10 +11,12 @@ from executive.clock import WallClock
 from executive.errors import ConfigError, DataError
 from executive.estimate.compare import compare, table
 from executive.estimate.drop import Drop
+from executive.estimate.estimator_run import estimate, prepare
 from executive.estimate.files import write_files
+from executive.estimate.material import Material
+from executive.estimate.options import EstimateOptions
 from executive.estimate.reference import with_reference
 from executive.estimate.replay import Replayer
-from executive.estimate.run import Material, Options, estimate
 from executive.interfaces.estimation import Estimator
 from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
@@ -35,7 +37,7 @@ def executive(*words, cwd):
 @pytest.fixture(scope="module")
 def run(car_log):
     def run(**options):
-        given = Options(**options)
+        given = EstimateOptions(**options)
         material = Material.read(car_log, given)
         return material, estimate(material, NAME, given)
 
@@ -84,7 +86,7 @@ def test_a_replay_repeats_to_the_bit(whole, run):
 
 
 def test_a_log_without_rest_says_what_is_missing(car_log):
-    given = Options(drops=["gnss:0:99"])
+    given = EstimateOptions(drops=["gnss:0:99"])
     material = Material.read(car_log, given)
     with pytest.raises(DataError, match="seconds at rest"):
         estimate(material, NAME, given)
@@ -103,13 +105,13 @@ def test_a_log_without_rest_says_what_is_missing(car_log):
     ],
 )
 def test_wrong_options_are_named(options, says, car_log):
-    given = Options(**options)
+    given = EstimateOptions(**options)
     with pytest.raises(ConfigError, match=says):
         estimate(Material.read(car_log, given), NAME, given)
 
 
 def test_a_drop_names_a_kind_or_a_frame(car_log):
-    arrivals = Material.read(car_log, Options()).arrivals
+    arrivals = Material.read(car_log, EstimateOptions()).arrivals
     for sensor, kind in (("imu", "ImuSample"), ("gnss", "GnssFix")):
         taken = [a.observation for a in arrivals if Drop(sensor, 1.0, 2.0).takes(a.observation)]
         assert {type(o).__name__ for o in taken} == {kind}
@@ -118,7 +120,8 @@ def test_a_drop_names_a_kind_or_a_frame(car_log):
 
 def test_an_offset_moves_the_stamps_of_its_sensor_alone(car_log):
     plain, moved = (
-        Material.read(car_log, Options(offsets=o)).arrivals for o in ((), ("gnss:0.25", "lidar:9"))
+        Material.read(car_log, EstimateOptions(offsets=o)).arrivals
+        for o in ((), ("gnss:0.25", "lidar:9"))
     )
     for before, after in zip(plain, moved, strict=True):
         by_s = 0.25 if isinstance(before.observation, GnssFix) else 0.0
@@ -168,7 +171,7 @@ def test_at_its_own_pace_a_log_is_fed_when_it_was_recorded(car_log, monkeypatch)
     time = Time()
     monkeypatch.setattr("executive.clock.time", time)
     slow = Slow(time)
-    Replayer(slow, "imu", ()).run(Material.read(car_log, Options()).arrivals, WallClock())
+    Replayer(slow, "imu", ()).run(Material.read(car_log, EstimateOptions()).arrivals, WallClock())
     late_s = np.array(slow.fed_s) - slow.stamps_s
     assert len(late_s) == 1400
     assert late_s.min() > -1e-6
@@ -204,7 +207,7 @@ def test_a_reference_is_smoothed_from_the_whole_log(run, tmp_path):
 
 
 def test_estimators_stand_side_by_side(whole):
-    text = table(compare(whole[0], [NAME, NAME], Options()))
+    text = table(compare(whole[0], [NAME, NAME], EstimateOptions()))
     assert "latency of an inertial sample [µs]" in text
     assert len({len(line) for line in text.splitlines()}) == 1
 
@@ -218,3 +221,13 @@ def test_the_command_answers_and_a_cut_log_ends_with_status_2(car_log, tmp_path)
     assert ended.returncode == 2
     assert "cut.mcap: not a whole log" in ended.stderr
     assert "Traceback" not in ended.stderr
+
+
+def test_a_setting_of_the_user_takes_precedence_over_what_the_log_asks_for(car_log):
+    material = Material.read(car_log, EstimateOptions())
+    asked = prepare(material, "estimation", NAME, ())
+    given = prepare(material, "estimation", NAME, ("rest.duration_s=1.5", "datum=null"))
+    assert asked.datum == tuple(material.datum)
+    assert given.datum is None
+    assert given._settings.rest.duration_s == 1.5
+    assert given._settings.rest.max_rate_std_rad_s == asked._settings.rest.max_rate_std_rad_s

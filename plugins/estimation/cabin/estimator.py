@@ -22,6 +22,7 @@ from executive.arrays import Float
 from executive.geometry.geodesy import enu_from_geodetic
 from executive.geometry.pose import inverse
 from executive.interfaces.estimation import Estimator
+from executive.interfaces.recorded_log import RecordedBody
 from executive.machine.rig import Rig
 from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
@@ -33,6 +34,12 @@ INITIALISING = "INITIALISING"
 # an inertial stamp so far ahead is believed if the next one agrees; less is a gap, and bridged
 _JUMP_S = 2.0
 _STANDING_PERIOD_S = 0.1
+# Spread of the angular velocity of a parked vehicle with its engine running [rad/s]; three times
+# what was measured on a car. It replaces the machine's limit where the vehicle is unknown.
+_IDLING_RAD_S = 0.15
+# Largest squared Mahalanobis distance of a fix on an unknown body, whose fixes may scatter by 1.65
+# times their stated standard deviation: 60 = 22 · 1.65², with 22 the default of the gates.
+UNKNOWN_BODY_GATE = 60.0
 _TELL_PERIOD_S = 5.0  # of what a start waits for
 
 
@@ -44,6 +51,23 @@ class CabinEstimator(Estimator):
     def __init__(self, settings: CabinSettings, machine: Rig) -> None:
         self._cabin = settings
         self._machine = machine
+
+    @classmethod
+    def settings_for(cls, body: RecordedBody) -> Mapping[str, object]:
+        default = cls.Settings.model_fields["imu"].default
+        imu = default if default in body.imus else body.imus[0]
+        known: dict[str, object] = {"imu": imu, "datum": body.datum}
+        if not body.is_described:
+            known["rest"] = {"max_rate_std_rad_s": _IDLING_RAD_S}
+        return known
+
+    @property
+    def imu(self) -> str:
+        return self._cabin.imu
+
+    @property
+    def datum(self) -> tuple[float, float, float] | None:
+        return self._cabin.datum
 
     def start(self) -> None:
         settings = self._cabin

@@ -1,9 +1,9 @@
 """Estimation by the cabin's inertial sensor, the satellite antennas and the turn joint."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
-from executive_plugins.estimation.cabin.estimator import CabinEstimator
+from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
 from executive_plugins.estimation.filters.correction import Correction
 from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.filters.gnss_imu_head import TrailingFilter
@@ -16,6 +16,7 @@ from executive_plugins.estimation.inertial.measurement_models import (
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
 
 from executive.arrays import Float
+from executive.interfaces.recorded_log import RecordedBody
 from executive.machine.rig import Rig
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
@@ -42,6 +43,11 @@ class GnssImuFilter(CabinEstimator):
     def __init__(self, settings: GnssImuSettings, machine: Rig) -> None:
         super().__init__(settings, machine)
         self._settings = settings
+
+    @classmethod
+    def settings_for(cls, body: RecordedBody) -> Mapping[str, object]:
+        known = super().settings_for(body)
+        return known if body.is_described else {**known, "gate": UNKNOWN_BODY_GATE}
 
     def _restart(self) -> None:
         super()._restart()

@@ -1,6 +1,6 @@
 """A whole recording smoothed at once: the reference that an online trajectory is held against."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from executive_plugins.estimation.cabin.sensors import cabin_imu
 from executive_plugins.estimation.gate.measurements import Measurement
@@ -19,6 +19,7 @@ from executive_plugins.estimation.start.chassis import TurnJoint
 from executive.arrays import Float
 from executive.errors import DataError
 from executive.geometry.pose import inverse
+from executive.interfaces.recorded_log import RecordedBody
 from executive.interfaces.smoothing import TrajectorySmoother
 from executive.machine.rig import Rig
 from executive.messages.base_state import BaseState
@@ -76,6 +77,14 @@ class BatchGraph(TrajectorySmoother):
     def __init__(self, settings: DualGraphSettings, machine: Rig) -> None:
         self._settings = settings
         self._machine = machine
+
+    @classmethod
+    def settings_for(cls, body: RecordedBody) -> Mapping[str, object]:
+        return DualGraph.settings_for(body)
+
+    @property
+    def datum(self) -> tuple[float, float, float] | None:
+        return self._settings.datum
 
     def smooth(self, observations: Iterable[Observation | LidarIncrement]) -> Sequence[BaseState]:
         online = _RecordingGraph(self._settings, self._machine)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from executive_plugins.estimation.cabin.estimator import CabinEstimator
+from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
 from executive_plugins.estimation.gate.measurements import Fix, Increment, Measurement, Standing
 from executive_plugins.estimation.gate.unordered_door import UnorderedDoor
 from executive_plugins.estimation.graph.dual_graph_settings import DualGraphSettings
@@ -21,6 +21,7 @@ from executive_plugins.estimation.live.modes import Mode, ModeChange
 
 from executive.arrays import Float
 from executive.geometry.pose import adjoint, inverse
+from executive.interfaces.recorded_log import RecordedBody
 from executive.machine.rig import Rig
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
@@ -42,6 +43,12 @@ class DualGraph(CabinEstimator):
     def __init__(self, settings: DualGraphSettings, machine: Rig) -> None:
         super().__init__(settings, machine)
         self._settings = settings
+
+    @classmethod
+    def settings_for(cls, body: RecordedBody) -> Mapping[str, object]:
+        known = super().settings_for(body)
+        gate = {"innovation": UNKNOWN_BODY_GATE}
+        return known if body.is_described else {**known, "smoother": {"gate": gate}}
 
     def start(self) -> None:
         super().start()

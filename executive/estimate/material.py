@@ -1,0 +1,150 @@
+"""A log that was read once, for any number of estimators to be run on."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from executive import registry
+from executive.arrays import Float
+from executive.errors import DataError
+from executive.estimate.drop import Drop
+from executive.estimate.offset import Offset
+from executive.estimate.options import EstimateOptions
+from executive.estimate.plugin_making import made
+from executive.estimate.setting_pairs import nested, validated
+from executive.interfaces.odometry import LidarOdometry
+from executive.interfaces.recorded_log import RecordedBody
+from executive.logs.log import Arrival, Log
+from executive.logs.topics import Topics
+from executive.machine.machine import Machine
+from executive.machine.rig import Rig
+from executive.messages.gnss import GnssFix
+from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
+from executive.messages.lidar import LidarScan
+from executive.messages.observation import Observation
+from executive.messages.odometry import LidarIncrement
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Material:
+    """A log, its rig and its measurements.
+
+    Attributes:
+        log: The log.
+        rig: The machine or body that carried the sensors.
+        arrivals: The measurements in order of arrival; lidar scans are replaced by increments.
+        datum: The first fix with a fixed RTK solution: latitude [deg], longitude [deg],
+            altitude [m], shape (3,).
+        drops: Outages to simulate.
+    """
+
+    log: Log
+    rig: Rig
+    arrivals: Sequence[Arrival]
+    datum: Float
+    drops: Sequence[Drop] = field(default=())
+
+    @classmethod
+    def read(cls, path: Path, options: EstimateOptions) -> "Material":
+        """Read a log.
+
+        Raises:
+            DataError: If the log is damaged or has no fix that the map can be anchored to.
+            ConfigError: If an option is wrong.
+        """
+        log = Log(path, validated(Topics, nested(options.topics), "--topic"))
+        rig = log.rig(options.machine)
+        offsets = tuple(map(Offset.parse, options.offsets))
+        shifted = (_shifted(arrival, offsets) for arrival in log.arrivals())
+        arrivals = list(_without_scans(shifted, options.odometry, rig))
+        first = _first_fix(path, rig, arrivals)
+        drops = tuple(map(Drop.parse, options.drops))
+        return cls(log, rig, arrivals, np.array(first.geodetic), drops)
+
+    def body(self) -> RecordedBody:
+        """Return what a plugin is told of the log.
+
+        Raises:
+            DataError: If the log has no inertial sample.
+        """
+        samples = (a.observation for a in self.arrivals if isinstance(a.observation, ImuSample))
+        imus = tuple(dict.fromkeys(sample.frame for sample in samples))
+        if not imus:
+            raise DataError(f"{self.log.path}: the inertial topic holds no message")
+        latitude_deg, longitude_deg, altitude_m = map(float, self.datum)
+        is_described = isinstance(self.rig, Machine)
+        return RecordedBody(imus, (latitude_deg, longitude_deg, altitude_m), is_described)
+
+
+def _first_fix(path: Path, rig: Rig, arrivals: Sequence[Arrival]) -> GnssFix:
+    """Return the first fix with a fixed RTK solution."""
+    fixes = [a.observation for a in arrivals if isinstance(a.observation, GnssFix)]
+    first = next((fix for fix in fixes if fix.is_rtk_fixed), None)
+    if first is None:
+        raise DataError(
+            f"{path}: none of {len(fixes)} fixes has a fixed RTK solution (status 2), "
+            "so that the map has no origin; record with RTK corrections"
+        )
+    strangers = sorted({fix.antenna for fix in fixes} - set(rig.sensors))
+    if strangers:
+        raise DataError(
+            f"{path}: {rig.name} has no antenna {', '.join(strangers)}; name the "
+            "machine with --machine"
+        )
+    return first
+
+
+def _without_scans(arrivals: Iterable[Arrival], odometry: str, rig: Rig) -> Iterator[Arrival]:
+    """Yield a log's arrivals with its lidar scans replaced by increments.
+
+    Increments need a hundredth of the memory, and are the same for every estimator.
+    """
+    running = _odometry(odometry, rig)
+    try:
+        for arrival in arrivals:
+            if not isinstance(arrival.observation, LidarScan):
+                yield arrival
+            if running is None:
+                continue
+            increment = _followed(running, arrival.observation)
+            if increment is not None:
+                yield Arrival(arrival.arrival_s, increment)
+    finally:
+        if running is not None:
+            running.close()
+
+
+def _odometry(name: str, rig: Rig) -> LidarOdometry | None:
+    """Return the odometry, started; None if none is asked for or the rig has no lidar."""
+    lidars = [sensor.name for sensor in rig.sensors_of("lidar")]
+    if not name or not lidars:
+        return None
+    plugin: type[LidarOdometry] = registry.load("odometry", name)
+    settings = plugin.Settings.model_validate(plugin.settings_for(lidars))
+    odometry: LidarOdometry = made(plugin, settings, rig)
+    odometry.start()
+    return odometry
+
+
+def _followed(
+    odometry: LidarOdometry, observation: Observation | LidarIncrement
+) -> LidarIncrement | None:
+    match observation:
+        case LidarScan():
+            return odometry.add_scan(observation)
+        case ImuSample():
+            odometry.add_imu(observation)
+        case JointSample():
+            odometry.add_joints(observation)
+    return None
+
+
+def _shifted(arrival: Arrival, offsets: Sequence[Offset]) -> Arrival:
+    observation = arrival.observation
+    for offset in offsets:
+        observation = offset.applied(observation)
+    is_same = observation is arrival.observation
+    return arrival if is_same else Arrival(arrival.arrival_s, observation)
