@@ -10,12 +10,15 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from executive_plugins.physics.contact import ContactSettings, apply_contact
+from executive_plugins.physics.gravity import GRAVITY_M_S2
 
 from executive.arrays import Float
 from executive.geometry.rotation import angle_between, quaternion_wxyz
 from executive.machine.gripper import SIDES, Gripper
 
 _TIMESTEP_S = 0.004
+_TORSIONAL_FRICTION_M = 0.05
 _CLOSE_S, _LIFT_S, _HOLD_S = 1.0, 1.0, 0.3
 _LIFT_M = 0.4
 _SLACK_RAD = 0.04  # the jaws start this far from the stone
@@ -101,19 +104,12 @@ class SimulatedLift:
 
     def _world(self, T_plan_gripper: Float, friction: float) -> mujoco.MjModel:
         spec = mujoco.MjSpec()
-        option = spec.option
-        option.timestep, option.integrator = _TIMESTEP_S, mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        option.cone, option.impratio = (
-            mujoco.mjtCone.mjCONE_ELLIPTIC,
-            100.0,
-        )  # others let a held stone creep
-        option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # the sparse Cholesky of 4.0.0 is faulty
-        option.gravity = [0.0, 0.0, -9.81]
+        spec.option.timestep = _TIMESTEP_S
+        spec.option.gravity = [0.0, 0.0, -GRAVITY_M_S2]
         self._add_stone(spec)
         self._add_gripper(spec, T_plan_gripper)
-        for geom in spec.geoms:
-            geom.condim, geom.friction = 4, [friction, 0.05, 0.0]
-            geom.solref, geom.solimp = [0.01, 1.0], [0.95, 0.99, 0.002, 0.5, 2.0]
+        contact = ContactSettings(friction=friction, torsional_friction_m=_TORSIONAL_FRICTION_M)
+        apply_contact(spec, contact)
         return spec.compile()
 
     def _add_stone(self, spec: mujoco.MjSpec) -> None:
@@ -174,7 +170,6 @@ class SimulatedLift:
         )
         tie.name1, tie.name2 = "jaw_right", "jaw_left"
         tie.data[:5] = (0.0, 1.0, 0.0, 0.0, 0.0)
-        tie.solref, tie.solimp = [0.01, 1.0], [0.99, 0.999, 0.001, 0.5, 2.0]
         torque = (
             2 * self._gripper.tip_force_n * self._gripper.tip_radius_m
         )  # one drive moves both tips

@@ -2,14 +2,13 @@
 
 import numpy as np
 import pinocchio as pin
+from executive_plugins.physics.gravity import GRAVITY_M_S2
 
 from executive.arrays import Float
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 from executive.machine.urdf import urdf
 from executive.messages.joints import JointSample
-
-_GRAVITY_M_S2 = 9.81
 
 
 class PayloadScale:
@@ -21,7 +20,7 @@ class PayloadScale:
         self._machine = machine
         self._kinematics = Kinematics(machine)
         self._model = pin.buildModelFromXML(urdf(machine))
-        self._model.gravity.linear = np.array([0.0, 0.0, -_GRAVITY_M_S2])
+        self._model.gravity.linear = np.array([0.0, 0.0, -GRAVITY_M_S2])
         self._data = self._model.createData()
         self._joints = [
             self._model.joints[self._model.getJointId(name)] for name in machine.joint_names
@@ -47,7 +46,7 @@ class PayloadScale:
         J = self._kinematics.jacobian(q_arm)
         arm = self._kinematics.gripper(q_arm)[:3, :3] @ self._machine.gripper.grasp_centre
         vertical = J[2] + J[3] * arm[1] - J[4] * arm[0]  # z row of v + ω × arm
-        return np.asarray(_GRAVITY_M_S2 * vertical)
+        return np.asarray(GRAVITY_M_S2 * vertical)
 
     def empty_effort(self, q: Float) -> Float:
         """Return the efforts that hold the empty machine still, of the arm's joints, shape (n,).
@@ -62,7 +61,7 @@ class PayloadScale:
         """Return the vertical speed of the grasp's centre [m/s]."""
         q, _ = self._arranged(sample)
         velocity = np.array([sample.of(name)[1] for name in self._machine.arm_names])
-        return float(self.lever(q[:-1]) @ velocity / _GRAVITY_M_S2)
+        return float(self.lever(q[:-1]) @ velocity / GRAVITY_M_S2)
 
     def _arranged(self, sample: JointSample) -> tuple[Float, Float]:
         states = np.array([sample.of(name) for name in self._machine.joint_names])

@@ -7,6 +7,8 @@ from functools import cached_property
 
 import fcl
 import numpy as np
+from executive_plugins.physics.fcl_convex import fcl_convex
+from executive_plugins.physics.hull_mesh import mesh_of
 from scipy.spatial import ConvexHull, QhullError
 
 from executive.arrays import Float, Int
@@ -39,18 +41,18 @@ class ConvexBody:
             ) from None
 
     @cached_property
-    def faces(self) -> Int:
-        """Corners of the triangles, counter-clockwise from outside, shape (F, 3)."""
-        triangles = self._hull.simplices.astype(np.int64)
-        a, b, c = (self.points[triangles[:, i]] for i in range(3))
-        is_inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), self._hull.equations[:, :3]) < 0
-        triangles[is_inward] = triangles[is_inward][:, ::-1]
-        return np.asarray(triangles)
+    def _mesh(self) -> tuple[Float, Int]:
+        return mesh_of(self._hull)
 
-    @cached_property
+    @property
     def corners(self) -> Float:
-        """Corners of the hull, shape (C, 3)."""
-        return np.asarray(self.points[self._hull.vertices])
+        """Corners of the hull [m], shape (C, 3)."""
+        return self._mesh[0]
+
+    @property
+    def faces(self) -> Int:
+        """Triangles as indices of corners, counter-clockwise from outside, shape (F, 3)."""
+        return self._mesh[1]
 
     @cached_property
     def sphere(self) -> tuple[Float, float]:
@@ -73,10 +75,7 @@ class ConvexBody:
     @cached_property
     def geometry(self) -> fcl.Convex:
         """The body for the collision library."""
-        index = np.full(len(self.points), -1)
-        index[self._hull.vertices] = np.arange(len(self._hull.vertices))
-        faces = np.c_[np.full(len(self.faces), 3), index[self.faces]].ravel()
-        return fcl.Convex(self.corners, len(self.faces), faces)
+        return fcl_convex(*self._mesh)
 
     def depths(self, points_link: Float) -> Float:
         """Return how deep points lie inside, negative outside [m], shape (N,)."""
@@ -86,7 +85,7 @@ class ConvexBody:
     @cached_property
     def samples(self) -> Float:
         """Points that cover the surface, at most 12 cm apart, shape (N, 3)."""
-        triangles = self.points[self.faces]
+        triangles = self.corners[self.faces]
         sides = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).max(axis=1)
         splits = np.ceil(sides / _SPACING_M).astype(np.int64)
         samples = [

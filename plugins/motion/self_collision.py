@@ -5,10 +5,13 @@ from collections.abc import Mapping, Sequence
 import fcl
 import numpy as np
 from executive_plugins.motion.convex_body import ConvexBody
+from executive_plugins.physics.even_directions import even_directions
 
 from executive.arrays import Float
 from executive.machine.gripper import SIDES
 from executive.machine.machine import Machine
+
+_DIRECTIONS = even_directions(200)
 
 
 class SelfCollision:
@@ -96,15 +99,3 @@ def held_body(machine: Machine, held_gripper: Float) -> ConvexBody:
     """
     outermost = np.unique((held_gripper @ _DIRECTIONS.T).argmax(axis=0))
     return ConvexBody(machine.gripper_link, held_gripper[outermost], "held_stone")
-
-
-def _spiral(count: int) -> Float:
-    """Return directions that cover the sphere evenly, on a Fibonacci spiral, shape (count, 3)."""
-    z = 1 - (2 * np.arange(count) + 1) / count
-    angle = np.arange(count) * np.pi * (3 - np.sqrt(5))
-    return np.stack(
-        [np.sqrt(1 - z * z) * np.cos(angle), np.sqrt(1 - z * z) * np.sin(angle), z], axis=1
-    )
-
-
-_DIRECTIONS = _spiral(200)

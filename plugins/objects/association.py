@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
+from executive_plugins.objects.surface import box_centre, diagonal_m
 from scipy.optimize import linear_sum_assignment
 
-from executive.arrays import Float
 from executive.messages.segment import Segment
 from executive.messages.stone import Stone
 
@@ -37,8 +37,8 @@ def associate(
     for i, segment in enumerate(segments):
         for j, stone in enumerate(stones):
             distance = _distance_m(segment, stone)
-            ratio = _diagonal(segment.points) / _diagonal(stone.points_map)
-            least = 1 / max_ratio if distance > 0.5 * _diagonal(stone.points_map) else 0.0
+            ratio = diagonal_m(segment.points) / diagonal_m(stone.points_map)
+            least = 1 / max_ratio if distance > 0.5 * diagonal_m(stone.points_map) else 0.0
             if distance <= reaches_m[j] and least <= ratio <= max_ratio:
                 costs[i, j] = distance
     partners = [-1] * len(segments)
@@ -52,10 +52,6 @@ def _distance_m(segment: Segment, stone: Stone) -> float:
     """Return the distance of centroids; a stone seen from one side has its centroid off, so boxes
     count as well [m].
     """
-    centres = [0.5 * (p.min(axis=0) + p.max(axis=0)) for p in (segment.points, stone.points_map)]
+    boxes = box_centre(segment.points) - box_centre(stone.points_map)
     means = np.linalg.norm(segment.centroid - stone.centroid_map)
-    return float(min(means, np.linalg.norm(centres[0] - centres[1])))
-
-
-def _diagonal(points: Float) -> float:
-    return float(np.linalg.norm(np.ptp(points, axis=0)))
+    return float(min(means, np.linalg.norm(boxes)))

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.objects.surface import box_centre, diagonal_m
 from scipy.spatial import cKDTree
 
 from executive.arrays import Float
@@ -44,7 +45,7 @@ def fit_of(model: Float, view: Float, distance_m: float) -> Fit:
         rmse_m = float(np.sqrt(np.mean(near**2))) if len(near) else distance_m
         ways.append((len(near) / len(distances), rmse_m))
     share, rmse_m = max(ways, key=lambda way: way[0])
-    growth = _diagonal(np.vstack([model, view])) / max(_diagonal(model), 1e-9)
+    growth = diagonal_m(np.vstack([model, view])) / max(diagonal_m(model), 1e-9)
     return Fit(share, rmse_m, growth)
 
 
@@ -55,7 +56,7 @@ def shifts_of(model: Float, view: Float, voxel_m: float) -> tuple[Float, Float]:
     Means of an even density; those of a view from one side are off, and so may the boxes be.
     """
     even = voxel_means(view, voxel_m)
-    return even.mean(axis=0) - model.mean(axis=0), _middle(even) - _middle(model)
+    return even.mean(axis=0) - model.mean(axis=0), box_centre(even) - box_centre(model)
 
 
 def drawn_shift(model: Float, view: Float, distance_m: float) -> Float:
@@ -97,11 +98,3 @@ def merged(model: Float, view: Float, voxel_m: float, most: int) -> Float:
         voxel_m *= _COARSER
         points = voxel_means(points, voxel_m)
     return points
-
-
-def _diagonal(points: Float) -> float:
-    return float(np.linalg.norm(np.ptp(points, axis=0)))
-
-
-def _middle(points: Float) -> Float:
-    return np.asarray(0.5 * (points.min(axis=0) + points.max(axis=0)))

@@ -1,4 +1,4 @@
-"""A stone's surface, packed for the file."""
+"""Surfaces of stones: their extents, and their bytes in the file."""
 
 import zlib
 
@@ -23,3 +23,13 @@ def unpack(blob: bytes) -> Float:
         return np.frombuffer(zlib.decompress(blob), dtype="<f4").reshape(-1, 3).astype(np.float64)
     except (zlib.error, ValueError) as error:
         raise DataError(f"a stone's surface in the object database is damaged: {error}") from error
+
+
+def diagonal_m(points: Float) -> float:
+    """Return the diagonal of the axis-aligned box around points (N, 3) [m]."""
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
+def box_centre(points: Float) -> Float:
+    """Return the centre of the axis-aligned box around points (N, 3), shape (3,)."""
+    return np.asarray(0.5 * (points.min(axis=0) + points.max(axis=0)))

@@ -1,3 +1,1 @@
-"""What the simulated world and the planners that rehearse in physics share: stone shapes and
-contact.
-"""
+"""What plugins share about bodies in contact: stone shapes, hulls, contact, coming to rest."""

@@ -1,4 +1,4 @@
-"""The surface of a convex hull as triangles that look outwards."""
+"""The surface of a convex hull as triangles that face outwards."""
 
 import numpy as np
 from scipy.spatial import ConvexHull
@@ -7,16 +7,22 @@ from executive.arrays import Float, Int
 
 
 def hull_mesh(points: Float) -> tuple[Float, Int]:
-    """Return the hull's corners (V, 3) and its triangles (F, 3), counter-clockwise from outside.
+    """Return the corners (V, 3) and triangles (F, 3) of the convex hull of points (N, 3).
+
+    The triangles index the corners, counter-clockwise from outside.
 
     Raises:
         scipy.spatial.QhullError: If the points span no volume.
     """
-    hull = ConvexHull(points)
-    new_index = np.full(len(points), -1)
+    return mesh_of(ConvexHull(points))
+
+
+def mesh_of(hull: ConvexHull) -> tuple[Float, Int]:
+    """Return the same of a hull that has been computed already."""
+    new_index = np.full(len(hull.points), -1)
     new_index[hull.vertices] = np.arange(len(hull.vertices))
-    corners, triangles = np.asarray(points)[hull.vertices], new_index[hull.simplices]
+    corners, triangles = hull.points[hull.vertices], new_index[hull.simplices]
     a, b, c = (corners[triangles[:, i]] for i in range(3))
-    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
-    triangles[inward] = triangles[inward][:, ::-1]
-    return corners, triangles
+    is_inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
+    triangles[is_inward] = triangles[is_inward][:, ::-1]
+    return np.asarray(corners), np.asarray(triangles)

@@ -5,6 +5,7 @@ faces. Axes follow the same statistics of found stones.
 """
 
 import numpy as np
+from executive_plugins.physics.even_directions import even_directions
 from executive_plugins.physics.quarried_block import ratios
 from scipy.spatial import ConvexHull
 
@@ -14,7 +15,6 @@ _CORNERS = 90
 _BULGES = (4, 9)  # number, least and one more than most
 _HEIGHT = 0.12  # spread of a bulge's height over the ellipsoid
 _BREADTH = (2.0, 6.0)  # concentration of a bulge about its direction: 2 covers a side, 6 a corner
-_GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 
 
 def rounded_stone(volume_m3: float, rng: np.random.Generator) -> Float:
@@ -22,18 +22,11 @@ def rounded_stone(volume_m3: float, rng: np.random.Generator) -> Float:
     (V, 3) [m].
     """
     b_a, c_b = ratios(rng)
-    corners = _bulged(_directions(), rng)
+    corners = _bulged(even_directions(_CORNERS), rng)
     corners = corners[ConvexHull(corners).vertices]
     corners = (corners - corners.min(axis=0)) / np.ptp(corners, axis=0) - 0.5
     corners = corners * np.array([1.0, b_a, b_a * c_b])
     return np.asarray(corners * np.cbrt(volume_m3 / ConvexHull(corners).volume))
-
-
-def _directions() -> Float:
-    """Return unit vectors evenly over the sphere, on a golden spiral, shape (90, 3)."""
-    z = 1.0 - (2.0 * np.arange(_CORNERS) + 1.0) / _CORNERS
-    turn, radius = _GOLDEN * np.arange(_CORNERS), np.sqrt(1.0 - z**2)
-    return np.column_stack([radius * np.cos(turn), radius * np.sin(turn), z])
 
 
 def _bulged(directions: Float, rng: np.random.Generator) -> Float:

@@ -5,6 +5,7 @@ runs of trees.
 from collections.abc import Sequence
 
 import numpy as np
+from executive_plugins.physics.gravity import GRAVITY_M_S2
 from executive_plugins.robot.trajectory_follower import Follower
 from pydantic import Field
 
@@ -25,7 +26,6 @@ from executive.messages.observation import Observation
 
 _STEP_S = 0.01  # 100 Hz: the rate of the IMUs and the encoders
 _GNSS_EVERY = 5  # steps: 20 Hz
-_GRAVITY_M_S2 = 9.81
 
 
 class KinematicSettings(RobotSettings):
@@ -126,7 +126,7 @@ class KinematicRobot(Robot):
         before, middle, now = (poses[name] for poses in self._poses)
         angular = log_so3(middle[:3, :3].T @ now[:3, :3]) / _STEP_S
         acceleration = (now[:3, 3] - 2 * middle[:3, 3] + before[:3, 3]) / _STEP_S**2
-        force = now[:3, :3].T @ (acceleration + np.array([0.0, 0.0, _GRAVITY_M_S2]))
+        force = now[:3, :3].T @ (acceleration + np.array([0.0, 0.0, GRAVITY_M_S2]))
         return ImuSample(stamp_s, name, angular, force)
 
     def _fix(self, stamp_s: float, name: str) -> GnssFix:

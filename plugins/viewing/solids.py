@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 import rerun as rr
-from scipy.spatial import ConvexHull
+from executive_plugins.physics.hull_mesh import hull_mesh
 
 from executive.arrays import Float
 
@@ -13,7 +13,7 @@ Colour = tuple[int, ...]
 
 def mesh(hulls: Iterable[Float], colour: Colour) -> rr.Mesh3D:
     """Return one flat-shaded mesh of several convex hulls, each given by its corners (V, 3)."""
-    triangles = np.vstack([_triangles(corners) for corners in hulls])
+    triangles = np.vstack([corners[faces] for corners, faces in map(hull_mesh, hulls)])
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     return rr.Mesh3D(
@@ -22,13 +22,3 @@ def mesh(hulls: Iterable[Float], colour: Colour) -> rr.Mesh3D:
         vertex_normals=np.repeat(normals, 3, axis=0),
         albedo_factor=colour,
     )
-
-
-def _triangles(corners: Float) -> Float:
-    """Return the triangles of a hull's surface, counter-clockwise from outside, shape (T, 3, 3)."""
-    hull = ConvexHull(corners)
-    triangles = corners[hull.simplices]
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    is_inward = np.einsum("ij,ij->i", normals, hull.equations[:, :3]) < 0
-    triangles[is_inward] = triangles[is_inward][:, ::-1]
-    return np.asarray(triangles)

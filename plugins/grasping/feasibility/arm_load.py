@@ -3,13 +3,13 @@ their limits.
 """
 
 import numpy as np
+from executive_plugins.physics.gravity import GRAVITY_M_S2
 
 from executive.arrays import Float
 from executive.geometry.pose import transform
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 
-_GRAVITY = 9.81
 _STEP = 1e-4  # of each joint [rad] or [m], for the slope of the potential energy
 
 
@@ -46,4 +46,4 @@ class ArmLoad:
         moment = mass_kg * transform(frames["gripper"], self._machine.gripper.grasp_centre)[2]
         for name, link in self._machine.links.items():
             moment += link.mass_kg * transform(frames[name], np.array(link.com_m))[2]
-        return float(_GRAVITY * moment)
+        return float(GRAVITY_M_S2 * moment)

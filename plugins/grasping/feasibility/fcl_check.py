@@ -4,7 +4,9 @@ against the cloud.
 
 import fcl
 import numpy as np
-from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
+from executive_plugins.physics.fcl_convex import fcl_convex
+from executive_plugins.physics.hull_mesh import hull_mesh
+from scipy.spatial import HalfspaceIntersection, QhullError
 
 from executive.arrays import Float
 from executive.geometry.convex import half_spaces
@@ -32,7 +34,7 @@ class FclCheck:
         hulls = [hull for parts in gripper.hulls(gripper.open_rad).values() for hull in parts]
         cores = [core for hull in hulls if (core := _shrunk(hull, allowed_m)) is not None]
         self._bodies = [
-            (core.min(axis=0), core.max(axis=0), fcl.CollisionObject(_convex(core)))
+            (core.min(axis=0), core.max(axis=0), fcl.CollisionObject(fcl_convex(*hull_mesh(core))))
             for core in cores
         ]
         self._ball = fcl.Sphere(_POINT * allowed_m)
@@ -60,18 +62,3 @@ def _shrunk(hull: Float, by_m: float) -> Float | None:
         )
     except QhullError:
         return None
-
-
-def _convex(points: Float) -> fcl.Convex:
-    """Return the hull of points as a convex body; its triangles are turned counter-clockwise from
-    outside.
-    """
-    hull = ConvexHull(points)
-    index = np.full(len(points), -1)
-    index[hull.vertices] = np.arange(len(hull.vertices))
-    triangles = hull.simplices.copy()
-    a, b, c = (points[triangles[:, i]] for i in range(3))
-    is_inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
-    triangles[is_inward] = triangles[is_inward][:, ::-1]
-    faces = np.column_stack([np.full(len(triangles), 3), index[triangles]]).ravel()
-    return fcl.Convex(points[hull.vertices], len(triangles), faces)

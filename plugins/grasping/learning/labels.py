@@ -38,7 +38,7 @@ from executive.machine.machine import load_machine
 
 _STAGES = (("align_rad", 40), ("enclose_m", 20))
 _DESCRIPTION = "labels.json"
-_GRAY = 255.0  # images are stored in steps of this
+GRAY_LEVELS = 255.0  # a pixel value in 0 … 1 is stored as a multiple of 1 / 255
 
 
 class LabelSettings(Settings):
@@ -169,7 +169,7 @@ def _label_stone(folder: Path, settings: LabelSettings, index: int) -> None:
         for i in chosen
     ]
     shown = features_of(scene, pool.taken(chosen), gripper)
-    images = np.round(shown.images * _GRAY).astype(np.uint8)
+    images = np.round(shown.images * GRAY_LEVELS).astype(np.uint8)
     unfinished = _file(folder, index).with_suffix(".unfinished")
     with unfinished.open("wb") as file:
         np.savez_compressed(file, images=images, numbers=shown.numbers, slip=np.array(slip_m))

@@ -16,7 +16,7 @@ from executive_plugins.grasping.classifier.outcome_net import (
     new_net,
     success,
 )
-from executive_plugins.grasping.learning.labels import Labels
+from executive_plugins.grasping.learning.labels import GRAY_LEVELS, Labels
 from numpy.typing import NDArray
 from pydantic import Field
 from scipy.stats import rankdata
@@ -24,8 +24,6 @@ from torch import Tensor
 
 from executive.arrays import Float
 from executive.config import Settings
-
-_GRAY = 255.0
 
 
 class TrainingSettings(Settings):
@@ -99,7 +97,7 @@ def train(
 def predictions(net: FourLayer | TwoStream, labels: Labels) -> tuple[Float, NDArray[np.bool_]]:
     """Return the predicted success of labelled grasps and what became of them, shape (M,) each."""
     return success(
-        net, GraspFeatures(labels.images.astype(np.float32) / _GRAY, labels.numbers)
+        net, GraspFeatures(labels.images.astype(np.float32) / GRAY_LEVELS, labels.numbers)
     ), labels.is_lifted
 
 
@@ -123,7 +121,7 @@ def untrained(settings: TrainingSettings) -> FourLayer | TwoStream:
 def _tensors(
     labels: Labels, batch: NDArray[np.int64], rng: np.random.Generator
 ) -> tuple[Tensor, Tensor, Tensor]:
-    images = labels.images[batch].astype(np.float32) / _GRAY
+    images = labels.images[batch].astype(np.float32) / GRAY_LEVELS
     for axis in (1, 2):
         flipped = rng.random(len(batch)) < 0.5
         images[flipped] = mirrored(images[flipped], axis)

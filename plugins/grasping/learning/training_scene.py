@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from executive_plugins.physics.settling import come_to_rest
 
 from executive.arrays import Bool, Float
 from executive.geometry.convex import convex_corners, half_spaces
@@ -22,7 +23,7 @@ Solid = Callable[
 ]  # origin (3,) and unit directions (K, 3) to ranges (K,), inf for a miss
 
 _TILT_RAD = 0.15  # spread of how far from flat a stone is dropped
-_SETTLING_S, _DAMPING_S, _TIMESTEP_S, _STILL = 6.0, 0.5, 0.004, 1e-3
+_TIMESTEP_S, _SETTLING_S = 0.004, (0.5, 6.0)  # step, and least and longest time to settle [s]
 _RADIUS_M, _HEIGHT_M = (4.0, 8.0), (2.2, 3.2)  # of the lidars from the stone, and above the ground
 _APART_RAD = 0.3  # spread of the directions from which the lidars of a swinging cabin see it
 _DRONE_RADIUS_M, _DRONE_HEIGHT_M = 5.0, 9.0
@@ -67,12 +68,9 @@ def at_rest(hull: Float, rng: np.random.Generator) -> Float | None:
     stone.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="stone", density=2600.0)
     model = spec.compile()
     data = mujoco.MjData(model)
-    for _ in range(int(_SETTLING_S / _TIMESTEP_S)):
-        mujoco.mj_step(model, data)
-        data.qvel *= 1 - _TIMESTEP_S / _DAMPING_S
-        if data.time > _DAMPING_S and np.abs(data.qvel).max() < _STILL:
-            return pose(from_quaternion(data.qpos[3:]), data.qpos[:3]) @ drop
-    return None
+    if not come_to_rest(model, data, *_SETTLING_S):
+        return None
+    return pose(from_quaternion(data.qpos[3:]), data.qpos[:3]) @ drop
 
 
 def convex_solid(hull: Float) -> Solid:

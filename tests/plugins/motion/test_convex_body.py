@@ -21,7 +21,7 @@ def test_depths_are_distances_to_the_nearest_face_inside() -> None:
 
 
 def test_faces_look_outward() -> None:
-    a, b, c = (CORNERS[box().faces[:, i]] for i in range(3))
+    a, b, c = (box().corners[box().faces[:, i]] for i in range(3))
     assert (np.einsum("ij,ij->i", np.cross(b - a, c - a), a) > 0).all()
 
 

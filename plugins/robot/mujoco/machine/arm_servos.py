@@ -4,6 +4,7 @@ effort.
 
 import mujoco
 import numpy as np
+from executive_plugins.physics.gravity import GRAVITY_M_S2
 from executive_plugins.robot.mujoco.physics import PhysicsSettings
 
 from executive.arrays import Float
@@ -17,7 +18,6 @@ _INTEGRAL_S = 0.4  # time constant that takes up the sag under a stone [s]
 # strength and jumps when it comes free.
 _INTEGRAL_PAYLOADS = 1.3
 _INTEGRAL_SHARE = 0.1
-_G = 9.81  # [m/s²]
 
 
 def make_servos(spec: mujoco.MjSpec, machine: Machine, settings: PhysicsSettings) -> None:
@@ -61,7 +61,11 @@ def _load_jacobian(machine: Machine, q_arm: Float) -> Float:
 
 def _integral_limit(machine: Machine) -> Float:
     """Return the effort that the integral may add to each joint, shape (n,)."""
-    weight = np.abs(_load_jacobian(machine, machine.posture("carry"))[2]) * machine.payload_kg * _G
+    weight = (
+        np.abs(_load_jacobian(machine, machine.posture("carry"))[2])
+        * machine.payload_kg
+        * GRAVITY_M_S2
+    )
     limit = np.array([joint.max_effort for joint in machine.joints])
     return np.asarray(np.maximum(_INTEGRAL_PAYLOADS * weight, _INTEGRAL_SHARE * limit))
 

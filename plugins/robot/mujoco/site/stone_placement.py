@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
+from executive_plugins.physics.settling import come_to_rest
 from executive_plugins.robot.mujoco.physics import PhysicsSettings, apply_physics
 from executive_plugins.robot.mujoco.site.stone_model import StoneModel
 from executive_plugins.robot.mujoco.site.stones import PlacementSettings
@@ -21,9 +22,6 @@ _TILT_RAD = 0.15  # spread of how far from flat a stone is dropped
 _CLEARANCE_M = 0.02  # above the ground at the drop
 _ROLL_M = 0.15  # more gap than asked for: stones roll a little when they are dropped
 _SETTLING_S = (0.5, 8.0)  # least and longest time that the stones are given [s]
-_STILL = 1e-3  # m/s and rad/s
-# soil takes the energy of rocking within about this time [s]; a rigid height field does not
-_DAMPING_S = 0.5
 
 
 class _NoRoomError(Exception):
@@ -168,12 +166,6 @@ def _settle(
     apply_physics(spec, physics)
     model = spec.compile()
     data = mujoco.MjData(model)
-    least_s, most_s = _SETTLING_S
-    while data.time < least_s or (
-        np.abs(data.qvel).max(initial=0.0) > _STILL and data.time < most_s
-    ):
-        mujoco.mj_step(model, data)
-        data.qvel *= 1 - model.opt.timestep / _DAMPING_S
-    if np.abs(data.qvel).max(initial=0.0) > _STILL:
+    if not come_to_rest(model, data, *_SETTLING_S):
         return ()
     return tuple(pose(from_quaternion(q[3:]), q[:3]) for q in data.qpos.reshape(-1, 7))
