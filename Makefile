@@ -13,7 +13,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The heavy libraries start a thread for each core, and then wait for one another.
 export OMP_NUM_THREADS ?= 2
 
-.PHONY: mission test check lint setup clean
+.PHONY: mission test benchmark check lint setup clean
 .DEFAULT_GOAL := mission
 
 mission: setup
@@ -21,6 +21,10 @@ mission: setup
 
 test: setup
 	$(BIN)/python -m pytest $(ARGS)
+
+# One of docs/benchmarks.md: make benchmark NAME=missions ARGS="1:5"
+benchmark: setup
+	OMP_NUM_THREADS=1 $(BIN)/python tests/benchmarks/$(or $(NAME),lidar_speed).py $(ARGS)
 
 check: lint test
 

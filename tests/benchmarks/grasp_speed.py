@@ -1,124 +1,30 @@
-"""How long a plan takes, how many hypotheses are checked a second (CPU time of one core), and what
-grasps stand in.
-
-    OMP_NUM_THREADS=1 python tests/benchmarks/grasp_speed.py 40
+"""Measure how long a plan takes, how many hypotheses are checked, and whether grasps are free.
 
 Generated stones as two lidars of a swinging cabin and, half of them, a drone see them; 100 samples
-of 40 orientations; planning clouds of about 15,000 points. Hypotheses that are too steep are left
-out before anything is checked: the rate counts only those that are pushed and closed. Refusals are
-timed on the same stones, made too wide or too heavy. FCL says of every grasp that is returned
-whether palm or open jaws are deeper than 1 cm in the planning cloud.
+of 40 orientations; planning clouds of about 15,000 points. The rate counts only hypotheses that
+are pushed and closed, not those that are too steep. Refusals are timed on the same stones, made too
+wide or too heavy. FCL says of every grasp that is returned whether palm or open jaws are deeper
+than 1 cm in the planning cloud. Times are CPU time of one core: run it with OMP_NUM_THREADS=1.
+Three minutes for 16 stones.
 """
 
 import sys
-from itertools import islice
-from time import process_time
+from collections.abc import Sequence
 
-import numpy as np
-from executive_plugins.grasping.feasibility.fcl_check import FclCheck
-from executive_plugins.grasping.learning.labels import LabelSettings
-from executive_plugins.grasping.learning.training_scene import StoneView, look_at
-from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
-from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
-from executive_plugins.grasping.sampled_planner import SampledPlanner
-from executive_plugins.grasping.sampling.pool import Sampler, SamplingSettings
-from lone_stones import generated
+from bounds import command_line, count, verdict
 
-from executive.arrays import Float
-from executive.commands.plugin_choice import chosen
-from executive.geometry.pose import transform
-from executive.machine.machine import load_machine
-from executive.messages.cloud import Cloud
-from executive.messages.grasp import GraspPlan
-from executive.messages.stone import Stone, StoneState
-
-SEED, SAMPLES = 55, 100
-STANDS = np.array([[1, 0, 0, -5.5], [0, 1, 0, 0], [0, 0, 1, 0.9], [0, 0, 0, 1]], dtype=float)
+USAGE = "OMP_NUM_THREADS=1 python tests/benchmarks/grasp_speed.py 40"
 
 
-def timed(planner: SampledPlanner, view: StoneView, seed: int) -> tuple[float, GraspPlan]:
-    seen = Stone(1, StoneState.ON_GROUND, view.stone, view.stone.mean(axis=0), np.eye(4), True)
-    begun_s = process_time()
-    plan = planner.plan(seen, Cloud("map", view.cloud), STANDS, np.random.default_rng(seed))
-    return process_time() - begun_s, plan
+def main(words: Sequence[str] | None = None) -> int:
+    parser = command_line(__doc__, USAGE)
+    parser.add_argument("stones", type=count, nargs="?", default=40, help="default: 40")
+    given = parser.parse_args(words)
 
+    from trials.grasp_speed import measured
 
-def freedom(planner: SampledPlanner, view: StoneView, seed: int, plan: GraspPlan) -> list[bool]:
-    """Return for each grasp of a plan whether it is free in the planning cloud that the same seed
-    gives.
-    """
-    gripper = load_machine("m545").gripper
-    scene = Sampler(SamplingSettings(), gripper).scene(
-        view.stone, view.cloud, np.random.default_rng(seed)
-    )
-    points = transform(scene.T_map_plan, scene.points)
-    return [FclCheck(gripper, 0.01).is_free(points, grasp.T_map_gripper) for grasp in plan.grasps]
-
-
-def scaled(view: StoneView, factors: Float) -> StoneView:
-    return StoneView(view.stone * factors, np.concatenate([view.cloud, view.stone * factors]))
-
-
-def line(name: str, values: list[float], unit: str) -> str:
-    middle, high = np.percentile(values, [50, 95])
-    return (
-        f"  {name:34} median {middle:8.3g}, p95 {high:8.3g}, most {max(values):8.3g} {unit} "
-        f" (n = {len(values)})"
-    )
-
-
-def main(stones: int) -> None:
-    machine = load_machine("m545")
-    solids = islice(generated(LabelSettings(), SEED), stones)
-    views = [
-        look_at(solid, (), np.random.default_rng((SEED, i))) for i, (_, solid) in enumerate(solids)
-    ]
-    with chosen("motion") as motion:
-        planners: dict[str, SampledPlanner] = {
-            "sampled_cnn": SampledCnn(SampledCnnSettings(samples=SAMPLES), machine, motion),
-            "sampled_antipodal": SampledAntipodal(
-                SampledAntipodalSettings(samples=SAMPLES), machine, motion
-            ),
-        }
-        for name, planner in planners.items():
-            planner.start()
-            timed(planner, views[0], 0)
-            results = [timed(planner, view, i) for i, view in enumerate(views)]
-            print(line(f"plan, {name}", [span for span, _ in results], "s"), flush=True)
-            free = [
-                is_free
-                for i, (_, plan) in enumerate(results)
-                for is_free in freedom(planner, views[i], i, plan)
-            ]
-            print(
-                "  returned grasps deeper than 1 cm in their planning cloud: "
-                f"{len(free) - sum(free)} of {len(free)}"
-            )
-        tall = [
-            timed(planners["sampled_cnn"], scaled(v, np.array([1.0, 1.0, 3.0])), i)
-            for i, v in enumerate(views)
-        ]
-        wide = [
-            timed(planners["sampled_cnn"], scaled(v, np.array([2.6, 2.6, 0.3])), i)
-            for i, v in enumerate(views)
-        ]
-        for name, results in (
-            ("refusal: too heavy", tall),
-            ("refusal: wider than the opening", wide),
-        ):
-            print(line(name, [span for span, plan in results if not plan.grasps] or [np.nan], "s"))
-    sampler, counts, rates = Sampler(SamplingSettings(samples=SAMPLES), machine.gripper), [], []
-    for i, view in enumerate(views):
-        rng = np.random.default_rng(i)
-        scene = sampler.scene(view.stone, view.cloud, rng)
-        begun_s = process_time()
-        pool = sampler.pool(scene, rng)
-        pushed = len(pool) + sum(n for reason, n in pool.refused.items() if reason != "too_steep")
-        rates.append(pushed / (process_time() - begun_s))
-        counts.append(float(len(scene.points)))
-    print(line("points of the planning cloud", counts, ""))
-    print(line("hypotheses pushed and closed", rates, "a second"))
+    return verdict(measured(given.stones))
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 40)
+    sys.exit(main())

@@ -1,207 +1,42 @@
-"""Build the site's map with each estimator's poses through an outage of the satellites, and measure
-the maps.
-
-    python tests/benchmarks/maps_as_measure.py 1 --picture docs/images/estimation_maps.png
+"""Build the site's map with each estimator's poses through an outage of the satellites.
 
 After Nubert 2022, Fig. 5: a map is as sharp as the poses that its scans were placed by. The cabin
-swings for 20 s with the lidars on; three seconds into that the satellites are lost for good. One
-run is recorded and replayed for each estimator and once with true poses, which shows what mapper
-and lidar cost. Then the same with nothing that tells that the chassis stands. Figures are distances
-of the map's points to the true surface of ground and stones.
+swings for 20 s with the lidars on; three seconds into that the satellites are lost for good. Then
+the same without the chassis' inertial sensor, so that nothing tells that the chassis is at rest.
+Figures are distances of the map's points to the true surface of ground and stones. The bound is
+for `dual_graph`. Four minutes a seed on an idle core.
 """
 
-import argparse
-import itertools
+import sys
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-import open3d as o3d
-from mapping_trials import plugin
-from matplotlib.figure import Figure
+from bounds import add_seeds, command_line, seeds_of, verdict
 
-from executive.estimate.drop import Drop
-from executive.interfaces.estimation import Estimator
-from executive.interfaces.odometry import LidarOdometry
-from executive.logs.log import Arrival, Log
-from executive.logs.topics import Topics
-from executive.machine.machine import load_machine
-from executive.messages.base_state import BaseState
-from executive.messages.lidar import LidarScan
-from executive.mission.run import Options, Run
-from executive.mission.streams import Streams
-from executive.tree.load import load_mission
-
-ESTIMATORS = ("dual_graph", "error_state_ekf", "gnss_imu_filter")
-SWING = Path(__file__).with_name("one_swing.yaml")
-BEFORE_OUTAGE_S = 3.0
-UNWATCHED = "imu_base:0:9999"  # without its inertial sensor nothing tells that the chassis stands
-SHOWN_M = 0.3  # distance at the end of the colour scale
+USAGE = "python tests/benchmarks/maps_as_measure.py 1 --picture docs/images/estimation_maps.png"
 
 
-class TruePoses(Estimator):
-    """An estimator that is told where the cabin is; it exists in this file only."""
-
-    def __init__(self, truth: Any) -> None:
-        self._truth, self._stamp_s = truth, -1.0
-
-    def add_joints(self, sample: Any) -> None:
-        self._stamp_s = sample.stamp_s
-
-    def _nothing(self, sample: Any) -> None: ...
-
-    add_imu = add_gnss = add_odometry = _nothing
-
-    def state(self) -> BaseState:
-        is_known = self._stamp_s > 0
-        T = self._truth.T_world_cabin(self._stamp_s) if is_known else np.eye(4)
-        status = "TRUE" if is_known else "INITIALISING"
-        return BaseState(self._stamp_s, T, T, T, np.zeros(3), np.zeros(3), 1e-8 * np.eye(6), status)
-
-
-class Remembering(LidarOdometry):
-    """An odometry that matches each scan once, for whichever estimator comes first."""
-
-    def __init__(self, odometry: LidarOdometry) -> None:
-        self._odometry, self._answers = odometry, {}
-        self.add_imu, self.add_joints = odometry.add_imu, odometry.add_joints
-
-    def add_scan(self, scan: LidarScan) -> Any:
-        key = (scan.frame, scan.stamp_s)
-        if key not in self._answers:
-            self._answers[key] = self._odometry.add_scan(scan)
-        return self._answers[key]
-
-
-class Surface:
-    """The true surface of a site at rest."""
-
-    def __init__(self, site: Any) -> None:
-        self._scene = o3d.t.geometry.RaycastingScene(1)
-        meshes = [site.terrain.mesh()]
-        for stone, T in zip(site.stones, site.T_world_stones, strict=True):
-            meshes.append((stone.vertices @ T[:3, :3].T + T[:3, 3], stone.triangles))
-        for vertices, triangles in meshes:
-            self._scene.add_triangles(vertices.astype(np.float32), triangles.astype(np.uint32))
-
-    def distances_m(self, points: np.ndarray) -> np.ndarray:
-        return self._scene.compute_distance(points.astype(np.float32), 1).numpy()
-
-
-def recorded(seed: int, folder: Path) -> tuple[Path, Any, Surface]:
-    """Swing once, and return the log, the simulator's own account of the cabin, and the surface."""
-    robots: list[Any] = []
-    options = Options(seed=seed, run_dir=folder / "run", record_log=folder / "swing.mcap")
-
-    def watch(mission: Any) -> None:
-        if not robots:
-            robot = mission.services.plugins["robot"]
-            robots.extend([robot.truth_log, Surface(robot.world.site)])
-
-    Run(load_mission(str(SWING)), options).execute(watch)
-    return folder / "swing.mcap", *robots
-
-
-def ticks(log: Path, drops: Sequence[Drop]) -> Iterator[list[Any]]:
-    """Yield what arrived together, without what is dropped."""
-    arrivals: Iterable[Arrival] = Log(log, Topics()).arrivals()
-    for _, together in itertools.groupby(arrivals, key=lambda arrival: arrival.arrival_s):
-        yield [
-            a.observation for a in together if not any(drop.takes(a.observation) for drop in drops)
-        ]
-
-
-def mapped(
-    log: Path, estimator: Estimator, odometry: LidarOdometry, drops: Sequence[Drop]
-) -> np.ndarray:
-    """Return the points of the map that an estimator's poses make (N, 3)."""
-    machine = load_machine("m545")
-    lidars = [sensor.name for sensor in machine.sensors_of("lidar")]
-    mapper = plugin("mapping", "voxel_map", machine=machine)
-    plugins = {"estimation": estimator, "odometry": odometry, "mapping": mapper}
-    streams = Streams(plugins, lidars, lambda verdict: None)
-    for observations in ticks(log, drops):
-        streams.process(observations)
-    points = np.array(mapper.cloud().points)
-    estimator.close()
-    mapper.close()
-    return points
-
-
-def first_scan_s(log: Path) -> float:
-    return next(o.stamp_s for tick in ticks(log, ()) for o in tick if isinstance(o, LidarScan))
-
-
-def picture(path: Path, maps: dict[str, dict[str, np.ndarray]], surface: Surface) -> None:
-    figure = Figure(figsize=(13, 7), layout="constrained")
-    rows = figure.subplots(len(maps), len(ESTIMATORS) + 1, sharex=True, sharey=True)
-    for row, (condition, clouds) in zip(rows, maps.items(), strict=True):
-        for axes, (name, points) in zip(row, clouds.items(), strict=True):
-            distance = surface.distances_m(points)
-            order = np.argsort(distance)
-            shown = axes.scatter(
-                *points[order, :2].T,
-                c=distance[order],
-                s=0.2,
-                cmap="turbo",
-                vmin=0,
-                vmax=SHOWN_M,
-                linewidths=0,
-            )
-            axes.set(title=f"{name}\nmedian {1e3 * np.median(distance):.0f} mm", aspect="equal")
-        row[0].set(ylabel=condition)
-    figure.colorbar(shown, ax=rows, label="distance to the true surface [m]", shrink=0.6)
-    figure.savefig(path, dpi=100)
-
-
-def measured(seed: int, folder: Path) -> tuple[dict[str, dict[str, np.ndarray]], Surface]:
-    """Return the maps of one seed by condition and estimator,
-    and what they are measured against.
-    """
-    log, truth, surface = recorded(seed, folder)
-    outage = Drop("gnss", first_scan_s(log) + BEFORE_OUTAGE_S, np.inf)
-    machine = load_machine("m545")
-    odometry = Remembering(plugin("odometry", "scan_to_submap", machine=machine))
-    conditions = {"chassis watched": [outage], "chassis unwatched": [outage, Drop.parse(UNWATCHED)]}
-    true_map = mapped(log, TruePoses(truth), odometry, ())
-    maps: dict[str, dict[str, np.ndarray]] = {}
-    for condition, drops in conditions.items():
-        maps[condition] = {"true poses": true_map}
-        for name in ESTIMATORS:
-            maps[condition][name] = mapped(
-                log, plugin("estimation", name, machine=machine), odometry, drops
-            )
-            distance = surface.distances_m(maps[condition][name])
-            print(line(seed, condition, name, distance), flush=True)
-    print(line(seed, "", "true poses", surface.distances_m(true_map)), flush=True)
-    return maps, surface
-
-
-def line(seed: int, condition: str, name: str, distance_m: np.ndarray) -> str:
-    median, p95 = 1e3 * np.percentile(distance_m, [50, 95])
-    return f"| {seed} | {condition} | {name} | {median:.0f} | {p95:.0f} | {len(distance_m)} |"
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+def main(words: Sequence[str] | None = None) -> int:
+    parser = command_line(__doc__, USAGE)
+    add_seeds(parser)
+    parser.add_argument(
+        "--picture", type=Path, metavar="PNG", help="draw the first seed's maps into this file"
     )
-    parser.add_argument("seeds", type=int, nargs="+")
-    parser.add_argument("--picture", type=Path, help="PNG of the first seed's maps")
-    arguments = parser.parse_args()
-    print(
-        "| seed | condition | poses | median [mm] | 95 % [mm] | points "
-        "|\n|---|---|---|---|---|---|",
-        flush=True,
-    )
-    for seed in arguments.seeds:
+    given = parser.parse_args(words)
+
+    from trials.maps_as_measure import HEADER, figures, measured, picture
+
+    print(HEADER, flush=True)
+    found = []
+    for i, seed in enumerate(seeds_of(given)):
         with tempfile.TemporaryDirectory() as folder:
             maps, surface = measured(seed, Path(folder))
-        if arguments.picture is not None and seed == arguments.seeds[0]:
-            picture(arguments.picture, maps, surface)
+        found += figures(seed, maps, surface)
+        if given.picture is not None and i == 0:
+            picture(given.picture, maps, surface)
+    return verdict(found)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

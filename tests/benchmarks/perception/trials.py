@@ -15,8 +15,8 @@ from executive_plugins.segmentation.ground_and_clusters import (
     GroundAndClusters,
     GroundAndClustersSettings,
 )
-from perception.conftest import load_scenes
 from perception.decoys import DECOYS
+from perception.piles import load_scenes
 
 from executive import registry
 from executive.geometry.rotation import angle_between

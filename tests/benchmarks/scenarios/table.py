@@ -1,11 +1,12 @@
-"""The table: one row a figure, one column an estimator, beside what must be and what was
-hoped for.
+"""The table of the estimators: a row for each figure, a column for each estimator, and the
+bounds.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from bounds import Bound, Figure, held
 
 Values = Mapping[str, Mapping[str, Sequence[float]]]  # estimator → figure → one value a trial
 
@@ -45,12 +46,22 @@ class Row:
             return float(np.mean(values))
         return float(min(values) if self.is_least or self.is_best else max(values))
 
-    def meets(self, bound: float | None, values: Sequence[float]) -> bool:
-        """Return whether a bound is kept, or there is none."""
-        if bound is None:
-            return True
-        held = round(self.held(values), 6)
-        return held >= bound if self.is_least else held <= bound
+    @property
+    def bound(self) -> Bound | None:
+        """The bound, where there is a must."""
+        if self.must is None:
+            return None
+        return Bound(self.must, self.stretch, self.is_least)
+
+    def is_missed(self, values: Sequence[float]) -> bool:
+        """Return whether the figure misses a must."""
+        return self.bound is not None and not self.bound.holds(self.held(values))
+
+    def is_stretched(self, values: Sequence[float]) -> bool:
+        """Return whether the figure reaches the stretch, where there is one."""
+        if self.stretch is None:
+            return False
+        return Bound(self.stretch, is_least=self.is_least).holds(self.held(values))
 
 
 _OUTAGES = ("outage 45 s", "outage 160 s")
@@ -169,11 +180,10 @@ TIMING_ROWS = (
 
 
 def table(rows: Sequence[Row], values: Values) -> str:
-    """Return the rows as Markdown, median and worst of all trials, and below it what is missed."""
+    """Return the rows as Markdown: each estimator beside the bounds."""
     names = tuple(values)
     lines = ["| what | must | stretch | n | " + " | ".join(f"`{name}`" for name in names) + " |"]
     lines.append("|---" * (4 + len(names)) + "|")
-    missed = []
     for row in rows:
         per_name = [row.of(values[name]) for name in names]
         if not any(per_name):
@@ -183,19 +193,22 @@ def table(rows: Sequence[Row], values: Values) -> str:
         cells = [_cell(row, v) for v in per_name]
         bounds = f"{_bound(row.must, row)} | {_bound(row.stretch, row)}"
         lines.append(f"| {row.label} | {bounds} | {n} | " + " | ".join(cells) + " |")
-        missed += [
-            f"- `{name}`, {row.label}: {row.held(v):.{row.digits}f}, must be "
-            f"{_bound(row.must, row)}"
-            for name, v in zip(names, per_name, strict=True)
-            if v and row.must is not None and not row.meets(row.must, v)
-        ]
-    return "\n".join(
-        [*lines, "", "Missed:" if missed else "Nothing is missed.", "", *missed]
-    ).rstrip()
+    return "\n".join(lines)
 
 
-def _bound(bound: float | None, row: Row) -> str:
-    return "" if bound is None else f"{'≥' if row.is_least else '≤'} {bound:g}"
+def figures(rows: Sequence[Row], values: Values, name: str) -> list[Figure]:
+    """Return the figures of one estimator that have a bound."""
+    found = []
+    for row in rows:
+        trials = row.of(values.get(name, {}))
+        if trials and row.bound is not None:
+            words = f"{row.held(trials):.{row.digits}f}"
+            found.append(held(f"{name}: {row.label}", row.held(trials), row.bound, words))
+    return found
+
+
+def _bound(limit: float | None, row: Row) -> str:
+    return "" if limit is None else str(Bound(limit, is_least=row.is_least))
 
 
 def _cell(row: Row, values: Sequence[float]) -> str:
@@ -208,6 +221,6 @@ def _cell(row: Row, values: Sequence[float]) -> str:
         (np.mean(values), np.std(values)) if row.is_mean else (np.median(values), row.held(values))
     )
     joined = f"{first:.{row.digits}f} {'±' if row.is_mean else '…'} {second:.{row.digits}f}"
-    if not row.meets(row.must, values):
+    if row.is_missed(values):
         return f"**{joined}**"
-    return f"{joined} *" if row.stretch is not None and row.meets(row.stretch, values) else joined
+    return f"{joined} *" if row.is_stretched(values) else joined

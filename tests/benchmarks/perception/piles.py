@@ -1,17 +1,14 @@
-"""Scenes for the figures of perception: single stones (drawn as in the tests of registration) and
-stones in piles.
-"""
+"""Scenes for the figures of perception: single stones and stones in piles."""
 
 import importlib.util
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import open3d as o3d
-import pytest
 from scipy.spatial import ConvexHull
 
 from executive.arrays import Float, Int
@@ -164,29 +161,3 @@ def piles_of(seed: int, gap_m: tuple[float, float], shape: str, scenes: ModuleTy
 def _labels(site: o3d.t.geometry.RaycastingScene, points: Float) -> Int:
     nearest = site.compute_closest_points(o3d.core.Tensor(points.astype(np.float32)))
     return np.asarray(nearest["geometry_ids"].numpy().astype(np.int64))
-
-
-@pytest.fixture(scope="session")
-def scenes() -> ModuleType:
-    return load_scenes()
-
-
-@pytest.fixture(scope="session")
-def make_piles(scenes: ModuleType) -> Callable[[int, tuple[float, float], str], Piles]:
-    def make(seed: int, gap_m: tuple[float, float], shape: str) -> Piles:
-        if shape == "scanned" and not SCANNED.is_dir():
-            pytest.skip("the scanned stones are not here")
-        return piles_of(seed, gap_m, shape, scenes)
-
-    return make
-
-
-@pytest.fixture
-def cpu_time(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Let stages be timed by the processor's clock: others may use the computer meanwhile."""
-    import time
-
-    from executive_plugins.registration import stopwatch
-
-    monkeypatch.setattr(stopwatch, "wall_s", time.process_time)
-    return

@@ -1,25 +1,19 @@
-"""Look for single stones where they are and where another one is, and print what was accepted.
+"""Single stones, looked for where they are and where another one is.
 
-    OMP_NUM_THREADS=1 python tests/benchmarks/perception/single_stones.py 12
-
-So many drawn sites of seven stones. A stone's model comes from one swing and a survey; it is
-tumbled, and looked for in what another swing shows within 1.8 m of itself and of the next two. An
-answer is right if it is off by less than 5 cm and 5°, wherever it was looked for: the next stone
-may stand within those 1.8 m. Fifteen seconds of processor time a site.
+A stone's model comes from one swing and a survey; it is tumbled, and looked for in what another
+swing shows within 1.8 m of itself and of the next two. An answer is right if it is off by less than
+5 cm and 5°, wherever it was looked for: the next stone may be within those 1.8 m.
 """
 
-import sys
 from collections import Counter
-from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
+from bounds import Bound, Figure, held
 from executive_plugins.segmentation.ground_and_clusters import (
     GroundAndClusters,
     GroundAndClustersSettings,
 )
-from perception.conftest import load_scenes
+from perception.piles import load_scenes
 from perception.trials import registrar
 
 from executive.arrays import Float
@@ -38,7 +32,8 @@ def tumbled(rng: np.random.Generator) -> Float:
     return pose(exp_so3(axis / np.linalg.norm(axis) * rng.uniform(0.8, 3.1)), rng.uniform(-3, 3, 3))
 
 
-def main(sites: int) -> None:
+def counted(sites: int) -> Counter[str]:
+    """Return how often each verdict was reached, printed site by site."""
     scenes, ours = load_scenes(), registrar()
     segmentation = GroundAndClusters(GroundAndClustersSettings())
     counts: Counter[str] = Counter()
@@ -60,6 +55,7 @@ def main(sites: int) -> None:
                     _verdict(found.T_target_source @ T, models[j].centroid, i == j, found.accepted)
                 ] += 1
         print(f"{seed}: {dict(sorted(counts.items()))}", flush=True)
+    return counts
 
 
 def _verdict(left: Float, centroid: Float, is_there: bool, accepted: bool) -> str:
@@ -69,5 +65,17 @@ def _verdict(left: Float, centroid: Float, is_there: bool, accepted: bool) -> st
     return f"{kind}, {'right' if right else 'wrong'}, {'accepted' if accepted else 'refused'}"
 
 
-if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 12)
+def figures(counts: Counter[str]) -> list[Figure]:
+    """Hold the answers against the bounds of registration: 95 % right, no wrong one accepted."""
+    itself = sum(n for verdict, n in counts.items() if verdict.startswith("itself"))
+    wrong = sum(n for verdict, n in counts.items() if verdict.endswith("wrong, accepted"))
+    right = counts["itself, right, accepted"]
+    return [
+        held(
+            "share of stones that are found themselves",
+            right / itself if itself else float("nan"),
+            Bound(0.95, is_least=True),
+            f"{right} of {itself}",
+        ),
+        held("wrong answers accepted", wrong, Bound(0), f"{wrong} of {counts.total()}"),
+    ]

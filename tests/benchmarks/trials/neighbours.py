@@ -1,8 +1,6 @@
-"""How many stones are one segment each, by the gap to their neighbour, and what a segmentation
-costs.
+"""How many stones are one segment each, by the gap to their neighbour.
 
-Run with `OMP_NUM_THREADS=1 pytest tests/benchmarks/perception/test_neighbours.py -s`: three minutes
-of processor time. Seeds 7500 and up are drawn here only; nothing has been tuned on them.
+Seeds 7500 and up are drawn here only; nothing has been tuned on them.
 """
 
 import time
@@ -10,10 +8,12 @@ from collections import Counter
 from collections.abc import Callable
 
 import numpy as np
+from bounds import Bound, Figure, held
 from executive_plugins.segmentation.ground_and_clusters import (
     GroundAndClusters,
     GroundAndClustersSettings,
 )
+from perception.piles import load_scenes, piles_of
 from scipy.spatial import cKDTree
 
 from executive.arrays import Float, Int
@@ -22,6 +22,7 @@ from executive.messages.cloud import Cloud
 STONES, SCENES, FIRST_SEED = 7, 10, 7500
 BANDS_M = ((0.05, 0.10), (0.10, 0.15), (0.15, 0.30))
 Tallies = dict[tuple[str, tuple[float, float]], Counter[str]]
+NARROW, WIDE = Bound(0.90, 0.97, is_least=True), Bound(0.97, 0.99, is_least=True)
 LEAST_SEEN = 100  # points: fewer of a stone are not asked for
 
 
@@ -74,27 +75,6 @@ def summed(tallies: Tallies, least_m: float) -> Counter[str]:
     return sum((tally for (_, band), tally in tallies.items() if band[0] >= least_m), Counter())
 
 
-def test_neighbours(make_piles: Callable) -> None:
-    tallies, spent_ms = tallied(make_piles, SCENES)
-    print(
-        "\n  "
-        f"{'stones':10}{'gap [cm]':>10}{'single':>10}{'merged':>8}{'split':>8}{'missed':>8}"
-        f"{'seen':>6}"
-    )
-    for (shape, band), tally in tallies.items():
-        _print(shape, f"{100 * band[0]:.0f}-{100 * band[1]:.0f}", tally)
-    narrow, wide = summed(tallies, 0.0), summed(tallies, 0.15)
-    _print("all", ">= 5", narrow)
-    _print("all", ">= 15", wide)
-    for kind, spent in spent_ms.items():
-        print(
-            f"  {kind}: {np.median(spent):.0f} ms median, "
-            f"{np.percentile(spent, 95):.0f} ms p95, n {len(spent)}"
-        )
-    assert narrow["single"] >= 0.90 * seen(narrow)
-    assert wide["single"] >= 0.97 * seen(wide)
-
-
 def seen(tally: Counter[str]) -> int:
     """Return how many stones were there to be seen."""
     return tally.total() - tally["unseen"]
@@ -103,3 +83,27 @@ def seen(tally: Counter[str]) -> int:
 def _print(shape: str, gap: str, tally: Counter[str]) -> None:
     counts = "".join(f"{tally[fate]:8d}" for fate in ("merged", "split", "missed"))
     print(f"  {shape:10}{gap:>10}{tally['single'] / seen(tally):10.1%}{counts}{seen(tally):6d}")
+
+
+def measured(scenes: int) -> list[Figure]:
+    """Segment piles of stones, print what became of each, and hold the shares against bounds."""
+    module = load_scenes()
+    tallies, spent_ms = tallied(lambda seed, gap, shape: piles_of(seed, gap, shape, module), scenes)
+    print(
+        f"  {'stones':10}{'gap [cm]':>10}{'single':>10}{'merged':>8}{'split':>8}{'missed':>8}"
+        f"{'seen':>6}"
+    )
+    for (shape, band), tally in tallies.items():
+        _print(shape, f"{100 * band[0]:.0f}-{100 * band[1]:.0f}", tally)
+    for kind, spent in spent_ms.items():
+        print(
+            f"  {kind}: {np.median(spent):.0f} ms median, "
+            f"{np.percentile(spent, 95):.0f} ms p95, n {len(spent)}"
+        )
+    found = []
+    for least_m, bound in ((0.0, NARROW), (0.15, WIDE)):
+        tally = summed(tallies, least_m)
+        words = f"{tally['single']} of {seen(tally)}"
+        name = f"stones that are one segment, gaps of {100 * max(least_m, BANDS_M[0][0]):.0f} cm up"
+        found.append(held(name, tally["single"] / seen(tally), bound, words))
+    return found

@@ -1,0 +1,1 @@
+"""What the benchmarks run; each command imports it after reading its command line."""

@@ -1,0 +1,284 @@
+"""Sites of `pick_and_place` on which grasps are counted, and the table of what came of them.
+
+An attempt is a success if the mission says that the stone was placed and the simulator that it was
+lifted and not dropped: picked up, carried to its slot, set down. Stones that were found and for
+which there was no attempt count as failures. Intervals: Wilson, 95 %.
+"""
+
+import hashlib
+import json
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from bounds import Bound, Figure, held
+from executive_plugins.grasping.sampled_cnn import weights_file
+from executive_plugins.robot.mujoco.site.mass_properties import volume_and_centroid
+from executive_plugins.robot.mujoco.site.stone_meshes import mesh_files, read_skin
+
+from executive.clock import wall_s
+from executive.machine.machine import load_machine
+from executive.mission.mission import Mission
+from executive.mission.run import Options, Run
+from executive.tree.load import load_mission
+
+A_SITE, FIRST_SEED, DENSITY, FLAT, TRIES = 7, 1000, 2700.0, 0.5, 3
+RANKINGS = {
+    "learned": ("grasping.plugin=sampled_cnn",),
+    "paper": ("grasping.plugin=sampled_antipodal", "grasping.rehearsed=0"),
+    "rehearsal": ("grasping.plugin=sampled_antipodal",),
+}
+# Shares of stones: at the first attempt by kind of stones, flat scans, within three attempts.
+FIRST = {
+    "generated": Bound(0.92, 0.97, is_least=True),
+    "scanned": Bound(0.90, 0.97, is_least=True),
+}
+FLAT_ONES = Bound(0.80, 0.92, is_least=True)
+IN_THREE = Bound(0.99, 1.0, is_least=True)
+ABOVE_THE_PAPER = Bound(10, 15, is_least=True)  # points, on stones that both have tried
+
+
+def scans_of(folder: Path, scale: float, site: int) -> list[Path]:
+    """Return the files of one site, numbered from 1."""
+    most_m3 = load_machine("m545").payload_kg / DENSITY
+    files = [
+        f for f in mesh_files(folder) if volume_and_centroid(*read_skin(f, scale))[0] <= most_m3
+    ]
+    order = np.random.default_rng(0).permutation(len(files))
+    return [files[i] for i in order[A_SITE * (site - 1) : A_SITE * site]]
+
+
+def run_site(
+    stones: str, scale: float, ranking: str, site: int, folder: Path
+) -> list[dict[str, Any]]:
+    """Run the mission of one site and return a row a stone."""
+    settings = [*RANKINGS[ranking], f"robot.site.stones.count={A_SITE}"]
+    if stones != "generated":
+        meshes = folder / "meshes"
+        meshes.mkdir()
+        for file in scans_of(Path(stones), scale, site):
+            (meshes / file.name).symlink_to(file.resolve())
+        settings += [
+            f"robot.site.stones.folder={json.dumps(str(meshes))}",
+            f"robot.site.stones.scale={scale}",
+        ]
+    shapes: dict[int, tuple[float, float]] = {}
+
+    def look(mission: Mission) -> None:
+        if not shapes:
+            shapes.update(shapes_of(mission.services.plugins["robot"].world.model))
+
+    begun_s = wall_s()
+    made = Run(
+        load_mission("pick_and_place", settings),
+        Options(seed=FIRST_SEED + site, run_dir=folder / "run"),
+    )
+    report = made.execute(look).report
+    if report["outcome"] in ("stopped", "fault"):
+        sys.exit(
+            f"{stones} {ranking} site {site}: {report['outcome']}: {report['reason']}; "
+            "nothing is noted"
+        )
+    about = {
+        "stones": "generated" if stones == "generated" else "scanned",
+        "ranking": ranking,
+        "site": site,
+    }
+    about |= {
+        "weights": weights_id() if ranking == "learned" else "",
+        "wall_s": round(wall_s() - begun_s),
+    }
+    about |= {"plan_ms": report["timings_ms"].get("grasping.plan", {})}
+    return [about | row for row in rows_of(report, shapes)]
+
+
+def rows_of(
+    report: dict[str, Any], shapes: dict[int, tuple[float, float]]
+) -> Iterator[dict[str, Any]]:
+    """Yield what became of each stone: its shape, and its attempts in order."""
+    truth = report["truth"]
+    lifted = {key(a, p): g for (a, p), g in zip(by_time(report), truth["grasps"], strict=True)}
+    for stone in truth["stones"]:
+        picks = [pick for pick in report["picks"] if pick["object"] == stone["held_object"]]
+        flatness, mass_kg = shapes[stone["id"]]
+        yield {
+            "stone": stone["id"],
+            "flatness": round(flatness, 3),
+            "mass_kg": round(mass_kg),
+            "found": stone["held_object"] is not None,
+            "set_aside": picks[0]["set_aside"] if picks else "never selected",
+            "attempts": [
+                {
+                    "outcome": attempt["outcome"],
+                    "reason": attempt["reason"],
+                    "lifted": lifted[key(attempt, pick)]["lifted"],
+                    "dropped": lifted[key(attempt, pick)]["dropped"],
+                    "score": round(attempt["grasp"]["score"], 3),
+                    "costs": {
+                        name: round(cost, 3) for name, cost in attempt["grasp"]["costs"].items()
+                    },
+                }
+                for pick in picks[:1]
+                for attempt in pick["attempts"]
+            ],
+        }
+
+
+def by_time(report: dict[str, Any]) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+    """Return attempts with their picks in the order of the report's true grasps."""
+    pairs = [(attempt, pick) for pick in report["picks"] for attempt in pick["attempts"]]
+    return sorted(pairs, key=lambda pair: pair[0]["started_s"])
+
+
+def key(attempt: dict[str, Any], pick: dict[str, Any]) -> tuple[int, float]:
+    return pick["object"], attempt["started_s"]
+
+
+def shapes_of(model: Any) -> dict[int, tuple[float, float]]:
+    """Return the shortest over the middle of the skin's principal extents, and the mass [kg], by
+    the stone's number.
+    """
+    shapes = {}
+    for i in range(1, A_SITE + 1):
+        mesh = model.mesh(f"stone_{i}_skin").id
+        first, n = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+        skin = model.mesh_vert[first : first + n].astype(float)
+        _, _, axes = np.linalg.svd(skin - skin.mean(axis=0), full_matrices=False)
+        extents = np.sort(np.ptp(skin @ axes.T, axis=0))
+        shapes[i] = float(extents[0] / extents[1]), float(model.body(f"stone_{i}").mass[0])
+    return shapes
+
+
+def weights_id() -> str:
+    return hashlib.sha256(weights_file("two_stream").read_bytes()).hexdigest()[:8]
+
+
+def is_success(attempt: dict[str, Any]) -> bool:
+    return bool(attempt["outcome"] == "placed" and attempt["lifted"] and not attempt["dropped"])
+
+
+def is_first(row: dict[str, Any]) -> bool:
+    return bool(row["attempts"]) and is_success(row["attempts"][0])
+
+
+def is_within_three(row: dict[str, Any]) -> bool:
+    return any(is_success(attempt) for attempt in row["attempts"][:TRIES])
+
+
+def kind_of(row: dict[str, Any]) -> tuple[str, str, str]:
+    return row["stones"], row["ranking"], row["weights"]
+
+
+def wilson(k: int, n: int, z: float = 1.96) -> tuple[float, float]:
+    """Return the 95 % interval of a rate."""
+    middle, half = (
+        (k + z * z / 2) / (n + z * z),
+        z * np.sqrt(k * (n - k) / n + z * z / 4) / (n + z * z),
+    )
+    return float(middle - half), float(middle + half)
+
+
+def rate(good: Iterable[bool]) -> str:
+    found = list(good)
+    if not found:
+        return "-"
+    low, high = wilson(sum(found), len(found))
+    return (
+        f"{sum(found)}/{len(found)} = {100 * sum(found) / len(found):.0f} % "
+        f"[{100 * low:.0f}, {100 * high:.0f}]"
+    )
+
+
+def table(rows: list[dict[str, Any]]) -> str:
+    """Return the table in Markdown: a line for each kind of stones and ranking."""
+    lines = [
+        "| stones | ranking | first attempt | flat ones | within three attempts |",
+        "|---|---|---|---|---|",
+    ]
+    for stones, ranking, weights in sorted({kind_of(r) for r in rows}):
+        of = [r for r in rows if kind_of(r) == (stones, ranking, weights) and r["found"]]
+        first = [is_first(r) for r in of]
+        flat = [good for r, good in zip(of, first, strict=True) if r["flatness"] < FLAT]
+        three = [is_within_three(r) for r in of]
+        name = f"{ranking} {weights}".strip()
+        lines.append(f"| {stones} | {name} | {rate(first)} | {rate(flat)} | {rate(three)} |")
+        ends = Counter(r["attempts"][0]["outcome"] if r["attempts"] else r["set_aside"] for r in of)
+        lines.append(
+            "|  | first attempts: "
+            f"{', '.join(f'{n} {what}' for what, n in ends.most_common())} | | | |"
+        )
+    return "\n".join(lines)
+
+
+def figures(rows: list[dict[str, Any]]) -> list[Figure]:
+    """Hold the learned ranking against its bounds, and against the paper's where both were run."""
+    made = []
+    for stones, bound in FIRST.items():
+        of = [r for r in rows if (r["stones"], r["ranking"]) == (stones, "learned") and r["found"]]
+        flat = [r for r in of if r["flatness"] < FLAT and stones == "scanned"]
+        for what, some, is_good, least in (
+            ("placed at the first attempt", of, is_first, bound),
+            ("flat ones", flat, is_first, FLAT_ONES),
+            ("placed within three attempts", of, is_within_three, IN_THREE),
+        ):
+            if some:
+                good = [is_good(r) for r in some]
+                made.append(held(f"{stones}: {what}", np.mean(good), least, rate(good)))
+        made += _above_the_paper(stones, of, rows)
+    return made
+
+
+def _above_the_paper(
+    stones: str, learned: list[dict[str, Any]], rows: list[dict[str, Any]]
+) -> Iterator[Figure]:
+    """Yield the difference at the first attempt on the stones that both rankings have tried."""
+    paper = {
+        (r["site"], r["stone"]): is_first(r)
+        for r in rows
+        if (r["stones"], r["ranking"]) == (stones, "paper") and r["found"]
+    }
+    pairs = [
+        (is_first(r), paper[r["site"], r["stone"]])
+        for r in learned
+        if (r["site"], r["stone"]) in paper
+    ]
+    if pairs:
+        ours, theirs = 100 * np.mean(pairs, axis=0)
+        yield held(
+            f"{stones}: above the paper's order, same stones [points]",
+            float(ours - theirs),
+            ABOVE_THE_PAPER,
+            f"{ours - theirs:.0f} (n = {len(pairs)})",
+        )
+
+
+def read(path: Path) -> list[dict[str, Any]]:
+    """Return the rows of a file; none where there is no file yet."""
+    return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+
+
+def sites_run(
+    path: Path, stones: str, ranking: str, scale: float, sites: Iterable[int]
+) -> list[dict[str, Any]]:
+    """Run those missions whose site is not in the file, write their rows there, return all rows."""
+    rows = read(path)
+    kind = "generated" if stones == "generated" else "scanned"
+    weights = weights_id() if ranking == "learned" else ""
+    done = {(*kind_of(r), r["site"]) for r in rows}
+    for site in sites:
+        if (kind, ranking, weights, site) in done:
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            found = run_site(stones, scale, ranking, site, Path(folder))
+        with path.open("a") as file:
+            file.writelines(json.dumps(row) + "\n" for row in found)
+        print(
+            f"{kind} {ranking} site {site}: {sum(map(is_first, found))} of {len(found)}, "
+            f"{found[0]['wall_s']} s",
+            flush=True,
+        )
+    return read(path)

@@ -1,0 +1,190 @@
+"""What the benchmarks share: a miss ends with 1, wrong input with 2; no bound is no benchmark."""
+
+import argparse
+import importlib
+import json
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+import pytest
+
+BENCHMARKS = Path(__file__).parent / "benchmarks"
+
+
+@pytest.fixture
+def load(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    return importlib.import_module
+
+
+@pytest.fixture
+def bounds(load) -> ModuleType:
+    return load("bounds")
+
+
+def test_a_miss_ends_with_1_and_is_repeated_on_standard_error(bounds, capsys) -> None:
+    figures = [
+        bounds.held("error [cm]", 1.2, bounds.Bound(1.0)),
+        bounds.held("replay", 60, bounds.Bound(50, is_least=True)),
+    ]
+    assert bounds.verdict(figures) == 1
+    out, err = capsys.readouterr()
+    assert "| error [cm] | **1.2** | ≤ 1 | **missed** |" in out
+    assert "| replay | 60 | ≥ 50 | met |" in out
+    assert err == "missed: error [cm]: 1.2, must be ≤ 1\n"
+
+
+def test_all_met_ends_with_0(bounds, capsys) -> None:
+    assert bounds.verdict([bounds.judged("stones", "7 of 7", "all", True)]) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_no_bound_at_all_is_refused(bounds) -> None:
+    with pytest.raises(ValueError, match="could not fail"):
+        bounds.verdict([bounds.Figure("drift", "3 mm")])
+    with pytest.raises(ValueError, match="could not fail"):
+        bounds.verdict([])
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_was_not_measured_misses(bounds, value: float) -> None:
+    assert bounds.held("error", value, bounds.Bound(1.0)).is_missed
+
+
+@pytest.mark.parametrize(
+    ("value", "is_least", "verdict"),
+    [
+        (0.5, False, "stretch"),
+        (0.7, False, "met"),
+        (1.0, False, "met"),
+        (1.0 + 1e-12, False, "met"),
+        (1.001, False, "missed"),
+        (0.5, True, "missed"),
+        (1.0, True, "stretch"),
+        (1.5, True, "stretch"),
+    ],
+)
+def test_bounds_include_their_limit(bounds, value, is_least, verdict) -> None:
+    bound = bounds.Bound(1.0, 1.0 if is_least else 0.5, is_least)
+    assert bounds.held("figure", value, bound).verdict == verdict
+
+
+def test_seeds_are_read_with_their_last_one(bounds) -> None:
+    assert bounds.numbers("3") == [3]
+    assert bounds.numbers("1:4") == [1, 2, 3, 4]
+
+
+@pytest.mark.parametrize("text", ["", "x", "4:1", "1:2:3", "-1", "1.5"])
+def test_a_wrong_seed_is_refused_with_the_right_form(bounds, text: str) -> None:
+    with pytest.raises(argparse.ArgumentTypeError, match="write 3, or 1:10"):
+        bounds.numbers(text)
+
+
+def ended(command: ModuleType, words: list[str]) -> int:
+    """Return the exit status of a benchmark."""
+    try:
+        return command.main(words)
+    except SystemExit as end:
+        return int(end.code or 0)
+
+
+def test_perception_figures_judge_the_file_that_they_are_given(load, tmp_path, capsys) -> None:
+    command = load("perception_figures")
+    kept = tmp_path / "figures.json"
+    words = ["--print", "--figures", str(kept)]
+    assert ended(command, words) == 2
+    good = {"same_bits": {"scenes": 10, "same_again": 10, "same_over_threads": 10}}
+    kept.write_text(json.dumps(good))
+    assert ended(command, words) == 0
+    good["same_bits"]["same_again"] = 9
+    kept.write_text(json.dumps(good))
+    assert ended(command, words) == 1
+    assert "missed: same seed, same bits" in capsys.readouterr().err
+
+
+def attempts(placed: int, stones: int, ranking: str) -> list[dict]:
+    """Make up rows of a benchmark of grasps, the first of them placed at the first attempt."""
+    good = {"outcome": "placed", "lifted": True, "dropped": False}
+    bad = good | {"outcome": "slip"}
+    return [
+        {"stones": "generated", "ranking": ranking, "weights": "", "site": 1, "stone": i}
+        | {"found": True, "set_aside": None, "flatness": 0.8}
+        | {"attempts": [good] if i < placed else [bad, good]}
+        for i in range(stones)
+    ]
+
+
+@pytest.mark.parametrize(("placed", "paper", "status"), [(95, 70, 0), (91, 70, 1), (95, 90, 1)])
+def test_grasps_are_held_to_their_share_and_to_the_paper(
+    load, tmp_path, placed: int, paper: int, status: int
+) -> None:
+    command = load("grasp_attempts")
+    assert ended(command, [str(tmp_path), "table"]) == 2
+    rows = attempts(placed, 100, "learned") + attempts(paper, 100, "paper")
+    (tmp_path / "attempts.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
+    assert ended(command, [str(tmp_path), "table"]) == status
+
+
+def mission(near: int, collisions: int = 0, outcome: str = "success") -> SimpleNamespace:
+    truth = {"stones": [], "collisions": [{}] * collisions}
+    report = {"truth": truth, "outcome": outcome, "real_time_factor": 3.0}
+    return SimpleNamespace(near=near, stones=7, report=report)
+
+
+def test_missions_are_held_to_stones_collisions_and_outcome(load, bounds) -> None:
+    figures = load("trials.missions").figures
+    assert bounds.verdict(figures([*[mission(7)] * 4, mission(5)], are_scanned=False)) == 0
+    assert bounds.verdict(figures([*[mission(7)] * 4, mission(4)], are_scanned=False)) == 1
+    assert bounds.verdict(figures([mission(6)] * 3, are_scanned=True)) == 0
+    assert bounds.verdict(figures([mission(7, collisions=1)], are_scanned=False)) == 1
+    assert bounds.verdict(figures([mission(7, outcome="failure")], are_scanned=False)) == 1
+
+
+def relocated(cm: float, deg: float, known: int = 7) -> tuple[list[dict], dict[str, int]]:
+    entry = {"round": 0, "settled": (1.0, 1.0), "final": (cm, deg), "was_realigned": True}
+    return [entry], {"stones": 7, "known": known, "twice": 0, "ghosts": 0}
+
+
+@pytest.mark.parametrize(
+    ("run", "status"), [((2.9, 2.9), 0), ((3.1, 1.0), 1), ((1.0, 3.1), 1), ((1.0, 1.0, 6), 1)]
+)
+def test_database_poses_are_held_to_place_rotation_and_identity(load, bounds, run, status) -> None:
+    figures = load("trials.database_poses").figures
+    assert bounds.verdict(figures([relocated(1.0, 1.0), relocated(*run)])) == status
+
+
+def estimated(error_m: float, way_m: float = 100.0) -> dict:
+    outage = {"from_s": 30, "to_s": 75, "way_m": way_m, "recovered_after_s": 0.8}
+    return {
+        "truth": {"error_m": {"bias": 0.001, "component_std": 0.005}},
+        "consistency_m": {"mean": 0.001, "std": 0.001},
+        "odometry_step_m": 0.0001,
+        "outages": [outage | {"truth": {"max": error_m}}],
+    }
+
+
+@pytest.mark.parametrize(("error_m", "status"), [(0.69, 0), (0.71, 1)])
+def test_an_estimator_is_held_to_a_share_of_the_way(load, bounds, error_m, status) -> None:
+    trial = load("trials.estimation_missions")
+    reports = {title: {trial.HELD: estimated(error_m)} for title in trial.CONDITIONS}
+    assert bounds.verdict(list(trial.figures(1, reports))) == status
+
+
+def test_a_map_is_held_to_its_distance_from_the_surface(load, bounds) -> None:
+    figures = load("trials.maps_as_measure").figures
+    surface = SimpleNamespace(distances_m=lambda points: points)
+    for error_m, status in ((0.009, 0), (0.011, 1)):
+        clouds = {"true poses": np.array([0.002]), "dual_graph": np.array([error_m])}
+        assert bounds.verdict(list(figures(1, {"watched": clouds}, surface))) == status
+
+
+def test_the_scenarios_that_a_command_line_knows_are_those_that_there_are(load) -> None:
+    assert set(load("estimation_faults").SCENARIOS) == set(load("scenarios.scenario").SCENARIOS)
+    assert set(load("grasp_sites").RANKINGS) == set(load("trials.grasp_lifts").RANKINGS)
+    assert set(load("perception_figures").PARTS) == set(load("trials.perception_figures").PARTS)
+
+
+def test_what_the_benchmarks_import_is_there(load) -> None:
+    for path in sorted((BENCHMARKS / "trials").glob("*.py")):
+        load(f"trials.{path.stem}")
