@@ -13,7 +13,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The heavy libraries start a thread for each core, and then wait for one another.
 export OMP_NUM_THREADS ?= 2
 
-.PHONY: mission test benchmark check lint setup clean
+.PHONY: mission test test-fast benchmark check lint setup clean
 .DEFAULT_GOAL := mission
 
 mission: setup
@@ -21,6 +21,11 @@ mission: setup
 
 test: setup
 	$(BIN)/python -m pytest $(ARGS)
+
+# All but missions and slow tests, a file of tests to a core: what is slow to set up is set up once.
+test-fast: export OMP_NUM_THREADS = 1
+test-fast: setup
+	$(BIN)/python -m pytest -m "not mission and not slow" --numprocesses auto --dist loadfile $(ARGS)
 
 # One of docs/benchmarks.md: make benchmark NAME=missions ARGS="1:5"
 benchmark: setup
