@@ -7,46 +7,59 @@ on the wall clock.
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from enum import Enum
 from pathlib import Path
 from typing import Any, TextIO
 
-import numpy as np
-
 from executive.errors import DataError
+from executive.events import mission, node, site, stone
+from executive.events.event import Event, UnknownEvent, event_from
 
+# Reading a journal needs the classes of its events; importing their modules registers them.
+EVENT_MODULES = (mission, node, site, stone)
 _DIGITS = 16  # of the checksum, in hexadecimal
+_FIELDS = ("sequence", "tick", "time_s", "kind", "node", "payload")
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One line of the journal."""
+    """One line of the journal.
+
+    Attributes:
+        sequence: Number of the line, from 0.
+        tick: Number of the tick.
+        time_s: The mission's time [s].
+        node: Path of the node that recorded the event; empty for the mission itself.
+        event: What happened.
+    """
 
     sequence: int
     tick: int
     time_s: float
-    kind: str
     node: str
-    payload: Mapping[str, Any]
+    event: Event
+
+    @property
+    def kind(self) -> str:
+        """Return the event's name in the journal."""
+        return self.event.name if isinstance(self.event, UnknownEvent) else self.event.kind
 
 
 class Journal:
-    """Writes entries as they happen; each line is on its way to the disk before the next tick."""
+    """Writes entries as they happen; each line is flushed before the next tick."""
 
     def __init__(self, path: Path | None = None) -> None:
         self._file: TextIO | None = path.open("w", encoding="utf-8", newline="\n") if path else None
         self._checksum = "0" * _DIGITS
         self.entries: list[Entry] = []
 
-    def append(
-        self, tick: int, time_s: float, kind: str, node: str, payload: Mapping[str, Any]
-    ) -> None:
-        """Add one entry; numpy values become plain numbers and lists."""
-        entry = Entry(len(self.entries), tick, round(time_s, 6), kind, node, plain(payload))
+    def append(self, tick: int, time_s: float, node: str, event: Event) -> None:
+        """Add one entry; numpy values become plain numbers and lists in the file."""
+        entry = Entry(len(self.entries), tick, round(time_s, 6), node, event)
         self.entries.append(entry)
-        body = _body(entry)
+        values = (entry.sequence, tick, entry.time_s, entry.kind, node, event.payload())
+        body = _body(values)
         self._checksum = _chain(self._checksum, body)
         if self._file:
             self._file.write(f'{body[:-1]},"checksum":"{self._checksum}"}}\n')
@@ -68,38 +81,22 @@ def read_journal(path: Path) -> Iterator[Entry]:
     checksum = "0" * _DIGITS
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
         try:
-            fields = json.loads(line)
-            stated = fields.pop("checksum")
-            entry = Entry(
-                *(fields[k] for k in ("sequence", "tick", "time_s", "kind", "node", "payload"))
-            )
+            found = json.loads(line)
+            stated = found.pop("checksum")
+            sequence, tick, time_s, kind, node_path, payload = (found[name] for name in _FIELDS)
+            event = event_from(kind, payload)
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise DataError(f"{path}:{number}: not a line of a journal: {error}") from error
-        checksum = _chain(checksum, _body(entry))
-        if stated != checksum or entry.sequence != number - 1:
+        except DataError as error:
+            raise DataError(f"{path}:{number}: {error}") from error
+        checksum = _chain(checksum, _body((sequence, tick, time_s, kind, node_path, payload)))
+        if stated != checksum or sequence != number - 1:
             raise DataError(f"{path}:{number}: the line or one before it was changed or lost")
-        yield entry
+        yield Entry(sequence, tick, time_s, node_path, event)
 
 
-def plain(value: Any) -> Any:
-    """Turn a value into what JSON holds: numbers, strings, lists, mappings."""
-    if isinstance(value, Enum):
-        return value.value
-    if isinstance(value, np.generic):
-        return value.item()
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, Mapping):
-        return {str(k): plain(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(v) for v in value]
-    if value is None or isinstance(value, bool | int | float | str):
-        return value
-    return str(value)
-
-
-def _body(entry: Entry) -> str:
-    fields = {name: getattr(entry, name) for name in Entry.__slots__}
+def _body(values: tuple[Any, ...]) -> str:
+    fields = dict(zip(_FIELDS, values, strict=True))
     return json.dumps(fields, ensure_ascii=False, separators=(",", ":"), allow_nan=True)
 
 

@@ -146,6 +146,13 @@ def _loaded(capability: str, name: str) -> Any:
         ) from error
 
 
+def name_of(capability: str, plugin: type) -> str:
+    """Return the name under which a plugin's class is installed, else the name of the class."""
+    target = f"{plugin.__module__}:{plugin.__qualname__}"
+    points = _entry_points(capability).items()
+    return next((name for name, point in points if point.value == target), plugin.__name__)
+
+
 def settings_of(capability: str, name: str) -> type[Settings]:
     """Return the settings class of a plugin; imports it."""
     return load(capability, name).Settings  # type: ignore[no-any-return]

@@ -1,19 +1,39 @@
 """The journal is exact, complete, and shows any damage."""
 
 import json
+from dataclasses import dataclass, fields, is_dataclass
+from enum import Enum
+from typing import get_args, get_origin, get_type_hints
 
 import numpy as np
 import pytest
 
+from executive.arrays import Float
 from executive.errors import DataError
-from executive.journal import Journal, plain, read_journal
+from executive.events.event import _KINDS, Event, UnknownEvent, event_from, plain
+from executive.events.mission import PhaseChanged
+from executive.journal import Journal, read_journal
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measured(Event):
+    """An event of these tests."""
+
+    value: int
+    array: Float
+    pi: float
+
+
+def line_of(entry):
+    return (entry.sequence, entry.tick, entry.time_s, entry.node, entry.kind, entry.event.payload())
 
 
 def write(path, n=5):
     journal = Journal(path)
     for i in range(n):
-        payload = {"value": i, "array": np.arange(3), "pi": np.float64(np.pi)}
-        journal.append(i, 0.05 * i, "kind", f"main/{i}:Leaf", payload)
+        journal.append(
+            i, 0.05 * i, f"main/{i}:Leaf", Measured(i, np.arange(3.0), np.float64(np.pi))
+        )
     journal.close()
     return journal
 
@@ -21,8 +41,66 @@ def write(path, n=5):
 def test_reads_back_what_was_written(tmp_path):
     path = tmp_path / "journal.jsonl"
     written = write(path).entries
-    assert list(read_journal(path)) == written
-    assert [entry.payload["value"] for entry in written] == list(range(5))
+    read = list(read_journal(path))
+    assert [line_of(entry) for entry in read] == [line_of(entry) for entry in written]
+    assert [entry.event.value for entry in read] == list(range(5))
+    assert all(isinstance(entry.event, Measured) for entry in read)
+
+
+def test_an_event_of_a_package_that_is_not_there_is_read_as_unknown(tmp_path):
+    path = tmp_path / "journal.jsonl"
+    write(path)
+    _KINDS.pop("measured")
+    try:
+        first = next(iter(read_journal(path)))
+    finally:
+        _KINDS["measured"] = Measured
+    assert isinstance(first.event, UnknownEvent)
+    assert (first.kind, first.event.values["value"]) == ("measured", 0)
+
+
+@pytest.mark.parametrize(
+    ("payload", "words"),
+    [
+        ({"value": 1, "array": []}, "lacks its field 'pi'"),
+        ({"value": 1, "array": [], "pi": 3.1, "e": 2.7}, "has no field 'e'"),
+        ({"value": "one", "array": [], "pi": 3.1}, "field 'value': expected int, got 'one'"),
+        ({"value": True, "array": [], "pi": 3.1}, "field 'value': expected int, got True"),
+    ],
+)
+def test_an_event_of_another_form_is_refused_with_its_field(payload, words):
+    with pytest.raises(DataError, match=words):
+        event_from("measured", payload)
+
+
+def test_every_event_of_the_executive_comes_back_as_itself():
+    """Sample values are made from the fields' types; none may be lost on the way to JSON."""
+    kinds = [kind for kind in _KINDS.values() if kind.__module__.startswith("executive.events")]
+    assert len(kinds) > 30
+    for kind in kinds:
+        if kind is UnknownEvent:
+            continue
+        event = kind(**{f.name: sample(get_type_hints(kind)[f.name]) for f in fields(kind)})
+        payload = json.loads(json.dumps(event.payload()))
+        again = event_from(event.kind, payload)
+        assert type(again) is kind
+        assert again.payload() == payload
+
+
+def sample(kind):
+    """Return a value of a type."""
+    origin, arguments = get_origin(kind), get_args(kind)
+    if origin is np.ndarray:
+        return np.arange(3.0)
+    if origin is tuple:
+        return (sample(arguments[0]),) * 2
+    if origin is not None:
+        return {"a": sample(arguments[1])}
+    if is_dataclass(kind):
+        return kind(**{f.name: sample(get_type_hints(kind)[f.name]) for f in fields(kind)})
+    if issubclass(kind, Enum):
+        return next(iter(kind))
+    return {int: 3, float: 0.5, bool: True, str: "text"}[kind]
 
 
 def test_the_same_entries_give_the_same_bytes(tmp_path):
@@ -53,8 +131,8 @@ def test_shows_damage_and_names_the_line(tmp_path, damage):
 def test_a_line_is_on_its_way_to_the_disk_at_once(tmp_path):
     path = tmp_path / "journal.jsonl"
     journal = Journal(path)
-    journal.append(0, 0.0, "phase", "", {})
-    assert json.loads(path.read_text())["kind"] == "phase"
+    journal.append(0, 0.0, "", PhaseChanged("idle", "running", ""))
+    assert json.loads(path.read_text())["kind"] == "phase_changed"
     journal.close()
 
 

@@ -1,14 +1,18 @@
 """Close the jaws on a stone."""
 
-from typing import Any
+from dataclasses import dataclass
 
 from pydantic import Field
 
 from executive.config import Meters, Newtons, Radians, Settings
+from executive.events.stone import JawsClosedOnNothing, StoneGrasped
+from executive.interfaces.mapping import Mapper
+from executive.interfaces.monitoring import Monitor
+from executive.interfaces.objects import ObjectDatabase
+from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.jaws import drive_jaws
 from executive.leaf.outcome import failed, succeeded
-from executive.leaf.port import Port
 from executive.leaf.removal import reach_of, remove_from_map
 from executive.messages.hold import Hold
 
@@ -21,40 +25,47 @@ class CloseGripperSettings(Settings):
         0.08, ge=0, le=1, description="Jaws that close further hold nothing [rad]."
     )
     removal_radius: Meters = Field(
-        1.0, gt=0, le=3, description="R_obj: least radius of what the map forgets [m]."
+        1.0, gt=0, le=3, description="R_obj: least radius that is removed from the map [m]."
     )
 
 
-class CloseGripper(Action):
-    """Close the jaws, and if they hold something, say so to the database, the map and the monitors.
+@dataclass(frozen=True, slots=True)
+class StoneHeld:
+    """A stone is in the jaws.
 
-    Mascaro 2020, Sec. 4.5: the gripper's pose is stored with the stone, and the map forgets a
-    sphere of R_obj = 1 m, see `removal`.
+    Attributes:
+        hold: Which stone is held, and how.
     """
 
-    Settings = CloseGripperSettings
-    needs = ("robot", "objects", "mapping", "monitoring")
-    inputs = {"stone": Port(int, "id of the stone")}
-    outputs = {"hold": Port(Hold, "which stone is held, and how")}
+    hold: Hold
 
-    def run(self, **inputs: Any) -> Steps:
-        angle = yield from drive_jaws(self.context, 0.0, self.settings.force)
-        if angle < self.settings.empty_below:
-            reason = f"the jaws closed to {angle:.2f} rad: nothing is between them"
-            self.context.note("closed_on_nothing", stone=inputs["stone"], reason=reason)
+
+class CloseGripper(Action[CloseGripperSettings]):
+    """Close the jaws; if they hold something, inform the database, the map and the monitors.
+
+    Mascaro et al. 2020, Sec. 4.5: the gripper's pose is stored with the stone, and a sphere of
+    R_obj = 1 m is removed from the map, see `removal`.
+    """
+
+    needs = (Robot, ObjectDatabase, Mapper, Monitor)
+
+    def run(self, stone: int) -> Steps[StoneHeld]:
+        """Close, and fail if nothing is between the jaws.
+
+        Args:
+            stone: Id of the stone.
+        """
+        angle_rad = yield from drive_jaws(self.context, 0.0, self.settings.force)
+        if angle_rad < self.settings.empty_below:
+            reason = f"the jaws closed to {angle_rad:.2f} rad: nothing is between them"
+            self.context.record(JawsClosedOnNothing(stone, reason))
             return failed(reason)
-        hold = Hold(inputs["stone"], self.context.gripper(), angle)
-        stone = self.context.plugin("objects").grasp(
-            hold.stone_id, hold.T_map_gripper, self.context.now_s()
+        hold = Hold(stone, self.context.gripper(), angle_rad)
+        held = self.context.use(ObjectDatabase).grasp(
+            stone, hold.T_map_gripper, self.context.now_s()
         )
-        removed, put_back = remove_from_map(self.context, stone, self.settings.removal_radius)
-        self.context.plugin("mapping").mask_held(reach_of(stone))
+        removed, put_back = remove_from_map(self.context, held, self.settings.removal_radius)
+        self.context.use(Mapper).mask_held(reach_of(held))
         self.context.begin_hold()
-        self.context.note(
-            "grasped",
-            stone=stone.id,
-            jaw_rad=angle,
-            removed_points=removed,
-            put_back_points=put_back,
-        )
-        return succeeded(hold=hold)
+        self.context.record(StoneGrasped(stone, angle_rad, removed, put_back))
+        return succeeded(StoneHeld(hold))

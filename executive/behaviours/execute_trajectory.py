@@ -1,18 +1,20 @@
 """Move along a planned trajectory."""
 
-from typing import Any
-
+from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.follow import follow
-from executive.leaf.port import Port
 from executive.messages.trajectory import JointTrajectory
 
 
 class ExecuteTrajectory(Action):
-    """Follow a trajectory to its end; cancelled, the machine stops along the path."""
+    """Follow a trajectory to its end; when cancelled, the machine stops along the path."""
 
-    needs = ("robot",)
-    inputs = {"trajectory": Port(JointTrajectory, "where the joints are to be, when")}
+    needs = (Robot,)
 
-    def run(self, **inputs: Any) -> Steps:
-        return (yield from follow(self.context, inputs["trajectory"]))
+    def run(self, trajectory: JointTrajectory) -> Steps[None]:
+        """Follow the trajectory.
+
+        Args:
+            trajectory: Joint positions over time.
+        """
+        return (yield from follow(self.context, trajectory))

@@ -1,84 +1,75 @@
 """Look for a stone that is no longer where it was."""
 
-from typing import Any
-
 import numpy as np
 from pydantic import Field
 
 from executive.config import Meters, Settings
+from executive.events.stone import StoneSoughtAgain
+from executive.interfaces.mapping import Mapper
+from executive.interfaces.objects import ObjectDatabase
+from executive.interfaces.registration import Registrar
+from executive.interfaces.segmentation import Segmenter
 from executive.leaf.action import Action, Steps
 from executive.leaf.outcome import failed, succeeded
-from executive.leaf.port import Port
 from executive.leaf.unexplained import unexplained
-from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
-from executive.messages.segment import Segmentation
+from executive.messages.segment import Segment, Segmentation
 from executive.messages.stone import StoneState
 
 
 class FindAgainSettings(Settings):
     radius: Meters = Field(
-        4.0, gt=0, le=20, description="How far from its last known place to look [m]."
+        4.0, gt=0, le=20, description="Distance from its last known place that is searched [m]."
     )
 
 
-class FindAgain(Action):
-    """Look for a dropped or missed stone in the fresh map and update what the database knows of it.
+class FindAgain(Action[FindAgainSettings]):
+    """Look for a dropped or missed stone in the new map, and update the database.
 
-    Its whole model is looked for first, however it lies now and whatever it leans on, so that it
-    keeps model and rotation. If that is refused, the map is segmented, and what is seen there may
-    replace the model.
+    The stone's whole model is registered first, in any orientation and beside whatever it leans
+    on, so that model and rotation are kept. If registration refuses, the map is segmented, and the
+    segment that is found there may replace the model.
     """
 
-    Settings = FindAgainSettings
-    needs = ("mapping", "segmentation", "registration", "objects")
-    inputs = {"stone": Port(int, "id of the stone")}
+    needs = (Mapper, Segmenter, Registrar, ObjectDatabase)
 
-    def run(self, **inputs: Any) -> Steps:
-        objects = self.context.plugin("objects")
-        stone = objects.stone(inputs["stone"])
-        points = self.context.plugin("mapping").cloud().points
-        near = points[np.hypot(*(points[:, :2] - stone.centroid_map[:2]).T) < self.settings.radius]
+    def run(self, stone: int) -> Steps[None]:
+        """Search the surroundings of the stone's last known place.
+
+        Args:
+            stone: Id of the stone.
+        """
+        objects, radius_m = self.context.use(ObjectDatabase), self.settings.radius
+        known = objects.stone(stone)
+        points = self.context.use(Mapper).cloud().points
+        near = points[np.hypot(*(points[:, :2] - known.centroid_map[:2]).T) < radius_m]
         if not len(near):
-            return failed(f"the map shows nothing around stone {stone.id}")
-        around = unexplained(self.context, stone, self.settings.radius)
-        found: Alignment = yield self.context.job(
-            "registration", "find", around, Cloud("map", stone.points_map)
-        )
+            return failed(f"the map shows nothing around stone {stone}")
+        around = unexplained(self.context, known, radius_m)
+        registrar = self.context.use(Registrar)
+        found = yield from self.context.job(registrar.find, around, Cloud("map", known.points_map))
         if found.accepted:
             note = f"registration, {found.reason}"
-            stone = objects.realign(stone.id, found.T_target_source, self.context.now_s(), note)
-            self.context.note(
-                "looked_again", stone=stone.id, seen=[stone.id], method="registration", reason=note
-            )
-            return succeeded(note)
-        segmentation: Segmentation = yield self.context.job(
-            "segmentation", "segment", Cloud("map", near)
+            objects.realign(stone, found.T_target_source, self.context.now_s(), note)
+            self.context.record(StoneSoughtAgain(stone, (stone,), "registration", note))
+            return succeeded(reason=note)
+        segmentation = yield from self.context.job(
+            self.context.use(Segmenter).segment, Cloud("map", near)
         )
         seen = objects.observe(self._not_placed(segmentation), self.context.now_s(), False)
-        numbers = [s.id for s in seen]
-        self.context.note(
-            "looked_again", stone=stone.id, seen=numbers, method="segmentation", reason=found.reason
-        )
-        if stone.id not in numbers:
-            return failed(
-                f"stone {stone.id} was not found within {self.settings.radius:.1f} m of "
-                "its last place"
-            )
+        ids = tuple(one.id for one in seen)
+        self.context.record(StoneSoughtAgain(stone, ids, "segmentation", found.reason))
+        if stone not in ids:
+            return failed(f"stone {stone} was not found within {radius_m:.1f} m of its last place")
         return succeeded()
 
-    def _not_placed(self, segmentation: Segmentation) -> list[Any]:
-        """Leave out segments that are stones which stand in their slots:
-        those are not looked for.
-        """
-        stones = self.context.plugin("objects").stones()
-        placed = [
-            s.centroid_map[:2]
-            for s in stones
-            if s.state in (StoneState.PLACED, StoneState.SET_ASIDE)
-        ]
+    def _not_placed(self, segmentation: Segmentation) -> list[Segment]:
+        """Leave out segments of stones that are in their slots: those are not looked for."""
+        stones = self.context.use(ObjectDatabase).stones()
+        done = (StoneState.PLACED, StoneState.SET_ASIDE)
+        placed = [s.centroid_map[:2] for s in stones if s.state in done]
         return [
-            s
-            for s in segmentation.segments
-            if all(np.hypot(*(s.centroid[:2] - p)) > 0.6 for p in placed)
+            segment
+            for segment in segmentation.segments
+            if all(np.hypot(*(segment.centroid[:2] - place)) > 0.6 for place in placed)
         ]

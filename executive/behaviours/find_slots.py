@@ -1,45 +1,56 @@
 """Choose where the stones are to go."""
 
-from typing import Any
+from dataclasses import dataclass
 
 from pydantic import Field
 
 from executive.config import Settings
+from executive.events.site import SlotPlace, SlotsFound
+from executive.interfaces.placing import PlacementPlanner
 from executive.leaf.action import Action, Steps
 from executive.leaf.outcome import failed, succeeded
-from executive.leaf.port import Port
 from executive.messages.placement import Slot
 from executive.messages.segment import Segmentation
 
 
 class FindSlotsSettings(Settings):
-    count: int = Field(7, ge=1, le=50, description="Number of places wanted.")
-    at_least: int = Field(1, ge=1, le=50, description="Fewer places than this are a failure.")
+    count: int = Field(7, ge=1, le=50, description="Number of slots wanted.")
+    at_least: int = Field(1, ge=1, le=50, description="Fewer slots than this are a failure.")
 
 
-class FindSlots(Action):
-    """Find equally spaced places on free ground in reach (Mascaro 2020, Sec. 6.1)."""
+@dataclass(frozen=True, slots=True)
+class Slots:
+    """Slots of the mission.
 
-    Settings = FindSlotsSettings
-    needs = ("placing",)
-    inputs = {"segmentation": Port(Segmentation, "ground and objects of the map")}
-    outputs = {"slots": Port(list[Slot], "free places, best first")}
+    Attributes:
+        slots: Slots on free ground in reach, best first.
+    """
 
-    def run(self, **inputs: Any) -> Steps:
-        slots = yield self.context.job(
-            "placing",
-            "slots",
-            inputs["segmentation"],
-            self.context.state().T_map_base,
-            self.settings.count,
+    slots: list[Slot]
+
+
+class FindSlots(Action[FindSlotsSettings]):
+    """Find equally spaced slots on free ground in reach (Mascaro et al. 2020, Sec. 6.1)."""
+
+    needs = (PlacementPlanner,)
+
+    def run(self, segmentation: Segmentation) -> Steps[Slots]:
+        """Ask the placement planner.
+
+        Args:
+            segmentation: Ground and objects of the map.
+        """
+        planner, T_map_base = self.context.use(PlacementPlanner), self.context.state().T_map_base
+        slots = yield from self.context.job(
+            planner.slots, segmentation, T_map_base, self.settings.count
         )
-        self.context.note(
-            "slots", slots=[{"slot": s.id, "position_map": s.position_map} for s in slots]
-        )
+        places = tuple(SlotPlace(slot.id, slot.position_map) for slot in slots)
+        self.context.record(SlotsFound(places))
         for slot in slots:
             self.context.show(f"slots/{slot.id}", slot)
         if len(slots) < self.settings.at_least:
             return failed(
-                f"free ground for {len(slots)} stones, {self.settings.at_least} are wanted"
+                f"there is free ground for {len(slots)} stones, and {self.settings.at_least} "
+                "are wanted"
             )
-        return succeeded(f"{len(slots)} places", slots=list(slots))
+        return succeeded(Slots(list(slots)), f"{len(slots)} slots")

@@ -1,14 +1,13 @@
-"""Ask whether a held stone is where it was to go, though the motion was cut short."""
-
-from typing import Any
+"""Ask whether a held stone is at its placement although the motion was cut short."""
 
 import numpy as np
 from pydantic import Field
 
 from executive.config import Meters, Settings
+from executive.events.stone import ArrivedEarly
+from executive.interfaces.monitoring import Monitor
 from executive.leaf.action import Condition
 from executive.leaf.outcome import Outcome, failed, succeeded
-from executive.leaf.port import Port
 from executive.messages.placement import Placement
 from executive.messages.verdict import Trouble
 
@@ -22,24 +21,27 @@ class HasArrivedSettings(Settings):
     )
 
 
-class HasArrived(Condition):
-    """Succeed if the gripper stands at the placement and the stone has not fallen.
+class HasArrived(Condition[HasArrivedSettings]):
+    """Succeed if the gripper is at the placement and the stone has not fallen.
 
-    A stone whose lowest point hung deeper than its model knows meets the ground early, shifts in
-    the jaws, and looks as if it slipped; it has arrived all the same.
+    A stone that reaches lower than its model shows meets the ground early and shifts in the jaws,
+    which the monitors report as a slip; it has arrived all the same.
     """
 
-    Settings = HasArrivedSettings
-    needs = ("monitoring",)
-    inputs = {"placement": Port(Placement, "the placement that was to be carried out")}
+    needs = (Monitor,)
 
-    def check(self, **inputs: Any) -> Outcome:
+    def check(self, placement: Placement) -> Outcome[None]:
+        """Compare the gripper's pose with the placement.
+
+        Args:
+            placement: The placement that was to be carried out.
+        """
         if any(verdict.trouble is not Trouble.SLIP for verdict in self.context.verdicts()):
             return failed("the stone was dropped")
-        gap = self.context.gripper()[:3, 3] - inputs["placement"].T_map_gripper[:3, 3]
+        gap = self.context.gripper()[:3, 3] - placement.T_map_gripper[:3, 3]
         aside_m, above_m = float(np.hypot(gap[0], gap[1])), float(gap[2])
         where = f"{above_m:.2f} m above and {aside_m:.2f} m beside the placement"
         if aside_m > self.settings.aside or above_m > self.settings.above:
             return failed(where)
-        self.context.note("arrived_early", aside_m=aside_m, above_m=above_m)
-        return succeeded(where)
+        self.context.record(ArrivedEarly(aside_m, above_m))
+        return succeeded(reason=where)

@@ -1,10 +1,9 @@
 """Ask whether something is in the jaws."""
 
-from typing import Any
-
 from pydantic import Field
 
 from executive.config import Radians, Settings
+from executive.interfaces.monitoring import Monitor
 from executive.leaf.action import Condition
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.verdict import Trouble
@@ -12,20 +11,19 @@ from executive.messages.verdict import Trouble
 
 class IsHoldingSettings(Settings):
     empty_below: Radians = Field(
-        0.08, ge=0, le=1, description="Jaws that stand below this hold nothing [rad]."
+        0.08, ge=0, le=1, description="Jaws that are closed further than this hold nothing [rad]."
     )
 
 
-class IsHolding(Condition):
-    """Succeed while the jaws stand apart and no monitor has seen the stone fall."""
+class IsHolding(Condition[IsHoldingSettings]):
+    """Succeed while the jaws are held apart and no monitor has reported a fall."""
 
-    Settings = IsHoldingSettings
-    needs = ("monitoring",)
+    needs = (Monitor,)
 
-    def check(self, **inputs: Any) -> Outcome:
-        angle = self.context.joints().of(self.context.machine().jaw.name)[0]
-        if angle < self.settings.empty_below:
-            return failed(f"the jaws are closed to {angle:.2f} rad")
-        if any(v.trouble is not Trouble.SLIP for v in self.context.verdicts()):
+    def check(self) -> Outcome[None]:
+        angle_rad = self.context.joints().of(self.context.machine().jaw.name)[0]
+        if angle_rad < self.settings.empty_below:
+            return failed(f"the jaws are closed to {angle_rad:.2f} rad")
+        if any(verdict.trouble is not Trouble.SLIP for verdict in self.context.verdicts()):
             return failed("the stone was dropped")
         return succeeded()

@@ -1,7 +1,7 @@
-"""Wait until the machine knows where it is."""
+"""Wait until the machine's pose is known."""
 
-from typing import Any
-
+from executive.events.site import Localised
+from executive.interfaces.estimation import Estimator
 from executive.leaf.action import Action, Steps
 from executive.leaf.outcome import succeeded
 
@@ -9,11 +9,11 @@ from executive.leaf.outcome import succeeded
 class Localise(Action):
     """Wait for a usable state estimate; bound it with a `timeout`."""
 
-    needs = ("estimation",)
+    needs = (Estimator,)
 
-    def run(self, **inputs: Any) -> Steps:
+    def run(self) -> Steps[None]:
         while not self.context.state().is_ready:
             yield None
         state = self.context.state()
-        self.context.note("localised", T_map_base=state.T_map_base, status=state.status)
+        self.context.record(Localised(state.T_map_base, state.status))
         return succeeded()

@@ -1,10 +1,9 @@
 """Open the jaws."""
 
-from typing import Any
-
 from pydantic import Field
 
 from executive.config import Newtons, Radians, Settings
+from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.jaws import drive_jaws
 from executive.leaf.outcome import failed, succeeded
@@ -15,19 +14,20 @@ class OpenGripperSettings(Settings):
         None, gt=0, description="Force at each tip [N]; by default the gripper's own."
     )
     tolerance: Radians = Field(
-        0.1, gt=0, le=1, description="Standing wider than this off fully open is a failure [rad]."
+        0.1, gt=0, le=1, description="Jaws that end further from fully open are a failure [rad]."
     )
 
 
-class OpenGripper(Action):
+class OpenGripper(Action[OpenGripperSettings]):
     """Open the jaws fully."""
 
-    Settings = OpenGripperSettings
-    needs = ("robot",)
+    needs = (Robot,)
 
-    def run(self, **inputs: Any) -> Steps:
-        wanted = self.context.machine().gripper.open_rad
-        angle = yield from drive_jaws(self.context, wanted, self.settings.force)
-        if abs(angle - wanted) > self.settings.tolerance:
-            return failed(f"the jaws stand at {angle:.2f} rad and do not open to {wanted:.2f} rad")
+    def run(self) -> Steps[None]:
+        wanted_rad = self.context.machine().gripper.open_rad
+        angle_rad = yield from drive_jaws(self.context, wanted_rad, self.settings.force)
+        if abs(angle_rad - wanted_rad) > self.settings.tolerance:
+            return failed(
+                f"the jaws stopped at {angle_rad:.2f} rad and do not open to {wanted_rad:.2f} rad"
+            )
         return succeeded()

@@ -1,33 +1,51 @@
 """Plan how to hold a stone."""
 
-from typing import Any
+from dataclasses import dataclass
 
+from executive.events.stone import GraspsPlanned
+from executive.interfaces.grasping import GraspPlanner
+from executive.interfaces.mapping import Mapper
+from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
 from executive.leaf.outcome import failed, succeeded
-from executive.leaf.port import Port
 from executive.leaf.surroundings import surroundings
-from executive.messages.grasp import Grasp, GraspPlan
+from executive.messages.grasp import Grasp
+
+
+@dataclass(frozen=True, slots=True)
+class Grasps:
+    """Grasps of one stone.
+
+    Attributes:
+        grasps: Grasps, best first.
+    """
+
+    grasps: list[Grasp]
 
 
 class PlanGrasp(Action):
-    """Plan grasps of one stone on the planning cloud (Mascaro 2020, Sec. 5)."""
+    """Plan grasps of one stone on the planning cloud (Mascaro et al. 2020, Sec. 5)."""
 
-    needs = ("grasping", "mapping", "objects")
-    inputs = {"stone": Port(int, "id of the stone")}
-    outputs = {"grasps": Port(list[Grasp], "grasps, best first")}
+    needs = (GraspPlanner, Mapper, ObjectDatabase)
 
-    def run(self, **inputs: Any) -> Steps:
-        stone = self.context.plugin("objects").stone(inputs["stone"])
-        T_map_base = self.context.state().T_map_base
-        cloud = surroundings(self.context)
-        plan: GraspPlan = yield self.context.job(
-            "grasping", "plan", stone, cloud, T_map_base, self.context.rng()
+    def run(self, stone: int) -> Steps[Grasps]:
+        """Ask the grasp planner; a stone that it can never hold is a final failure.
+
+        Args:
+            stone: Id of the stone.
+        """
+        known = self.context.use(ObjectDatabase).stone(stone)
+        plan = yield from self.context.job(
+            self.context.use(GraspPlanner).plan,
+            known,
+            surroundings(self.context),
+            self.context.state().T_map_base,
+            self.context.rng(),
         )
-        self.context.note(
-            "grasps_planned", stone=stone.id, grasps=len(plan.grasps), refused=dict(plan.refused)
-        )
+        self.context.record(GraspsPlanned(stone, len(plan.grasps), dict(plan.refused)))
         if not plan.grasps:
             refused = ", ".join(f"{n} {reason}" for reason, n in plan.refused.items())
-            return failed(f"no grasp of stone {stone.id}: {refused or 'no hypothesis'}")
+            reason = f"no grasp of stone {stone}: {refused or 'no hypothesis'}"
+            return failed(reason, is_final=plan.is_final)
         self.context.show("grasp", plan.grasps[0])
-        return succeeded(f"{len(plan.grasps)} grasps", grasps=list(plan.grasps))
+        return succeeded(Grasps(list(plan.grasps)), f"{len(plan.grasps)} grasps")

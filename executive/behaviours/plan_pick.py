@@ -1,29 +1,31 @@
-"""Plan the way to a grasp."""
+"""Plan the path to a grasp."""
 
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Meters, Settings
+from executive.events.stone import AttemptStarted, GraspRecord
 from executive.geometry.pose import inverse
 from executive.geometry.rotation import angle_between
+from executive.interfaces.mapping import Mapper
+from executive.interfaces.motion import MotionPlanner
+from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
 from executive.leaf.context import Context
 from executive.leaf.outcome import failed, succeeded
-from executive.leaf.port import Port
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import surroundings
+from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
-from executive.messages.request import MotionPlan, MoveRequest
+from executive.messages.request import MoveRequest
 from executive.messages.stone import Stone
 from executive.messages.trajectory import JointTrajectory
 
-_ALIKE_M, _ALIKE_RAD = (
-    0.1,
-    0.25,
-)  # two grasps nearer than both are one: about the spread of the jaws' own errors
+# Two grasps that are nearer than both count as one: about the spread of the jaws' own errors.
+_ALIKE_M, _ALIKE_RAD = 0.1, 0.25
 
 
 class PlanPickSettings(Settings):
@@ -33,63 +35,74 @@ class PlanPickSettings(Settings):
     )
 
 
-class PlanPick(Action):
-    """Find the first grasp with a free way to it; it and those before it are taken off the list.
+@dataclass(frozen=True, slots=True)
+class GraspsLeft:
+    """What is left of a plan.
 
-    Grasps unlike those that this node has tried on the stone before come first: what slipped once
-    slips again.
+    Attributes:
+        grasps: Grasps for another attempt, best first.
     """
 
-    Settings = PlanPickSettings
-    needs = ("motion", "mapping", "objects")
-    inputs = {
-        "stone": Port(int, "id of the stone"),
-        "grasps": Port(list[Grasp], "grasps, best first"),
-    }
-    outputs = {
-        "grasp": Port(Grasp, "the grasp that the way leads to"),
-        "grasps": Port(list[Grasp], "the grasps that are left for another try"),
-        "trajectory": Port(JointTrajectory, "the way to the grasp"),
-    }
+    grasps: list[Grasp]
 
-    def __init__(self, settings: Any, context: Context) -> None:
+
+@dataclass(frozen=True, slots=True)
+class PickPlanned(GraspsLeft):
+    """A grasp, and a collision-free path to it.
+
+    Attributes:
+        grasps: Grasps for another attempt, best first.
+        grasp: The grasp that the path leads to.
+        trajectory: The path to the grasp.
+    """
+
+    grasp: Grasp
+    trajectory: JointTrajectory
+
+
+class PlanPick(Action[PlanPickSettings]):
+    """Find the first grasp with a collision-free path; remove it and those before it from the list.
+
+    Grasps that differ from those that this node has attempted on the stone come first, because a
+    stone that slipped out of a grasp slips out of it again.
+    """
+
+    needs = (MotionPlanner, Mapper, ObjectDatabase)
+
+    def __init__(self, settings: PlanPickSettings, context: Context) -> None:
         super().__init__(settings, context)
         self._tried: dict[int, list[Float]] = {}  # T_object_gripper by stone
-        self._refusals: dict[
-            int, str
-        ] = {}  # why there was no way, by stone, when its grasps were last all refused
+        self._refusals: dict[int, str] = {}  # why the last plan found no path, by stone
 
-    def run(self, **inputs: Any) -> Steps:
-        stone = self.context.plugin("objects").stone(inputs["stone"])
-        if not inputs["grasps"]:
-            before = self._refusals.get(stone.id, "those before were tried")
-            return failed(f"no grasp of stone {stone.id} is left: {before}", grasps=[])
+    def run(self, stone: int, grasps: list[Grasp]) -> Steps[PickPlanned | GraspsLeft]:
+        """Plan to one grasp after another.
+
+        Args:
+            stone: Id of the stone.
+            grasps: Grasps of the stone, best first.
+        """
+        known = self.context.use(ObjectDatabase).stone(stone)
+        if not grasps:
+            before = self._refusals.get(stone, "those before were tried")
+            return failed(f"no grasp of stone {stone} is left: {before}", GraspsLeft([]))
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
-        self._refusals.pop(stone.id, None)
-        grasps = self._new_ones_first(stone, inputs["grasps"])
-        cloud = surroundings(self.context)
-        reasons = []
-        for number, grasp in enumerate(grasps, 1):
-            plan: MotionPlan = yield self.context.job("motion", "move", self._request(grasp, cloud))
+        self._refusals.pop(stone, None)
+        ordered = self._new_ones_first(known, grasps)
+        cloud, motion = surroundings(self.context), self.context.use(MotionPlanner)
+        reasons: list[str] = []
+        for number, grasp in enumerate(ordered, 1):
+            plan = yield from self.context.job(motion.move, self._request(grasp, cloud))
             if plan.trajectory is None:
                 reasons.append(plan.reason)
                 continue
-            self._tried.setdefault(stone.id, []).append(_on_stone(grasp, stone))
-            self.context.note(
-                "attempt",
-                stone=stone.id,
-                centroid_map=stone.centroid_map,
-                grasp=_as_record(grasp),
-                passed_over=reasons,
-            )
-            self.context.show("grasp", grasp)
+            self._tried.setdefault(stone, []).append(_on_stone(grasp, known))
+            self._record(known, grasp, reasons)
             self.context.show("path", plan)
-            return succeeded(grasp=grasp, grasps=grasps[number:], trajectory=plan.trajectory)
-        self._refusals[stone.id] = (
-            f"no way to any of {len(grasps)}: {'; '.join(sorted(set(reasons)))}"
-        )
-        return failed(f"stone {stone.id}: {self._refusals[stone.id]}", grasps=[])
+            return succeeded(PickPlanned(ordered[number:], grasp, plan.trajectory))
+        causes = "; ".join(sorted(set(reasons)))
+        self._refusals[stone] = f"no path to any of {len(ordered)}: {causes}"
+        return failed(f"stone {stone}: {self._refusals[stone]}", GraspsLeft([]))
 
     def _new_ones_first(self, stone: Stone, grasps: list[Grasp]) -> list[Grasp]:
         tried = self._tried.get(stone.id, [])
@@ -98,7 +111,7 @@ class PlanPick(Action):
             key=lambda grasp: any(_are_alike(_on_stone(grasp, stone), other) for other in tried),
         )
 
-    def _request(self, grasp: Grasp, cloud: Any) -> MoveRequest:
+    def _request(self, grasp: Grasp, cloud: Cloud) -> MoveRequest:
         return MoveRequest(
             start=self.context.arm(),
             T_map_gripper=grasp.T_map_gripper,
@@ -110,6 +123,13 @@ class PlanPick(Action):
             jaw_rad=self.context.machine().gripper.open_rad,
         )
 
+    def _record(self, stone: Stone, grasp: Grasp, passed_over: list[str]) -> None:
+        record = GraspRecord(grasp.T_map_gripper, grasp.opening_m, grasp.score, dict(grasp.costs))
+        self.context.record(
+            AttemptStarted(stone.id, stone.centroid_map, record, tuple(passed_over))
+        )
+        self.context.show("grasp", grasp)
+
 
 def _on_stone(grasp: Grasp, stone: Stone) -> Float:
     return np.asarray(inverse(stone.T_map_object) @ grasp.T_map_gripper)
@@ -120,12 +140,3 @@ def _are_alike(T_a: Float, T_b: Float) -> bool:
         bool(np.linalg.norm(T_a[:3, 3] - T_b[:3, 3]) < _ALIKE_M)
         and angle_between(T_a[:3, :3], T_b[:3, :3]) < _ALIKE_RAD
     )
-
-
-def _as_record(grasp: Grasp) -> dict[str, Any]:
-    return {
-        "T_map_gripper": grasp.T_map_gripper,
-        "opening_m": grasp.opening_m,
-        "score": grasp.score,
-        "costs": dict(grasp.costs),
-    }

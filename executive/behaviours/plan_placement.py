@@ -1,17 +1,22 @@
 """Plan how to set a held stone down."""
 
 from collections.abc import Generator
+from dataclasses import dataclass
 from typing import Any
 
 from pydantic import Field
 
 from executive.config import Meters, Settings
+from executive.interfaces.mapping import Mapper
+from executive.interfaces.motion import MotionPlanner
+from executive.interfaces.objects import ObjectDatabase
+from executive.interfaces.placing import PlacementPlanner
 from executive.leaf.action import Action, Steps
 from executive.leaf.job import Job
 from executive.leaf.outcome import failed, succeeded
-from executive.leaf.port import Port
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_surface, surroundings
+from executive.messages.cloud import Cloud
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement, Slot
 from executive.messages.request import MotionPlan, MoveRequest
@@ -23,50 +28,57 @@ class PlanPlacementSettings(Settings):
     arrive: Meters = Field(1.0, ge=0, le=5, description="Straight way down to the place [m].")
 
 
-class PlanPlacement(Action):
-    """Find the first slot with a placement, and the first placement with a free way to it."""
+@dataclass(frozen=True, slots=True)
+class PlacementPlanned:
+    """A placement, and a collision-free path to it.
 
-    Settings = PlanPlacementSettings
-    needs = ("placing", "motion", "mapping", "objects")
-    inputs = {
-        "hold": Port(Hold, "which stone is held, and how"),
-        "free_slots": Port(list[Slot], "where it may go, best first"),
-    }
-    outputs = {
-        "placement": Port(Placement, "how it is set down, and where"),
-        "trajectory": Port(JointTrajectory, "the way there"),
-    }
+    Attributes:
+        placement: How the stone is set down, and on which slot.
+        trajectory: The path there.
+    """
 
-    def run(self, **inputs: Any) -> Steps:
-        hold: Hold = inputs["hold"]
+    placement: Placement
+    trajectory: JointTrajectory
+
+
+class PlanPlacement(Action[PlanPlacementSettings]):
+    """Find the first slot with a placement, and the first placement with a collision-free path."""
+
+    needs = (PlacementPlanner, MotionPlanner, Mapper, ObjectDatabase)
+
+    def run(self, hold: Hold, free_slots: list[Slot]) -> Steps[PlacementPlanned]:
+        """Plan for one slot after another.
+
+        Args:
+            hold: Which stone is held, and how.
+            free_slots: Slots that are free, best first.
+        """
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
-        stone = self.context.plugin("objects").stone(hold.stone_id)
+        stone = self.context.use(ObjectDatabase).stone(hold.stone_id)
+        placing = self.context.use(PlacementPlanner)
         cloud = surroundings(self.context, without=hold.stone_id)
         T_map_base = self.context.state().T_map_base
         reasons: list[str] = []
-        for slot in inputs["free_slots"]:
-            ways = yield self.context.job(
-                "placing", "plan", stone, slot, hold.T_map_gripper, cloud, T_map_base
+        for slot in free_slots:
+            placements = yield from self.context.job(
+                placing.plan, stone, slot, hold.T_map_gripper, cloud, T_map_base
             )
-            if not ways:
+            if not placements:
                 reasons.append(f"no placement on slot {slot.id} is in reach")
-            for placement in ways:
-                plan = yield from self._way_to(placement, hold, cloud)
+            for placement in placements:
+                plan = yield from self._path_to(placement, hold, cloud)
                 if plan.trajectory is not None:
                     self.context.show("path", plan)
-                    return succeeded(
-                        f"slot {slot.id}", placement=placement, trajectory=plan.trajectory
-                    )
+                    found = PlacementPlanned(placement, plan.trajectory)
+                    return succeeded(found, f"slot {slot.id}")
                 reasons.append(f"slot {slot.id}: {plan.reason}")
-        return failed(
-            f"no way to any of {len(inputs['free_slots'])} slots: "
-            f"{'; '.join(dict.fromkeys(reasons))}"
-        )
+        causes = "; ".join(dict.fromkeys(reasons))
+        return failed(f"no path to any of {len(free_slots)} slots: {causes}")
 
-    def _way_to(
-        self, placement: Placement, hold: Hold, cloud: Any
-    ) -> Generator[Job, Any, MotionPlan]:
+    def _path_to(
+        self, placement: Placement, hold: Hold, cloud: Cloud
+    ) -> Generator[Job[MotionPlan], Any, MotionPlan]:
         request = MoveRequest(
             start=self.context.arm(),
             T_map_gripper=placement.T_map_gripper,
@@ -77,5 +89,4 @@ class PlanPlacement(Action):
             held_gripper=held_surface(self.context, hold),
             jaw_rad=hold.jaw_rad,
         )
-        plan: MotionPlan = yield self.context.job("motion", "move", request)
-        return plan
+        return (yield from self.context.job(self.context.use(MotionPlanner).move, request))

@@ -1,30 +1,32 @@
 """Plan to lower a held stone to the ground below it."""
 
-from typing import Any
-
 from executive.geometry.pose import transform
+from executive.interfaces.mapping import Mapper
+from executive.interfaces.motion import MotionPlanner
+from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
 from executive.leaf.outcome import failed, succeeded
-from executive.leaf.port import Port
+from executive.leaf.path import PathPlanned
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import gap_below, held_surface, surroundings
 from executive.messages.hold import Hold
-from executive.messages.request import MotionPlan, MoveRequest
-from executive.messages.trajectory import JointTrajectory
+from executive.messages.request import MoveRequest
 
 _CLEARANCE_M = 0.05  # left between the stone and the ground: the model is a few centimetres off
 _LEAST_WAY_M = 0.05
 
 
 class PlanSetDown(Action):
-    """Plan the way straight down, for a stone that slips: it falls less far."""
+    """Plan the way straight down for a stone that slips, so that it falls less far."""
 
-    needs = ("motion", "mapping", "objects")
-    inputs = {"hold": Port(Hold, "which stone is held, and how")}
-    outputs = {"trajectory": Port(JointTrajectory, "the way down")}
+    needs = (MotionPlanner, Mapper, ObjectDatabase)
 
-    def run(self, **inputs: Any) -> Steps:
-        hold: Hold = inputs["hold"]
+    def run(self, hold: Hold) -> Steps[PathPlanned]:
+        """Plan from where the gripper is.
+
+        Args:
+            hold: Which stone is held, and how.
+        """
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
         cloud = surroundings(self.context, without=hold.stone_id)
@@ -44,7 +46,7 @@ class PlanSetDown(Action):
             held_gripper=surface,
             jaw_rad=hold.jaw_rad,
         )
-        plan: MotionPlan = yield self.context.job("motion", "move", request)
+        plan = yield from self.context.job(self.context.use(MotionPlanner).move, request)
         if plan.trajectory is None:
-            return failed(f"no way down: {plan.reason}")
-        return succeeded(f"{way_m:.2f} m down", trajectory=plan.trajectory)
+            return failed(f"no path down: {plan.reason}")
+        return succeeded(PathPlanned(plan.trajectory), f"{way_m:.2f} m down")

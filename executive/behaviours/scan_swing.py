@@ -1,10 +1,12 @@
 """Swing the cabin with the lidars on."""
 
-from typing import Any
-
 from pydantic import Field
 
 from executive.config import Radians, Seconds, Settings
+from executive.events.site import SiteScanned
+from executive.interfaces.mapping import Mapper
+from executive.interfaces.motion import MotionPlanner
+from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.follow import follow
 from executive.leaf.outcome import failed, succeeded
@@ -17,29 +19,34 @@ class ScanSwingSettings(Settings):
     duration: Seconds = Field(20.0, gt=0, le=300, description="Least duration of the sweep [s].")
 
 
-class ScanSwing(Action):
-    """Map the surroundings by swinging the cabin about its present heading (Mascaro 2020, Sec.
-    6.2).
+class ScanSwing(Action[ScanSwingSettings]):
+    """Map the surroundings by swinging the cabin about its present heading.
+
+    Source: Mascaro et al. 2020, Sec. 6.2.
     """
 
-    Settings = ScanSwingSettings
-    needs = ("robot", "mapping", "motion")
+    needs = (Robot, Mapper, MotionPlanner)
 
-    def run(self, **inputs: Any) -> Steps:
+    def run(self) -> Steps[None]:
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
-        plan = yield self.context.job(
-            "motion", "swing", self.context.arm(), self.settings.angle, self.settings.duration
+        plan = yield from self.context.job(
+            self.context.use(MotionPlanner).swing,
+            self.context.arm(),
+            self.settings.angle,
+            self.settings.duration,
         )
         if plan.trajectory is None:
             return failed(f"no swing: {plan.reason}")
-        robot = self.context.plugin("robot")
+        robot = self.context.use(Robot)
         robot.command(SwitchLidars(True))
         try:
             outcome = yield from follow(self.context, plan.trajectory)
         finally:
             robot.command(SwitchLidars(False))
-        cloud = self.context.plugin("mapping").cloud()
-        self.context.note("scanned", points=len(cloud))
+        cloud = self.context.use(Mapper).cloud()
+        self.context.record(SiteScanned(len(cloud)))
         self.context.show("map", cloud)
-        return outcome if not outcome.success else succeeded(f"{len(cloud)} points in the map")
+        if not outcome.success:
+            return outcome
+        return succeeded(reason=f"{len(cloud)} points in the map")

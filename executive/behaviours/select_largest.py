@@ -1,26 +1,36 @@
 """Choose the next stone."""
 
-from typing import Any
+from dataclasses import dataclass
 
+from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
 from executive.leaf.outcome import Outcome, failed, succeeded
-from executive.leaf.port import Port
 from executive.messages.stone import StoneState
 
 
-class SelectLargest(Condition):
-    """Choose the stone of most points that lies on the ground (Mascaro 2020, Sec. 5.1); fails when
-    none is left.
+@dataclass(frozen=True, slots=True)
+class StoneSelected:
+    """The stone to move next.
+
+    Attributes:
+        stone: Id of the stone.
     """
 
-    needs = ("objects",)
-    outputs = {"stone": Port(int, "id of the stone")}
+    stone: int
 
-    def check(self, **inputs: Any) -> Outcome:
-        stones = [
-            s for s in self.context.plugin("objects").stones() if s.state is StoneState.ON_GROUND
-        ]
-        if not stones:
+
+class SelectLargest(Condition):
+    """Choose the stone of most points that lies on the ground; fail when none is left.
+
+    Source: Mascaro et al. 2020, Sec. 5.1.
+    """
+
+    needs = (ObjectDatabase,)
+
+    def check(self) -> Outcome[StoneSelected]:
+        stones = self.context.use(ObjectDatabase).stones()
+        left = [stone for stone in stones if stone.state is StoneState.ON_GROUND]
+        if not left:
             return failed("no stone is left on the ground")
-        largest = max(stones, key=lambda stone: (len(stone.points_map), -stone.id))
-        return succeeded(f"stone {largest.id}", stone=largest.id)
+        largest = max(left, key=lambda stone: (len(stone.points_map), -stone.id))
+        return succeeded(StoneSelected(largest.id), f"stone {largest.id}")

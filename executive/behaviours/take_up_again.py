@@ -1,43 +1,42 @@
 """Give stones that were set aside another chance."""
 
-from typing import Any
-
+from executive.events.stone import StonesTakenUpAgain
+from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.stone import Stone, StoneState
 
 
 class TakeUpAgain(Condition):
-    """Make stones movable again that were set aside before others were placed; fail if there is
-    none.
+    """Make stones movable again that were set aside before another was placed; fail if none was.
 
-    What stood in their way may be gone. Where nothing has moved since, another try would end as the
-    last one did.
+    What was in their way may be gone. Where nothing has moved since, another attempt would end as
+    the last one did.
     """
 
-    needs = ("objects",)
+    needs = (ObjectDatabase,)
 
-    def check(self, **inputs: Any) -> Outcome:
-        objects = self.context.plugin("objects")
+    def check(self) -> Outcome[None]:
+        objects = self.context.use(ObjectDatabase)
         stones = objects.stones()
         last_placed_s = max(
             (self._since_s(s) for s in stones if s.state is StoneState.PLACED),
             default=float("-inf"),
         )
-        left = [
-            s
+        left = tuple(
+            s.id
             for s in stones
             if s.state is StoneState.SET_ASIDE and self._since_s(s) < last_placed_s
-        ]
+        )
         if not left:
             return failed("no stone was set aside for a reason that may be gone")
-        for stone in left:
-            objects.set_state(stone.id, StoneState.ON_GROUND, self.context.now_s())
-        self.context.note("taken_up_again", stones=[stone.id for stone in left])
-        return succeeded(f"stones {[stone.id for stone in left]} are tried again")
+        for stone_id in left:
+            objects.set_state(stone_id, StoneState.ON_GROUND, self.context.now_s())
+        self.context.record(StonesTakenUpAgain(left))
+        return succeeded(reason=f"stones {list(left)} are attempted again")
 
     def _since_s(self, stone: Stone) -> float:
-        """Return since when a stone is in its state [s]."""
-        history = self.context.plugin("objects").history(stone.id)
+        """Return since when a stone has its state [s]."""
+        history = self.context.use(ObjectDatabase).history(stone.id)
         before = [i for i, event in enumerate(history) if event.state is not stone.state]
         return float(history[before[-1] + 1 if before else 0].stamp_s)

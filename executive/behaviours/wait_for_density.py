@@ -1,12 +1,12 @@
 """Wait until the map shows enough to be segmented."""
 
-from typing import Any
-
 import numpy as np
 from pydantic import Field
 
 from executive.arrays import Bool, Float
 from executive.config import Meters, Radians, Seconds, Settings
+from executive.events.site import MapDense
+from executive.interfaces.mapping import Mapper
 from executive.leaf.action import Action, Steps
 from executive.leaf.outcome import succeeded
 
@@ -27,7 +27,7 @@ class WaitForDensitySettings(Settings):
     period: Seconds = Field(0.5, gt=0, description="Time between two looks at the map [s].")
 
 
-class WaitForDensity(Action):
+class WaitForDensity(Action[WaitForDensitySettings]):
     """Wait while the cabin swings until most of the region of interest is seen densely (Mascaro
     2020, Sec. 4.3).
 
@@ -35,20 +35,19 @@ class WaitForDensity(Action):
     carried by the few square metres next to the machine, so each one counts by itself.
     """
 
-    Settings = WaitForDensitySettings
-    needs = ("mapping",)
+    needs = (Mapper,)
 
-    def run(self, **inputs: Any) -> Steps:
+    def run(self) -> Steps[None]:
         base, gripper = self.context.state().T_map_base[:2, 3], self.context.gripper()[:2, 3]
         heading_rad = float(np.arctan2(*(gripper - base)[::-1]))
         began_s = self.context.now_s()
         while True:
-            points = self.context.plugin("mapping").cloud().points
+            points = self.context.use(Mapper).cloud().points
             share = self._dense_share(points[:, :2] - base, heading_rad)
             if share >= self.settings.share:
                 waited_s = self.context.now_s() - began_s
-                self.context.note("dense", waited_s=waited_s, share=share, points=len(points))
-                return succeeded(f"{100 * share:.0f} % of the region after {waited_s:.1f} s")
+                self.context.record(MapDense(waited_s, share, len(points)))
+                return succeeded(reason=f"{100 * share:.0f} % of the region after {waited_s:.1f} s")
             asked_s = self.context.now_s()
             while self.context.now_s() < asked_s + self.settings.period:
                 yield None

@@ -31,6 +31,13 @@ class Plugin:
     # of a plugin that says so may run beside the tick; the others are computed within it.
     is_stateless: ClassVar[bool] = False
 
+    # Types of observations that the plugin takes besides those that its interface has verbs for;
+    # each is handed to `take` in order of its stamp.
+    takes: ClassVar[tuple[type, ...]] = ()
+
+    def take(self, observation: object) -> None:
+        """Take one observation of a type that `takes` names; by default, do nothing."""
+
     def start(self) -> None:
         """Acquire resources; called once, before the first verb."""
 

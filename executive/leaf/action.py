@@ -1,47 +1,71 @@
-"""The two kinds of leaves: actions, which take time, and conditions, which do not."""
+"""The two kinds of leaves: actions, which take time, and conditions, which do not.
+
+A leaf is found under the entry-point group `executive.behaviour.v1`.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Generator, Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Generic, TypeAlias
+
+from typing_extensions import TypeVar, get_original_bases
 
 from executive.config import NoSettings, Settings
+from executive.interfaces.plugin import Plugin
 from executive.leaf.context import Context
 from executive.leaf.job import Job
-from executive.leaf.outcome import Outcome
-from executive.leaf.port import Port
+from executive.leaf.outcome import Outcome, Result
+from executive.leaf.port import Port, inputs_of, outputs_of
+
+Own = TypeVar("Own", bound=Settings, default=NoSettings)
 
 # An action yields a job to be resumed with its result, or None to be resumed at the next tick.
-Steps = Generator[Job | None, Any, Outcome]
+Steps: TypeAlias = Generator[Job[Any] | None, Any, Outcome[Result]]
 
 
-class Leaf:
-    """What actions and conditions share; found under the entry-point group
-    `executive.behaviour.v1`.
+class Leaf(Generic[Own]):
+    """What actions and conditions share: `class PlanPick(Action[PlanPickSettings])`.
+
+    Attributes:
+        needs: Interfaces of the plugins that the leaf uses; a mission must select one of each.
+        Settings: Class of the settings, as given in brackets; without settings, `NoSettings`.
+        inputs: Input ports, read from the signature of `run` or `check`.
+        outputs: Output ports, read from its return annotation.
     """
 
+    needs: ClassVar[tuple[type[Plugin], ...]] = ()
     Settings: ClassVar[type[Settings]] = NoSettings
     inputs: ClassVar[Mapping[str, Port]] = {}
     outputs: ClassVar[Mapping[str, Port]] = {}
-    needs: ClassVar[tuple[str, ...]] = ()  # capabilities that the leaf calls
 
-    def __init__(self, settings: Any, context: Context) -> None:
+    def __init__(self, settings: Own, context: Context) -> None:
         self.settings = settings
         self.context = context
 
+    def __init_subclass__(cls) -> None:
+        for base in get_original_bases(cls):
+            for argument in getattr(base, "__args__", ()):
+                if isinstance(argument, type) and issubclass(argument, Settings):
+                    cls.Settings = argument
+        method = cls.__dict__.get("run") or cls.__dict__.get("check")
+        if method is not None and not getattr(method, "__isabstractmethod__", False):
+            cls.inputs, cls.outputs = inputs_of(method), outputs_of(method)
 
-class Action(Leaf, ABC):
-    """A leaf that takes time, told as a generator: it yields where it waits; a `finally` cleans up
-    when cancelled.
+
+class Action(Leaf[Own], ABC):
+    """A leaf that takes time, written as a generator that yields where it waits.
+
+    When the tree cancels an action, its generator is closed where it waits: a `finally` block
+    cleans up there.
     """
 
     @abstractmethod
-    def run(self, **inputs: Any) -> Steps:
-        """Do it; keyword arguments are the input ports by name."""
+    def run(self, *args: Any, **kwargs: Any) -> Steps[Any]:  # each leaf names its own ports
+        """Do what the leaf is for; the parameters are the input ports by name."""
 
 
-class Condition(Leaf, ABC):
+class Condition(Leaf[Own], ABC):
     """A leaf that answers at once."""
 
     @abstractmethod
-    def check(self, **inputs: Any) -> Outcome:
-        """Answer; keyword arguments are the input ports by name."""
+    def check(self, *args: Any, **kwargs: Any) -> Outcome[Any]:  # each leaf names its own ports
+        """Answer; the parameters are the input ports by name."""

@@ -1,17 +1,22 @@
-"""What a leaf may touch: plugins, snapshots, jobs, the journal; never the loop, the simulator or
-the wall clock.
-"""
+"""What a leaf may use: plugins, snapshots, jobs, the journal; not the loop, nor the wall clock."""
 
 from abc import ABC, abstractmethod
-from typing import Any
+from collections.abc import Callable, Generator
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
 from executive.arrays import Float
+from executive.events.event import Event
 from executive.leaf.job import Job
+from executive.machine.machine import Machine
 from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Verdict
+
+Interface = TypeVar("Interface")
+Arguments = ParamSpec("Arguments")
+Value = TypeVar("Value")
 
 
 class Context(ABC):
@@ -22,18 +27,45 @@ class Context(ABC):
         """Return the mission's time [s]."""
 
     @abstractmethod
-    def plugin(self, capability: str) -> Any:
-        """Return the selected plugin of a capability that the leaf's `needs` names, to call a short
-        verb at once.
+    def use(self, interface: Callable[..., Interface]) -> Interface:
+        """Return the selected plugin of an interface that the leaf's `needs` names.
+
+        Its short verbs may be called at once; verbs that take long belong into a `job`.
+
+        Args:
+            interface: The class, such as `MotionPlanner`; declared as a callable because type
+                checkers refuse an abstract class where a `type` is expected.
+
+        Raises:
+            ConfigError: If the mission selects none.
         """
 
+    def job(
+        self,
+        verb: Callable[Arguments, Value],
+        *args: Arguments.args,
+        **kwargs: Arguments.kwargs,
+    ) -> Generator[Job[Value], Any, Value]:
+        """Call a verb that takes long and wait for its result without blocking the tick.
+
+        Use it as `plan = yield from self.context.job(motion.move, request)`, where `motion` is what
+        `use` returned. What the verb raises is raised where the leaf waits.
+        """
+        value: Value = yield self.start(verb, *args, **kwargs)
+        return value
+
     @abstractmethod
-    def job(self, capability: str, verb: str, *args: Any) -> Job:
-        """Start a long verb; the leaf yields the job and is resumed with its result."""
+    def start(
+        self,
+        verb: Callable[Arguments, Value],
+        *args: Arguments.args,
+        **kwargs: Arguments.kwargs,
+    ) -> Job[Value]:
+        """Start a verb of a plugin and return its job, for a leaf that waits in its own way."""
 
     @abstractmethod
     def rng(self) -> np.random.Generator:
-        """Return a fresh generator, seeded by the mission's seed, the node's path and the number of
+        """Return a new generator, seeded by the mission's seed, the node's path and the number of
         such calls.
         """
 
@@ -54,30 +86,28 @@ class Context(ABC):
         """Return T_map_gripper from the newest state and joints, shape (4, 4)."""
 
     @abstractmethod
-    def machine(self) -> Any:
-        """Return the machine's description (executive.machine.machine.Machine)."""
+    def machine(self) -> Machine:
+        """Return the description of the machine."""
 
     @abstractmethod
     def begin_hold(self) -> None:
-        """Tell the monitors that the jaws have closed on a stone;
-        earlier verdicts are forgotten.
-        """
+        """Tell the monitors that the jaws hold a stone; earlier verdicts are dropped."""
 
     @abstractmethod
     def end_hold(self) -> None:
-        """Tell the monitors that the stone is let go on purpose."""
+        """Tell the monitors that the stone is about to be released on purpose."""
 
     @abstractmethod
     def verdicts(self) -> tuple[Verdict, ...]:
-        """Return what monitors have said since `begin_hold`, oldest first."""
+        """Return the monitors' verdicts since `begin_hold`, oldest first."""
 
     @abstractmethod
     def last_failure(self) -> str:
         """Return why the node before this one under the same parent failed; empty if it did not."""
 
     @abstractmethod
-    def note(self, kind: str, **payload: Any) -> None:
-        """Write a line into the journal, under this node."""
+    def record(self, event: Event) -> None:
+        """Write an event into the journal, under this node."""
 
     @abstractmethod
     def show(self, entity: str, value: object) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Generator
 
 import numpy as np
 
+from executive.interfaces.robot import Robot
 from executive.leaf.context import Context
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.command import START_TOLERANCE, Follow
@@ -16,14 +17,14 @@ _STALL_SPEED = 0.005  # [rad/s] or [m/s]
 _START_SHARE = 0.9  # of what a robot bears: it measures once more, with other noise
 
 
-def follow(context: Context, trajectory: JointTrajectory) -> Generator[None, None, Outcome]:
+def follow(context: Context, trajectory: JointTrajectory) -> Generator[None, None, Outcome[None]]:
     """Command a trajectory and wait for its end; if given up before, stop the machine along the
     path.
 
     Fails without moving if the arm is not where the trajectory begins: a load that slips can push
     it after planning.
     """
-    robot = context.plugin("robot")
+    robot = context.use(Robot)
     away = np.abs(_position(context, trajectory) - trajectory.position[0])
     if away.max() > _START_SHARE * START_TOLERANCE:
         name = trajectory.names[int(away.argmax())]
@@ -39,7 +40,7 @@ def follow(context: Context, trajectory: JointTrajectory) -> Generator[None, Non
     return outcome
 
 
-def _arrive(context: Context, trajectory: JointTrajectory) -> Generator[None, None, Outcome]:
+def _arrive(context: Context, trajectory: JointTrajectory) -> Generator[None, None, Outcome[None]]:
     started_s = still_since_s = context.now_s()
     goal = trajectory.position[-1]
     before = _position(context, trajectory)
@@ -58,7 +59,7 @@ def _arrive(context: Context, trajectory: JointTrajectory) -> Generator[None, No
                 still_since_s = now_s
             elif is_over and (error < _GOAL_TOLERANCE).all():
                 return succeeded(
-                    f"{trajectory.names[int(error.argmax())]} stands {error.max():.3f} off"
+                    reason=f"{trajectory.names[int(error.argmax())]} stands {error.max():.3f} off"
                 )
             before, before_s = position, now_s
         if is_over and now_s - still_since_s >= _STALL_S:

@@ -2,6 +2,7 @@
 
 from collections.abc import Generator
 
+from executive.interfaces.robot import Robot
 from executive.leaf.context import Context
 from executive.messages.command import MoveJaws
 
@@ -17,7 +18,7 @@ def drive_jaws(
     angle [rad].
     """
     force_n = context.machine().gripper.tip_force_n if force_n is None else force_n
-    context.plugin("robot").command(MoveJaws(position_rad, force_n))
+    context.use(Robot).command(MoveJaws(position_rad, force_n))
     jaw = context.machine().jaw.name
     before, before_s = context.joints().of(jaw)[0], context.now_s()
     while True:

@@ -5,6 +5,8 @@ otherwise.
 import numpy as np
 
 from executive.arrays import Float
+from executive.interfaces.mapping import Mapper
+from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.context import Context
 from executive.messages.stone import Stone
 
@@ -34,10 +36,10 @@ def remove_from_map(context: Context, stone: Stone, least_radius_m: float) -> tu
     Returns:
         Number of points removed, and of those put back.
     """
-    mapping, radius_m = context.plugin("mapping"), max(least_radius_m, reach_of(stone))
+    mapping, radius_m = context.use(Mapper), max(least_radius_m, reach_of(stone))
     removed = mapping.remove_sphere(stone.centroid_map, radius_m)
     put_back = 0
-    for other in context.plugin("objects").stones():
+    for other in context.use(ObjectDatabase).stones():
         if other.id != stone.id and other.state.is_lying:
             cut = _within(other.points_map, stone.centroid_map, radius_m)
             mapping.add_surface(cut)

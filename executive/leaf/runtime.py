@@ -1,12 +1,16 @@
 """What the tree's nodes need from the mission that ticks them."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from typing import Any
 
 from executive.clock import Clock
+from executive.errors import ExecutiveError
+from executive.events.event import Event
 from executive.leaf.context import Context
 from executive.leaf.store import Store
+
+
+class MissionFaultError(ExecutiveError):
+    """An error escaped a leaf or a plugin: the tick is cut off, and the mission ends."""
 
 
 class Question(ABC):
@@ -18,7 +22,7 @@ class Question(ABC):
 
     @abstractmethod
     def source(self) -> str:
-        """Say who answered: `operator`, `option` (--answer) or `default`."""
+        """Return who answered: `operator`, `option` (--answer) or `default`."""
 
 
 class Runtime(ABC):
@@ -26,21 +30,35 @@ class Runtime(ABC):
 
     clock: Clock
     store: Store
+    is_faulted: bool = False  # a fault has ended the mission; no leaf may begin
 
     @abstractmethod
     def context(self, node: str) -> Context:
         """Return the context of the leaf at a node path."""
 
     @abstractmethod
-    def record(self, kind: str, node: str, payload: Mapping[str, Any]) -> None:
-        """Append a line to the journal."""
+    def record(self, node: str, event: Event) -> None:
+        """Append an event of a node to the journal."""
 
     @abstractmethod
     def ask(self, node: str, question: str, default: bool | None) -> Question:
         """Put a question to the operator."""
 
     @abstractmethod
-    def fail(self, error: BaseException, node: str) -> None:
-        """Take note of an error that escaped a leaf; a RobotError ends the mission in a safe stop
-        after this tick.
+    def fail(self, error: Exception, node: str, leaf: str) -> str:
+        """Take an error that escaped a leaf or a plugin that it called.
+
+        The mission ends in a safe stop after this tick, whatever modifiers stand around the node,
+        unless the error is of a plugin that the mission can do without (`on_error: fail`).
+
+        Args:
+            error: What was raised.
+            node: Path of the node.
+            leaf: Name of the behaviour.
+
+        Returns:
+            One line for a person: what failed, where.
+
+        Raises:
+            MissionFaultError: If the mission ends for it.
         """

@@ -4,6 +4,8 @@ import numpy as np
 
 from executive.geometry.pose import inverse, transform
 from executive.geometry.voxels import voxel_means
+from executive.interfaces.mapping import Mapper
+from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.context import Context
 from executive.messages.cloud import Cloud
 from executive.messages.hold import Hold
@@ -20,8 +22,8 @@ def surroundings(context: Context, without: int | None = None) -> Cloud:
         without: Id of a stone whose model and map points are left out, such as the one that is
             held.
     """
-    points = context.plugin("mapping").cloud().points
-    stones = context.plugin("objects").stones()
+    points = context.use(Mapper).cloud().points
+    stones = context.use(ObjectDatabase).stones()
     if without is not None:
         own = next(stone for stone in stones if stone.id == without)
         points = points[~_near(points, own.points_map)]
@@ -31,7 +33,7 @@ def surroundings(context: Context, without: int | None = None) -> Cloud:
 
 def held_surface(context: Context, hold: Hold) -> np.ndarray:
     """Return the held stone's surface in the gripper's frame [m], shape (N, 3)."""
-    stone = context.plugin("objects").stone(hold.stone_id)
+    stone = context.use(ObjectDatabase).stone(hold.stone_id)
     return transform(inverse(hold.T_map_gripper), stone.points_map)
 
 

@@ -3,6 +3,8 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
+from executive.interfaces.mapping import Mapper
+from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.context import Context
 from executive.messages.cloud import Cloud
 from executive.messages.stone import Stone
@@ -21,9 +23,9 @@ def unexplained(context: Context, stone: Stone, radius_m: float) -> Cloud:
         stone: Whose surroundings.
         radius_m: How far around [m].
     """
-    points = context.plugin("mapping").cloud().points
+    points = context.use(Mapper).cloud().points
     points = points[np.hypot(*(points[:, :2] - stone.centroid_map[:2]).T) < radius_m]
-    for other in context.plugin("objects").stones():
+    for other in context.use(ObjectDatabase).stones():
         if len(points) and other.id != stone.id and other.state.is_lying:
             points = points[~_explained(points, other.points_map)]
     return Cloud("map", points)

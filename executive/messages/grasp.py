@@ -39,7 +39,10 @@ class GraspPlan:
     Attributes:
         grasps: Best first; empty if the stone cannot be grasped.
         refused: Number of hypotheses by reason, such as `palm_in_ground`.
+        is_final: Whether another plan for the same stone would refuse it too, because it is too
+            heavy or too large for the machine: then nothing retries it.
     """
 
     grasps: tuple[Grasp, ...]
     refused: Mapping[str, int]
+    is_final: bool = False

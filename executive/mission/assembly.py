@@ -2,7 +2,7 @@
 constructor names.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -86,6 +86,13 @@ def assemble(selections: Selections, model: str, seed: int) -> Assembly:
         if selections.get(capability):
             make(capability, ())
     return Assembly(machine, made, tuple(order))
+
+
+def selected_plugins(plugins: Mapping[str, Any]) -> Iterator[tuple[str, str, Plugin]]:
+    """Yield capability, name and plugin of all plugins of a mission."""
+    for capability, several in plugins.items():
+        for plugin in several if isinstance(several, tuple) else (several,):
+            yield capability, registry.name_of(capability, type(plugin)), plugin
 
 
 def needed_for(selections: Selections, capability: str) -> dict[str, tuple[Selection, ...]]:

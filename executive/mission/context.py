@@ -2,13 +2,16 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
 from executive.arrays import Float
 from executive.clock import Clock
 from executive.errors import ConfigError, RobotError
+from executive.events.event import Event
+from executive.events.node import NodeEnded, NodeResult
+from executive.interfaces.monitoring import Monitor
 from executive.journal import Entry
 from executive.leaf.context import Context
 from executive.leaf.job import Job
@@ -20,6 +23,10 @@ from executive.messages.verdict import Verdict
 from executive.mission.assembly import seeded
 from executive.mission.jobs import Jobs
 from executive.mission.streams import Streams
+
+Interface = TypeVar("Interface")
+Arguments = ParamSpec("Arguments")
+Value = TypeVar("Value")
 
 
 @dataclass(slots=True)
@@ -34,7 +41,7 @@ class Services:
     jobs: Jobs
     streams: Streams
     entries: Sequence[Entry]
-    record: Callable[[str, str, Mapping[str, Any]], None]
+    record: Callable[[str, Event], None]
     show: Callable[[str, object], None]
     verdicts: list[Verdict] = field(default_factory=list)
 
@@ -65,17 +72,23 @@ class NodeContext(Context):
     def now_s(self) -> float:
         return self._services.clock.now_s()
 
-    def plugin(self, capability: str) -> Any:
-        try:
-            return self._services.plugins[capability]
-        except KeyError:
+    def use(self, interface: Callable[..., Interface]) -> Interface:
+        capability = str(getattr(interface, "capability", ""))
+        plugin: Interface | None = self._services.plugins.get(capability)
+        if plugin is None:
             raise ConfigError(
-                f"{self._node} calls a {capability} plugin, and the mission selects none"
-            ) from None
+                f"{self._node} uses a {capability or interface} plugin, and the mission selects "
+                "none; name the interface in the leaf's 'needs'"
+            )
+        return plugin
 
-    def job(self, capability: str, verb: str, *args: Any) -> Job:
-        self.plugin(capability)
-        return self._services.jobs.start(capability, verb, args)
+    def start(
+        self,
+        verb: Callable[Arguments, Value],
+        *args: Arguments.args,
+        **kwargs: Arguments.kwargs,
+    ) -> Job[Value]:
+        return self._services.jobs.start(verb, *args, **kwargs)
 
     def rng(self) -> np.random.Generator:
         self._draws += 1
@@ -93,17 +106,20 @@ class NodeContext(Context):
     def gripper(self) -> Float:
         return self._services.gripper()
 
-    def machine(self) -> Any:
+    def machine(self) -> Machine:
         return self._services.machine
 
     def begin_hold(self) -> None:
         self._services.verdicts.clear()
-        for monitor in self.plugin("monitoring"):
+        for monitor in self._monitors():
             monitor.begin_hold()
 
     def end_hold(self) -> None:
-        for monitor in self.plugin("monitoring"):
+        for monitor in self._monitors():
             monitor.end_hold()
+
+    def _monitors(self) -> Sequence[Monitor]:
+        return self._services.streams.monitors
 
     def verdicts(self) -> tuple[Verdict, ...]:
         return tuple(self._services.verdicts)
@@ -111,14 +127,15 @@ class NodeContext(Context):
     def last_failure(self) -> str:
         parent = self._node.rpartition("/")[0] + "/"
         for entry in reversed(self._services.entries):
-            if entry.kind == "node_ended" and entry.node.startswith(parent):
+            event = entry.event
+            if isinstance(event, NodeEnded) and entry.node.startswith(parent):
                 is_recovery = "@on_failure" in entry.node[len(parent) :]
-                if entry.payload["status"] == "failure" and not is_recovery:
-                    return str(entry.payload["reason"])
+                if event.status is NodeResult.FAILURE and not is_recovery:
+                    return event.reason
         return ""
 
-    def note(self, kind: str, **payload: Any) -> None:
-        self._services.record(kind, self._node, payload)
+    def record(self, event: Event) -> None:
+        self._services.record(self._node, event)
 
     def show(self, entity: str, value: object) -> None:
         self._services.show(entity, value)

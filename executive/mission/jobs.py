@@ -5,26 +5,28 @@ when that has passed; so the three runners give the same journal, byte for byte.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 from executive.clock import Clock, wall_s
+from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
 from executive.leaf.job import Job
-from executive.mission.assembly import Selections
-from executive.mission.worker import Worker
+from executive.mission.assembly import Selections, selected_plugins
+from executive.mission.worker import Call, Worker
 
 _EPSILON_S = 1e-9
+
+Arguments = ParamSpec("Arguments")
+Value = TypeVar("Value")
 
 
 class Runner(ABC):
     """Decides where a verb is computed."""
 
     @abstractmethod
-    def submit(
-        self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]
-    ) -> Future[Any]:
+    def submit(self, capability: str, plugin: Plugin, call: Call) -> Future[Any]:
         """Begin a computation."""
 
     def abandon(self, capability: str, future: Future[Any]) -> None:  # noqa: B027 - optional
@@ -39,12 +41,10 @@ class Runner(ABC):
 class InlineRunner(Runner):
     """Computes at once, in the tick."""
 
-    def submit(
-        self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]
-    ) -> Future[Any]:
+    def submit(self, capability: str, plugin: Plugin, call: Call) -> Future[Any]:
         future: Future[Any] = Future()
         try:
-            future.set_result(getattr(plugin, verb)(*args))
+            future.set_result(call.of(plugin))
         except Exception as error:
             future.set_exception(error)
         return future
@@ -61,12 +61,10 @@ class ThreadRunner(InlineRunner):
     def __init__(self) -> None:
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="jobs")
 
-    def submit(
-        self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]
-    ) -> Future[Any]:
+    def submit(self, capability: str, plugin: Plugin, call: Call) -> Future[Any]:
         if not plugin.is_stateless:
-            return super().submit(capability, plugin, verb, args)
-        return self._pool.submit(getattr(plugin, verb), *args)
+            return super().submit(capability, plugin, call)
+        return self._pool.submit(call.of, plugin)
 
     def close(self) -> None:
         self._pool.shutdown(wait=False, cancel_futures=True)
@@ -81,14 +79,12 @@ class ProcessRunner(InlineRunner):
             capability, selections, model, seed
         )
 
-    def submit(
-        self, capability: str, plugin: Plugin, verb: str, args: Sequence[Any]
-    ) -> Future[Any]:
+    def submit(self, capability: str, plugin: Plugin, call: Call) -> Future[Any]:
         if not plugin.is_stateless:
-            return super().submit(capability, plugin, verb, args)
+            return super().submit(capability, plugin, call)
         if capability not in self._workers:
             self._workers[capability] = self._make(capability)
-        return self._workers[capability].submit(verb, args)
+        return self._workers[capability].submit(call)
 
     def abandon(self, capability: str, future: Future[Any]) -> None:
         if capability in self._workers:
@@ -99,15 +95,15 @@ class ProcessRunner(InlineRunner):
             worker.close()
 
 
-class PluginJob(Job):
+class PluginJob(Job[Value]):
     """One verb under way."""
 
     def __init__(
         self,
-        future: Future[Any],
+        future: Future[Value],
         clock: Clock,
         ready_s: float | None,
-        abandon: Callable[[Future[Any]], None],
+        abandon: Callable[[Future[Value]], None],
     ) -> None:
         self._future = future
         self._abandon = abandon
@@ -119,7 +115,7 @@ class PluginJob(Job):
             return self._future.done()
         return self._clock.now_s() >= self._ready_s - _EPSILON_S
 
-    def result(self) -> Any:
+    def result(self) -> Value:
         return self._future.result()
 
     def cancel(self) -> None:
@@ -139,19 +135,39 @@ class Jobs:
         self._is_lock_step = is_lock_step
         self.durations_ms: dict[str, list[float]] = {}
 
-    def start(self, capability: str, verb: str, args: Sequence[Any]) -> PluginJob:
-        """Start a verb of the selected plugin."""
-        plugin: Plugin = self._plugins[capability]
+    def start(
+        self,
+        verb: Callable[Arguments, Value],
+        *args: Arguments.args,
+        **kwargs: Arguments.kwargs,
+    ) -> PluginJob[Value]:
+        """Start a verb of a selected plugin.
+
+        Raises:
+            ConfigError: If the verb is no method of one of the mission's plugins.
+        """
+        capability, plugin = self._plugin_of(verb)
+        call = Call(verb.__name__, args, dict(kwargs))
         started_s = wall_s()
-        future = self._runner.submit(capability, plugin, verb, args)
-        future.add_done_callback(lambda _: self._measure(f"{capability}.{verb}", started_s))
-        latency_s = plugin.latency_s.get(verb, 0.0)
+        future = self._runner.submit(capability, plugin, call)
+        future.add_done_callback(lambda _: self._measure(f"{capability}.{call.verb}", started_s))
+        latency_s = plugin.latency_s.get(call.verb, 0.0)
         ready_s = self._clock.now_s() + latency_s if self._is_lock_step else None
         return PluginJob(
             future,
             self._clock,
             ready_s,
             lambda given_up: self._runner.abandon(capability, given_up),
+        )
+
+    def _plugin_of(self, verb: Callable[..., Any]) -> tuple[str, Plugin]:
+        owner = getattr(verb, "__self__", None)
+        for capability, _, plugin in selected_plugins(self._plugins):
+            if plugin is owner:
+                return capability, plugin
+        raise ConfigError(
+            f"{getattr(verb, '__qualname__', verb)} is no method of a plugin of this mission; a "
+            "job takes a verb of what `use` returns"
         )
 
     def _measure(self, stage: str, started_s: float) -> None:

@@ -3,16 +3,29 @@ a safe stop.
 """
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from executive.clock import Clock, wall_s
 from executive.errors import RobotError
+from executive.events.event import Event
+from executive.events.mission import (
+    EstimatorStatusChanged,
+    Fault,
+    Faulted,
+    MissionEnded,
+    ObservationIgnored,
+    PhaseChanged,
+    PluginFailed,
+    StopFailed,
+    VerdictGiven,
+)
+from executive.interfaces.plugin import Plugin
 from executive.interfaces.robot import Robot
 from executive.journal import Journal
 from executive.leaf.rest import Rest
-from executive.leaf.runtime import Question, Runtime
+from executive.leaf.runtime import MissionFaultError, Question, Runtime
 from executive.leaf.store import Store
 from executive.logs.recorder import Recorder
 from executive.machine.kinematics import Kinematics
@@ -23,11 +36,12 @@ from executive.messages.verdict import Verdict
 from executive.mission.assembly import Assembly
 from executive.mission.context import NodeContext, Services
 from executive.mission.display import Display
+from executive.mission.fault import fault_of
 from executive.mission.jobs import Jobs
 from executive.mission.operator import Operator
 from executive.mission.phase import Phase, checked_change
 from executive.mission.report import Ending
-from executive.mission.streams import Streams
+from executive.mission.streams import StreamListener, Streams
 from executive.tree.build import node_states
 
 _STOP_LIMIT_S = 10.0  # a machine that has not come to rest by then is faulted
@@ -48,9 +62,14 @@ class Setup:
     journal: Journal
     operator: Operator
     recorder: Recorder | None = None
+    can_fail: frozenset[tuple[str, str]] = frozenset()  # capability and name: `on_error: fail`
 
 
-class Mission(Runtime):
+class MachineMovesError(RobotError):
+    """The machine does not come to rest."""
+
+
+class Mission(Runtime, StreamListener):
     """The tick loop, as DESIGN tells it: read → streams → tree → commands → journal, viewer."""
 
     def __init__(
@@ -71,7 +90,11 @@ class Mission(Runtime):
         self._pause_requested = False
         self._questions: list[Question] = []
         self._robot: Robot = setup.assembly.plugins["robot"]
-        self._display = Display(setup.assembly.plugins.get("viewing"), setup.clock)
+        self._display = Display(
+            setup.assembly.plugins.get("viewing"),
+            setup.clock,
+            lambda viewer, error: self.take_error("viewing", viewer, error),
+        )
         machine = setup.assembly.machine
         lidars = [name for name, sensor in machine.sensors.items() if sensor.kind == "lidar"]
         self.services = Services(
@@ -81,7 +104,7 @@ class Mission(Runtime):
             kinematics=Kinematics(machine),
             plugins=setup.assembly.plugins,
             jobs=setup.jobs,
-            streams=Streams(setup.assembly.plugins, lidars, self._take_verdict, self._take_status),
+            streams=Streams(setup.assembly.plugins, lidars, self),
             entries=setup.journal.entries,
             record=self.record,
             show=self.show,
@@ -94,8 +117,8 @@ class Mission(Runtime):
     def context(self, node: str) -> NodeContext:
         return NodeContext(self.services, node)
 
-    def record(self, kind: str, node: str, payload: Mapping[str, Any]) -> None:
-        self.journal.append(self._tick, self.clock.now_s(), kind, node, payload)
+    def record(self, node: str, event: Event) -> None:
+        self.journal.append(self._tick, self.clock.now_s(), node, event)
 
     def show(self, entity: str, value: object) -> None:
         if isinstance(value, Stone):
@@ -107,9 +130,16 @@ class Mission(Runtime):
         self._questions.append(asked)
         return asked
 
-    def fail(self, error: BaseException, node: str) -> None:
-        if isinstance(error, RobotError):
-            self._ending = Ending("fault", f"{node}: {error}")
+    def fail(self, error: Exception, node: str, leaf: str) -> str:
+        if isinstance(error, MissionFaultError):
+            raise error
+        fault = fault_of(error, self.services.plugins, node, leaf)
+        if (fault.capability, fault.name) in self._setup.can_fail:
+            self._log(fault)
+            self.record(node, PluginFailed(fault))
+            return fault.summary
+        self._fault(fault)
+        raise MissionFaultError(fault.summary) from error
 
     # --- what people do
 
@@ -140,7 +170,7 @@ class Mission(Runtime):
         self._change(
             Phase.FAULTED if self._ending.outcome == "fault" else Phase.DONE, self._ending.reason
         )
-        self.record("ended", "", {"outcome": self._ending.outcome, "reason": self._ending.reason})
+        self.record("", MissionEnded(self._ending.outcome, self._ending.reason))
         return self._ending
 
     def _guarded_tick(self) -> None:
@@ -149,11 +179,10 @@ class Mission(Runtime):
             self._follow_requests()
             if self.phase in (Phase.RUNNING, Phase.AWAITING_OPERATOR):
                 self._tick_tree()
-        except RobotError as error:
-            self._fault(str(error))
-        except Exception as error:  # a broken plugin: the machine is stopped whatever it was
-            logging.getLogger(__name__).exception("a plugin failed")
-            self._fault(f"a plugin failed: {type(error).__name__}: {error}")
+        except MissionFaultError:
+            pass  # the fault is recorded, and the machine was told to stop
+        except Exception as error:  # whatever escaped: the machine is stopped
+            self._fault(fault_of(error, self.services.plugins))
         self._end_tick()
 
     def _read(self) -> None:
@@ -201,21 +230,31 @@ class Mission(Runtime):
             limit_s, rest = self.clock.now_s() + _STOP_LIMIT_S, Rest()
             while not self._stands(rest):
                 if self.clock.now_s() >= limit_s:
-                    raise RobotError(
+                    raise MachineMovesError(
                         f"the machine still moves {_STOP_LIMIT_S:.0f} s after the stop"
                     )
                 self._read()
                 self._end_tick()
                 after_tick(self)
-        except RobotError as error:
+        except MachineMovesError as error:
             self._ending = Ending("fault", str(error))
+        except Exception as error:  # whatever escaped while the machine came to rest
+            self._fault(fault_of(error, self.services.plugins))
 
-    def _fault(self, reason: str) -> None:
-        self._ending = Ending("fault", reason)
+    def _fault(self, fault: Fault) -> None:
+        """Stop the machine for an error that escaped, and end the mission; the first one counts."""
+        self._log(fault)
+        self.record(fault.node, Faulted(fault))
+        if not self.is_faulted:
+            self.is_faulted = True
+            self._ending = Ending("fault", fault.summary, fault)
         try:
             self._robot.stop()
-        except RobotError as error:
-            self.record("stop_failed", "", {"reason": str(error)})
+        except Exception as error:  # a robot that cannot stop is told, and the mission ends
+            self.record("", StopFailed(f"{type(error).__name__}: {error}"))
+
+    def _log(self, fault: Fault) -> None:
+        logging.getLogger(__name__).error("%s\n%s", fault.summary, fault.traceback)
 
     def _stands(self, rest: Rest) -> bool:
         sample = self.services.streams.joints
@@ -236,25 +275,27 @@ class Mission(Runtime):
     def _is_due(self, period_s: float) -> bool:
         return self._tick % max(1, round(period_s / self._setup.tick_s)) == 0
 
-    def _take_verdict(self, verdict: Verdict) -> None:
+    def take_verdict(self, verdict: Verdict) -> None:
         self.services.verdicts.append(verdict)
         self.show("verdict", verdict)
-        self.record(
-            "verdict",
-            "",
-            {"monitor": verdict.monitor, "trouble": verdict.trouble, "detail": verdict.detail},
-        )
+        self.record("", VerdictGiven(verdict.monitor, verdict.trouble, verdict.detail))
 
-    def _take_status(self, change: StatusChange) -> None:
-        payload = {
-            "from": change.before,
-            "to": change.after,
-            "stamp_s": change.stamp_s,
-            "reason": change.reason,
-        }
+    def take_status(self, change: StatusChange) -> None:
         self.show("estimator", change)
-        self.record("estimator_status", "", payload)
+        event = EstimatorStatusChanged(change.before, change.after, change.stamp_s, change.reason)
+        self.record("", event)
+
+    def take_error(self, capability: str, plugin: Plugin, error: Exception) -> None:
+        """Take an error of a stream plugin: it is used no more, or ends the mission."""
+        fault = fault_of(error, self.services.plugins)
+        if (fault.capability, fault.name) not in self._setup.can_fail:
+            raise error
+        self._log(fault)
+        self.record("", PluginFailed(fault))
+
+    def take_unknown(self, kind: str) -> None:
+        self.record("", ObservationIgnored(kind))
 
     def _change(self, phase: Phase, reason: str) -> None:
-        self.record("phase", "", {"from": self.phase, "to": phase, "reason": reason})
+        self.record("", PhaseChanged(self.phase, phase, reason))
         self.phase = checked_change(self.phase, phase)

@@ -1,16 +1,24 @@
-"""What became of each stone, read from the journal: attempts, where it was put, where it was set
-aside.
-"""
+"""What became of each stone, read from the journal: attempts, placement, giving up."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from executive.events.event import Event
+from executive.events.mission import VerdictGiven
+from executive.events.stone import (
+    AttemptStarted,
+    GraspRecord,
+    JawsClosedOnNothing,
+    StoneRealigned,
+    StoneReleased,
+    StoneSetAside,
+    StonesTakenUpAgain,
+)
 from executive.interfaces.oracle import Attempt
 from executive.journal import Entry
 
-# Entries that end an attempt, and the outcome that they stand for; a verdict brings its own.
-_ENDINGS = {"released": "placed", "closed_on_nothing": "empty", "attempt_failed": "failed"}
+_UNFINISHED = "unfinished"
 
 
 @dataclass(slots=True)
@@ -19,10 +27,10 @@ class Try:
 
     stone: int
     started_s: float
-    grasp: Mapping[str, Any]
+    grasp: GraspRecord
     centroid_map: tuple[float, float, float]
     ended_s: float = 0.0
-    outcome: str = "unfinished"
+    outcome: str = _UNFINISHED
     reason: str = ""
 
 
@@ -32,7 +40,7 @@ class Pick:
 
     stone: int
     tries: list[Try] = field(default_factory=list)
-    released: Mapping[str, Any] | None = None
+    released: StoneReleased | None = None
     estimated_pose: Any = None
     set_aside: str = ""
 
@@ -43,7 +51,8 @@ class Pick:
 
     def as_report(self) -> dict[str, Any]:
         """Return the entry of the report."""
-        released = self.released or {}
+        released = self.released
+        estimated = released.estimated_pose if released is not None else None
         return {
             "object": self.stone,
             "attempts": [
@@ -56,85 +65,85 @@ class Pick:
                 }
                 for t in self.tries
             ],
-            "placed": self.released is not None,
-            "slot": released.get("slot"),
-            "planned_pose": released.get("planned_pose"),
-            "estimated_pose": self.estimated_pose or released.get("estimated_pose"),
+            "placed": released is not None,
+            "slot": released.slot if released is not None else None,
+            "planned_pose": released.planned_pose if released is not None else None,
+            "estimated_pose": estimated if self.estimated_pose is None else self.estimated_pose,
             "set_aside": self.set_aside or None,
         }
 
 
-def picks_from(entries: Iterable[Entry]) -> list[Pick]:
-    """Read all picks in the order in which they began; a stone that is moved again is
-    picked again.
-    """
-    picks: list[Pick] = []
-    newest: dict[int, Pick] = {}  # by stone
-    current: Try | None = None
-    last_s = 0.0
+class Picks:
+    """Collects picks from events, in the order of the journal."""
 
-    def pick_of(stone: int) -> Pick:
-        pick = newest.get(stone)
+    def __init__(self) -> None:
+        self.all: list[Pick] = []
+        self._newest: dict[int, Pick] = {}  # by stone
+        self._current: Try | None = None
+
+    def add(self, time_s: float, event: Event) -> None:
+        """Take one event of the journal."""
+        match event:
+            case AttemptStarted():
+                self.cut_off(time_s)
+                x, y, z = (float(value) for value in event.centroid_map)
+                self._current = Try(event.stone, time_s, event.grasp, (x, y, z), time_s)
+                self._pick_of(event.stone).tries.append(self._current)
+            case JawsClosedOnNothing():
+                self._end(time_s, "empty", event.reason)
+            case VerdictGiven():
+                self._end(time_s, event.trouble, event.detail)
+            case StoneReleased():
+                self._end(time_s, "placed", "")
+                self._pick_of(event.stone).released = event
+            case StoneSetAside():
+                self._pick_of(event.stone).set_aside = event.reason
+            case StoneRealigned() if event.stone in self._newest:
+                self._newest[event.stone].estimated_pose = event.estimated_pose
+            case StonesTakenUpAgain():
+                for stone in event.stones:  # the pick goes on, and its tries before that count
+                    self._newest[stone].set_aside = ""
+
+    def cut_off(self, now_s: float) -> None:
+        """End an attempt that nothing has ended: by the next one, or by the end of the run."""
+        if self._current is not None and self._current.outcome == _UNFINISHED:
+            self._current.ended_s = now_s
+
+    def _pick_of(self, stone: int) -> Pick:
+        pick = self._newest.get(stone)
         if pick is None or pick.is_over:
-            pick = newest[stone] = Pick(stone)
-            picks.append(pick)
+            pick = self._newest[stone] = Pick(stone)
+            self.all.append(pick)
         return pick
 
+    def _end(self, time_s: float, outcome: str, reason: str) -> None:
+        if self._current is None:
+            return
+        self._current.ended_s = time_s
+        if self._current.outcome == _UNFINISHED:  # the first cause counts, not what follows from it
+            self._current.outcome, self._current.reason = outcome, reason
+
+
+def picks_from(entries: Iterable[Entry]) -> list[Pick]:
+    """Return all picks in the order in which they began.
+
+    A stone that is moved again, after it was placed or given up, is picked again.
+    """
+    picks, last_s = Picks(), 0.0
     for entry in entries:
-        payload = entry.payload
-        if entry.kind == "attempt":
-            _cut_off(current, entry.time_s)
-            current = Try(
-                payload["stone"],
-                entry.time_s,
-                payload["grasp"],
-                tuple(payload["centroid_map"]),
-                entry.time_s,
-            )
-            pick_of(payload["stone"]).tries.append(current)
-        elif entry.kind in ("verdict", *_ENDINGS) and current is not None:
-            _end(current, entry)
-        if entry.kind in ("released", "set_aside"):
-            _settle(pick_of(payload["stone"]), entry)
-        elif entry.kind == "realigned" and payload["stone"] in newest:
-            newest[payload["stone"]].estimated_pose = payload["estimated_pose"]
-        elif entry.kind == "taken_up_again":
-            _reopen(newest, payload["stones"])
+        picks.add(entry.time_s, entry.event)
         last_s = entry.time_s
-    _cut_off(current, last_s)
-    return picks
-
-
-def _settle(pick: Pick, entry: Entry) -> None:
-    if entry.kind == "released":
-        pick.released = entry.payload
-    else:
-        pick.set_aside = entry.payload["reason"]
-
-
-def _reopen(newest: Mapping[int, Pick], stones: Iterable[int]) -> None:
-    """Let the picks of stones that were set aside go on: their tries before that count."""
-    for stone in stones:
-        newest[stone].set_aside = ""
-
-
-def _cut_off(current: Try | None, now_s: float) -> None:
-    """End an attempt that nothing has ended: by the next one, or by the end of the run."""
-    if current is not None and current.outcome == "unfinished":
-        current.ended_s = now_s
-
-
-def _end(current: Try, entry: Entry) -> None:
-    current.ended_s = entry.time_s
-    if current.outcome in (
-        "unfinished",
-        "failed",
-    ):  # the first cause stands; what follows from it does not replace it
-        current.outcome = _ENDINGS.get(entry.kind) or entry.payload["trouble"]
-        current.reason = entry.payload.get("reason") or entry.payload.get("detail") or ""
+    picks.cut_off(last_s)
+    return picks.all
 
 
 def attempts_from(picks: Iterable[Pick]) -> list[Attempt]:
     """Return all attempts in order of time, for the oracle."""
     tries = sorted((t for pick in picks for t in pick.tries), key=lambda t: t.started_s)
     return [Attempt(t.stone, t.started_s, t.ended_s, t.outcome, t.centroid_map) for t in tries]
+
+
+def newest_releases(picks: Iterable[Pick]) -> Mapping[int, StoneReleased]:
+    """Return each stone's last release, if its newest pick ended in one."""
+    newest = {pick.stone: pick.released for pick in picks}
+    return {stone: released for stone, released in newest.items() if released is not None}

@@ -3,7 +3,6 @@ all on standard error.
 """
 
 import sys
-from collections.abc import Callable
 from typing import Any
 
 from rich.console import Console
@@ -11,6 +10,9 @@ from rich.live import Live
 from rich.text import Text
 
 from executive.clock import wall_s
+from executive.events.site import SiteSegmented
+from executive.events.stone import StoneReleased
+from executive.mission.event_lines import line_of
 from executive.mission.mission import Mission
 from executive.tree.build import node_states
 
@@ -20,28 +22,6 @@ _MARKS = {
     "FAILURE": ("✗", "red"),
     "RUNNING": ("▶", "bold cyan"),
     "INVALID": ("·", "dim"),
-}
-# Entries worth a line, and what the line says.
-_TOLD: dict[str, Callable[[Any], str]] = {
-    "localised": lambda p: f"localised ({p['status']})",
-    "surveyed": lambda p: f"drone map of {p['points']} points",
-    "scanned": lambda p: f"map of {p['points']} points",
-    "registration": lambda p: (
-        f"drone map {'registered' if p['accepted'] else 'refused'}: {p['reason']}"
-    ),
-    "segmented": lambda p: f"{len(p['stones'])} stones found",
-    "slots": lambda p: f"{len(p['slots'])} free places",
-    "attempt": lambda p: f"stone {p['stone']}: going for it",
-    "grasped": lambda p: f"stone {p['stone']}: grasped at {p['jaw_rad']:.2f} rad",
-    "closed_on_nothing": lambda p: f"stone {p['stone']}: {p['reason']}",
-    "verdict": lambda p: f"{p['trouble']}: {p['detail']}",
-    "released": lambda p: f"stone {p['stone']}: set down on slot {p['slot']}",
-    "let_go": lambda p: f"stone {p['stone']}: let go",
-    "realigned": lambda p: (
-        f"stone {p['stone']}: {'realigned' if p['accepted'] else 'not realigned: ' + p['reason']}"
-    ),
-    "set_aside": lambda p: f"stone {p['stone']}: set aside, {p['reason']}",
-    "phase": lambda p: f"{p['to']}" + (f": {p['reason']}" if p["reason"] else ""),
 }
 
 
@@ -54,12 +34,8 @@ class PlainProgress:
     def __call__(self, mission: Mission) -> None:
         entries = mission.journal.entries
         for entry in entries[self._told :]:
-            if entry.kind in _TOLD:
-                print(
-                    f"{entry.time_s:8.2f} s  {_TOLD[entry.kind](entry.payload)}",
-                    file=sys.stderr,
-                    flush=True,
-                )
+            if line := line_of(entry.event):
+                print(f"{entry.time_s:8.2f} s  {line}", file=sys.stderr, flush=True)
         self._told = len(entries)
 
     def __enter__(self) -> "PlainProgress":
@@ -94,15 +70,9 @@ class LiveProgress:
     def _picture(self, mission: Mission, now_s: float) -> Text:
         elapsed_s = mission.clock.now_s()
         ratio = elapsed_s / max(now_s - self._started_s, 1e-3)
-        placed = sum(entry.kind == "released" for entry in mission.journal.entries)
-        stones: list[int] = next(
-            (
-                e.payload["stones"]
-                for e in reversed(mission.journal.entries)
-                if e.kind == "segmented"
-            ),
-            [],
-        )
+        events = [entry.event for entry in mission.journal.entries]
+        placed = sum(isinstance(event, StoneReleased) for event in events)
+        stones = next((e.stones for e in reversed(events) if isinstance(e, SiteSegmented)), ())
         head = f"{mission.phase}  {elapsed_s:7.1f} s  {ratio:.1f}× real time"
         text = Text(
             head + (f"  stone {placed} of {len(stones)}" if stones else "") + "\n", style="bold"

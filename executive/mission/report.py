@@ -11,7 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from executive.journal import Entry, plain
+from executive.events.event import plain
+from executive.events.mission import Fault, PluginFailed, VerdictGiven
+from executive.events.node import NodeNotRetried
+from executive.events.site import SiteScanned, SurveyRegistered
+from executive.events.stone import JawsClosedOnNothing
+from executive.journal import Entry
+from executive.messages.verdict import Trouble
 from executive.mission.picks import Pick
 
 
@@ -22,10 +28,12 @@ class Ending:
     Attributes:
         outcome: success, failure, stopped or fault.
         reason: Why, for a person.
+        fault: What failed, if an error of a plugin or leaf ended the run.
     """
 
     outcome: str
     reason: str
+    fault: Fault | None = None
 
     @property
     def exit_status(self) -> int:
@@ -37,23 +45,25 @@ class Ending:
 
 def counts_from(entries: Sequence[Entry], picks: Sequence[Pick]) -> dict[str, int]:
     """Count what a person asks for first."""
-    kinds = Counter(entry.kind for entry in entries)
-    troubles = Counter(entry.payload["trouble"] for entry in entries if entry.kind == "verdict")
+    events = [entry.event for entry in entries]
+    kinds = Counter(type(event) for event in events)
+    troubles = Counter(event.trouble for event in events if isinstance(event, VerdictGiven))
+    registrations = [event for event in events if isinstance(event, SurveyRegistered)]
     placed = [pick for pick in picks if pick.released is not None]
     return {
         "picks": len(picks),
         "placed": len(placed),
         "attempts": sum(len(pick.tries) for pick in picks),
         "first_attempt": sum(len(pick.tries) == 1 for pick in placed),
-        "slips": troubles["slip"],
-        "drops": troubles["drop"],
-        "empty": kinds["closed_on_nothing"],
+        "slips": troubles[Trouble.SLIP],
+        "drops": troubles[Trouble.DROP],
+        "empty": kinds[JawsClosedOnNothing],
         "set_aside": sum(bool(pick.set_aside) for pick in picks),
-        "registrations": kinds["registration"],
-        "registrations_accepted": sum(
-            e.kind == "registration" and e.payload["accepted"] for e in entries
-        ),
-        "scans": kinds["scanned"],
+        "registrations": len(registrations),
+        "registrations_accepted": sum(event.accepted for event in registrations),
+        "scans": kinds[SiteScanned],
+        "not_retried": kinds[NodeNotRetried],
+        "plugin_failures": kinds[PluginFailed],
     }
 
 
@@ -100,6 +110,12 @@ def summary(report: Mapping[str, Any]) -> str:
             f"  drone map  {counts['registrations_accepted']} of "
             f"{counts['registrations']} registrations accepted"
         )
+    if counts["plugin_failures"]:
+        lines.append(f"  plugins    {counts['plugin_failures']} errors passed over (log.txt)")
+    lines += [
+        f"  ignored    {count} observations of type {kind}: no plugin takes them"
+        for kind, count in report["ignored_observations"].items()
+    ]
     lines += _truth_lines(report.get("truth"))
     return "\n".join(lines)
 

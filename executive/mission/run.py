@@ -81,6 +81,7 @@ class Run:
             journal=Journal(self.folder.journal),
             operator=Operator(options.answer),
             recorder=self._recorder(),
+            can_fail=_can_fail(description),
         )
         self._mission: Mission | None = None
 
@@ -149,14 +150,19 @@ class Run:
             "seed": self._options.seed,
             "outcome": ending.outcome,
             "reason": ending.reason,
+            "fault": ending.fault,
             "started_s": 0.0,
             "ended_s": ended_s,
             "wall_s": round(wall, 3),
             "real_time_factor": round(ended_s / wall, 3),
             "picks": [pick.as_report() for pick in picks],
             "counts": counts_from(entries, picks),
+            "ignored_observations": self._ignored(),
             "timings_ms": timings_from(durations),
         }
+
+    def _ignored(self) -> dict[str, int]:
+        return dict(self._mission.services.streams.ignored) if self._mission is not None else {}
 
     def _truth(self) -> dict[str, Any]:
         if self._mission is None:
@@ -168,6 +174,16 @@ class Run:
         if "mapping" in self._assembly.plugins:
             cloud = self._assembly.plugins["mapping"].cloud()
             write_ply(self.folder.map, cloud.points, cloud.frame)
+
+
+def _can_fail(description: MissionFile) -> frozenset[tuple[str, str]]:
+    """Return capability and name of the plugins that the mission can do without."""
+    return frozenset(
+        (capability, one.name)
+        for capability, several in description.plugins.items()
+        for one in several
+        if one.can_fail
+    )
 
 
 def _model(description: MissionFile) -> str:

@@ -1,8 +1,7 @@
-"""Where observations go: in order of stamps to the estimator, the odometry, the mapper and the
-monitors.
-"""
+"""Where observations go: in order of stamps to the estimator, odometry, mapper and monitors."""
 
-from collections import deque
+from abc import ABC, abstractmethod
+from collections import Counter, deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -13,6 +12,7 @@ from executive.interfaces.estimation import Estimator
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.monitoring import Monitor
 from executive.interfaces.odometry import LidarOdometry
+from executive.interfaces.plugin import Plugin
 from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
@@ -26,94 +26,155 @@ from executive.messages.verdict import Verdict
 _HISTORY_S = 1.0  # a scan pair spans at most two revolutions of 0.1 s, plus the sensors' latency
 
 
+class StreamListener(ABC):
+    """Takes what the streams give rise to."""
+
+    @abstractmethod
+    def take_verdict(self, verdict: Verdict) -> None:
+        """Take a verdict of a monitor."""
+
+    @abstractmethod
+    def take_status(self, change: StatusChange) -> None:
+        """Take a change of the estimator's status."""
+
+    @abstractmethod
+    def take_error(self, capability: str, plugin: Plugin, error: Exception) -> None:
+        """Take an error of a stream plugin that the mission can do without, or raise it again."""
+
+    @abstractmethod
+    def take_unknown(self, kind: str) -> None:
+        """Take the first observation of a type that no plugin takes."""
+
+
 class Streams:
     """Feeds the stream plugins and keeps the newest values for snapshots."""
 
     def __init__(
-        self,
-        plugins: Mapping[str, Any],
-        lidars: Sequence[str],
-        on_verdict: Callable[[Verdict], None],
-        on_status: Callable[[StatusChange], None] = lambda change: None,
+        self, plugins: Mapping[str, Any], lidars: Sequence[str], listener: StreamListener
     ) -> None:
         self._estimator: Estimator = plugins["estimation"]
         self._odometry: LidarOdometry | None = plugins.get("odometry")
         self._mapper: Mapper | None = plugins.get("mapping")
-        self._monitors: Sequence[Monitor] = plugins.get("monitoring", ())
+        self.monitors: list[Monitor] = list(plugins.get("monitoring", ()))
+        self._observers = _observers(plugins)
         self._lidars = tuple(lidars)
-        self._on_verdict = on_verdict
-        self._on_status = on_status
+        self._listener = listener
         self._status = "INITIALISING"
-        self._told = 0  # changes of the estimator's account that have been handed on
+        self._told = 0  # number of the estimator's status changes that have been handed on
         self._history: deque[tuple[float, BaseState, JointSample]] = deque()
         self._scans: dict[str, LidarScan] = {}
-        self.joints: JointSample | None = None
-        self.scan_pairs = 0
-        self.durations_ms: dict[str, list[float]] = {}
-
-    def process(self, observations: Sequence[Observation]) -> None:
-        """Take all observations of one tick."""
-        handlers: Mapping[type, Callable[[Any], None]] = {
+        self._handlers: Mapping[type, Callable[[Any], None]] = {
             ImuSample: self._take_imu,
             GnssFix: self._estimator.add_gnss,
             JointSample: self._take_joints,
             LidarScan: self._take_scan,
         }
-        for observation in observations:
-            handlers[type(observation)](observation)
-        self._tell_status()
+        self.joints: JointSample | None = None
+        self.scan_pairs = 0
+        self.ignored: Counter[str] = Counter()  # observations by type that no plugin takes
+        self.durations_ms: dict[str, list[float]] = {}
 
-    def _tell_status(self) -> None:
-        """Hand on each change of the estimator's status once: with its reason, or as it shows where
-        none is given.
-        """
-        account = self._estimator.account()
-        state = self._estimator.state()
-        for change in account[self._told :]:
-            self._on_status(change)
-            self._status = change.after
-        if state.status != self._status:
-            self._on_status(StatusChange(state.stamp_s, self._status, state.status, ""))
-        self._told, self._status = len(account), state.status
+    def process(self, observations: Sequence[Observation]) -> None:
+        """Take all observations of one tick."""
+        for observation in observations:
+            handler = self._handlers.get(type(observation))
+            if handler is not None:
+                handler(observation)
+            if not self._observe(observation) and handler is None:
+                self._ignore(observation)
+        self._hand_on_status()
 
     def state(self) -> BaseState:
         """Return the newest state estimate."""
         return self._estimator.state()
 
+    def _observe(self, observation: object) -> bool:
+        """Hand an observation to the plugins that ask for its type; return whether one does."""
+        asking = [(c, p) for c, p in self._observers if isinstance(observation, p.takes)]
+        for capability, plugin in asking:
+            try:
+                plugin.take(observation)
+            except Exception as error:  # the listener decides what it means
+                self._listener.take_error(capability, plugin, error)
+                self._observers.remove((capability, plugin))
+        return bool(asking)
+
+    def _ignore(self, observation: object) -> None:
+        kind = type(observation).__name__
+        self.ignored[kind] += 1
+        if self.ignored[kind] == 1:
+            self._listener.take_unknown(kind)
+
+    def _hand_on_status(self) -> None:
+        """Hand on each change of the estimator's status once, with its reason if there is one."""
+        account = self._estimator.account()
+        state = self._estimator.state()
+        for change in account[self._told :]:
+            self._listener.take_status(change)
+            self._status = change.after
+        if state.status != self._status:
+            self._listener.take_status(StatusChange(state.stamp_s, self._status, state.status, ""))
+        self._told, self._status = len(account), state.status
+
     def _take_imu(self, sample: ImuSample) -> None:
         self._estimator.add_imu(sample)
         if self._odometry is not None:
-            self._odometry.add_imu(sample)
+            self._with_odometry(self._odometry.add_imu, sample)
 
     def _take_joints(self, sample: JointSample) -> None:
         self._estimator.add_joints(sample)
         if self._odometry is not None:
-            self._odometry.add_joints(sample)
+            self._with_odometry(self._odometry.add_joints, sample)
         self.joints = sample
-        for monitor in self._monitors:
-            verdict = monitor.update(sample)
-            if verdict is not None:
-                self._on_verdict(verdict)
+        for monitor in tuple(self.monitors):
+            self._watch(monitor, sample)
         state = self._estimator.state()
         if state.is_ready and (not self._history or state.stamp_s > self._history[-1][0]):
             self._history.append((state.stamp_s, state, sample))
             while self._history[0][0] < state.stamp_s - _HISTORY_S:
                 self._history.popleft()
 
+    def _watch(self, monitor: Monitor, sample: JointSample) -> None:
+        try:
+            verdict = monitor.update(sample)
+        except Exception as error:  # the listener decides what it means
+            self._listener.take_error("monitoring", monitor, error)
+            self.monitors.remove(monitor)
+            return
+        if verdict is not None:
+            self._listener.take_verdict(verdict)
+
     def _take_scan(self, scan: LidarScan) -> None:
         if self._odometry is not None:
-            increment = self._odometry.add_scan(scan)
+            increment = self._with_odometry(self._odometry.add_scan, scan)
             if increment is not None:
                 self._estimator.add_odometry(increment)
         self._scans[scan.frame] = scan
         if self._mapper is not None and self._history and len(self._scans) == len(self._lidars):
-            started_s = wall_s()
-            self._mapper.add_scan_pair([self._scans[name] for name in self._lidars], self._motion())
-            self.durations_ms.setdefault("mapping.add_scan_pair", []).append(
-                1e3 * (wall_s() - started_s)
-            )
-            self.scan_pairs += 1
-            self._scans.clear()
+            self._map(self._mapper)
+
+    def _with_odometry(self, verb: Callable[[Any], Any], observation: Observation) -> Any:
+        try:
+            return verb(observation)
+        except Exception as error:  # the listener decides what it means
+            if self._odometry is not None:
+                self._listener.take_error("odometry", self._odometry, error)
+            self._odometry = None
+            return None
+
+    def _map(self, mapper: Mapper) -> None:
+        started_s = wall_s()
+        try:
+            mapper.add_scan_pair([self._scans[name] for name in self._lidars], self._motion())
+        except Exception as error:  # the listener decides what it means
+            self._listener.take_error("mapping", mapper, error)
+            self._mapper = None
+            return
+        self.durations_ms.setdefault("mapping.add_scan_pair", []).append(
+            1e3 * (wall_s() - started_s)
+        )
+        self.scan_pairs += 1
+        self._scans.clear()
 
     def _motion(self) -> Motion:
         stamps, states, samples = zip(*self._history, strict=True)
@@ -124,3 +185,13 @@ class Streams:
             joint_position=np.stack([sample.position for sample in samples]),
             covariance=states[-1].covariance,
         )
+
+
+def _observers(plugins: Mapping[str, Any]) -> list[tuple[str, Plugin]]:
+    """Return capability and plugin of those that ask for observations by type."""
+    found = []
+    for capability, several in plugins.items():
+        for plugin in several if isinstance(several, tuple) else (several,):
+            if getattr(plugin, "takes", ()):
+                found.append((capability, plugin))
+    return found

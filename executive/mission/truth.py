@@ -11,7 +11,7 @@ from executive import registry
 from executive.interfaces.oracle import MissionView, Oracle
 from executive.messages.placement import Slot
 from executive.mission.mission import Mission
-from executive.mission.picks import Pick, attempts_from
+from executive.mission.picks import Pick, attempts_from, newest_releases
 
 
 def truth_of(robot_name: str, mission: Mission, picks: Sequence[Pick]) -> dict[str, Any]:
@@ -32,9 +32,7 @@ def truth_of(robot_name: str, mission: Mission, picks: Sequence[Pick]) -> dict[s
 
 def _slots(picks: Sequence[Pick]) -> dict[int, Slot]:
     """Return where each stone stands by the mission's word: its newest pick decides."""
-    newest = {pick.stone: pick.released for pick in picks}
     return {
-        stone: Slot(released["slot"], np.array(released["slot_position"]))
-        for stone, released in newest.items()
-        if released is not None
+        stone: Slot(released.slot, np.array(released.slot_position))
+        for stone, released in newest_releases(picks).items()
     }

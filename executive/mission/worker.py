@@ -1,17 +1,34 @@
 """A long-lived process that holds a copy of one stateless plugin and computes its verbs."""
 
 import multiprocessing as mp
+import pickle
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Future
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from queue import SimpleQueue
 from typing import Any
 
 from executive.errors import RobotError
+from executive.interfaces.plugin import Plugin
 from executive.mission.assembly import Selections, assemble, needed_for
+from executive.mission.fault import REMOTE, raised_at
 
 _DEADLINE_S = 2.0  # for a worker that is told to end, or to give a call up, before it is killed
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """One call of a plugin's verb: its name and arguments."""
+
+    verb: str
+    args: Sequence[Any]
+    kwargs: Mapping[str, Any]
+
+    def of(self, plugin: Plugin) -> Any:
+        """Call the verb of a plugin."""
+        return getattr(plugin, self.verb)(*self.args, **self.kwargs)
 
 
 class WorkerDiedError(RobotError):
@@ -26,7 +43,7 @@ class Worker:
     def __init__(self, capability: str, selections: Selections, model: str, seed: int) -> None:
         self._capability = capability
         self._arguments = (capability, needed_for(selections, capability), model, seed)
-        self._calls: SimpleQueue[tuple[str, Sequence[Any], Future[Any]] | None] = SimpleQueue()
+        self._calls: SimpleQueue[tuple[Call, Future[Any]] | None] = SimpleQueue()
         self._computing: Future[Any] | None = None
         self._process: Any = None
         self._connection: Connection | None = None
@@ -35,10 +52,10 @@ class Worker:
         )
         self._thread.start()
 
-    def submit(self, verb: str, args: Sequence[Any]) -> Future[Any]:
+    def submit(self, call: Call) -> Future[Any]:
         """Queue a call."""
         future: Future[Any] = Future()
-        self._calls.put((verb, args, future))
+        self._calls.put((call, future))
         return future
 
     def abandon(self, future: Future[Any]) -> None:
@@ -62,28 +79,28 @@ class Worker:
             self._process.join()
 
     def _serve(self) -> None:
-        while (call := self._calls.get()) is not None:
-            verb, args, future = call
+        while (queued := self._calls.get()) is not None:
+            call, future = queued
             if future.set_running_or_notify_cancel():
                 self._computing = future
-                self._compute(verb, args, future)
+                self._compute(call, future)
                 self._computing = None
         if self._connection is not None:
             self._connection.close()
         if self._process is not None:
             self._process.join(_DEADLINE_S)
 
-    def _compute(self, verb: str, args: Sequence[Any], future: Future[Any]) -> None:
+    def _compute(self, call: Call, future: Future[Any]) -> None:
         try:
             connection = self._connected()
-            connection.send((verb, tuple(args)))
+            connection.send(call)
             is_error, value = connection.recv()
         except (EOFError, OSError) as error:
             self._connection = None
             code = self._process.exitcode if self._process else None
             future.set_exception(
                 WorkerDiedError(
-                    f"the {self._capability} worker died in '{verb}' (exit {code}): {error}"
+                    f"the {self._capability} worker died in '{call.verb}' (exit {code}): {error}"
                 )
             )
             return
@@ -114,11 +131,22 @@ def _work(
     plugin = assembly.plugins[capability]
     try:
         while True:
-            verb, args = connection.recv()
+            call: Call = connection.recv()
             try:
-                answer = (False, getattr(plugin, verb)(*args))
+                answer: tuple[bool, Any] = (False, call.of(plugin))
             except Exception as error:
-                answer = (True, error)
+                answer = (True, _portable(error, plugin))
             connection.send(answer)
     except (EOFError, OSError, KeyboardInterrupt):
         assembly.close()
+
+
+def _portable(error: Exception, plugin: Plugin) -> Exception:
+    """Return an error that can be sent, with the place where it was raised; frames cannot."""
+    raised = raised_at(error, plugin)
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:  # whatever an exception class of a plugin does when it is copied
+        error = RobotError(f"{type(error).__name__}: {error}")
+    setattr(error, REMOTE, raised)
+    return error

@@ -45,7 +45,7 @@ class Catalogue(ABC):
             raise ConfigError(f"{capability} plugin '{name}' ({plugin.__qualname__}) is no Plugin")
         return plugin
 
-    def behaviour(self, name: str) -> type[Leaf]:
+    def behaviour(self, name: str) -> type[Leaf[Any]]:
         """Return a behaviour's class.
 
         Raises:
@@ -53,7 +53,7 @@ class Catalogue(ABC):
         """
         if name not in self.behaviour_names():
             raise ConfigError(f"no behaviour '{name}'{did_you_mean(name, self.behaviour_names())}")
-        leaf: type[Leaf] = self._load(registry.BEHAVIOURS, name)
+        leaf: type[Leaf[Any]] = self._load(registry.BEHAVIOURS, name)
         if not issubclass(leaf, Leaf):
             raise ConfigError(
                 f"behaviour '{name}' ({leaf.__qualname__}) is neither an Action nor a Condition"
@@ -87,7 +87,7 @@ class TableCatalogue(Catalogue):
 
     def __init__(
         self,
-        behaviours: Mapping[str, type[Leaf]],
+        behaviours: Mapping[str, type[Leaf[Any]]],
         plugins: Mapping[str, Mapping[str, type[Plugin]]] | None = None,
     ) -> None:
         self._table: dict[str, Mapping[str, type]] = {

@@ -31,7 +31,7 @@ class _Journalled(TreeNode):
         """End a round."""
         decisive = self.decisive(new_status) if new_status is not Status.INVALID else None
         if decisive is not None:
-            self.feedback_message = decisive.feedback_message
+            self.adopt(decisive)
         super().terminate(new_status)
 
     def decisive(self, status: Status) -> Behaviour | None:

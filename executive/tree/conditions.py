@@ -3,6 +3,7 @@ reason.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.runtime import Runtime
@@ -10,7 +11,7 @@ from executive.tree.language import Combined, Condition, Holds, LeafUse
 from executive.tree.leaf_nodes import Asked
 from executive.tree.wiring import Scope
 
-Answer = Callable[[], Outcome]
+Answer = Callable[[], Outcome[Any]]
 
 
 def build_condition(condition: Condition, path: str, runtime: Runtime, scope: Scope) -> Answer:
@@ -43,29 +44,28 @@ def _combined_text(condition: Combined) -> str:
     return "(" + {"all": " and ", "any": " or "}[condition.how].join(parts) + ")"
 
 
-def _holds(condition: Holds, scope: Scope) -> Outcome:
-    is_true = scope.store.get(condition.key) is True
-    return (
-        succeeded(f"{condition.key} is true") if is_true else failed(f"{condition.key} is not true")
-    )
+def _holds(condition: Holds, scope: Scope) -> Outcome[Any]:
+    if scope.store.get(condition.key) is True:
+        return succeeded(reason=f"{condition.key} is true")
+    return failed(f"{condition.key} is not true")
 
 
-def _not(parts: list[Answer]) -> Outcome:
+def _not(parts: list[Answer]) -> Outcome[Any]:
     answer = parts[0]()
     return Outcome(not answer.success, answer.reason)
 
 
-def _all(parts: list[Answer]) -> Outcome:
-    answers: list[Outcome] = []
+def _all(parts: list[Answer]) -> Outcome[Any]:
+    answers: list[Outcome[Any]] = []
     for part in parts:
         answers.append(part())
         if not answers[-1].success:
             return answers[-1]
-    return succeeded("; ".join(a.reason for a in answers if a.reason))
+    return succeeded(reason="; ".join(a.reason for a in answers if a.reason))
 
 
-def _any(parts: list[Answer]) -> Outcome:
-    answers: list[Outcome] = []
+def _any(parts: list[Answer]) -> Outcome[Any]:
+    answers: list[Outcome[Any]] = []
     for part in parts:
         answers.append(part())
         if answers[-1].success:

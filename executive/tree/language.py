@@ -23,12 +23,25 @@ class LoopSettings(Settings):
     )
 
 
+# What an error of a plugin means: `stop` ends the mission in a safe stop, `fail` lets the node fail
+# that waited for it, and a stream plugin is used no more.
+ON_ERROR = "on_error"
+ON_ERROR_WORDS = ("stop", "fail")
+
+
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """A plugin that a mission has chosen, with its checked settings."""
+    """A plugin that a mission has chosen.
+
+    Attributes:
+        name: Its name, as installed.
+        settings: Checked settings.
+        can_fail: Whether the mission goes on when the plugin raises an error (`on_error: fail`).
+    """
 
     name: str
     settings: Settings
+    can_fail: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +79,7 @@ class LeafUse:
     """
 
     name: str
-    leaf: type[Leaf]
+    leaf: type[Leaf[Any]]
     settings: Settings
     inputs: Mapping[str, Ref]
     outputs: Mapping[str, Ref]

@@ -1,56 +1,83 @@
-"""Leaves as nodes: an action's generator is driven tick by tick, a condition is asked."""
+"""Leaves as nodes: an action's generator is resumed tick by tick, a condition is asked."""
+
+from typing import Any
 
 from py_trees.common import Status
 
-from executive.errors import ConfigError, ExecutiveError
+from executive.errors import ConfigError
 from executive.leaf.action import Action
 from executive.leaf.action import Condition as ConditionLeaf
 from executive.leaf.action import Steps as LeafSteps
 from executive.leaf.job import Job
 from executive.leaf.outcome import Outcome
-from executive.leaf.runtime import Runtime
+from executive.leaf.runtime import MissionFaultError, Runtime
 from executive.tree.language import LeafUse
 from executive.tree.nodes import TreeNode
 from executive.tree.wiring import Scope
 
 
-def reason_of(error: BaseException) -> str:
-    """Say an error to a person: ours speak for themselves, others need their class."""
-    return str(error) if isinstance(error, ExecutiveError) else f"{type(error).__name__}: {error}"
+class LeafCall:
+    """One leaf at one place of the tree: its inputs are fetched, its errors are handed on.
+
+    An error that escapes the leaf, or a plugin that it calls, goes to the runtime. It ends the
+    mission there, or comes back as a failure if the mission can do without that plugin.
+    """
+
+    def __init__(self, use: LeafUse, path: str, runtime: Runtime, scope: Scope) -> None:
+        self.use = use
+        self.path = path
+        self.leaf = use.leaf(use.settings, runtime.context(path))
+        self._runtime = runtime
+        self._scope = scope
+
+    def inputs(self) -> dict[str, Any]:
+        """Return the leaf's inputs by port.
+
+        Raises:
+            MissionFaultError: If a fault has ended the mission: no leaf begins any more.
+            ConfigError: If a key was never written.
+        """
+        if self._runtime.is_faulted:
+            raise MissionFaultError("the mission has ended in a fault")
+        return self._scope.inputs(self.use)
+
+    def written(self, outcome: object) -> Outcome[Any]:
+        """Return what the leaf answered, after its outputs were written."""
+        if not isinstance(outcome, Outcome):
+            raise ConfigError(
+                f"{self.use.name} ended with {type(outcome).__name__}, not with succeeded(…) or "
+                "failed(…)"
+            )
+        self._scope.write(self.use, outcome)
+        return outcome
+
+    def failed(self, error: Exception) -> Outcome[Any]:
+        """Hand an error to the runtime; a plugin that the mission can do without is a failure.
+
+        Raises:
+            MissionFaultError: If the mission ends for it.
+        """
+        return Outcome(False, self._runtime.fail(error, self.path, self.use.name))
 
 
 class Asked:
-    """A condition leaf that can be asked at any time; whatever it raises is a no with a reason."""
+    """A condition leaf that can be asked at any time."""
 
     def __init__(self, use: LeafUse, path: str, runtime: Runtime, scope: Scope) -> None:
-        self._use = use
-        self._path = path
-        self._runtime = runtime
-        self._scope = scope
-        self._leaf = use.leaf(use.settings, runtime.context(path))
+        self._call = LeafCall(use, path, runtime, scope)
 
-    def __call__(self) -> Outcome:
+    def __call__(self) -> Outcome[Any]:
         """Ask, and write the outputs."""
         try:
-            if not isinstance(self._leaf, ConditionLeaf):
-                raise ConfigError(f"{self._use.name} is no condition")
-            outcome = self._leaf.check(**self._scope.inputs(self._use))
-            return written(self._use, self._scope, outcome)
-        except (
-            Exception
-        ) as error:  # a leaf's mistake is a failure with a reason; it never escapes into the loop
-            self._runtime.fail(error, self._path)
-            return Outcome(False, reason_of(error))
-
-
-def written(use: LeafUse, scope: Scope, outcome: object) -> Outcome:
-    """Return what a leaf answered, after its outputs were written."""
-    if not isinstance(outcome, Outcome):
-        raise ConfigError(
-            f"{use.name} ended with {type(outcome).__name__}, not with succeeded(…) or failed(…)"
-        )
-    scope.write(use, outcome)
-    return outcome
+            inputs = self._call.inputs()
+        except ConfigError as error:
+            return Outcome(False, str(error))
+        try:
+            if not isinstance(self._call.leaf, ConditionLeaf):
+                raise ConfigError(f"{self._call.use.name} is no condition")
+            return self._call.written(self._call.leaf.check(**inputs))
+        except Exception as error:  # the runtime decides what an escaped error means
+            return self._call.failed(error)
 
 
 class CheckNode(TreeNode):
@@ -62,97 +89,91 @@ class CheckNode(TreeNode):
 
     def update(self) -> Status:
         """Ask once."""
-        outcome = self._asked()
-        self.feedback_message = outcome.reason
-        return Status.SUCCESS if outcome.success else Status.FAILURE
+        return self.take(self._asked())
 
 
 class RunNode(TreeNode):
     """An action in the tree: its generator is resumed with a job's result, or at the next tick.
 
-    Cancelled, the job is given up and the generator closed, so that its `finally` blocks run. Each
-    round of activity begins a new generator.
+    When the node is cancelled, the job is given up and the generator closed, so that its `finally`
+    blocks run. Each round of activity begins a new generator.
     """
 
     def __init__(self, use: LeafUse, name: str, path: str, runtime: Runtime, scope: Scope) -> None:
         super().__init__(name, path, runtime)
-        self._use = use
-        self._scope = scope
-        self._leaf = use.leaf(use.settings, runtime.context(path))
-        self._steps: LeafSteps | None = None
-        self._job: Job | None = None
+        self._call = LeafCall(use, path, runtime, scope)
+        self._steps: LeafSteps[Any] | None = None
+        self._job: Job[Any] | None = None
 
     def update(self) -> Status:
-        """Go on as far as possible."""
+        """Go on as far as possible without waiting."""
+        inputs: dict[str, Any] = {}
+        if self._steps is None:
+            try:
+                inputs = self._call.inputs()
+            except ConfigError as error:
+                return self.take(Outcome(False, str(error)))
         try:
-            outcome = self._advance()
-        except (
-            Exception
-        ) as error:  # a leaf's mistake is a failure with a reason; it never escapes into the loop
-            self._close()
-            self.runtime.fail(error, self.path)
-            outcome = Outcome(False, reason_of(error))
+            outcome = self._advance(inputs)
+        except Exception as error:  # the runtime decides what an escaped error means
+            self.cancel()
+            outcome = self._call.failed(error)
         if outcome is None:
             return Status.RUNNING
         self._steps = self._job = None
-        self.feedback_message = outcome.reason
-        return Status.SUCCESS if outcome.success else Status.FAILURE
+        return self.take(outcome)
 
     def cancel(self) -> None:
         """Give up the job, and let the generator clean up."""
-        try:
-            self._close()
-        except (
-            Exception
-        ) as error:  # a `finally` block's mistake must not keep others from being cancelled
-            self.feedback_message = reason_of(error)
-            self.runtime.fail(error, self.path)
-
-    def _close(self) -> None:
         steps, job = self._steps, self._job
         self._steps = self._job = None
         try:
-            if job is not None:
-                job.cancel()
-        finally:
-            if steps is not None:
-                steps.close()
+            try:
+                if job is not None:
+                    job.cancel()
+            finally:
+                if steps is not None:
+                    steps.close()
+        except Exception as error:  # an error in a `finally` block must not keep others running
+            try:
+                self.feedback_message = self._call.failed(error).reason
+            except MissionFaultError as fault:  # the next leaf to begin ends the tick
+                self.feedback_message = str(fault)
 
-    def _advance(self) -> Outcome | None:
+    def _advance(self, inputs: dict[str, Any]) -> Outcome[Any] | None:
         """Start or resume the generator; a job that is ready at once does not cost a tick."""
         try:
             if self._steps is None:
-                self._steps = self._begun()
+                self._steps = self._begun(inputs)
                 self._wait_for(next(self._steps))
             elif self._job is None:
                 self._wait_for(next(self._steps))
             while self._job is not None and self._job.is_ready():
                 self._wait_for(self._deliver(self._steps, self._job))
         except StopIteration as end:
-            return written(self._use, self._scope, end.value)
+            return self._call.written(end.value)
         return None
 
     def _wait_for(self, yielded: object) -> None:
         if yielded is not None and not isinstance(yielded, Job):
             raise ConfigError(
-                f"{self._use.name} yielded {type(yielded).__name__}; an action yields a job or None"
+                f"{self._call.use.name} yielded {type(yielded).__name__}; an action yields a job "
+                "or None"
             )
         self._job = yielded
 
-    def _deliver(self, steps: LeafSteps, job: Job) -> object:
+    def _deliver(self, steps: LeafSteps[Any], job: Job[Any]) -> object:
         self._job = None
         try:
             result = job.result()
-        except (
-            Exception
-        ) as error:  # what the plugin raised is raised where the leaf waits, which may know a cure
+        except Exception as error:  # raised where the leaf waits, which may handle a DataError
             return steps.throw(error)
         return steps.send(result)
 
-    def _begun(self) -> LeafSteps:
-        if not isinstance(self._leaf, Action):
-            raise ConfigError(f"{self._use.name} is no action")
-        steps = self._leaf.run(**self._scope.inputs(self._use))
+    def _begun(self, inputs: dict[str, Any]) -> LeafSteps[Any]:
+        if not isinstance(self._call.leaf, Action):
+            raise ConfigError(f"{self._call.use.name} is no action")
+        steps = self._call.leaf.run(**inputs)
         if not hasattr(steps, "send"):
-            raise ConfigError(f"run() of {self._use.name} is no generator: it needs a 'yield'")
+            raise ConfigError(f"run() of {self._call.use.name} is no generator: it needs a 'yield'")
         return steps

@@ -1,6 +1,7 @@
 """Leaves and conditions: the name of a behaviour, its settings, its wiring."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from executive.errors import ConfigError, did_you_mean
 from executive.leaf.action import Action, Leaf
@@ -84,7 +85,7 @@ class LeafReader:
             else None
         )
 
-    def _leaf(self, kind: str, name: str, mark: Mark, as_node: bool) -> type[Leaf] | None:
+    def _leaf(self, kind: str, name: str, mark: Mark, as_node: bool) -> type[Leaf[Any]] | None:
         try:
             leaf = self._reading.catalogue.behaviour(name)
         except ConfigError as error:

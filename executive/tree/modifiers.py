@@ -5,6 +5,14 @@ mission's clock.
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from executive.events.node import (
+    NodeExcused,
+    NodeForbidden,
+    NodeLeftOut,
+    NodeNotRetried,
+    NodeRetried,
+    NodeTimedOut,
+)
 from executive.leaf.runtime import Runtime
 from executive.tree.conditions import Answer
 from executive.tree.language import Attempts
@@ -55,7 +63,7 @@ class IfNode(Modifier):
                     f"left out: {answer.reason}" if answer.reason else "left out"
                 )
                 if not self.is_repeated:
-                    self.record("node_left_out", reason=answer.reason)
+                    self.record(NodeLeftOut(answer.reason))
                 return self._left_out
         yield from self.child.tick()
         return self.adopt(self.child)
@@ -79,7 +87,7 @@ class WhileNode(Modifier):
                 f"no longer allowed: {answer.reason}" if answer.reason else "no longer allowed"
             )
             if not self.is_repeated:
-                self.record("node_forbidden", reason=answer.reason)
+                self.record(NodeForbidden(answer.reason))
             return Status.FAILURE
         yield from self.child.tick()
         return self.adopt(self.child)
@@ -105,13 +113,15 @@ class TimeoutNode(Modifier):
         if self.runtime.clock.now_s() - self._started_s < self._limit_s - EPSILON_S:
             return self.adopt(self.child)
         self.feedback_message = f"not done within {self._limit_s:g} s"
-        self.record("node_timed_out", limit_s=self._limit_s)
+        self.record(NodeTimedOut(self._limit_s))
         return Status.FAILURE
 
 
 class RetryNode(Modifier):
-    """Begins its child again when it fails, at the next tick or after a pause, up to so many
-    attempts in all.
+    """Begins its child again when it fails, at the next tick or after a pause.
+
+    It makes so many attempts in all, and none more after a failure whose cause cannot change, such
+    as a stone that is too heavy.
     """
 
     def __init__(
@@ -137,10 +147,13 @@ class RetryNode(Modifier):
                 f"{of}{f': {reason}' if reason else ''}" if self._attempt > 1 else reason
             )
             return self._child_status()
+        if getattr(self.child, "is_final", False) and self._attempt < self._attempts.count:
+            self.record(NodeNotRetried(self._attempt, self._attempts.count, reason))
+            return self.adopt(self.child)
         if self._attempt >= self._attempts.count:
             self.feedback_message = f"{reason or 'failed'} ({self._attempts.count} attempts)"
             return Status.FAILURE
-        self.record("node_retried", attempt=self._attempt, of=self._attempts.count, reason=reason)
+        self.record(NodeRetried(self._attempt, self._attempts.count, reason))
         self._attempt += 1
         self._resume_s = self.runtime.clock.now_s() + self._attempts.pause_s
         self.feedback_message = f"attempt {self._attempt} of {self._attempts.count} after: {reason}"
@@ -197,5 +210,5 @@ class OptionalNode(Modifier):
         if status is not Status.FAILURE:
             return status
         if not self.is_repeated:
-            self.record("node_excused", reason=self.feedback_message)
+            self.record(NodeExcused(self.feedback_message))
         return Status.SUCCESS

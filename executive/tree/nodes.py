@@ -8,16 +8,24 @@ under way.
 
 from abc import abstractmethod
 from collections.abc import Generator, Iterator, Sequence
+from typing import Any
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from executive.errors import ConfigError
+from executive.events.event import Event
+from executive.events.node import NodeEnded, NodeResult, NodeStarted
+from executive.leaf.outcome import Outcome
 from executive.leaf.runtime import Runtime
 
 Visits = Iterator[Behaviour]
 Steps = Generator[Behaviour, None, Status]
-_WORDS = {Status.SUCCESS: "success", Status.FAILURE: "failure", Status.INVALID: "halted"}
+_RESULTS = {
+    Status.SUCCESS: NodeResult.SUCCESS,
+    Status.FAILURE: NodeResult.FAILURE,
+    Status.INVALID: NodeResult.HALTED,
+}
 
 
 class TreeNode(Behaviour):  # type: ignore[misc]
@@ -31,7 +39,8 @@ class TreeNode(Behaviour):  # type: ignore[misc]
 
     status: Status
     is_repeated = False
-    is_journalled = True  # modifiers speak up only when they do something
+    is_journalled = True  # modifiers are journalled only when they change something
+    is_final = False  # the node failed for a cause that repetition cannot change
 
     def __init__(
         self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour] = ()
@@ -48,13 +57,27 @@ class TreeNode(Behaviour):  # type: ignore[misc]
             child.parent = self
             self.children.append(child)
 
-    def record(self, kind: str, **payload: object) -> None:
-        """Append a line about this node to the journal."""
-        self.runtime.record(kind, self.path, payload)
+    def record(self, event: Event) -> None:
+        """Append an event of this node to the journal."""
+        self.runtime.record(self.path, event)
+
+    def take(self, outcome: Outcome[Any]) -> Status:
+        """Take over the reason of an outcome, and return its status."""
+        self.feedback_message = outcome.reason
+        self.is_final = outcome.is_final
+        return Status.SUCCESS if outcome.success else Status.FAILURE
+
+    def adopt(self, child: Behaviour) -> Status:
+        """Take over a child's status and reason."""
+        self.feedback_message = child.feedback_message
+        self.is_final = getattr(child, "is_final", False)
+        status: Status = child.status
+        return status
 
     def initialise(self) -> None:
         self._is_active = True
         self._is_told = False
+        self.is_final = False
         self.feedback_message = ""
         if not self.is_repeated:
             self._tell_start()
@@ -84,12 +107,12 @@ class TreeNode(Behaviour):  # type: ignore[misc]
     def _tell_start(self) -> None:
         self._is_told = True
         if self.is_journalled:
-            self.record("node_started")
+            self.record(NodeStarted())
 
     def _tell_end(self, status: Status) -> None:
         result = (status, self.feedback_message)
         if self.is_journalled and (self._is_told or result != self._last):
-            self.record("node_ended", status=_WORDS[status], reason=self.feedback_message)
+            self.record(NodeEnded(_RESULTS[status], self.feedback_message))
         self._last = result
 
 
@@ -126,12 +149,6 @@ class Controller(TreeNode):
         for child in self.children:
             stop_child(child, everything=new_status is Status.INVALID)
         super().stop(new_status)
-
-    def adopt(self, child: Behaviour) -> Status:
-        """Take over a child's status and reason."""
-        self.feedback_message = child.feedback_message
-        status: Status = child.status
-        return status
 
 
 def stop_child(child: Behaviour, *, everything: bool = False) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from executive.errors import ConfigError
 from executive.registry import PLURAL, dependencies_of
 from executive.tree.catalogue import REQUIRED, SERVICES
-from executive.tree.language import LeafUse, Selection
+from executive.tree.language import ON_ERROR, ON_ERROR_WORDS, LeafUse, Selection
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading
 from executive.tree.settings import check_settings
@@ -108,10 +108,23 @@ class PluginReader:
         except ConfigError as error:
             self._reading.fail(chosen, str(error))
             return None
+        can_fail = self._can_fail(capability, table)
         settings = check_settings(
-            plugin.Settings, without(table, ["plugin"]), name, self._reading.problems
+            plugin.Settings, without(table, ["plugin", ON_ERROR]), name, self._reading.problems
         )
-        return Selection(name, settings) if settings is not None else None
+        return Selection(name, settings, can_fail) if settings is not None else None
+
+    def _can_fail(self, capability: str, table: Table) -> bool:
+        """Return whether the mission goes on when the plugin raises an error."""
+        value = table.get(ON_ERROR)
+        if value is None:
+            return capability == "viewing"  # the machine is not stopped for a picture
+        word = self._reading.text(value, f"'{ON_ERROR}'")
+        if word is not None and word not in ON_ERROR_WORDS:
+            self._reading.fail(value, f"'{ON_ERROR}' is {' or '.join(ON_ERROR_WORDS)}, not {word}")
+        elif word == "fail" and capability in REQUIRED:
+            self._reading.fail(value, f"no mission can do without its {capability} plugin")
+        return word == "fail"
 
     # --- what is needed
 
@@ -128,9 +141,9 @@ class PluginReader:
             if capability not in self._marks:
                 self._missing(table.mark, "a mission", capability)
         for use in uses:
-            for capability in use.leaf.needs:
-                if capability not in self._marks:
-                    self._missing(use.mark, use.name, capability)
+            for interface in use.leaf.needs:
+                if interface.capability not in self._marks:
+                    self._missing(use.mark, use.name, interface.capability)
         for capability, selections in chosen.items():
             for one in selections:
                 self._check_dependencies(capability, one)

@@ -9,6 +9,7 @@ import yaml
 
 from executive.registry import PLURAL
 from executive.tree.language import (
+    ON_ERROR,
     Ask,
     Attempts,
     Call,
@@ -76,8 +77,13 @@ class _Dumper(yaml.SafeDumper):
 _Dumper.add_representer(str, _Dumper.text)
 
 
+def _selection(one: Selection) -> dict[str, Any]:
+    on_error = {ON_ERROR: "fail"} if one.can_fail else {}
+    return {"plugin": one.name, **on_error, **settings_dump(one.settings)}
+
+
 def _selections(capability: str, several: tuple[Selection, ...]) -> Any:
-    written = [{"plugin": one.name, **settings_dump(one.settings)} for one in several]
+    written = [_selection(one) for one in several]
     return written if capability in PLURAL else written[0]
 
 

@@ -13,7 +13,7 @@ from executive.errors import ConfigError
 from executive.leaf.action import Action, Leaf
 from executive.registry import PLURAL
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
-from executive.tree.language import LoopSettings
+from executive.tree.language import ON_ERROR, ON_ERROR_WORDS, LoopSettings
 from executive.tree.sources import API
 
 Schema = dict[str, Any]
@@ -39,7 +39,7 @@ class _Builder:
         self._defs: Schema = {}
         self._leaves = dict(self._loaded())
 
-    def _loaded(self) -> Iterator[tuple[str, type[Leaf]]]:
+    def _loaded(self) -> Iterator[tuple[str, type[Leaf[Any]]]]:
         for name in self._catalogue.behaviour_names():
             try:
                 yield name, self._catalogue.behaviour(name)
@@ -109,7 +109,11 @@ class _Builder:
         # A layer above may bring what is required, so that no key is required of one file.
         return {
             **{key: value for key, value in settings.items() if key != "required"},
-            "properties": {"plugin": {"const": name}, **settings.get("properties", {})},
+            "properties": {
+                "plugin": {"const": name},
+                ON_ERROR: {"enum": list(ON_ERROR_WORDS)},
+                **settings.get("properties", {}),
+            },
             "required": ["plugin"],
         }
 
@@ -125,7 +129,7 @@ class _Builder:
         for name, leaf in self._leaves.items():
             yield self._leaf("run" if issubclass(leaf, Action) else "check", name, leaf)
 
-    def _leaf(self, key: str, name: str, leaf: type[Leaf]) -> Schema:
+    def _leaf(self, key: str, name: str, leaf: type[Leaf[Any]]) -> Schema:
         definition = f"behaviour.{name}"
         if definition not in self._defs:
             self._defs[definition] = self._settings(definition, leaf.Settings)

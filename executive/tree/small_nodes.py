@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from executive.events.node import QuestionAnswered
 from executive.leaf.runtime import Question, Runtime
 from executive.leaf.store import Store
 from executive.tree.language import Ask, Call, Ref, Source
@@ -85,7 +86,7 @@ class AskNode(Controller):
             self.feedback_message = f"asking: {self._kind.question}"
             return Status.RUNNING
         source = self._question.source()
-        self.record("answered", question=self._kind.question, answer=answer, source=source)
+        self.record(QuestionAnswered(self._kind.question, answer, source))
         self.feedback_message = f"{'yes' if answer else 'no'} ({source})"
         return Status.SUCCESS if answer else Status.FAILURE
 

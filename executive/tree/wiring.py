@@ -5,6 +5,7 @@ from typing import Any
 
 from executive.errors import ConfigError, did_you_mean
 from executive.leaf.outcome import Outcome
+from executive.leaf.port import written_by
 from executive.leaf.store import Store
 from executive.tree.language import LeafUse, Ref, Source
 from executive.tree.port_types import holds, type_name
@@ -37,14 +38,15 @@ class Scope:
             values[port] = None if is_missing else self.store.get(ref.key)
         return values
 
-    def write(self, use: LeafUse, outcome: Outcome) -> None:
+    def write(self, use: LeafUse, outcome: Outcome[Any]) -> None:
         """Write a leaf's outputs.
 
         Raises:
             ConfigError: If it has no such output, a value has another type, or a success lacks an
                 output.
         """
-        for port, value in outcome.outputs.items():
+        written = written_by(outcome)
+        for port, value in written.items():
             if port not in use.leaf.outputs:
                 raise ConfigError(
                     f"{use.name} declares no output '{port}'{did_you_mean(port, use.leaf.outputs)}"
@@ -56,11 +58,9 @@ class Scope:
                     f"{type(value).__name__}"
                 )
         missing = [
-            p
-            for p, spec in use.leaf.outputs.items()
-            if not spec.optional and p not in outcome.outputs
+            p for p, spec in use.leaf.outputs.items() if not spec.optional and p not in written
         ]
         if outcome.success and missing:
             raise ConfigError(f"{use.name} succeeded without its output '{missing[0]}'")
-        for port, value in outcome.outputs.items():
+        for port, value in written.items():
             self.store.set(use.outputs[port].key, value)

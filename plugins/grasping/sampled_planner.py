@@ -130,7 +130,7 @@ class SampledPlanner(GraspPlanner):
         s = self._settings
         scene = self._sampler.scene(target.points_map, cloud.points, rng)
         if scene.volume_m3 * s.density > s.overload * self._machine.payload_kg:
-            return GraspPlan((), {"too_heavy": 1})
+            return GraspPlan((), {"too_heavy": 1}, is_final=True)
         if scene.least_width_m > self._machine.gripper.max_opening_m:
             return GraspPlan((), {"wider_than_opening": 1})
         pool = self._sampler.pool(scene, rng)

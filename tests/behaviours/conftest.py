@@ -1,4 +1,4 @@
-"""A context without a mission: scripted plugins, a clock that steps, everything noted."""
+"""A context without a mission: scripted plugins, a clock that steps, everything recorded."""
 
 from types import SimpleNamespace
 
@@ -36,7 +36,7 @@ class FakeContext(Context):
     def __init__(self, **plugins):
         self.plugins = plugins
         self.time_s = 0.0
-        self.notes = []
+        self.events = []
         self.shown = {}
         self.holds = []
         self.troubles = []
@@ -50,11 +50,11 @@ class FakeContext(Context):
     def now_s(self):
         return self.time_s
 
-    def plugin(self, capability):
-        return self.plugins[capability]
+    def use(self, interface):
+        return self.plugins[interface.capability]
 
-    def job(self, capability, verb, *args):
-        return ReadyJob(getattr(self.plugins[capability], verb)(*args))
+    def start(self, verb, *args, **kwargs):
+        return ReadyJob(verb(*args, **kwargs))
 
     def rng(self):
         return np.random.default_rng(0)
@@ -93,8 +93,13 @@ class FakeContext(Context):
     def last_failure(self):
         return "no way there"
 
-    def note(self, kind, **payload):
-        self.notes.append((kind, payload))
+    def record(self, event):
+        self.events.append(event)
+
+    @property
+    def notes(self):
+        """Return kind and payload of the recorded events."""
+        return [(event.kind, event.payload()) for event in self.events]
 
     def show(self, entity, value):
         self.shown[entity] = value

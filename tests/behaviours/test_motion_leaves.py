@@ -120,7 +120,7 @@ def test_a_scan_switches_the_lidars_on_and_off_again(fakes):
     switches = [c.on for c in context.plugins["robot"].commands if isinstance(c, SwitchLidars)]
     assert outcome.success
     assert switches == [True, False]
-    assert context.notes == [("scanned", {"points": 5})]
+    assert context.notes == [("site_scanned", {"points": 5})]
 
 
 def test_a_scan_that_is_given_up_leaves_the_lidars_off(fakes):
@@ -183,7 +183,7 @@ def test_closing_on_a_stone_tells_database_map_and_monitors(fakes):
     context.jaw = lambda t: max(0.9 - 0.4 * t, 0.35)
     outcome = fakes.finish(CloseGripper(CloseGripperSettings(), context), stone=3)
     assert outcome.success
-    assert (outcome.outputs["hold"].stone_id, outcome.outputs["hold"].jaw_rad) == (3, 0.35)
+    assert (outcome.outputs.hold.stone_id, outcome.outputs.hold.jaw_rad) == (3, 0.35)
     assert context.plugins["objects"].calls == [("grasp", 3)]
     assert context.plugins["mapping"].removed == [((5, 0, 0.5), 1.0)]
     assert context.plugins["mapping"].masks == [pytest.approx(0.6)]
@@ -221,7 +221,7 @@ def test_what_the_map_forgets_of_other_stones_is_put_back(fakes):
     fakes.finish(CloseGripper(CloseGripperSettings(), context), stone=3)
     (added,) = context.plugins["mapping"].added
     np.testing.assert_array_equal(added, [[5.9, 0, 0.5]])
-    assert dict(context.notes)["grasped"]["put_back_points"] == 1
+    assert dict(context.notes)["stone_grasped"]["put_back_points"] == 1
 
 
 def test_closing_on_nothing_is_a_failure_that_holds_nothing(fakes):
@@ -229,6 +229,6 @@ def test_closing_on_nothing_is_a_failure_that_holds_nothing(fakes):
     context.jaw = lambda t: max(0.9 - 0.4 * t, 0.01)
     outcome = fakes.finish(CloseGripper(CloseGripperSettings(), context), stone=3)
     assert not outcome.success
-    assert context.notes[0][0] == "closed_on_nothing"
+    assert context.notes[0][0] == "jaws_closed_on_nothing"
     assert context.plugins["objects"].calls == []
     assert context.holds == []

@@ -62,8 +62,8 @@ def leaf(fakes):
 def test_takes_the_first_with_a_free_way_and_keeps_the_rest(leaf, fakes):
     leaf.context.plugins["motion"] = Planner(blocked=(5.0,))
     outcome = fakes.finish(leaf, stone=1, grasps=[grasp(5.0), grasp(5.3), grasp(5.6)])
-    assert outcome.outputs["grasp"].T_map_gripper[0, 3] == pytest.approx(5.3)
-    assert [g.T_map_gripper[0, 3] for g in outcome.outputs["grasps"]] == [pytest.approx(5.6)]
+    assert outcome.outputs.grasp.T_map_gripper[0, 3] == pytest.approx(5.3)
+    assert [g.T_map_gripper[0, 3] for g in outcome.outputs.grasps] == [pytest.approx(5.6)]
     assert leaf.context.notes[0][1]["passed_over"] == ["blocked at 5.0"]
 
 
@@ -79,7 +79,7 @@ def test_an_empty_list_says_why_the_grasps_before_were_refused(leaf, fakes):
     fakes.finish(leaf, stone=1, grasps=[grasp(5.0)])
     outcome = fakes.finish(leaf, stone=1, grasps=[])
     assert not outcome.success
-    assert "no grasp of stone 1 is left: no way to any of 1: blocked at 5.0" in outcome.reason
+    assert "no grasp of stone 1 is left: no path to any of 1: blocked at 5.0" in outcome.reason
 
 
 def test_an_empty_list_after_an_attempt_does_not_blame_the_way(leaf, fakes):
@@ -90,7 +90,7 @@ def test_an_empty_list_after_an_attempt_does_not_blame_the_way(leaf, fakes):
 def test_the_second_attempt_is_unlike_the_first(leaf, fakes):
     fakes.finish(leaf, stone=1, grasps=[grasp(5.0), grasp(5.3)])
     again = fakes.finish(leaf, stone=1, grasps=[grasp(5.02), grasp(5.3)])
-    assert again.outputs["grasp"].T_map_gripper[0, 3] == pytest.approx(5.3)
+    assert again.outputs.grasp.T_map_gripper[0, 3] == pytest.approx(5.3)
 
 
 def test_likeness_is_judged_on_the_stone_wherever_it_lies_now(leaf, fakes):
@@ -103,11 +103,11 @@ def test_likeness_is_judged_on_the_stone_wherever_it_lies_now(leaf, fakes):
         leaf, stone=1, grasps=[grasp(5.0, T_map_map=moved), grasp(5.3, T_map_map=moved)]
     )
     np.testing.assert_allclose(
-        again.outputs["grasp"].T_map_gripper, grasp(5.3, T_map_map=moved).T_map_gripper
+        again.outputs.grasp.T_map_gripper, grasp(5.3, T_map_map=moved).T_map_gripper
     )
 
 
 def test_another_stone_is_a_new_story(leaf, fakes):
     fakes.finish(leaf, stone=1, grasps=[grasp(5.0), grasp(5.3)])
     other = fakes.finish(leaf, stone=2, grasps=[grasp(5.0), grasp(5.3)])
-    assert other.outputs["grasp"].T_map_gripper[0, 3] == pytest.approx(5.0)
+    assert other.outputs.grasp.T_map_gripper[0, 3] == pytest.approx(5.0)

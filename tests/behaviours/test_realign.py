@@ -118,7 +118,7 @@ def test_what_both_refuse_changes_nothing_and_says_why(fakes):
     outcome = fakes.finish(RelocateAndRealign(RelocateAndRealignSettings(), context), stone=1)
     assert outcome.success
     assert context.plugins["objects"].moves == []
-    assert "no overlap; looked for anew: too small" in outcome.reason
+    assert "no overlap; registration: too small" in outcome.reason
 
 
 def test_a_dropped_stone_keeps_its_model_where_it_is_found(fakes):

@@ -44,7 +44,7 @@ def test_what_was_set_aside_before_another_was_placed_is_taken_up(objects, fakes
         StoneState.PLACED,
         StoneState.SET_ASIDE,
     ]
-    assert context.notes == [("taken_up_again", {"stones": [1]})]
+    assert context.notes == [("stones_taken_up_again", {"stones": [1]})]
 
 
 def test_what_happens_to_a_stone_after_it_was_set_aside_does_not_hide_since_when(objects, fakes):

@@ -12,7 +12,7 @@ import pytest
 from executive.clock import SimulatedClock, WallClock
 from executive.interfaces.plugin import Plugin
 from executive.mission.jobs import InlineRunner, Jobs, ProcessRunner, ThreadRunner
-from executive.registry import settings_of
+from executive.registry import load, settings_of
 from executive.tree.language import Selection
 
 
@@ -35,7 +35,7 @@ def jobs_with(runner, *, is_lock_step=True, clock=None):
 @pytest.mark.parametrize("runner", [InlineRunner, ThreadRunner])
 def test_a_job_is_ready_when_its_latency_has_passed(runner):
     jobs, clock = jobs_with(runner())
-    job = jobs.start("motion", "square", [7])
+    job = jobs.start(plugin_of(jobs).square, 7)
     ready_at = None
     for tick in range(10):
         if job.is_ready():
@@ -61,14 +61,14 @@ class Witness(Plugin):
 )
 def test_a_plugin_with_state_is_asked_within_the_tick(make):
     jobs = Jobs({"surveying": Witness()}, make(), SimulatedClock(), is_lock_step=True)
-    assert jobs.start("surveying", "look", []).result() is threading.current_thread()
+    assert jobs.start(plugin_of(jobs).look).result() is threading.current_thread()
     jobs.close()
 
 
 @pytest.mark.parametrize("runner", [InlineRunner, ThreadRunner])
 def test_a_jobs_error_is_raised_where_its_result_is_asked_for(runner):
     jobs, _ = jobs_with(runner())
-    job = jobs.start("motion", "fail", [])
+    job = jobs.start(plugin_of(jobs).fail)
     with pytest.raises(ValueError, match="no"):
         job.result()
     jobs.close()
@@ -76,14 +76,25 @@ def test_a_jobs_error_is_raised_where_its_result_is_asked_for(runner):
 
 def test_against_the_wall_clock_a_job_is_ready_when_it_is_done():
     jobs, _ = jobs_with(InlineRunner(), is_lock_step=False, clock=WallClock())
-    assert jobs.start("motion", "square", [3]).is_ready()
+    assert jobs.start(plugin_of(jobs).square, 3).is_ready()
 
 
 def test_wall_times_are_kept_for_the_report():
     jobs, _ = jobs_with(InlineRunner())
     for _ in range(3):
-        jobs.start("motion", "square", [3])
+        jobs.start(plugin_of(jobs).square, 3)
     assert len(jobs.durations_ms["motion.square"]) == 3
+
+
+def plugin_of(jobs):
+    """Return the one plugin of these jobs."""
+    return next(iter(jobs._plugins.values()))
+
+
+def segment(cloud):
+    from executive.mission.worker import Call
+
+    return Call("segment", (cloud,), {})
 
 
 def segmentation():
@@ -110,7 +121,7 @@ def test_a_worker_process_computes_what_the_inline_runner_computes():
     results = []
     for runner in (InlineRunner(), ThreadRunner(), ProcessRunner(selections, "m545", 1)):
         jobs = Jobs(assembly.plugins, runner, SimulatedClock(), is_lock_step=True)
-        results.append(jobs.start("segmentation", "segment", [stones_on_a_plane()]).result())
+        results.append(jobs.start(plugin_of(jobs).segment, stones_on_a_plane()).result())
         jobs.close()
     assembly.close()
     first = results[0]
@@ -126,12 +137,12 @@ def test_a_worker_that_dies_fails_its_call_and_serves_the_next():
 
     worker = Worker("segmentation", segmentation(), "m545", 1)
     try:
-        assert worker.submit("segment", [stones_on_a_plane()]).result(60).segments
+        assert worker.submit(segment(stones_on_a_plane())).result(60).segments
         worker._process.kill()
         worker._process.join()
         with pytest.raises(WorkerDiedError, match="segmentation worker died"):
-            worker.submit("segment", [stones_on_a_plane()]).result(60)
-        assert worker.submit("segment", [stones_on_a_plane()]).result(60).segments
+            worker.submit(segment(stones_on_a_plane())).result(60)
+        assert worker.submit(segment(stones_on_a_plane())).result(60).segments
     finally:
         worker.close()
 
@@ -143,7 +154,7 @@ def test_an_error_in_a_worker_comes_back_as_it_is():
     worker = Worker("segmentation", segmentation(), "m545", 1)
     try:
         with pytest.raises((ExecutiveError, AttributeError, TypeError)):
-            worker.submit("segment", [SimpleNamespace(points="nonsense")]).result(60)
+            worker.submit(segment(SimpleNamespace(points="nonsense"))).result(60)
     finally:
         worker.close()
 
@@ -154,19 +165,21 @@ def test_a_call_that_is_given_up_is_killed_at_its_deadline_and_the_next_is_serve
     rng = np.random.default_rng(0)
     endless = Cloud("map", rng.uniform(-50, 50, (20_000_000, 3)))
     runner = ProcessRunner(segmentation(), "m545", 1)
-    plugin = SimpleNamespace(is_stateless=True, latency_s={})
+    plugin = load("segmentation", "ground_and_clusters")(
+        settings_of("segmentation", "ground_and_clusters")()
+    )
     jobs = Jobs({"segmentation": plugin}, runner, WallClock(), is_lock_step=False)
     try:
-        assert jobs.start("segmentation", "segment", [stones_on_a_plane()]).result().segments
+        assert jobs.start(plugin_of(jobs).segment, stones_on_a_plane()).result().segments
         before = runner._workers["segmentation"]._process.pid
         worker, job = (
             runner._workers["segmentation"],
-            jobs.start("segmentation", "segment", [endless]),
+            jobs.start(plugin_of(jobs).segment, endless),
         )
         while worker._computing is None:
             time.sleep(0.01)
         job.cancel()
-        assert jobs.start("segmentation", "segment", [stones_on_a_plane()]).result().segments
+        assert jobs.start(plugin_of(jobs).segment, stones_on_a_plane()).result().segments
         assert worker._process.pid != before
     finally:
         jobs.close()

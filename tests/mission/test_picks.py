@@ -1,39 +1,60 @@
 """The report's picks are read from the journal."""
 
+import numpy as np
+
+from executive.events.event import plain
+from executive.events.mission import MissionEnded, VerdictGiven
+from executive.events.stone import (
+    AttemptStarted,
+    GraspRecord,
+    JawsClosedOnNothing,
+    StoneGrasped,
+    StoneRealigned,
+    StoneReleased,
+    StoneSetAside,
+    StonesTakenUpAgain,
+)
 from executive.journal import Journal
+from executive.messages.verdict import Trouble
 from executive.mission.picks import attempts_from, picks_from
 from executive.mission.report import counts_from
 
 
 def journal_of(*entries):
     journal = Journal()
-    for time_s, kind, payload in entries:
-        journal.append(int(time_s * 20), time_s, kind, "main", payload)
+    for time_s, event in entries:
+        journal.append(int(time_s * 20), time_s, "main", event)
     return journal.entries
 
 
 def attempt(stone):
-    return {"stone": stone, "grasp": {"score": 1.0}, "centroid_map": [1.0, 2.0, 0.5]}
+    grasp = GraspRecord(np.eye(4), 1.2, 1.0, {})
+    return AttemptStarted(stone, np.array([1.0, 2.0, 0.5]), grasp, ())
 
 
-RELEASED = {
-    "stone": 1,
-    "slot": 4,
-    "slot_position": [5, 0, 0],
-    "planned_pose": [[1]],
-    "estimated_pose": [[2]],
-}
+def grasped(stone):
+    return StoneGrasped(stone, 0.4, 100, 0)
+
+
+def released(stone, slot=4):
+    return StoneReleased(stone, slot, np.array([5.0, 0, 0]), np.array([[1]]), np.array([[2]]))
+
+
+def verdict(trouble, detail):
+    return VerdictGiven("monitor", trouble, detail)
+
+
 STORY = journal_of(
-    (10, "attempt", attempt(1)),
-    (14, "closed_on_nothing", {"stone": 1, "reason": "nothing there"}),
-    (20, "attempt", attempt(1)),
-    (25, "grasped", {"stone": 1}),
-    (40, "released", RELEASED),
-    (50, "realigned", {"stone": 1, "accepted": True, "estimated_pose": [[3]]}),
-    (60, "attempt", attempt(2)),
-    (70, "verdict", {"trouble": "drop", "detail": "900 kg gone", "monitor": "payload_drop"}),
-    (71, "verdict", {"trouble": "slip", "detail": "jaws closed further", "monitor": "jaw_slip"}),
-    (80, "set_aside", {"stone": 2, "reason": "three attempts failed"}),
+    (10, attempt(1)),
+    (14, JawsClosedOnNothing(1, "nothing there")),
+    (20, attempt(1)),
+    (25, grasped(1)),
+    (40, released(1)),
+    (50, StoneRealigned(1, True, "alignment", "", 0.01, 0.9, np.array([[3]]))),
+    (60, attempt(2)),
+    (70, verdict(Trouble.DROP, "900 kg gone")),
+    (71, verdict(Trouble.SLIP, "jaws closed further")),
+    (80, StoneSetAside(2, "three attempts failed")),
 )
 
 
@@ -44,7 +65,7 @@ def test_tells_each_stones_attempts_and_their_outcomes():
 
 
 def test_a_realigned_pose_replaces_the_grippers_estimate():
-    report = picks_from(STORY)[0].as_report()
+    report = plain(picks_from(STORY)[0].as_report())
     assert (report["slot"], report["placed"], report["estimated_pose"]) == (4, True, [[3]])
 
 
@@ -66,10 +87,10 @@ def test_counts_what_a_person_asks_for():
 
 def test_a_stone_that_is_moved_again_is_picked_again():
     again = journal_of(
-        (10, "attempt", attempt(1)),
-        (40, "released", RELEASED),
-        (60, "attempt", attempt(1)),
-        (90, "released", {**RELEASED, "slot": 5}),
+        (10, attempt(1)),
+        (40, released(1)),
+        (60, attempt(1)),
+        (90, released(1, slot=5)),
     )
     picks = picks_from(again)
     assert [(pick.stone, pick.as_report()["slot"], len(pick.tries)) for pick in picks] == [
@@ -81,21 +102,17 @@ def test_a_stone_that_is_moved_again_is_picked_again():
 
 def test_an_attempt_that_nothing_ended_lasts_to_the_end_of_the_run():
     (cut_off,) = picks_from(
-        journal_of((10, "attempt", attempt(1)), (15, "grasped", {"stone": 1}), (22, "ended", {}))
+        journal_of((10, attempt(1)), (15, grasped(1)), (22, MissionEnded("failure", "")))
     )
     assert (cut_off.tries[0].outcome, cut_off.tries[0].ended_s) == ("unfinished", 22)
 
 
 def test_a_stone_that_is_taken_up_again_goes_on_with_its_pick():
-    again = [
-        ("taken_up_again", {"stones": [2]}),
-        ("attempt", attempt(2)),
-        ("released", RELEASED | {"stone": 2}),
-    ]
+    again = [StonesTakenUpAgain((2,)), attempt(2), released(2)]
     story = journal_of(
-        *((e.time_s, e.kind, e.payload) for e in STORY), *((90 + i, *e) for i,
-        e in enumerate(again))
-    )  # fmt: skip
+        *((entry.time_s, entry.event) for entry in STORY),
+        *((90 + i, event) for i, event in enumerate(again)),
+    )
     picks = picks_from(story)
     assert [(pick.stone, len(pick.tries), pick.set_aside) for pick in picks] == [
         (1, 2, ""),

@@ -3,10 +3,12 @@
 import numpy as np
 
 from executive.interfaces.estimation import Estimator
+from executive.interfaces.plugin import Plugin
 from executive.messages.base_state import BaseState
 from executive.messages.imu import ImuSample
 from executive.messages.status_change import StatusChange
-from executive.mission.streams import Streams
+from executive.messages.verdict import Verdict
+from executive.mission.streams import StreamListener, Streams
 
 
 class ToldEstimator(Estimator):
@@ -27,13 +29,27 @@ class ToldEstimator(Estimator):
         return BaseState(1.0, eye, eye, eye, np.zeros(3), np.zeros(3), np.eye(6), self.status)
 
 
+class Listener(StreamListener):
+    """Keeps what the streams hand on."""
+
+    def __init__(self, changes: list[StatusChange]) -> None:
+        self.changes, self.unknown, self.errors = changes, [], []
+
+    def take_verdict(self, verdict: Verdict) -> None: ...
+
+    def take_status(self, change: StatusChange) -> None:
+        self.changes.append(change)
+
+    def take_error(self, capability: str, plugin: Plugin, error: Exception) -> None:
+        self.errors.append((capability, str(error)))
+
+    def take_unknown(self, kind: str) -> None:
+        self.unknown.append(kind)
+
+
 def streamed() -> tuple[ToldEstimator, Streams, list[StatusChange]]:
     estimator, told = ToldEstimator(), []
-    return (
-        estimator,
-        Streams({"estimation": estimator}, (), lambda verdict: None, told.append),
-        told,
-    )
+    return estimator, Streams({"estimation": estimator}, (), Listener(told)), told
 
 
 def test_each_change_of_the_account_is_told_once_with_its_reason() -> None:
@@ -63,8 +79,49 @@ def test_an_odometry_hears_inertia() -> None:
             self.heard += 1
 
     odometry = Listening()
-    streams = Streams(
-        {"estimation": ToldEstimator(), "odometry": odometry}, (), lambda verdict: None
-    )
+    streams = Streams({"estimation": ToldEstimator(), "odometry": odometry}, (), Listener([]))
     streams.process([ImuSample(0.01, "imu_cabin", np.zeros(3), np.zeros(3))])
     assert odometry.heard == 1
+
+
+def test_observations_that_no_plugin_takes_are_counted_and_told_once() -> None:
+    class Photograph:
+        stamp_s = 0.5
+
+    listener = Listener([])
+    streams = Streams({"estimation": ToldEstimator()}, (), listener)
+    streams.process([Photograph(), Photograph()])
+    assert streams.ignored == {"Photograph": 2}
+    assert listener.unknown == ["Photograph"]
+
+
+def test_a_plugin_is_handed_the_observations_that_it_takes() -> None:
+    class Photograph:
+        stamp_s = 0.5
+
+    class Camera(Plugin):
+        takes = (Photograph,)
+        seen = 0
+
+        def take(self, observation: object) -> None:
+            self.seen += 1
+
+    camera, listener = Camera(), Listener([])
+    streams = Streams({"estimation": ToldEstimator(), "camera": camera}, (), listener)
+    streams.process([Photograph()])
+    assert (camera.seen, streams.ignored, listener.unknown) == (1, {}, [])
+
+
+def test_a_stream_plugin_that_fails_is_used_no_more() -> None:
+    class Failing:
+        calls = 0
+
+        def add_imu(self, sample: ImuSample) -> None:
+            self.calls += 1
+            raise ValueError("no scan")
+
+    odometry, listener = Failing(), Listener([])
+    streams = Streams({"estimation": ToldEstimator(), "odometry": odometry}, (), listener)
+    sample = ImuSample(0.01, "imu_cabin", np.zeros(3), np.zeros(3))
+    streams.process([sample, sample])
+    assert (odometry.calls, listener.errors) == (1, [("odometry", "no scan")])

@@ -77,4 +77,6 @@ def test_an_unreadable_drone_cloud_ends_before_anything_moves(tmp_path):
     result = run(tmp_path, "map_site", *chosen)
     assert (result.report["outcome"], result.exit_status) == ("failure", 1)
     assert "drone.ply" in result.report["reason"]
-    assert [entry for entry in read_journal(result.folder.journal) if entry.kind == "scanned"] == []
+    assert [
+        entry for entry in read_journal(result.folder.journal) if entry.kind == "site_scanned"
+    ] == []

@@ -14,13 +14,15 @@ from pydantic import Field
 
 from executive.clock import SimulatedClock
 from executive.config import Radians, Seconds, Settings
+from executive.events.event import Event
+from executive.interfaces.mapping import Mapper
 from executive.interfaces.plugin import Plugin
-from executive.leaf.action import Action, Condition
+from executive.interfaces.registration import Registrar
+from executive.leaf.action import Action, Condition, Steps
 from executive.leaf.context import Context
 from executive.leaf.job import Job
-from executive.leaf.outcome import failed, succeeded
-from executive.leaf.port import Port
-from executive.leaf.runtime import Question, Runtime
+from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.runtime import MissionFaultError, Question, Runtime
 from executive.leaf.store import Store
 from executive.tree.build import build_tree, halt
 from executive.tree.catalogue import TableCatalogue
@@ -48,47 +50,83 @@ class ScanSettings(Settings):
     turns: int = Field(1, ge=1, description="A count.")
 
 
-class Scan(Action):
+@dataclass(frozen=True)
+class Seen:
+    """What a scan gives.
+
+    Attributes:
+        cloud: What was seen.
+    """
+
+    cloud: Cloud
+
+
+class Scan(Action[ScanSettings]):
     """Take `duration` and give a cloud."""
 
-    Settings = ScanSettings
-    needs = ("mapping",)
-    outputs = {"cloud": Port(Cloud, "what was seen")}
+    needs = (Mapper,)
 
-    def run(self, **inputs: Any) -> Any:
+    def run(self) -> Steps[Seen]:
         for _ in range(round(self.settings.duration / TICK_S)):
             yield None
-        return succeeded("seen", cloud=Cloud())
+        return succeeded(Seen(Cloud()), "seen")
+
+
+@dataclass(frozen=True)
+class Found:
+    """What is found.
+
+    Attributes:
+        stones: What was found.
+    """
+
+    stones: list[Stone]
 
 
 class FindStones(Action):
     """Find stones in a cloud, at once."""
 
-    inputs = {"cloud": Port(Cloud, "where to look")}
-    outputs = {"stones": Port(list[Stone], "what was found")}
+    def run(self, cloud: Cloud) -> Steps[Found]:
+        """Find them.
 
-    def run(self, **inputs: Any) -> Any:
+        Args:
+            cloud: Where to look.
+        """
         yield from ()
-        return succeeded(stones=[Stone(), BigStone()])
+        return succeeded(Found([Stone(), BigStone()]))
+
+
+@dataclass(frozen=True)
+class Picked:
+    """What a pick gives.
+
+    Attributes:
+        held: Whether it is held.
+    """
+
+    held: bool
 
 
 class Pick(Action):
     """Pick a stone."""
 
-    inputs = {"stone": Port(Stone, "what to pick"), "tool": Port(str, "what with", optional=True)}
-    outputs = {"held": Port(bool, "whether it is held")}
+    def run(self, stone: Stone, tool: str | None = None) -> Steps[Picked]:
+        """Pick it.
 
-    def run(self, **inputs: Any) -> Any:
+        Args:
+            stone: What to pick.
+            tool: What with.
+        """
         yield None
-        return succeeded(f"with {inputs['tool']}", held=True)
+        return succeeded(Picked(True), f"with {tool}")
 
 
 class Register(Action):
     """Needs a capability that the missions here do not select."""
 
-    needs = ("registration",)
+    needs = (Registrar,)
 
-    def run(self, **inputs: Any) -> Any:
+    def run(self) -> Steps[None]:
         yield None
         return succeeded()
 
@@ -96,17 +134,20 @@ class Register(Action):
 class HasStones(Condition):
     """Whether the list is not empty."""
 
-    inputs = {"stones": Port(list[Stone], "the list")}
+    def check(self, stones: list[Stone]) -> Outcome[None]:
+        """Look at the list.
 
-    def check(self, **inputs: Any) -> Any:
-        return succeeded() if inputs["stones"] else failed("no stones")
+        Args:
+            stones: The list.
+        """
+        return succeeded() if stones else failed("no stones")
 
 
 class Calm(Condition):
     """Whether the wind is low."""
 
-    def check(self, **inputs: Any) -> Any:
-        return succeeded("calm")
+    def check(self) -> Outcome[None]:
+        return succeeded(reason="calm")
 
 
 class StonesSettings(Settings):
@@ -183,12 +224,13 @@ class FakeRuntime(Runtime):
         self.lines: list[tuple[str, str, Mapping[str, Any]]] = []
         self.errors: list[BaseException] = []
         self.answer: Question | Exception | None = None
+        self.can_do_without = False
 
     def context(self, node: str) -> Context:
         return FakeContext(self, node)  # type: ignore[abstract]
 
-    def record(self, kind: str, node: str, payload: Mapping[str, Any]) -> None:
-        self.lines.append((kind, node, payload))
+    def record(self, node: str, event: Event) -> None:
+        self.lines.append((event.kind, node, event.payload()))
 
     def ask(self, node: str, question: str, default: bool | None) -> Question:
         if isinstance(self.answer, Exception):
@@ -196,8 +238,12 @@ class FakeRuntime(Runtime):
         assert self.answer is not None
         return self.answer
 
-    def fail(self, error: BaseException, node: str) -> None:
+    def fail(self, error: Exception, node: str, leaf: str) -> str:
         self.errors.append(error)
+        if self.can_do_without:
+            return f"{leaf} failed: {error}"
+        self.is_faulted = True
+        raise MissionFaultError(f"{leaf} failed: {error}") from error
 
     def told(self, kind: str) -> list[str]:
         """Return the paths of the lines of a kind."""

@@ -9,8 +9,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from executive.config import Settings
-from executive.leaf.action import Action, Condition
-from executive.leaf.outcome import failed, succeeded
+from executive.leaf.action import Action, Condition, Steps
+from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.runtime import MissionFaultError
 
 OPEN: set[int] = set()  # generators under way
 
@@ -20,12 +21,10 @@ class ActSettings(Settings):
     end: str = "succeed"
 
 
-class Act(Action):
+class Act(Action[ActSettings]):
     """Succeeds, fails or raises after some ticks."""
 
-    Settings = ActSettings
-
-    def run(self, **inputs: Any) -> Any:
+    def run(self) -> Steps[None]:
         key = id(self)
         assert key not in OPEN, "begun twice"
         OPEN.add(key)
@@ -34,7 +33,7 @@ class Act(Action):
                 yield None
             if self.settings.end == "raise":
                 raise ArithmeticError("raised")
-            return succeeded("done") if self.settings.end == "succeed" else failed("failed")
+            return succeeded(reason="done") if self.settings.end == "succeed" else failed("failed")
         finally:
             OPEN.discard(key)
 
@@ -42,7 +41,7 @@ class Act(Action):
 class Sometimes(Condition):
     """Holds at every other third of a second of the mission."""
 
-    def check(self, **inputs: Any) -> Any:
+    def check(self) -> Outcome[None]:
         clock = self.context.runtime.clock  # type: ignore[attr-defined]
         return succeeded() if int(clock.now_s() * 3) % 2 == 0 else failed("not now")
 
@@ -108,12 +107,14 @@ def check_journal(lines: list[Any], is_over: bool) -> None:
 def test_a_tree_ends_with_a_whole_journal_and_nothing_under_way(play: Any, tree: Any) -> None:
     OPEN.clear()
     first = play(json.dumps(tree), leaves=LEAVES)
+    first.runtime.can_do_without = True
     first.finish(limit=1000)
     check_journal(first.runtime.lines, is_over=True)
     assert not OPEN
     assert all(node.status.name != "RUNNING" for node in first.root.iterate())
     assert all(type(error) is ArithmeticError for error in first.runtime.errors)
     second = play(json.dumps(tree), leaves=LEAVES)
+    second.runtime.can_do_without = True
     second.finish(limit=1000)
     assert second.runtime.lines == first.runtime.lines
 
@@ -125,6 +126,7 @@ def test_a_tree_that_is_halted_anywhere_leaves_nothing_under_way(
 ) -> None:
     OPEN.clear()
     halted = play(json.dumps(tree), leaves=LEAVES)
+    halted.runtime.can_do_without = True
     halted.tick()
     while halted.status == "RUNNING" and halted.ticks < ticks:
         halted.tick()
@@ -137,4 +139,20 @@ def test_a_tree_that_is_halted_anywhere_leaves_nothing_under_way(
     assert all(node.status.name == "INVALID" for node in halted.root.iterate())
     halted.finish(limit=1000)
     check_journal(halted.runtime.lines, is_over=True)
+    assert not OPEN
+
+
+@quick
+@given(tree=trees)
+def test_an_error_ends_any_tree_and_a_halt_leaves_nothing_under_way(play: Any, tree: Any) -> None:
+    OPEN.clear()
+    tried = play(json.dumps(tree), leaves=LEAVES)
+    try:
+        tried.finish(limit=1000)
+    except MissionFaultError:
+        assert len(tried.runtime.errors) == 1
+    else:
+        assert not tried.runtime.errors
+    tried.halt()
+    check_journal(tried.runtime.lines, is_over=True)
     assert not OPEN

@@ -7,7 +7,8 @@ import pytest
 
 from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
-from executive.leaf.action import Action
+from executive.leaf.action import Action, Steps
+from executive.leaf.outcome import succeeded
 from executive.tree.catalogue import Catalogue, InstalledCatalogue, TableCatalogue
 from executive.tree.load import load_mission
 from executive.tree.problem import MissionFileError
@@ -55,8 +56,12 @@ def test_a_class_of_another_kind_is_refused() -> None:
 def test_what_cannot_be_imported_is_a_mistake_where_it_is_chosen_and_nowhere_else(
     tmp_path: Path,
 ) -> None:
-    leaves = {"Rest": type("Rest", (Action,), {"run": lambda self, **inputs: iter(())})}
-    catalogue = Broken(leaves, {"robot": {"fine": Plugin}, "estimation": {"fine": Plugin}})
+    class Rest(Action):
+        def run(self) -> Steps[None]:
+            yield None
+            return succeeded()
+
+    catalogue = Broken({"Rest": Rest}, {"robot": {"fine": Plugin}, "estimation": {"fine": Plugin}})
     assert "cannot be loaded" in str(
         mission_schema(catalogue)["properties"]["plugins"]["properties"]["robot"]
     )

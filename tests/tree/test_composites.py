@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from executive.config import Settings
-from executive.leaf.action import Action, Condition
-from executive.leaf.outcome import failed, succeeded
+from executive.leaf.action import Action, Condition, Steps
+from executive.leaf.outcome import Outcome, failed, succeeded
 
 
 class ActSettings(Settings):
@@ -27,10 +27,8 @@ class World:
     def leaves(self) -> dict[str, type]:
         world = self
 
-        class Act(Action):
-            Settings = ActSettings
-
-            def run(self, **inputs: Any) -> Any:
+        class Act(Action[ActSettings]):
+            def run(self) -> Steps[None]:
                 name = self.settings.id
                 world.log.append(f"{name} begins")
                 try:
@@ -40,13 +38,13 @@ class World:
                     world.log.append(f"{name} cancelled")
                     raise
                 world.log.append(f"{name} ends")
-                return (
-                    failed(f"{name} failed") if self.settings.fails else succeeded(f"{name} done")
-                )
+                if self.settings.fails:
+                    return failed(f"{name} failed")
+                return succeeded(reason=f"{name} done")
 
         class Safe(Condition):
-            def check(self, **inputs: Any) -> Any:
-                return succeeded("safe") if world.is_safe else failed("not safe")
+            def check(self) -> Outcome[None]:
+                return succeeded(reason="safe") if world.is_safe else failed("not safe")
 
         return {"Act": Act, "Safe": Safe}
 

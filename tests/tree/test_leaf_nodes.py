@@ -1,39 +1,47 @@
-"""Actions are driven as generators, cancelled cleanly, and never let an exception out."""
+"""Actions are driven as generators and cancelled cleanly; an exception ends the mission."""
 
 import contextlib
+import re
+from dataclasses import make_dataclass
 from typing import Any
 
 import pytest
 
 from executive.errors import RobotError
 from executive.leaf.action import Action, Condition
-from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.outcome import failed, succeeded
 from executive.leaf.port import Port
+from executive.leaf.runtime import MissionFaultError
 
 
-def action(run: Any, **attributes: Any) -> dict[str, type]:
-    """Return a table with one action, `Act`, whose generator is given."""
-    return {
-        "Act": type(
-            "Act", (Action,), {"run": lambda self, **inputs: run(self, **inputs), **attributes}
-        )
-    }
+def action(run: Any, **ports: Any) -> dict[str, type]:
+    """Return a table with one action, `Act`, whose generator and ports are given."""
+    return {"Act": _leaf("Act", Action, "run", run, ports)}
 
 
-def condition(check: Any, **attributes: Any) -> dict[str, type]:
-    return {
-        "Ask": type(
-            "Ask",
-            (Condition,),
-            {"check": lambda self, **inputs: check(self, **inputs), **attributes},
-        )
-    }
+def condition(check: Any, **ports: Any) -> dict[str, type]:
+    return {"Ask": _leaf("Ask", Condition, "check", check, ports)}
+
+
+def _leaf(name: str, base: type, verb: str, does: Any, ports: dict[str, Any]) -> type:
+    """Return a leaf whose ports are set after its class was made, not read from a signature."""
+    leaf = type(name, (base,), {})
+    setattr(leaf, verb, lambda self, **inputs: does(self, **inputs))
+    leaf.__abstractmethods__ = frozenset()  # type: ignore[attr-defined]
+    for side, known in ports.items():
+        setattr(leaf, side, known)
+    return leaf
+
+
+def result(**values: Any) -> Any:
+    """Return an instance of a result class with these fields."""
+    return make_dataclass("Result", list(values))(**values)
 
 
 def test_an_action_that_yields_nothing_ends_in_its_first_tick(play: Any) -> None:
     def run(self: Any) -> Any:
         yield from ()
-        return succeeded("done")
+        return succeeded(reason="done")
 
     tree = play("run: Act", leaves=action(run))
     assert (tree.tick(), tree.reason) == ("SUCCESS", "done")
@@ -56,7 +64,7 @@ def test_a_job_resumes_the_action_with_its_result_in_the_tick_in_which_it_is_rea
     def run(self: Any) -> Any:
         first = yield job(0, "a")
         second = yield job(2, "b")
-        return succeeded(first + second)
+        return succeeded(reason=first + second)
 
     tree = play("run: Act", leaves=action(run))
     assert [tree.tick() for _ in range(3)] == ["RUNNING", "RUNNING", "SUCCESS"]
@@ -68,15 +76,24 @@ def test_what_a_job_raises_is_raised_where_the_action_waits(play: Any, job: Any)
         try:
             yield job(1, ValueError("singular"))
         except ValueError as error:
-            return succeeded(f"cured: {error}")
+            return succeeded(reason=f"cured: {error}")
 
     tree = play("run: Act", leaves=action(run))
     assert (tree.finish(), tree.reason) == ("SUCCESS", "cured: singular")
 
 
+@pytest.mark.parametrize(
+    "around",
+    [
+        "run: Act",
+        "fallback: [{run: Act}, {wait: 1 s}]",
+        "retry: 3\ndo: {run: Act}",
+        "optional: true\ndo: {run: Act}",
+    ],
+)
 @pytest.mark.parametrize("when", ["run", "job", "later"])
-def test_an_exception_is_a_failure_with_a_reason_and_the_runtime_hears_of_it(
-    play: Any, job: Any, when: str
+def test_an_exception_ends_the_mission_whatever_is_around_the_leaf(
+    play: Any, job: Any, when: str, around: str
 ) -> None:
     def run(self: Any) -> Any:
         if when == "run":
@@ -84,24 +101,58 @@ def test_an_exception_is_a_failure_with_a_reason_and_the_runtime_hears_of_it(
         yield job(0, ZeroDivisionError("oops")) if when == "job" else None
         raise ZeroDivisionError("oops")
 
-    tree = play("run: Act", leaves=action(run))
-    assert (tree.finish(), tree.reason) == ("FAILURE", "ZeroDivisionError: oops")
+    tree = play(around, leaves=action(run))
+    with pytest.raises(MissionFaultError, match="Act failed: oops"):
+        tree.finish()
+    tree.halt()
     assert [type(error) for error in tree.runtime.errors] == [ZeroDivisionError]
-    assert tree.runtime.lines[-1] == (
-        "node_ended",
-        "main",
-        {"status": "failure", "reason": "ZeroDivisionError: oops"},
-    )
+    assert "wait" not in str(tree.runtime.endings())
 
 
-def test_an_exception_leaves_no_sibling_running(play: Any) -> None:
+def test_an_error_of_a_plugin_that_the_mission_can_do_without_is_a_failure(play: Any) -> None:
+    def run(self: Any) -> Any:
+        yield None
+        raise ZeroDivisionError("oops")
+
+    tree = play("run: Act", leaves=action(run))
+    tree.runtime.can_do_without = True
+    assert (tree.finish(), tree.reason) == ("FAILURE", "Act failed: oops")
+    assert tree.runtime.endings() == [("main", "failure")]
+
+
+def test_after_an_exception_a_halt_leaves_no_sibling_running(play: Any) -> None:
     def run(self: Any) -> Any:
         yield None
         raise RobotError("hydraulics")
 
     tree = play("parallel:\n  - wait: 9 s\n  - run: Act", leaves=action(run))
-    assert tree.finish() == "FAILURE"
-    assert [child.status.name for child in tree.root.children] == ["INVALID", "FAILURE"]
+    with pytest.raises(MissionFaultError):
+        tree.finish()
+    tree.halt()
+    assert [child.status.name for child in tree.root.children] == ["INVALID", "INVALID"]
+
+
+def test_no_leaf_begins_after_an_error_in_a_clean_up(play: Any) -> None:
+    begun: list[str] = []
+
+    def run(self: Any, **inputs: Any) -> Any:
+        try:
+            yield None
+            yield None
+        finally:
+            raise RobotError("valve stuck")
+
+    def later(self: Any) -> Any:
+        begun.append("later")
+        yield None
+        return succeeded()
+
+    main = "fallback:\n  - run: Act\n    timeout: 0.1 s\n  - run: Later"
+    leaves = {**action(run), "Later": action(later)["Act"]}
+    tree = play(main, leaves=leaves)
+    with pytest.raises(MissionFaultError):
+        tree.finish()
+    assert begun == []
 
 
 def test_cancelling_gives_up_the_job_and_runs_the_finally_block(play: Any, job: Any) -> None:
@@ -174,8 +225,8 @@ def test_a_generator_that_refuses_to_end_is_reported(play: Any) -> None:
     ("answer", "words"),
     [
         (None, "ended with NoneType, not with succeeded(…) or failed(…)"),
-        (succeeded(weight=3), "declares no output 'weight'"),
-        (succeeded(mass="heavy"), "output 'mass' of Act is float, got str"),
+        (succeeded(result(weight=3)), "declares no output 'weight'"),
+        (succeeded(result(mass="heavy")), "output 'mass' of Act is float, got str"),
         (succeeded(), "succeeded without its output 'mass'"),
     ],
 )
@@ -187,33 +238,29 @@ def test_an_action_that_breaks_its_contract_fails_with_the_reason(
         return answer
 
     tree = play("run: Act", leaves=action(run, outputs={"mass": Port(float, "mass [kg]")}))
-    assert tree.finish() == "FAILURE"
-    assert words in tree.reason
+    with pytest.raises(MissionFaultError, match=re.escape(words)):
+        tree.finish()
 
 
 def test_an_action_without_a_yield_and_one_that_yields_something_strange_are_refused(
     play: Any,
 ) -> None:
     tree = play("run: Act", leaves=action(lambda self: succeeded()))
-    assert (tree.finish(), tree.reason) == (
-        "FAILURE",
-        "run() of Act is no generator: it needs a 'yield'",
-    )
+    with pytest.raises(MissionFaultError, match="is no generator: it needs a 'yield'"):
+        tree.finish()
 
     def strange(self: Any) -> Any:
         yield 3
 
     tree = play("run: Act", leaves=action(strange))
-    assert (tree.finish(), tree.reason) == (
-        "FAILURE",
-        "Act yielded int; an action yields a job or None",
-    )
+    with pytest.raises(MissionFaultError, match="Act yielded int; an action yields a job or None"):
+        tree.finish()
 
 
 def test_a_failure_writes_its_outputs_so_that_a_recovery_can_read_them(play: Any) -> None:
     def run(self: Any) -> Any:
         yield None
-        return Outcome(False, "too heavy", {"mass": 4.5})
+        return failed("too heavy", result(mass=4.5))
 
     main = 'sequence:\n  - run: Act\n    out: {mass: "{weight}"}'
     tree = play(main, leaves=action(run, outputs={"mass": Port(float, "mass [kg]")}))
@@ -228,7 +275,7 @@ def test_inputs_come_from_the_keys_that_they_are_wired_to_and_optional_ones_may_
 
     def run(self: Any, **given: Any) -> Any:
         yield None
-        return succeeded(str(given))
+        return succeeded(reason=str(given))
 
     tree = play(
         'sequence:\n  - set: {a: 1, two: 2}\n  - run: Act\n    in: {b: "{two}"}',
@@ -237,9 +284,10 @@ def test_inputs_come_from_the_keys_that_they_are_wired_to_and_optional_ones_may_
     assert (tree.finish(), tree.reason) == ("SUCCESS", "{'a': 1, 'b': 2, 'c': None}")
 
 
-def test_a_condition_answers_in_one_tick_and_its_exception_is_a_no(play: Any) -> None:
-    tree = play("check: Ask", leaves=condition(lambda self: succeeded("yes")))
+def test_a_condition_answers_in_one_tick_and_its_exception_ends_the_mission(play: Any) -> None:
+    tree = play("check: Ask", leaves=condition(lambda self: succeeded(reason="yes")))
     assert (tree.tick(), tree.reason) == ("SUCCESS", "yes")
     tree = play("check: Ask", leaves=condition(lambda self: 1 / 0))
-    assert (tree.tick(), tree.reason) == ("FAILURE", "ZeroDivisionError: division by zero")
+    with pytest.raises(MissionFaultError, match="division by zero"):
+        tree.tick()
     assert len(tree.runtime.errors) == 1

@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 
 from executive.config import Settings
-from executive.leaf.action import Action, Condition
-from executive.leaf.outcome import failed, succeeded
+from executive.leaf.action import Action, Condition, Steps
+from executive.leaf.outcome import Outcome, failed, succeeded
 
 
 class TrySettings(Settings):
@@ -23,24 +23,22 @@ class World:
     def leaves(self) -> dict[str, type]:
         world = self
 
-        class Try(Action):
+        class Try(Action[TrySettings]):
             """Succeeds at the `needed`-th attempt."""
 
-            Settings = TrySettings
-
-            def run(self, **inputs: Any) -> Any:
+            def run(self) -> Steps[None]:
                 world.log.append(self.settings.id)
                 for _ in range(self.settings.ticks):
                     yield None
                 attempts = world.log.count(self.settings.id)
                 return (
-                    succeeded("there")
+                    succeeded(reason="there")
                     if attempts >= self.settings.needed
                     else failed(f"no. {attempts}")
                 )
 
         class Open(Condition):
-            def check(self, **inputs: Any) -> Any:
+            def check(self) -> Outcome[None]:
                 return succeeded() if world.is_open else failed("closed")
 
         return {"Try": Try, "Open": Open}

@@ -59,17 +59,16 @@ def test_the_attempt_under_way_is_told_with_the_node(play: Any) -> None:
 
 def failing_scan() -> type:
     from executive.config import Seconds, Settings
-    from executive.leaf.action import Action
+    from executive.leaf.action import Action, Steps
     from executive.leaf.outcome import failed
 
     class ScanSettings(Settings):
         duration: Seconds = 1.0
 
-    class Scan(Action):
-        Settings = ScanSettings
+    class Scan(Action[ScanSettings]):
         begun = 0
 
-        def run(self, **inputs: Any) -> Any:
+        def run(self) -> Steps[None]:
             type(self).begun += 1
             while type(self).begun > 1:
                 yield None

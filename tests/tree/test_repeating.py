@@ -1,12 +1,12 @@
 """Loops and for_each."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import pytest
 
-from executive.leaf.action import Action, Condition
-from executive.leaf.outcome import failed, succeeded
-from executive.leaf.port import Port
+from executive.leaf.action import Action, Condition, Steps
+from executive.leaf.outcome import Outcome, failed, succeeded
 
 
 class World:
@@ -18,17 +18,19 @@ class World:
         world = self
 
         class Work(Action):
-            inputs = {"item": Port(object, "an item", optional=True)}
-
-            def run(self, **inputs: Any) -> Any:
-                world.seen.append(inputs["item"])
+            def run(self, item: object | None = None) -> Steps[None]:
+                world.seen.append(item)
                 yield None
                 world.left -= 1
-                return succeeded() if inputs["item"] != "bad" else failed("bad item")
+                return succeeded() if item != "bad" else failed("bad item")
 
         class Done(Condition):
-            def check(self, **inputs: Any) -> Any:
-                return succeeded("all done") if world.left <= 0 else failed(f"{world.left} left")
+            def check(self) -> Outcome[None]:
+                return (
+                    succeeded(reason="all done")
+                    if world.left <= 0
+                    else failed(f"{world.left} left")
+                )
 
         return {"Work": Work, "Done": Done}
 
@@ -103,12 +105,14 @@ def test_a_value_that_is_no_list_is_a_failure_with_a_reason(play: Any) -> None:
     world = World()
     main = 'sequence:\n  - run: Odd\n  - for_each: {item: item, in: "{items}"}\n    do: {run: Work}'
 
-    class Odd(Action):
-        outputs = {"items": Port(object, "anything")}
+    @dataclass(frozen=True)
+    class Items:
+        items: object
 
-        def run(self, **inputs: Any) -> Any:
+    class Odd(Action):
+        def run(self) -> Steps[Items]:
             yield None
-            return succeeded(items=3)
+            return succeeded(Items(3))
 
     tree = play(main, leaves={**world.leaves(), "Odd": Odd})
     assert (tree.finish(), tree.reason) == ("FAILURE", "for_each goes through a list, got int")

@@ -1,13 +1,13 @@
 """wait, set, ask, call: nodes that call no plugin."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import pytest
 
 from executive.errors import ConfigError
-from executive.leaf.action import Action, Condition
-from executive.leaf.outcome import failed, succeeded
-from executive.leaf.port import Port
+from executive.leaf.action import Action, Condition, Steps
+from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.runtime import Question
 
 
@@ -26,21 +26,27 @@ class Later(Question):
         return "operator"
 
 
-class Double(Action):
-    inputs = {"number": Port(int, "a number")}
-    outputs = {"result": Port(int, "twice the number")}
+@dataclass(frozen=True)
+class Number:
+    """A number.
 
-    def run(self, **inputs: Any) -> Any:
+    Attributes:
+        result: A number.
+    """
+
+    result: int
+
+
+class Double(Action):
+    def run(self, number: int) -> Steps[Number]:
         yield None
-        return succeeded(result=2 * inputs["number"])
+        return succeeded(Number(2 * number))
 
 
 class Break(Action):
-    outputs = {"result": Port(int, "a number")}
-
-    def run(self, **inputs: Any) -> Any:
+    def run(self) -> Steps[Number]:
         yield None
-        return failed("broken", result=-1)
+        return failed("broken", Number(-1))
 
 
 LEAVES = {"Double": Double, "Break": Break}
@@ -72,7 +78,7 @@ def test_ask_waits_for_the_operator_and_the_journal_says_who_answered(
     assert tree.finish() == status
     assert tree.ticks == 3
     told = {"question": "Is the area clear?", "answer": answer, "source": "operator"}
-    assert ("answered", "main", told) in tree.runtime.lines
+    assert ("question_answered", "main", told) in tree.runtime.lines
 
 
 def test_a_question_that_nobody_can_answer_is_a_failure_with_a_reason(play: Any) -> None:
@@ -111,10 +117,8 @@ def test_each_call_begins_with_an_empty_store(play: Any) -> None:
     seen: list[bool] = []
 
     class HasKey(Condition):
-        inputs = {"key": Port(int, "", optional=True)}
-
-        def check(self, **inputs: Any) -> Any:
-            seen.append(inputs["key"] is not None)
+        def check(self, key: int | None = None) -> Outcome[None]:
+            seen.append(key is not None)
             return failed("always")
 
     tree = play("sequence:\n  - call: once\n  - call: once", trees=body, leaves={"HasKey": HasKey})
@@ -165,7 +169,7 @@ def test_a_key_that_was_never_written_at_run_time_is_a_failure_with_a_reason(pla
     main = f'sequence:\n{late}  - set: {{copy: "{{late}}"}}'
 
     class Stop(Action):
-        def run(self, **inputs: Any) -> Any:
+        def run(self) -> Steps[None]:
             yield None
             return failed("stop")
 

@@ -50,9 +50,11 @@ def line(journal: list[dict], witness: Witness, seed: int) -> tuple[str, float, 
     """Return a line for people, the time of the first success [s] (inf if none) and its
     error [m].
     """
-    tried = [entry for entry in journal if entry["kind"] == "registration"]
-    dense = [entry for entry in journal if entry["kind"] == "dense"]
-    stones = [len(entry["payload"]["stones"]) for entry in journal if entry["kind"] == "segmented"]
+    tried = [entry for entry in journal if entry["kind"] == "survey_registered"]
+    dense = [entry for entry in journal if entry["kind"] == "map_dense"]
+    stones = [
+        len(entry["payload"]["stones"]) for entry in journal if entry["kind"] == "site_segmented"
+    ]
     accepted = [entry for entry in tried if entry["payload"]["accepted"]]
     dense_s = dense[0]["payload"]["waited_s"] if dense else np.nan
     if not accepted or not dense:

@@ -1,0 +1,96 @@
+"""Events about the site: localisation, scans, the drone's map, segmentation, places for stones."""
+
+from dataclasses import dataclass
+
+from executive.arrays import Float
+from executive.events.event import Event
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Localised(Event):
+    """The state estimate became usable: T_map_base, shape (4, 4)."""
+
+    T_map_base: Float
+    status: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SiteSurveyed(Event):
+    """A survey from outside, such as a drone's, gave a cloud of so many points."""
+
+    points: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SiteScanned(Event):
+    """A swing with the lidars on has ended; the map holds so many points."""
+
+    points: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MapDense(Event):
+    """The map shows enough of the region to be segmented.
+
+    Attributes:
+        waited_s: Time since the leaf began [s].
+        share: Share of the region's square metres that are dense enough.
+        points: Points of the map.
+    """
+
+    waited_s: float
+    share: float
+    points: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SurveyRegistered(Event):
+    """The survey was registered on the map, or refused.
+
+    Attributes:
+        accepted: Whether the registration's own test accepted it.
+        reason: Why, with its figures.
+        rmse_m: Root mean square distance of corresponding points [m].
+        overlap: Share of the survey's points with a partner in the map.
+        scale: Factor from the survey's unit to metres.
+        matched_segments: Number of segments that agree.
+        T_map_survey: The transform, shape (4, 4).
+    """
+
+    accepted: bool
+    reason: str
+    rmse_m: float
+    overlap: float
+    scale: float
+    matched_segments: int
+    T_map_survey: Float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SiteSegmented(Event):
+    """The map was segmented: the ids of the stones seen, and the points of each model."""
+
+    stones: tuple[int, ...]
+    points: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SlotPlace:
+    """A slot's number and its point on the ground [m], shape (3,)."""
+
+    slot: int
+    position_map: Float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SlotsFound(Event):
+    """The placement planner chose these places for stones, best first."""
+
+    slots: tuple[SlotPlace, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RoundBegun(Event):
+    """A new round of relocations began: these placed stones may be moved again."""
+
+    stones: tuple[int, ...]

@@ -1,0 +1,178 @@
+"""Events about one stone: attempts, the grasp, the release, the realignment, giving up."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from executive.arrays import Float
+from executive.events.event import Event
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GraspsPlanned(Event):
+    """Grasps were planned for a stone.
+
+    Attributes:
+        stone: Id of the stone.
+        grasps: Number of grasps.
+        refused: Number of refused hypotheses by reason.
+    """
+
+    stone: int
+    grasps: int
+    refused: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GraspRecord:
+    """The grasp of an attempt: pose (4, 4), opening of the tips [m], score and its terms."""
+
+    T_map_gripper: Float
+    opening_m: float
+    score: float
+    costs: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AttemptStarted(Event):
+    """A grasp with a collision-free path was chosen, and the gripper goes there.
+
+    Attributes:
+        stone: Id of the stone.
+        centroid_map: Estimated centroid of the stone [m], shape (3,).
+        grasp: The grasp.
+        passed_over: Why better grasps were passed over: no path was found to them.
+    """
+
+    stone: int
+    centroid_map: Float
+    grasp: GraspRecord
+    passed_over: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JawsClosedOnNothing(Event):
+    """The jaws closed without holding anything."""
+
+    stone: int
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StoneGrasped(Event):
+    """The jaws closed on a stone, and its place was removed from the map.
+
+    Attributes:
+        stone: Id of the stone.
+        jaw_rad: Angle of the jaws [rad].
+        removed_points: Points that were removed from the map.
+        put_back_points: Points of neighbouring stones that were put back.
+    """
+
+    stone: int
+    jaw_rad: float
+    removed_points: int
+    put_back_points: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ArrivedEarly(Event):
+    """A held stone met the ground before the motion's end, near enough to its placement.
+
+    Attributes:
+        aside_m: Horizontal distance from the placement [m].
+        above_m: Height above it [m].
+    """
+
+    aside_m: float
+    above_m: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StoneReleased(Event):
+    """A stone was set down on its slot.
+
+    Attributes:
+        stone: Id of the stone.
+        slot: Number of the slot.
+        slot_position: The slot's point on the ground [m], shape (3,).
+        planned_pose: Planned T_map_object, shape (4, 4).
+        estimated_pose: T_map_object by the gripper's motion (Mascaro 2020, Eq. 3), shape (4, 4).
+    """
+
+    stone: int
+    slot: int
+    slot_position: Float
+    planned_pose: Float
+    estimated_pose: Float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StoneLetGo(Event):
+    """A stone was released where it was, without a placement; its pose is an estimate, (4, 4)."""
+
+    stone: int
+    estimated_pose: Float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlaceForgotten(Event):
+    """A stone's place was removed from the map, for the next scan to show it."""
+
+    stone: int
+    removed_points: int
+    put_back_points: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StoneRealigned(Event):
+    """A relocated stone's pose was corrected on the map, or the correction was refused.
+
+    Attributes:
+        stone: Id of the stone.
+        accepted: Whether the pose was corrected.
+        method: `alignment` or `registration`.
+        reason: Why it was refused; empty if it was accepted.
+        rmse_m: Root mean square distance of corresponding points [m].
+        overlap: Share of the model's points with a partner in the map.
+        estimated_pose: T_map_object afterwards, shape (4, 4).
+    """
+
+    stone: int
+    accepted: bool
+    method: str
+    reason: str
+    rmse_m: float
+    overlap: float
+    estimated_pose: Float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StoneSoughtAgain(Event):
+    """A stone that was dropped or missed was looked for in the map.
+
+    Attributes:
+        stone: Id of the stone.
+        seen: Ids of the stones that were seen there.
+        method: `registration` or `segmentation`.
+        reason: What registration answered.
+    """
+
+    stone: int
+    seen: tuple[int, ...]
+    method: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StoneSetAside(Event):
+    """A stone was given up: it stays where it is and is not attempted again."""
+
+    stone: int
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StonesTakenUpAgain(Event):
+    """Stones that were set aside may be attempted again."""
+
+    stones: tuple[int, ...]

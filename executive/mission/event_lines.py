@@ -1,0 +1,46 @@
+"""Events as lines for a person."""
+
+from executive.events import mission, site, stone
+from executive.events.event import Event
+
+
+def line_of(event: Event) -> str:  # noqa: C901 - one line a kind of event
+    """Return what a person is shown of an event; empty for what is not worth a line."""
+    match event:
+        case site.Localised():
+            return f"localised ({event.status})"
+        case site.SiteSurveyed():
+            return f"drone map of {event.points} points"
+        case site.SiteScanned():
+            return f"map of {event.points} points"
+        case site.SurveyRegistered():
+            verdict = "registered" if event.accepted else "refused"
+            return f"drone map {verdict}: {event.reason}"
+        case site.SiteSegmented():
+            return f"{len(event.stones)} stones found"
+        case site.SlotsFound():
+            return f"{len(event.slots)} free places"
+        case stone.AttemptStarted():
+            return f"stone {event.stone}: moving to a grasp"
+        case stone.StoneGrasped():
+            return f"stone {event.stone}: grasped at {event.jaw_rad:.2f} rad"
+        case stone.JawsClosedOnNothing():
+            return f"stone {event.stone}: {event.reason}"
+        case stone.StoneReleased():
+            return f"stone {event.stone}: set down on slot {event.slot}"
+        case stone.StoneLetGo():
+            return f"stone {event.stone}: released where it was"
+        case stone.StoneRealigned():
+            result = "realigned" if event.accepted else f"not realigned: {event.reason}"
+            return f"stone {event.stone}: {result}"
+        case stone.StoneSetAside():
+            return f"stone {event.stone}: set aside, {event.reason}"
+        case mission.VerdictGiven():
+            return f"{event.trouble}: {event.detail}"
+        case mission.PluginFailed():
+            return f"warning: {event.fault.summary}"
+        case mission.ObservationIgnored():
+            return f"warning: no plugin takes observations of type {event.type}"
+        case mission.PhaseChanged():
+            return event.after + (f": {event.reason}" if event.reason else "")
+    return ""
