@@ -5,15 +5,21 @@ import numpy as np
 from executive.arrays import Float, Int
 
 
-def voxel_means(points: Float, size_m: float) -> Float:
-    """Return the mean of the points in each occupied cell of a cubic grid, shape (N, 3) → (M, 3).
+def voxel_means(points: Float, size_m: float, corner: Float | None = None) -> Float:
+    """Return the mean of the points in each occupied cell of a cubic grid, shape (M, 3).
 
-    The order is that of the cells (x, then y, then z), so it does not depend on the order of the
-    points but for rounding in the sums.
+    The order is that of the cells (x, then y, then z). It does not depend on the order of the
+    points, except for rounding in the sums.
+
+    Args:
+        points: Positions [m], shape (N, 3).
+        size_m: Edge of a cell [m].
+        corner: Where four edges of the grid meet [m], shape (3,); the origin if not given.
     """
     if not len(points):
         return points
-    cells = np.floor(points / size_m).astype(np.int64)
+    shifted = points if corner is None else points - corner
+    cells = np.floor(shifted / size_m).astype(np.int64)
     cells -= cells.min(axis=0)
     spans = cells.max(axis=0) + 1
     keys = (cells[:, 0] * spans[1] + cells[:, 1]) * spans[2] + cells[:, 2]

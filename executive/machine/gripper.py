@@ -143,7 +143,7 @@ class Gripper(Sourced):
             mass_kg=self.palm_mass_kg,
             com_m=self.palm_com_m,
             shapes=self.palm_shapes,
-            provenance={REST: self.source_of("palm_shapes")},
+            provenance={REST: self.provenance_of("palm_shapes")},
         )
 
     def _jaw_link(self, name: str, side: float) -> Link:
@@ -153,7 +153,7 @@ class Gripper(Sourced):
             mass_kg=self.jaw_mass_kg,
             com_m=(x, side * y, z),
             shapes=tuple(shape for part in self.jaw_parts for shape in part.shapes(side)),
-            provenance={REST: self.source_of("jaw_parts")},
+            provenance={REST: self.provenance_of("jaw_parts")},
         )
 
     @property

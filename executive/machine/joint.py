@@ -11,7 +11,7 @@ from executive.machine.origin import Origin, Vec3
 from executive.machine.provenance import Sourced
 
 
-class Limits(Sourced):
+class JointLimits(Sourced):
     """How fast and how hard a joint may move: rad for revolute, m for prismatic joints."""
 
     max_velocity: float = Field(gt=0, description="Largest speed [rad/s] or [m/s].")
@@ -20,7 +20,7 @@ class Limits(Sourced):
     max_effort: float = Field(gt=0, description="Largest torque [N·m] or force [N].")
 
 
-class Joint(Limits, Origin):
+class Joint(JointLimits, Origin):
     """One joint of the chain from the base to the gripper."""
 
     name: str = Field(description="Unique name.")
@@ -64,7 +64,7 @@ class Joint(Limits, Origin):
         return self.T
 
 
-class Jaw(Limits):
+class Jaw(JointLimits):
     """The one actuated jaw joint: it turns the left jaw, the right one mirrors it; 0 is closed,
     more is open.
     """

@@ -10,8 +10,8 @@ from executive.config import Settings
 REST = "rest"
 
 
-class Source(StrEnum):
-    """Origin of a figure, most trusted first."""
+class Provenance(StrEnum):
+    """Where a figure comes from, the most trusted kind first."""
 
     MEASURED = "measured"  # on the machine, or in trials of the simulated one
     PAPER = "paper"  # a publication, a data sheet, or a published description
@@ -22,14 +22,14 @@ def _expand(value: object) -> object:
     return {REST: value} if isinstance(value, str) else value
 
 
-# One word for a whole block, or fields by name and `rest` for the others.
-Provenance = Annotated[dict[str, Source], BeforeValidator(_expand)]
+# One kind for a whole block, or kinds by field name and `rest` for the other fields.
+ByField = Annotated[dict[str, Provenance], BeforeValidator(_expand)]
 
 
 class Sourced(Settings):
     """A block of figures, each with its provenance."""
 
-    provenance: Provenance = Field(
+    provenance: ByField = Field(
         description="measured, paper or guess: one word for the block, or by field with `rest` for "
         "the others."
     )
@@ -46,6 +46,6 @@ class Sourced(Settings):
             raise ValueError("provenance lacks `rest`, the source of the fields it does not name")
         return self
 
-    def source_of(self, field: str) -> Source:
+    def provenance_of(self, field: str) -> Provenance:
         """Return where a field's figure comes from."""
         return self.provenance.get(field, self.provenance[REST])

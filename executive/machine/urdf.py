@@ -3,7 +3,7 @@
 from xml.etree import ElementTree as Xml
 
 from executive.machine.gripper import SIDES
-from executive.machine.joint import Joint, Limits
+from executive.machine.joint import Joint, JointLimits
 from executive.machine.link import Link
 from executive.machine.machine import Machine
 from executive.machine.origin import Origin
@@ -59,7 +59,7 @@ def _add_joint(robot: Xml.Element, joint: Joint) -> None:
     _add_limit(element, joint, ends)
 
 
-def _add_limit(element: Xml.Element, limits: Limits, ends: dict[str, str]) -> None:
+def _add_limit(element: Xml.Element, limits: JointLimits, ends: dict[str, str]) -> None:
     speed, effort = _text(limits.max_velocity), _text(limits.max_effort)
     Xml.SubElement(element, "limit", {"velocity": speed, "effort": effort, **ends})
 

@@ -3,10 +3,10 @@ step 4).
 """
 
 import numpy as np
-from executive_plugins.registration.rigid import rigid_between
 from scipy.spatial.distance import cdist
 
 from executive.arrays import Bool, Float
+from executive.geometry.rigid_fit import rigid_fit
 
 _SEEDS = 60  # matches that a group grows from, those with most agreement first
 _LEAST_GROUP = 4
@@ -39,7 +39,7 @@ def consistent_transforms(
         if len(found) == count or len(group) < _LEAST_GROUP:
             break
         if len(taken.intersection(group)) <= len(group) // 2:  # else the same motion again
-            found.append(rigid_between(target[group], source[group]))
+            found.append(rigid_fit(target[group], source[group]))
             taken.update(group)
     return np.array(found).reshape(-1, 4, 4)
 

@@ -9,10 +9,10 @@ same vote and the same gate as those from descriptors.
 from itertools import combinations
 
 import numpy as np
-from executive_plugins.registration.rigid import rigid_between
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose
+from executive.geometry.rigid_fit import rigid_fit
 
 _LEAST_PAIR_M = 0.8  # closer centroids say too little about the heading
 _DUPLICATE_M = 0.3  # motions that move the centroids alike are one
@@ -96,7 +96,7 @@ def _planar(heading: Float, t: Float, s: Float, vote_m: float) -> Float:
     close = distances.min(axis=1) < vote_m
     flat = np.array([1.0, 1.0, 0.0])
     if close.sum() >= 2:
-        return rigid_between(
+        return rigid_fit(
             np.vstack([t[nearest[close]] * flat, _UP + t[nearest[close]] * flat]),
             np.vstack([s[close] * flat, _UP + s[close] * flat]),
         )

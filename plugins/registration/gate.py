@@ -8,10 +8,12 @@ Surfaces are.
 from dataclasses import dataclass
 
 import numpy as np
-import small_gicp
+from executive_plugins.registration.stopwatch import Stopwatch
+from executive_plugins.registration.thinning import thinned
 from scipy.spatial import cKDTree
 
 from executive.arrays import Float
+from executive.messages.alignment import Alignment
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +78,13 @@ NOTHING = Agreement(Nearness(0, 0, 0.0), Nearness(0, 0, 0.0))
 
 def measure(target: Float, moved: Float, truncation_m: float, voxel_m: float) -> Agreement:
     """Measure both ways between points in one frame, each thinned to an even density."""
-    a, b = (small_gicp.voxelgrid_sampling(p, voxel_m, 1).points()[:, :3] for p in (target, moved))
+    a, b = thinned(target, voxel_m), thinned(moved, voxel_m)
     return Agreement(_near(b, a, truncation_m), _near(a, b, truncation_m))
+
+
+def refusal(reason: str, watch: Stopwatch) -> Alignment:
+    """Return the alignment that says why there is none."""
+    return Alignment(np.eye(4), False, reason, 0.0, 0.0, timings_ms=watch.timings_ms())
 
 
 def _near(points: Float, surface: Float, truncation_m: float) -> Nearness:

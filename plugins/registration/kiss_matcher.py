@@ -2,15 +2,17 @@
 the others.
 """
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from executive_plugins.registration.one_core import one_core
+from executive_plugins.registration.motion_proposer import MotionProposer
 from executive_plugins.registration.segment_registrar import SegmentRegistrar
 from executive_plugins.registration.segment_settings import SegmentSettings
 from executive_plugins.registration.stopwatch import Stopwatch
-from executive_plugins.registration.strategy import Strategy
 from pydantic import Field
 
 from executive.arrays import Float
@@ -31,25 +33,25 @@ class KissMatcherSettings(SegmentSettings):
 
 
 @dataclass(frozen=True, slots=True)
-class FasterPfh(Strategy):
+class FasterPfh(MotionProposer):
     """Propose the one motion that KISS-Matcher finds between all segments' points."""
 
     feature_voxel_m: float
 
     def propose(self, target: Segmentation, source: Segmentation, watch: Stopwatch) -> list[Float]:
-        """Return its motion, or none; see `Strategy.propose`. The package does all of it at once.
+        """Return the package's motion, or none; see `MotionProposer.propose`.
 
-        On one core, for its threads sum in the order in which they come; two are no faster on
-        clouds of this size.
+        The package runs on one core: its threads add up in the order in which they finish, so that
+        more of them would change the last bits. Two are no faster on clouds of this size.
         """
         matcher = _package().KISSMatcher(self.feature_voxel_m)
         here, there = (
             np.vstack([one.points for one in x.segments]).astype(np.float32)
             for x in (source, target)
         )
-        with one_core(), watch.stage("matching"):
+        with _one_core(), watch.stage("matching"):
             matched = matcher.match(list(here), list(there))
-        with one_core(), watch.stage("verification"):
+        with _one_core(), watch.stage("verification"):
             solution = matcher.prune_and_solve(*matched)
         if not solution.valid:
             return []
@@ -61,6 +63,21 @@ class FasterPfh(Strategy):
         ]
 
 
+@contextmanager
+def _one_core() -> Iterator[None]:
+    """Let the calling thread see one core of those that it may use, until the block ends.
+
+    A pool of threads that is made in here is made for one core, and stays so: sums come in one
+    order.
+    """
+    allowed = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(allowed)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, allowed)
+
+
 def _orthonormal(R: Float) -> Float:
     """Return the rotation nearest to one that was told in single precision."""
     U, _, Vt = np.linalg.svd(R)
@@ -69,7 +86,7 @@ def _orthonormal(R: Float) -> Float:
 
 def _package() -> Any:
     try:
-        with one_core():  # its pools of threads are made as it is loaded
+        with _one_core():  # its pools of threads are made as it is loaded
             import kiss_matcher
     except ImportError as error:
         raise ConfigError(
@@ -87,7 +104,7 @@ class KissMatcher(SegmentRegistrar):
         self, settings: KissMatcherSettings, segmentation: Segmenter, alignment: Aligner
     ) -> None:
         super().__init__(settings, segmentation, alignment)
-        self._strategy = FasterPfh(settings.feature_voxel_m)
+        self._proposer = FasterPfh(settings.feature_voxel_m)
 
     def start(self) -> None:
         """Find the package, so that a missing one is told before the robot starts.
@@ -98,5 +115,5 @@ class KissMatcher(SegmentRegistrar):
         _package()
         super().start()
 
-    def _strategies(self) -> tuple[Strategy, ...]:
-        return (self._strategy,)
+    def _proposers(self) -> tuple[MotionProposer, ...]:
+        return (self._proposer,)

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from executive_plugins.registration.consistency import consistent_transforms
 from executive_plugins.registration.constellation import constellation_transforms
 from executive_plugins.registration.features import describe, match
+from executive_plugins.registration.motion_proposer import MotionProposer
 from executive_plugins.registration.segment_registrar import SegmentRegistrar, centroids
 from executive_plugins.registration.segment_settings import SegmentSettings
 from executive_plugins.registration.stopwatch import Stopwatch
-from executive_plugins.registration.strategy import Strategy
 from pydantic import Field
 
 from executive.arrays import Float
@@ -32,7 +32,7 @@ class SegmentFpfhSettings(SegmentSettings):
 
 
 @dataclass(frozen=True, slots=True)
-class FpfhAndConstellation(Strategy):
+class FpfhAndConstellation(MotionProposer):
     """Propose from groups of consistent matches, then from where the segments stand
     (steps 2 to 4).
     """
@@ -40,7 +40,7 @@ class FpfhAndConstellation(Strategy):
     settings: SegmentFpfhSettings
 
     def propose(self, target: Segmentation, source: Segmentation, watch: Stopwatch) -> list[Float]:
-        """Return the motions of both origins; see `Strategy.propose`."""
+        """Return the motions of both origins; see `MotionProposer.propose`."""
         s = self.settings
         with watch.stage("description"):
             there, here = (
@@ -69,7 +69,7 @@ class SegmentFpfh(SegmentRegistrar):
         self, settings: SegmentFpfhSettings, segmentation: Segmenter, alignment: Aligner
     ) -> None:
         super().__init__(settings, segmentation, alignment)
-        self._strategy = FpfhAndConstellation(settings)
+        self._proposer = FpfhAndConstellation(settings)
 
-    def _strategies(self) -> tuple[Strategy, ...]:
-        return (self._strategy,)
+    def _proposers(self) -> tuple[MotionProposer, ...]:
+        return (self._proposer,)

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import small_gicp
-from executive_plugins.registration.gate import NOTHING, Agreement, measure
+from executive_plugins.registration.centroid_matching import matched_centroids
+from executive_plugins.registration.gate import NOTHING, Agreement, measure, refusal
+from executive_plugins.registration.motion_proposer import MotionProposer
 from executive_plugins.registration.segment_settings import SegmentSettings
 from executive_plugins.registration.similarity import Similarity, Surface, refine
 from executive_plugins.registration.single_object import ObjectFinder
 from executive_plugins.registration.stopwatch import Stopwatch
-from executive_plugins.registration.strategy import Strategy
-from executive_plugins.registration.vote import matched_centroids
+from executive_plugins.registration.thinning import thinned
 
 from executive.arrays import Float
 from executive.errors import DataError
@@ -48,7 +48,7 @@ class SegmentRegistrar(Registrar):
         self._alignment = alignment
 
     @abstractmethod
-    def _strategies(self) -> tuple[Strategy, ...]:
+    def _proposers(self) -> tuple[MotionProposer, ...]:
         """Return what proposes motions, in the order in which they are tried."""
 
     def register(self, target: Cloud, source: Cloud, rng: np.random.Generator) -> Alignment:
@@ -59,7 +59,7 @@ class SegmentRegistrar(Registrar):
 
         Returns:
             The motion, accepted or refused. With fewer stones in view than `min_matched` it is
-            refused: two stones fit many places. If several strategies are refused, the first one's
+            refused: two stones fit many places. If several proposers are refused, the first one's
             answer is returned.
         """
         watch = Stopwatch()
@@ -69,7 +69,7 @@ class SegmentRegistrar(Registrar):
                 there = self._segmentation.segment(Cloud(target.frame, target.points - middle_t))
                 here = self._segmentation.segment(self._thinned(source, middle_s))
             except DataError as error:
-                return _refused(f"a cloud cannot be segmented: {error}", watch)
+                return refusal(f"a cloud cannot be segmented: {error}", watch)
         found = self._lay_over(there, here, watch)
         R, t = found.T_target_source[:3, :3], found.T_target_source[:3, 3]
         T = pose(R, t + middle_t - found.scale * R @ middle_s)
@@ -77,7 +77,7 @@ class SegmentRegistrar(Registrar):
 
     def find(self, target: Cloud, model: Cloud) -> Alignment:
         """Find one object however it lies; see `single_object`."""
-        return ObjectFinder(self._settings, self._segmentation, self._strategies()).find(
+        return ObjectFinder(self._settings, self._segmentation, self._proposers()).find(
             target, model
         )
 
@@ -86,12 +86,12 @@ class SegmentRegistrar(Registrar):
         fewest = min(len(target.segments), len(source.segments))
         if fewest < settings.min_matched:
             found = f"target {len(target.segments)}, source {len(source.segments)}"
-            return _refused(f"too few stones in view: {found}, need {settings.min_matched}", watch)
+            return refusal(f"too few stones in view: {found}, need {settings.min_matched}", watch)
         with watch.stage("verification"):
             stones = Surface.thinned(_joined(target.segments), settings.fine_voxel_m)
         refusals = []
-        for strategy in self._strategies():
-            attempt = self._attempt(target, source, stones, strategy, watch)
+        for proposer in self._proposers():
+            attempt = self._attempt(target, source, stones, proposer, watch)
             if attempt.accepted:
                 return attempt
             refusals.append(attempt)
@@ -102,14 +102,14 @@ class SegmentRegistrar(Registrar):
         target: Segmentation,
         source: Segmentation,
         stones: Surface,
-        strategy: Strategy,
+        proposer: MotionProposer,
         watch: Stopwatch,
     ) -> Alignment:
-        candidates = strategy.propose(target, source, watch)
+        candidates = proposer.propose(target, source, watch)
         with watch.stage("verification"):
             coarse = self._choose(target, source, stones, candidates)
         if coarse is None:
-            return _refused("no motion brings enough stones near each other", watch)
+            return refusal("no motion brings enough stones near each other", watch)
         with watch.stage("refinement"):
             fine = self._refine(target, source, stones, coarse)
         with watch.stage("gate"):
@@ -118,7 +118,7 @@ class SegmentRegistrar(Registrar):
     def _thinned(self, source: Cloud, middle: Float) -> Cloud:
         if not len(source):
             return source
-        return Cloud(source.frame, _thin(source.points - middle, self._settings.voxel_m))
+        return Cloud(source.frame, thinned(source.points - middle, self._settings.voxel_m))
 
     def _choose(
         self,
@@ -134,7 +134,7 @@ class SegmentRegistrar(Registrar):
         stones are off. The votes only rank the candidates, and the first clear fit ends the search.
         """
         s = self._settings
-        points = _thin(_joined(source.segments), 2 * s.fine_voxel_m)
+        points = thinned(_joined(source.segments), 2 * s.fine_voxel_m)
         votes = [len(self._matched(target, source, Similarity(T, 1.0))) for T in candidates]
         best, best_misfit = None, np.inf
         for i in sorted(range(len(candidates)), key=lambda i: -votes[i]):
@@ -162,12 +162,12 @@ class SegmentRegistrar(Registrar):
         The ground is thinned more than the stones: it levels the motion, and is smooth.
         """
         s = self._settings
-        moving = _thin(_joined(source.segments), s.fine_voxel_m)
+        moving = thinned(_joined(source.segments), s.fine_voxel_m)
         clouds = Cloud(target.frame, stones.points), Cloud(source.frame, moving)
         aligned = self._alignment.align(*clouds, coarse.T_target_source, 0.6 * s.coarse_reach_m)
         start = Similarity(aligned.T_target_source, 1.0) if aligned.accepted else coarse
         surface = stones.joined(Surface.thinned(target.ground.points, s.ground_voxel_m))
-        points = np.vstack([moving, _thin(source.ground.points, s.ground_voxel_m)])
+        points = np.vstack([moving, thinned(source.ground.points, s.ground_voxel_m)])
         wide, narrow = (
             tuple(s.truncation_m * factor for factor in steps)
             for steps in ((3, 3, 2, 2), (1.5, 1, 1))
@@ -217,10 +217,6 @@ class SegmentRegistrar(Registrar):
         return faults
 
 
-def _refused(reason: str, watch: Stopwatch) -> Alignment:
-    return Alignment(np.eye(4), False, reason, 0.0, 0.0, timings_ms=watch.timings_ms())
-
-
 def centroids(segments: Sequence[Segment]) -> Float:
     """Return the centroids of segments [m], shape (N, 3)."""
     return np.array([segment.centroid for segment in segments]).reshape(-1, 3)
@@ -232,7 +228,3 @@ def _middle(cloud: Cloud) -> Float:
 
 def _joined(segments: Sequence[Segment]) -> Float:
     return np.vstack([segment.points for segment in segments])
-
-
-def _thin(points: Float, voxel_m: float) -> Float:
-    return np.array(small_gicp.voxelgrid_sampling(points, voxel_m, 1).points()[:, :3])

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from executive_plugins.registration.consistency import consistent_transforms
+from executive_plugins.registration.motion_proposer import MotionProposer
 from executive_plugins.registration.segment_fpfh import FpfhAndConstellation, SegmentFpfhSettings
 from executive_plugins.registration.segment_registrar import SegmentRegistrar
 from executive_plugins.registration.segment_settings import SegmentSettings
@@ -17,7 +18,6 @@ from executive_plugins.registration.shot_features import (
     match_descriptors,
 )
 from executive_plugins.registration.stopwatch import Stopwatch
-from executive_plugins.registration.strategy import Strategy
 from pydantic import Field, model_validator
 
 from executive.arrays import Float
@@ -84,13 +84,13 @@ class SegmentShotSettings(SegmentSettings):
 
 
 @dataclass(frozen=True, slots=True)
-class Shot(Strategy):
+class Shot(MotionProposer):
     """Propose from groups of consistent SHOT matches (steps 2 to 4)."""
 
     settings: SegmentShotSettings
 
     def propose(self, target: Segmentation, source: Segmentation, watch: Stopwatch) -> list[Float]:
-        """Return the motions that most matches vote for; see `Strategy.propose`."""
+        """Return the motions that most matches vote for; see `MotionProposer.propose`."""
         s = self.settings
         with watch.stage("keypoints"):
             there, here = (
@@ -128,7 +128,7 @@ class SegmentShot(SegmentRegistrar):
         others = (
             (FpfhAndConstellation(SegmentFpfhSettings(**shared)),) if settings.falls_back else ()
         )
-        self._tried: tuple[Strategy, ...] = (Shot(settings), *others)
+        self._tried: tuple[MotionProposer, ...] = (Shot(settings), *others)
 
     def start(self) -> None:
         """Compile the inner loops, so that no registration has to wait for them."""
@@ -136,5 +136,5 @@ class SegmentShot(SegmentRegistrar):
         found = find_keypoints(Segment(0, points, points.mean(axis=0), np.ones(3)), 0.05, 0.2, 0.1)
         describe_keypoints([found], 0.4)
 
-    def _strategies(self) -> tuple[Strategy, ...]:
+    def _proposers(self) -> tuple[MotionProposer, ...]:
         return self._tried

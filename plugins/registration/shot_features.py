@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import small_gicp
 from executive_plugins.registration.features import Features
 from executive_plugins.registration.iss import salient_points, surface_shapes
 from executive_plugins.registration.neighbours import neighbours_within
 from executive_plugins.registration.shot import SHOT_LENGTH, shot_descriptors
+from executive_plugins.registration.thinning import thinned
 
 from executive.arrays import Float, Int
 from executive.messages.segment import Segment
@@ -37,9 +37,7 @@ def find_keypoints(
         iss_radius_m: Salient radius R_iss, and that of normals [m].
         gap_m: A keypoint is the most salient point within this distance [m].
     """
-    points = np.array(
-        small_gicp.voxelgrid_sampling(segment.points - segment.centroid, voxel_m, 1).points()[:, :3]
-    )
+    points = thinned(segment.points - segment.centroid, voxel_m)
     normals, saliencies = surface_shapes(points, *neighbours_within(points, points, iss_radius_m))
     rows = salient_points(saliencies, *neighbours_within(points, points, gap_m))
     return Keypoints(segment.centroid, points, normals, rows)

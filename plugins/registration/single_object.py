@@ -10,13 +10,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import small_gicp
 from executive_plugins.registration.form import form_error
-from executive_plugins.registration.gate import Agreement, measure
+from executive_plugins.registration.gate import Agreement, measure, refusal
+from executive_plugins.registration.motion_proposer import MotionProposer
 from executive_plugins.registration.segment_settings import SegmentSettings
 from executive_plugins.registration.similarity import Similarity, Surface, refine
 from executive_plugins.registration.stopwatch import Stopwatch
-from executive_plugins.registration.strategy import Strategy
+from executive_plugins.registration.thinning import thinned
 
 from executive.arrays import Float
 from executive.errors import DataError
@@ -55,11 +55,14 @@ class ObjectFinder:
     """Finds a model in a target by what rises from the ground there."""
 
     def __init__(
-        self, settings: SegmentSettings, segmentation: Segmenter, strategies: Sequence[Strategy]
+        self,
+        settings: SegmentSettings,
+        segmentation: Segmenter,
+        proposers: Sequence[MotionProposer],
     ) -> None:
         self._settings = settings
         self._segmentation = segmentation
-        self._strategies = strategies
+        self._proposers = proposers
 
     def find(self, target: Cloud, model: Cloud) -> Alignment:
         """Try motions that features propose, then turns all around; the same gate decides."""
@@ -68,15 +71,15 @@ class ObjectFinder:
             try:
                 seen = self._segmentation.segment(target)
             except DataError as error:
-                return _refused(f"the cloud cannot be segmented: {error}", watch)
+                return refusal(f"the cloud cannot be segmented: {error}", watch)
         views = [segment for segment in seen.segments if self._is_like(segment, model)]
         if not views:
-            return _refused(
+            return refusal(
                 f"nothing of the object's size among {len(seen.segments)} that rise "
                 "from the ground",
                 watch,
             )
-        refusal = _refused("no motion was proposed", watch)
+        refused = refusal("no motion was proposed", watch)
         for origin in (self._by_features, _all_around):
             with watch.stage("verification"):
                 answers = self._answers(
@@ -86,8 +89,8 @@ class ObjectFinder:
                 found = self._judge(seen, model, answers, watch)
                 if found.accepted:
                     return found
-                refusal = found
-        return refusal
+                refused = found
+        return refused
 
     def _is_like(self, segment: Segment, model: Cloud) -> bool:
         ratio = np.linalg.norm(np.ptp(segment.points, axis=0)) / np.linalg.norm(
@@ -101,7 +104,7 @@ class ObjectFinder:
         here = Segmentation(
             model.frame, (whole,), Cloud(model.frame, np.empty((0, 3))), seen.ground_plane
         )
-        return self._strategies[0].propose(there, here, Stopwatch())
+        return self._proposers[0].propose(there, here, Stopwatch())
 
     def _answers(
         self, model: Cloud, proposals: Iterable[tuple[Segment, Iterable[Float]]]
@@ -112,7 +115,7 @@ class ObjectFinder:
         s, coarse = self._settings, list[_Answer]()
         surface = Surface.thinned(model.points, s.fine_voxel_m / 2)
         for view, motions in proposals:
-            few = _thin(view.points, 2 * s.fine_voxel_m)
+            few = thinned(view.points, 2 * s.fine_voxel_m)
             coarse += [
                 self._refined(surface, few, T, view.points, (s.coarse_reach_m,) * 4)
                 for T in motions
@@ -121,7 +124,7 @@ class ObjectFinder:
         reaches = (0.5 * s.coarse_reach_m,) * 4 + (1.5 * s.truncation_m,) * 4
         fine = [
             self._refined(
-                surface, _thin(one.view, s.fine_voxel_m), one.T_target_model, one.view, reaches
+                surface, thinned(one.view, s.fine_voxel_m), one.T_target_model, one.view, reaches
             )
             for one in coarse[:_FINE]
         ]
@@ -156,7 +159,7 @@ class ObjectFinder:
         ]
         rival = others[0].misfit_m / max(best.misfit_m, 1e-6) if others else np.inf
         surface = Surface.thinned(moved, s.voxel_m / 2)
-        form_m = form_error(surface, _thin(best.view, s.voxel_m), s.truncation_m)
+        form_m = form_error(surface, thinned(best.view, s.voxel_m), s.truncation_m)
         faults = _faults(found, form_m, float((heights < -_SUNK_M).mean()), rival)
         return Alignment(
             T_target_source=best.T_target_model,
@@ -207,11 +210,3 @@ def _rotations(count: int) -> Iterable[Float]:
         yield from_quaternion(
             np.array([r * np.sin(a), r * np.cos(a), R * np.sin(b), R * np.cos(b)])
         )
-
-
-def _thin(points: Float, voxel_m: float) -> Float:
-    return np.array(small_gicp.voxelgrid_sampling(points, voxel_m, 1).points()[:, :3])
-
-
-def _refused(reason: str, watch: Stopwatch) -> Alignment:
-    return Alignment(np.eye(4), False, reason, 0.0, 0.0, timings_ms=watch.timings_ms())

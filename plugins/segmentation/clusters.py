@@ -3,6 +3,7 @@
 from itertools import product
 
 import numpy as np
+from executive_plugins.segmentation.union_find import root_of, set_labels
 from numba import njit
 from numpy.typing import NDArray
 
@@ -44,16 +45,9 @@ def connected_clusters(points: Float, groups: Int, voxel_m: float) -> Int:
         for offset in _OFFSETS:
             other = table[_slot(keys[v] + offset, keys, table)]
             if other >= 0 and group_of[other] == group_of[v]:
-                a, b = _root(parents, v), _root(parents, other)
+                a, b = root_of(parents, v), root_of(parents, other)
                 parents[max(a, b)] = min(a, b)
-    names, count = np.full(len(keys), -1), 0
-    labels = np.empty(len(points), dtype=np.int64)
-    for i in range(len(points)):
-        root = _root(parents, voxels[i])
-        if names[root] < 0:
-            names[root] = count
-            count += 1
-        labels[i] = names[root]
+    labels: Int = set_labels(parents, voxels)
     return labels
 
 
@@ -91,11 +85,3 @@ def _slot(key: int, keys: Int, table: NDArray[np.int32]) -> int:
     while table[slot] >= 0 and keys[table[slot]] != key:
         slot = (slot + 1) & (len(table) - 1)
     return slot
-
-
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _root(parents: Int, voxel: int) -> int:
-    while parents[voxel] != voxel:
-        parents[voxel] = parents[parents[voxel]]
-        voxel = parents[voxel]
-    return voxel

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
+from executive_plugins.segmentation.cluster_splitting import ClusterSplitter
 from executive_plugins.segmentation.clusters import connected_clusters
 from executive_plugins.segmentation.ground_plane import fit_ground_plane
-from executive_plugins.segmentation.parting import Parting
+from executive_plugins.segmentation.ground_surface import fit_ground_surface
 from executive_plugins.segmentation.shape import (
     counts_near,
     moments,
@@ -13,7 +14,6 @@ from executive_plugins.segmentation.shape import (
     principal_extents,
     spans,
 )
-from executive_plugins.segmentation.terrain import fit_terrain
 from pydantic import Field
 
 from executive.arrays import Float
@@ -90,7 +90,7 @@ class GroundAndClusters(Segmenter):
 
     def __init__(self, settings: GroundAndClustersSettings) -> None:
         self._settings = settings
-        self._parting = Parting(
+        self._splitter = ClusterSplitter(
             settings.fine_voxel_m,
             settings.cell_m,
             settings.valley_depth,
@@ -122,12 +122,14 @@ class GroundAndClusters(Segmenter):
         centre = sample.mean(axis=0)  # far from the origin, as in UTM, products would lose digits
         sample = sample - centre
         plane = fit_ground_plane(sample, settings.plane_margin_m, settings.max_tilt_rad, rng)
-        terrain = fit_terrain(sample, plane, settings.node_m, settings.relief_m, settings.stiffness)
-        heights = terrain.heights_above(cloud.points, centre)
+        surface = fit_ground_surface(
+            sample, plane, settings.node_m, settings.relief_m, settings.stiffness
+        )
+        heights = surface.heights_above(cloud.points, centre)
         is_rising = heights > settings.plane_margin_m
         rising, lying = np.flatnonzero(is_rising), np.flatnonzero(~is_rising)
         points, heights = cloud.points.take(rising, axis=0) - centre, heights[rising]
-        parts = self._objects(points, heights, points @ terrain.R_plane_cloud[:2].T, rng)
+        parts = self._objects(points, heights, points @ surface.R_plane_cloud[:2].T, rng)
         normals = None if cloud.normals is None else cloud.normals[lying]
         return Segmentation(
             frame=cloud.frame,
@@ -163,7 +165,7 @@ class GroundAndClusters(Segmenter):
                 or spans(points[members]).max() > _WIDEST_HEAP_M
             ):
                 continue
-            for rows in self._parting.stones(points[members], places[members], heights[members]):
+            for rows in self._splitter.split(points[members], places[members], heights[members]):
                 part = members[rows]
                 if heights[part].max() >= self._settings.min_height_m and self._is_object(
                     points[part], rng

@@ -1,6 +1,7 @@
 """Where one heap of points is several stones: valleys in its upper surface."""
 
 import numpy as np
+from executive_plugins.segmentation.union_find import root_of, set_labels
 from numba import njit
 
 from executive.arrays import Float, Int
@@ -34,10 +35,10 @@ def basins(
         for step in (-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1):
             if summit_of[cell + step] < 0:
                 continue
-            theirs = _root(parents, summit_of[cell + step])
+            theirs = root_of(parents, summit_of[cell + step])
             if summit_of[cell] < 0:
                 summit_of[cell] = theirs
-            mine = _root(parents, summit_of[cell])
+            mine = root_of(parents, summit_of[cell])
             low, high = (mine, theirs) if tops[mine] < tops[theirs] else (theirs, mine)
             if low != high and (
                 tops[low] - tops[cell] < least_drop * tops[low] or areas[low] < least_cells
@@ -46,8 +47,8 @@ def basins(
                 areas[high] += areas[low]
         if summit_of[cell] < 0:
             summit_of[cell] = cell
-        areas[_root(parents, summit_of[cell])] += 1
-    basin: Int = _numbered(cells, summit_of, parents)
+        areas[root_of(parents, summit_of[cell])] += 1
+    basin: Int = set_labels(parents, summit_of[cells])
     return basin
 
 
@@ -71,23 +72,3 @@ def _upper_surface(places: Float, heights: Float, cell_m: float) -> tuple[Int, i
         cells[i] = cell
         tops[cell] = max(tops[cell], heights[i])
     return cells, width, tops
-
-
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _root(parents: Int, cell: int) -> int:
-    while parents[cell] != cell:
-        cell = parents[cell]
-    return cell
-
-
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _numbered(cells: Int, summit_of: Int, parents: Int) -> Int:
-    names, count = np.full(len(parents), -1), 0
-    basin = np.empty(len(cells), dtype=np.int64)
-    for i in range(len(cells)):
-        summit = _root(parents, summit_of[cells[i]])
-        if names[summit] < 0:
-            names[summit] = count
-            count += 1
-        basin[i] = names[summit]
-    return basin

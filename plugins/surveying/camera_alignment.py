@@ -6,6 +6,7 @@ import numpy as np
 
 from executive.arrays import Bool, Float
 from executive.errors import DataError
+from executive.geometry.rigid_fit import similarity_fit
 
 _TRIALS = 100  # random triples; with a third of outliers, one in four is clean
 _SIGMAS = 2.5  # a position farther off than this is an outlier
@@ -63,7 +64,7 @@ def align_cameras(
     for _ in range(_TRIALS):
         triple = rng.choice(count, 3, replace=False)
         squares = _squares(
-            umeyama(centres_model[triple], positions_m[triple]), centres_model, positions_m
+            similarity_fit(positions_m[triple], centres_model[triple]), centres_model, positions_m
         )
         if np.median(squares) < np.median(best):
             best = squares
@@ -75,7 +76,7 @@ def align_cameras(
         if np.isfinite(best).all()
         else np.ones(count, bool)
     )
-    motion = umeyama(centres_model[is_used], positions_m[is_used])
+    motion = similarity_fit(positions_m[is_used], centres_model[is_used])
     used = int(is_used.sum())
     squares = _squares(motion, centres_model, positions_m)[is_used]
     per_axis_m = np.sqrt(squares.sum() / max(3 * used - 7, 1))  # seven numbers were fitted
@@ -85,18 +86,6 @@ def align_cameras(
     return CameraAlignment(
         *motion, is_used, float(np.sqrt(squares.mean())), float(per_axis_m / spread_m)
     )
-
-
-def umeyama(source: Float, target: Float) -> tuple[float, Float, Float]:
-    """Return scale, R and t of the least-squares similarity target = scale · R source + t (Umeyama
-    1991, Eq. 40-43).
-    """
-    a, b = source - source.mean(axis=0), target - target.mean(axis=0)
-    U, S, Vt = np.linalg.svd(b.T @ a)
-    signs = np.array([1.0, 1.0, np.sign(np.linalg.det(U @ Vt))])  # no reflection
-    R = (U * signs) @ Vt
-    scale = float((S * signs).sum() / max(float((a**2).sum()), 1e-300))
-    return scale, R, target.mean(axis=0) - scale * R @ source.mean(axis=0)
 
 
 def _squares(motion: tuple[float, Float, Float], source: Float, target: Float) -> Float:

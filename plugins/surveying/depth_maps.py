@@ -48,8 +48,8 @@ class DepthSettings(Settings):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ground:
-    """Planes through the scene, along the ground.
+class SweepPlanes:
+    """Planes through the scene, parallel to the ground.
 
     Attributes:
         normal: Up, unit, shape (3,).
@@ -62,7 +62,7 @@ class Ground:
     distance_m: float
 
 
-def find_ground(points: Float, centres: Float, settings: DepthSettings) -> Ground:
+def sweep_planes(points: Float, centres: Float, settings: DepthSettings) -> SweepPlanes:
     """Fit a plane to sparse points (N, 3), most of which lie on the ground, and span planes along
     it.
 
@@ -91,7 +91,7 @@ def find_ground(points: Float, centres: Float, settings: DepthSettings) -> Groun
     planes = int(
         np.clip(np.ceil((high - low) / (_STEP_PIXELS * settings.pixel_m)) + 1, 8, _PLANES_MOST)
     )
-    return Ground(
+    return SweepPlanes(
         normal, np.linspace(low, high, planes), float(np.median(centres @ normal)) - offset
     )
 
@@ -166,7 +166,7 @@ def _unit(vectors: Float) -> Float:
 
 
 def measure_depth(
-    views: Sequence[View], neighbours: list[list[int]], ground: Ground, s: DepthSettings
+    views: Sequence[View], neighbours: list[list[int]], planes: SweepPlanes, s: DepthSettings
 ) -> list[Float]:
     """Return one depth map a view [m], NaN where it is not to be believed."""
     maps = []
@@ -174,8 +174,8 @@ def measure_depth(
         depth = np.full(view.grey.shape, np.nan)
         if others:
             near = [views[j] for j in others[: s.compared]]
-            depth, score = sweep(view, near, ground.normal, ground.offsets_m, s.window_px | 1)
-            depth[(score < s.least_score) | (depth > 3 * ground.distance_m)] = np.nan
+            depth, score = sweep(view, near, planes.normal, planes.offsets_m, s.window_px | 1)
+            depth[(score < s.least_score) | (depth > 3 * planes.distance_m)] = np.nan
         maps.append(depth)
     return maps
 

@@ -7,10 +7,10 @@ from executive_plugins.surveying.camera_alignment import CameraAlignment, align_
 from executive_plugins.surveying.depth_maps import (
     DepthSettings,
     confirmed,
-    find_ground,
     make_view,
     measure_depth,
     neighbours_of,
+    sweep_planes,
 )
 from executive_plugins.surveying.fusion import below_flight, fuse
 from executive_plugins.surveying.photograph_folder import Photographs
@@ -109,15 +109,15 @@ def _depths(
     """Return the views in the survey, their depth maps, and which are neighbours, best first."""
     sparse = alignment.apply(model.points)
     centres = alignment.apply(np.array([picture.centre for picture in model.pictures]))
-    ground = find_ground(sparse, centres, s.depth)
-    focal_px = ground.distance_m / s.depth.pixel_m
+    planes = sweep_planes(sparse, centres, s.depth)
+    focal_px = planes.distance_m / s.depth.pixel_m
     views = [
         make_view(picture, photographs.folder, _T_optical_survey(picture, alignment), focal_px)
         for picture in model.pictures
     ]
     confirming = max(s.depth.compared, s.depth.confirmed_by) + 4
     neighbours = neighbours_of(model.pictures, model.points, s.depth.angle_rad, confirming)
-    return views, measure_depth(views, neighbours, ground, s.depth), neighbours
+    return views, measure_depth(views, neighbours, planes, s.depth), neighbours
 
 
 def _T_optical_survey(picture: PosedPicture, alignment: CameraAlignment) -> Float:

@@ -4,13 +4,13 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
-from executive_plugins.surveying.reconstruction import merge
 from pydantic import Field
 
 from executive.clouds.reader import read_points
 from executive.clouds.units import check_site
 from executive.config import Meters, Settings
 from executive.errors import DataError
+from executive.geometry.voxels import voxel_means
 from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
 
@@ -58,4 +58,5 @@ class PointCloudFile(Survey):
             )
         check_site(settings.path, points, settings.max_extent_m)
         middle = (points.min(axis=0) + points.max(axis=0)) / 2
-        return Cloud(FRAME, merge(points - np.round(middle), settings.voxel_m))
+        points = points - np.round(middle)
+        return Cloud(FRAME, voxel_means(points, settings.voxel_m, points.min(axis=0)))

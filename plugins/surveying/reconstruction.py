@@ -68,14 +68,3 @@ def own_frame(points: Float, settings: ReconstructionSettings, rng: np.random.Ge
     R = exp_so3(tilt) @ about_axis(np.array([0.0, 0.0, 1.0]), rng.uniform(0, 2 * np.pi))
     scale = 1 + settings.scale_error * rng.uniform(-1, 1)
     return np.asarray(scale * points @ R.T + rng.uniform(-settings.offset_m, settings.offset_m, 3))
-
-
-def merge(points: Float, voxel_m: float) -> Float:
-    """Return the mean of the points of each cell, in the order of the cells, shape (M, 3)."""
-    cells = np.floor((points - points.min(axis=0)) / voxel_m).astype(np.int64)
-    size = cells.max(axis=0) + 1
-    _, cell, counts = np.unique(
-        cells @ np.array([size[1] * size[2], size[2], 1]), return_inverse=True, return_counts=True
-    )
-    sums = np.stack([np.bincount(cell, weights=points[:, i]) for i in range(3)], axis=1)
-    return np.asarray(sums / counts[:, None])

@@ -6,7 +6,6 @@ import numpy as np
 from executive_plugins.surveying.flight import FlightSettings, take_pictures
 from executive_plugins.surveying.reconstruction import (
     ReconstructionSettings,
-    merge,
     own_frame,
     warp,
 )
@@ -15,6 +14,7 @@ from pydantic import Field
 from executive.arrays import Float
 from executive.config import Settings
 from executive.errors import ConfigError, DataError
+from executive.geometry.voxels import voxel_means
 from executive.interfaces.robot import Robot, Scene
 from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
@@ -78,9 +78,9 @@ class SimulatedDrone(Survey):
             )
         settings = self._settings.reconstruction
         seen = seen + rng.normal(0.0, settings.point_noise_m, seen.shape)
-        return Cloud(
-            FRAME, own_frame(merge(warp(seen, settings, rng), settings.voxel_m), settings, rng)
-        )
+        bent = warp(seen, settings, rng)
+        merged = voxel_means(bent, settings.voxel_m, bent.min(axis=0))
+        return Cloud(FRAME, own_frame(merged, settings, rng))
 
     def _seen(self, rng: np.random.Generator) -> Float:
         """Return what the pictures show of the surveyed ground, with errors of depth, in the map,

@@ -48,3 +48,10 @@ def test_every_point_shares_a_cell_with_one_that_was_kept() -> None:
     cells, of_kept = (set(map(tuple, np.floor(p / 0.7))) for p in (points, kept))
     assert cells == of_kept
     assert len(kept) == len(cells)
+
+
+def test_a_grid_may_begin_at_a_corner() -> None:
+    points = np.array([[0.75, 0, 0], [1.25, 0, 0], [2.0, 0, 0]])
+    shifted = voxel_means(points, 1.0, corner=np.array([0.5, 0, 0]))
+    np.testing.assert_allclose(shifted, [[1.0, 0, 0], [2.0, 0, 0]])
+    np.testing.assert_allclose(voxel_means(points, 1.0), [[0.75, 0, 0], [1.25, 0, 0], [2.0, 0, 0]])

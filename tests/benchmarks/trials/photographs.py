@@ -21,7 +21,6 @@ from executive_plugins.segmentation.ground_and_clusters import (
     GroundAndClustersSettings,
 )
 from executive_plugins.surveying import photogrammetry
-from executive_plugins.surveying.camera_alignment import umeyama
 from executive_plugins.surveying.colmap import FEWEST_PICTURES
 from executive_plugins.surveying.grid_flight import GridFlightSettings
 from executive_plugins.surveying.photogrammetry import (
@@ -36,6 +35,7 @@ from scipy.spatial import cKDTree
 from executive import registry
 from executive.arrays import Float
 from executive.geometry.pose import transform
+from executive.geometry.rigid_fit import similarity_fit
 from executive.geometry.rotation import angle_between
 from executive.machine.machine import load_machine
 from executive.messages.cloud import Cloud
@@ -87,7 +87,7 @@ def _truth(
     distances after it.
     """
     true = poses[[names.index(name) for name in found.names], :3, 3]
-    scale, R, t = umeyama(found.centres_m, true)
+    scale, R, t = similarity_fit(true, found.centres_m)
     return (scale, R, t), np.linalg.norm(scale * found.centres_m @ R.T + t - true, axis=1)
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from executive_plugins.registration.consistency import consistent_transforms
-from executive_plugins.registration.rigid import rigid_between
 
 from executive.geometry.pose import pose, transform
+from executive.geometry.rigid_fit import rigid_fit
 from executive.geometry.rotation import angle_between, exp_so3
 
 
@@ -48,7 +48,7 @@ def test_least_squares_beat_every_neighbour_and_never_mirror() -> None:
     rng = np.random.default_rng(1)
     source = rng.normal(size=(30, 3)) * [1, 1, 0.01]
     target = source * [1, 1, -1] + rng.normal(0, 0.1, (30, 3))
-    T = rigid_between(target, source)
+    T = rigid_fit(target, source)
     assert np.linalg.det(T[:3, :3]) == pytest.approx(1)
     best = ((transform(T, source) - target) ** 2).sum()
     for _ in range(50):

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from executive_plugins.registration.centroid_matching import matched_centroids
 from executive_plugins.registration.gate import NOTHING, measure
-from executive_plugins.registration.vote import matched_centroids
 
 
 def sheet(low: float, high: float, height: float = 0.0) -> np.ndarray:

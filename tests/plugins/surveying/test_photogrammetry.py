@@ -10,7 +10,6 @@ import open3d as o3d
 import pytest
 from executive_plugins.robot.mujoco.robot import MujocoRobot, MujocoSettings
 from executive_plugins.robot.mujoco.site.ray_mesh import joined, moved
-from executive_plugins.surveying.camera_alignment import umeyama
 from executive_plugins.surveying.colmap import Colmap, ColmapSettings
 from executive_plugins.surveying.grid_flight import GridFlightSettings, fly, recorded
 from executive_plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
@@ -25,6 +24,7 @@ from PIL import Image
 
 from executive.arrays import Float
 from executive.errors import ConfigError, DataError
+from executive.geometry.rigid_fit import similarity_fit
 from executive.interfaces.robot import Robot
 from executive.machine.machine import load_machine
 
@@ -86,7 +86,7 @@ def test_pictures_become_the_site_to_centimetres(flight: Flight) -> None:
     found = reconstruct(flight.photographs, SETTINGS, np.random.default_rng(1))
     assert len(found.names) == 12
     true = flight.poses[:, :3, 3]
-    scale, R, t = umeyama(found.centres_m, true)
+    scale, R, t = similarity_fit(true, found.centres_m)
     # A tenth of a pixel at 6 m is 1 mm; twelve pictures leave some of the common bend in.
     assert np.linalg.norm(scale * found.centres_m @ R.T + t - true, axis=1).max() < 0.02
     assert abs(1 / scale - 1) < 4 * found.alignment.scale_error

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pycolmap
 import pytest
-from executive_plugins.surveying.depth_maps import DepthSettings, confirmed, find_ground, make_view
+from executive_plugins.surveying.depth_maps import DepthSettings, confirmed, make_view, sweep_planes
 from executive_plugins.surveying.fusion import below_flight, fuse
 from executive_plugins.surveying.grid_flight import look
 from executive_plugins.surveying.plane_sweep import View, sweep
@@ -122,11 +122,11 @@ def test_planes_lie_along_the_ground_and_span_the_stones() -> None:
     flat = rng.uniform(-8, 8, (3000, 2)) @ across + rng.normal(0, 0.02, (3000, 1)) * slope
     stones = rng.uniform(-2, 2, (60, 2)) @ across + rng.uniform(0, 0.9, (60, 1)) * slope
     cameras = rng.uniform(-6, 6, (20, 2)) @ across + 8 * slope
-    ground = find_ground(np.vstack([flat, stones]), cameras, DepthSettings())
-    assert np.degrees(np.arccos(ground.normal @ slope)) < 0.2
-    assert ground.offsets_m[0] < -0.2
-    assert 1.2 < ground.offsets_m[-1] < 1.6
-    assert ground.distance_m == pytest.approx(8, abs=0.05)
+    planes = sweep_planes(np.vstack([flat, stones]), cameras, DepthSettings())
+    assert np.degrees(np.arccos(planes.normal @ slope)) < 0.2
+    assert planes.offsets_m[0] < -0.2
+    assert 1.2 < planes.offsets_m[-1] < 1.6
+    assert planes.distance_m == pytest.approx(8, abs=0.05)
 
 
 def test_fusion_means_cells_drops_lone_points_and_turns_normals_to_the_cameras() -> None:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from executive_plugins.surveying.reconstruction import (
     ReconstructionSettings,
-    merge,
     own_frame,
     warp,
 )
@@ -15,6 +14,8 @@ from scipy.spatial import cKDTree
 
 from executive.arrays import Float
 from executive.errors import ConfigError, DataError
+from executive.geometry.rigid_fit import similarity_fit
+from executive.geometry.voxels import voxel_means
 from executive.interfaces.robot import Scene
 
 BALLS = np.array([[3.0, 2.0, 0.5], [5.0, -1.0, 0.5], [2.5, -4.0, 0.5], [5.5, 4.5, 0.5]])
@@ -48,16 +49,6 @@ def drone(robot: object, **reconstruction: float) -> SimulatedDrone:
     return SimulatedDrone(
         SimulatedDroneSettings.model_validate({"reconstruction": reconstruction}), robot
     )  # type: ignore[arg-type]
-
-
-def similarity(source: Float, target: Float) -> tuple[float, Float, Float]:
-    """Return scale, R, t of the least-squares fit (Umeyama 1991)."""
-    a, b = source - source.mean(axis=0), target - target.mean(axis=0)
-    U, S, Vt = np.linalg.svd(b.T @ a)
-    D = np.diag([1, 1, np.sign(np.linalg.det(U @ Vt))])
-    R = U @ D @ Vt
-    scale = float((S * np.diag(D)).sum() / (a**2).sum())
-    return scale, R, target.mean(axis=0) - scale * R @ source.mean(axis=0)
 
 
 def surface_distance(points: Float) -> Float:
@@ -105,7 +96,7 @@ def test_the_survey_is_the_site_up_to_a_similarity_within_its_settings() -> None
     scales, tilts, yaws = [], [], []
     for seed in range(40):
         framed = own_frame(points, ReconstructionSettings(), np.random.default_rng(seed))
-        scale, R, t = similarity(points, framed)
+        scale, R, t = similarity_fit(framed, points)
         assert np.allclose(scale * points @ R.T + t, framed)
         scales.append(scale)
         tilts.append(np.arccos(R[2, 2]))
@@ -119,7 +110,7 @@ def test_the_survey_is_the_site_up_to_a_similarity_within_its_settings() -> None
 def test_a_survey_with_all_its_errors_stays_within_centimetres_of_the_site() -> None:
     survey = drone(Yard()).survey(np.random.default_rng(5))
     assert survey.frame == "survey"
-    site = merge(drone(Yard(), **PERFECT)._seen(np.random.default_rng(5)), 0.03)
+    site = voxel_means(drone(Yard(), **PERFECT)._seen(np.random.default_rng(5)), 0.03)
     # The same flight in the same order of chance gives the true similarity through the drawn frame.
     rng = np.random.default_rng(5)
     flight = drone(Yard())
@@ -127,7 +118,7 @@ def test_a_survey_with_all_its_errors_stays_within_centimetres_of_the_site() -> 
     rng.normal(0.0, 1.0, seen.shape)
     warp(seen, ReconstructionSettings(), rng)
     frame = own_frame(seen, ReconstructionSettings(), rng)
-    scale, R, t = similarity(seen, frame)
+    scale, R, t = similarity_fit(frame, seen)
     back = (survey.points - t) @ R / scale
     distance, _ = cKDTree(site).query(back)
     assert np.sqrt((surface_distance(back) ** 2).mean()) < 0.03  # noise and warp

@@ -8,7 +8,7 @@ from executive.arrays import Float
 from executive.messages.segment import Segmentation
 
 
-class Strategy(ABC):
+class MotionProposer(ABC):
     """Propose motions that may lay a source over a target; never decide."""
 
     @abstractmethod

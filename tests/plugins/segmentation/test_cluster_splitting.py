@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from executive_plugins.segmentation.parting import Parting
+from executive_plugins.segmentation.cluster_splitting import ClusterSplitter
 from executive_plugins.segmentation.watershed import basins
 
-PARTING = Parting(0.04, 0.05, 0.3, 60, 0.25, 0.16, 0.85)
+PARTING = ClusterSplitter(0.04, 0.05, 0.3, 60, 0.25, 0.16, 0.85)
 
 
 def thinned(points: np.ndarray, voxel_m: float = 0.03) -> np.ndarray:
@@ -44,7 +44,7 @@ def slab(x: float, size_m: tuple[float, float, float]) -> np.ndarray:
 
 def stones_in(*shapes: np.ndarray, voxel_m: float = 0.03) -> list[np.ndarray]:
     points = thinned(np.vstack(shapes) + np.random.default_rng(1).normal(0, 0.006, (1, 3)), voxel_m)
-    return [points[rows] for rows in PARTING.stones(points, points[:, :2], points[:, 2])]
+    return [points[rows] for rows in PARTING.split(points, points[:, :2], points[:, 2])]
 
 
 @pytest.mark.parametrize(
@@ -79,12 +79,12 @@ def test_a_thinly_seen_stone_stays_whole() -> None:
     shape = sphere(0, 0.5)
     for seed in range(8):
         points = thinned(shape[np.random.default_rng(seed).choice(len(shape), 260, replace=False)])
-        assert len(PARTING.stones(points, points[:, :2], points[:, 2])) == 1
+        assert len(PARTING.split(points, points[:, :2], points[:, 2])) == 1
 
 
 def test_no_point_is_lost_or_given_twice() -> None:
     points = thinned(np.vstack([sphere(-0.52, 0.5), sphere(0.52, 0.5)]))
-    rows = np.concatenate(PARTING.stones(points, points[:, :2], points[:, 2]))
+    rows = np.concatenate(PARTING.split(points, points[:, :2], points[:, 2]))
     np.testing.assert_array_equal(np.sort(rows), np.arange(len(points)))
 
 

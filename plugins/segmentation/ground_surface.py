@@ -25,7 +25,7 @@ _STENCIL = (1.0, -2.0, 1.0)  # second difference
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Terrain:
+class GroundSurface:
     """Heights of the ground above a plane, on a grid in the plane's own axes.
 
     Attributes:
@@ -132,9 +132,9 @@ def _node_means(
     return counts, sums / np.maximum(counts, 1)
 
 
-def fit_terrain(
+def fit_ground_surface(
     points: Float, plane: Float, node_m: float, relief_m: float, stiffness: float
-) -> Terrain:
+) -> GroundSurface:
     """Lay a stiff grid onto the ground, leaving out step by step what rises from it.
 
     Args:
@@ -162,13 +162,13 @@ def fit_terrain(
     system, diagonal = _stiff(shape, stiffness)
     free = system.data[diagonal].copy()
     heights = plane_heights(points, plane)
-    terrain = Terrain(plane, R, origin, node_m, np.zeros(shape))
+    surface = GroundSurface(plane, R, origin, node_m, np.zeros(shape))
     for share in _ROUNDS:
         limits = (-share * relief_m, 0.5 * share * relief_m)  # stones only rise
-        counts, means = _node_means(terrain.heights_above(points), heights, nodes, limits, size)
+        counts, means = _node_means(surface.heights_above(points), heights, nodes, limits, size)
         weights = np.minimum(counts / _FULL_COUNT, 1.0)
         system.data[diagonal] = free + weights
-        terrain = Terrain(
+        surface = GroundSurface(
             plane, R, origin, node_m, splu(system).solve(weights * means).reshape(shape)
         )
-    return terrain
+    return surface

@@ -22,7 +22,7 @@ _DENSE = 1.5
 
 
 @dataclass(frozen=True, slots=True)
-class Parting:
+class ClusterSplitter:
     """When a heap is several stones.
 
     Attributes:
@@ -44,7 +44,7 @@ class Parting:
     least_height_m: float
     least_share: float
 
-    def stones(self, points: Float, places: Float, heights: Float) -> list[Int]:
+    def split(self, points: Float, places: Float, heights: Float) -> list[Int]:
         """Return rows of the points of each stone in a heap: one if it is one.
 
         Args:
