@@ -16,7 +16,9 @@ from matplotlib.axes import Axes
 
 from executive.arrays import Float
 from executive.clouds.reader import read_site
-from executive.commands.plugin_choice import chosen
+from executive.commands.chosen import chosen
+from executive.interfaces.registration import Registrar
+from executive.interfaces.segmentation import Segmenter
 from executive.messages.cloud import Cloud
 
 IMAGES = Path(__file__).parent / "images"
@@ -26,12 +28,12 @@ LIDAR, DRONE, GREY = "#2a9d5c", "#d1495b", "#b5b5b5"
 def main(source: Path, target: Path) -> list[Path]:
     """Register a source over a target and draw both, seen from above."""
     clouds = Cloud("target", read_site(target)), Cloud("source", read_site(source))
-    with chosen("registration") as registrar:
+    with chosen(Registrar) as registrar:
         found = registrar.register(*clouds, np.random.default_rng(0))
     if not found.accepted:
         sys.exit(f"refused: {found.reason}")
     moved = found.apply(clouds[1].points)
-    with chosen("segmentation") as segmenter:
+    with chosen(Segmenter) as segmenter:
         apart = [segmenter.segment(cloud) for cloud in clouds]
         merged = segmenter.segment(Cloud("target", np.vstack([clouds[0].points, moved])))
     middle = moved.mean(axis=0)

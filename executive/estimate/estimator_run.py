@@ -1,15 +1,13 @@
 """One estimator run on one log, and the report of the run."""
 
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from executive import registry
 from executive.arrays import Float
 from executive.clock import WallClock
-from executive.errors import DataError
+from executive.errors import ConfigError, DataError
 from executive.estimate.material import Material
 from executive.estimate.measures import (
     FixErrors,
@@ -23,9 +21,9 @@ from executive.estimate.measures import (
 from executive.estimate.options import EstimateOptions
 from executive.estimate.plugin_making import made
 from executive.estimate.replay import Replay, Replayer
-from executive.estimate.setting_pairs import merged, nested, validated
 from executive.interfaces.estimation import Estimator
 from executive.interfaces.recorded_log import LogPlugin
+from executive.tree.choices import Choices
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,22 +45,25 @@ class Estimated:
     reference: Track | None = None
 
 
-def prepare(material: Material, capability: str, name: str, pairs: Sequence[str]) -> Any:
+def prepare(material: Material, capability: str, name: str, plugins: Choices) -> Any:
     """Return a plugin, not yet started, with the settings that a log asks for.
 
     Args:
         material: The log.
         capability: `estimation` or `smoothing`.
         name: Name of the plugin.
-        pairs: `KEY=VALUE` pairs that take precedence over what the log asks for.
+        plugins: Its settings, which take precedence over what the log asks for.
 
     Raises:
         ConfigError: If there is no such plugin, or its settings are wrong.
         DataError: If the log has no inertial sample.
     """
-    plugin: type[LogPlugin] = registry.load(capability, name)
-    values = merged(plugin.settings_for(material.body()), nested(pairs))
-    return made(plugin, validated(plugin.Settings, values, "--set"), material.rig)
+    plugin = plugins.plugin(capability, name)
+    if not issubclass(plugin, LogPlugin):
+        raise ConfigError(f"{capability} plugin '{name}' does not run on recorded logs")
+    asked_for = plugin.settings_for(material.body())
+    settings = plugins.selection(capability, name, lambda _: asked_for).settings
+    return made(plugin, settings, material.rig)
 
 
 def map_origin(plugin: LogPlugin, material: Material) -> Float:
@@ -77,7 +78,7 @@ def estimate(material: Material, name: str, options: EstimateOptions) -> Estimat
         ConfigError: If there is no such estimator, or its settings are wrong.
         DataError: If the estimator never found a first state.
     """
-    estimator: Estimator = prepare(material, "estimation", name, options.settings)
+    estimator: Estimator = prepare(material, "estimation", name, options.plugins)
     imu = estimator.imu or material.body().imus[0]
     try:
         estimator.start()

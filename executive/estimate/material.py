@@ -6,18 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
-from executive import registry
 from executive.arrays import Float
-from executive.errors import DataError
+from executive.errors import ConfigError, DataError
 from executive.estimate.drop import Drop
 from executive.estimate.offset import Offset
 from executive.estimate.options import EstimateOptions
 from executive.estimate.plugin_making import made
-from executive.estimate.setting_pairs import nested, validated
+from executive.estimate.topic_names import read_topics
 from executive.interfaces.odometry import LidarOdometry
 from executive.interfaces.recorded_log import RecordedBody
 from executive.logs.log import Arrival, Log
-from executive.logs.topics import Topics
 from executive.machine.machine import Machine
 from executive.machine.rig import Rig
 from executive.messages.gnss import GnssFix
@@ -26,6 +24,7 @@ from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.observation import Observation
 from executive.messages.odometry import LidarIncrement
+from executive.tree.choices import Choices
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,11 +54,11 @@ class Material:
             DataError: If the log is damaged or has no fix that the map can be anchored to.
             ConfigError: If an option is wrong.
         """
-        log = Log(path, validated(Topics, nested(options.topics), "--topic"))
+        log = Log(path, read_topics(options.topics))
         rig = log.rig(options.machine)
         offsets = tuple(map(Offset.parse, options.offsets))
         shifted = (_shifted(arrival, offsets) for arrival in log.arrivals())
-        arrivals = list(_without_scans(shifted, options.odometry, rig))
+        arrivals = list(_without_scans(shifted, options.plugins, rig))
         first = _first_fix(path, rig, arrivals)
         drops = tuple(map(Drop.parse, options.drops))
         return cls(log, rig, arrivals, np.array(first.geodetic), drops)
@@ -97,12 +96,12 @@ def _first_fix(path: Path, rig: Rig, arrivals: Sequence[Arrival]) -> GnssFix:
     return first
 
 
-def _without_scans(arrivals: Iterable[Arrival], odometry: str, rig: Rig) -> Iterator[Arrival]:
+def _without_scans(arrivals: Iterable[Arrival], plugins: Choices, rig: Rig) -> Iterator[Arrival]:
     """Yield a log's arrivals with its lidar scans replaced by increments.
 
     Increments need a hundredth of the memory, and are the same for every estimator.
     """
-    running = _odometry(odometry, rig)
+    running = _odometry(plugins, rig)
     try:
         for arrival in arrivals:
             if not isinstance(arrival.observation, LidarScan):
@@ -117,13 +116,16 @@ def _without_scans(arrivals: Iterable[Arrival], odometry: str, rig: Rig) -> Iter
             running.close()
 
 
-def _odometry(name: str, rig: Rig) -> LidarOdometry | None:
+def _odometry(plugins: Choices, rig: Rig) -> LidarOdometry | None:
     """Return the odometry, started; None if none is asked for or the rig has no lidar."""
     lidars = [sensor.name for sensor in rig.sensors_of("lidar")]
-    if not name or not lidars:
+    if not plugins.names("odometry") or not lidars:
         return None
-    plugin: type[LidarOdometry] = registry.load("odometry", name)
-    settings = plugin.Settings.model_validate(plugin.settings_for(lidars))
+    plugin = plugins.plugin("odometry", plugins.name("odometry"))
+    if not issubclass(plugin, LidarOdometry):
+        raise ConfigError(f"{plugin.__name__} is no LidarOdometry")
+    asked_for = plugin.settings_for(lidars)
+    settings = plugins.selection("odometry", known=lambda _: asked_for).settings
     odometry: LidarOdometry = made(plugin, settings, rig)
     odometry.start()
     return odometry

@@ -1,7 +1,24 @@
 """Options of a run of an estimator on a recorded log."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
+
+from executive.tree.choices import Choices
+
+
+def log_choices(options: Sequence[str] = (), **defaults: Any) -> Choices:
+    """Return the plugins for a log, with `--set` options laid over the defaults.
+
+    Args:
+        options: `capability.field=value` or `capability.plugin=name`.
+        defaults: The plugins of a capability where they differ from the shipped missions': a name
+            or a list of names.
+
+    Raises:
+        MissionFileError: If an option is wrong.
+    """
+    return Choices(("estimation", "odometry"), options, defaults)
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,8 +30,8 @@ class EstimateOptions:
         topics: `KIND=NAME` pairs that replace default topic names.
         drops: `SENSOR:FROM:TO`, outages to simulate by leaving measurements out.
         offsets: `SENSOR:SECONDS`, added to the stamps of a sensor.
-        settings: `KEY=VALUE` pairs for the estimator, with dots for nested settings.
-        odometry: Name of the lidar odometry plugin; empty to ignore lidar scans.
+        plugins: The estimators and the lidar odometry with their settings; lidar scans are ignored
+            if no odometry is chosen.
         is_realtime: Whether to replay at the pace of the recording.
     """
 
@@ -22,6 +39,5 @@ class EstimateOptions:
     topics: Sequence[str] = ()
     drops: Sequence[str] = ()
     offsets: Sequence[str] = ()
-    settings: Sequence[str] = ()
-    odometry: str = ""
+    plugins: Choices = field(default_factory=log_choices)
     is_realtime: bool = False

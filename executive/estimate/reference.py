@@ -13,6 +13,7 @@ from executive.estimate.estimator_run import Estimated, map_origin, prepare
 from executive.estimate.material import Material
 from executive.estimate.measures import Track, fix_errors, spread, statistics
 from executive.interfaces.smoothing import TrajectorySmoother
+from executive.tree.choices import Choices
 
 _DIGITS = 6
 
@@ -25,7 +26,7 @@ def with_reference(material: Material, estimated: Estimated, name: str) -> Estim
         ConfigError: If there is no such smoother.
         DataError: If it comes to no trajectory.
     """
-    smoother: TrajectorySmoother = prepare(material, "smoothing", name, ())
+    smoother: TrajectorySmoother = prepare(material, "smoothing", name, Choices(()))
     smoother.start()
     try:
         states = smoother.smooth(arrival.observation for arrival in material.arrivals)

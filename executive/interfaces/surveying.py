@@ -1,6 +1,7 @@
 """Surveying: a cloud of the site from elsewhere, such as a drone."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -22,3 +23,9 @@ class Survey(Plugin, ABC):
         Raises:
             DataError: If there is no usable survey; the message names the file and the cure.
         """
+
+    def account(self) -> Mapping[str, float | tuple[str, ...]]:
+        """Return figures on the last survey for its report, with units in their names; empty if
+        the plugin has none.
+        """
+        return {}

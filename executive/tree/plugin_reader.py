@@ -5,6 +5,7 @@ needed chosen.
 from collections.abc import Iterable, Mapping
 
 from executive.errors import ConfigError
+from executive.interfaces.plugin import Plugin
 from executive.registry import PLURAL, dependencies_of
 from executive.tree.catalogue import REQUIRED, SERVICES
 from executive.tree.language import ON_ERROR, ON_ERROR_WORDS, LeafUse, Selection
@@ -54,6 +55,25 @@ def _name(table: Table) -> object:
     return value.value if isinstance(value, Scalar) else None
 
 
+def plugin_of(capability: str, table: Table, reading: Reading) -> tuple[str, type[Plugin]] | None:
+    """Return the name and the class of the plugin that a table selects, or None after the mistake
+    was noted.
+    """
+    chosen = table.get("plugin")
+    if chosen is None:
+        known = ", ".join(reading.catalogue.plugin_names(capability))
+        reading.fail(table, f"{capability} needs 'plugin: name'; there is: {known or 'none'}")
+        return None
+    name = reading.text(chosen, "'plugin'")
+    if name is None:
+        return None
+    try:
+        return name, reading.catalogue.plugin(capability, name)
+    except ConfigError as error:
+        reading.fail(chosen, str(error))
+        return None
+
+
 class PluginReader:
     """Reads `plugins:`."""
 
@@ -91,23 +111,10 @@ class PluginReader:
 
     def _one(self, capability: str, value: Value) -> Selection | None:
         table = self._reading.table(value, f"the {capability} plugin")
-        if table is None:
+        chosen = plugin_of(capability, table, self._reading) if table else None
+        if table is None or chosen is None:
             return None
-        chosen = table.get("plugin")
-        known = ", ".join(self._reading.catalogue.plugin_names(capability))
-        if chosen is None:
-            self._reading.fail(
-                table, f"{capability} needs 'plugin: name'; there is: {known or 'none'}"
-            )
-            return None
-        name = self._reading.text(chosen, "'plugin'")
-        if name is None:
-            return None
-        try:
-            plugin = self._reading.catalogue.plugin(capability, name)
-        except ConfigError as error:
-            self._reading.fail(chosen, str(error))
-            return None
+        name, plugin = chosen
         can_fail = self._can_fail(capability, table)
         settings = check_settings(
             plugin.Settings, without(table, ["plugin", ON_ERROR]), name, self._reading.problems

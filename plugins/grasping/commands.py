@@ -2,14 +2,16 @@
 runs.
 """
 
-import json
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-_Seed = Annotated[int, typer.Option(min=0, help="All chance follows from it.")]
+from executive.commands.console import answer, one_of, say
+
+_Seed = Annotated[
+    int, typer.Option(min=0, help="Seed of all random numbers; equal seeds give equal results.")
+]
 
 
 def grasp_data(
@@ -26,13 +28,18 @@ def grasp_data(
     ] = "m545",
     workers: Annotated[int, typer.Option(min=1, help="Processes at a time.")] = 1,
 ) -> None:
-    """Make labels for grasp classifiers: simulated lifts of generated stones, under noise."""
+    """Make labels for grasp classifiers.
+
+    Generated stones are lifted in simulation, as they are seen under noise.
+
+    Example: executive grasp-data labels --stones 600 --workers 2
+    """
     from executive_plugins.grasping.learning.labels import LabelSettings, make_labels
 
     settings = LabelSettings(machine=machine, seed=seed, grasps_per_stone=grasps)
     for done in make_labels(folder, stones, settings, workers):
-        print(f"\r{done} of {stones} stones", end="", file=sys.stderr)
-    print(f"\n  labels     {folder}", file=sys.stderr)
+        say(f"\r{done} of {stones} stones", end="")
+    say(f"\n  labels     {folder}")
 
 
 def grasp_train(
@@ -47,26 +54,23 @@ def grasp_train(
     ] = None,
     seed: _Seed = 1,
 ) -> None:
-    """Train a grasp classifier; print its data card, which is also in the file."""
+    """Train a grasp classifier.
+
+    Its data card is printed, and is also in the file.
+
+    Example: executive grasp-train labels net.safetensors --test unseen
+    """
+    one_of("--architecture", architecture, ("four_layer", "two_stream"))
+
     from executive_plugins.grasping.learning.grasp_training import train_weights
     from executive_plugins.grasping.learning.training import Progress, TrainingSettings
-    from pydantic import ValidationError
 
-    from executive.errors import ConfigError
+    settings = TrainingSettings.model_validate(
+        {"architecture": architecture, "epochs": epochs, "seed": seed}
+    )
 
-    try:
-        settings = TrainingSettings.model_validate(
-            {"architecture": architecture, "epochs": epochs, "seed": seed}
-        )
-    except ValidationError as error:
-        raise ConfigError(
-            f"--architecture: '{architecture}' is not one of four_layer, two_stream"
-        ) from error
+    def say_progress(progress: Progress) -> None:
+        figures = f"loss {progress.loss:.3f}, AUC {progress.auc:.3f}"
+        say(f"epoch {progress.epoch} of {epochs}: {figures}")
 
-    def say(progress: Progress) -> None:
-        print(
-            f"epoch {progress.epoch} of {epochs}: loss {progress.loss:.3f}, AUC {progress.auc:.3f}",
-            file=sys.stderr,
-        )
-
-    print(json.dumps(train_weights(folder, out, settings, test, say), indent=2))
+    answer(train_weights(folder, out, settings, test, say_progress))

@@ -42,6 +42,7 @@ class Colmap(Survey):
 
     def __init__(self, settings: ColmapSettings) -> None:
         self._settings = settings
+        self._account: dict[str, float | tuple[str, ...]] = {}
 
     def start(self) -> None:
         """Look whether there is something to survey, before anything moves.
@@ -60,7 +61,19 @@ class Colmap(Survey):
         Raises:
             DataError: If the pictures make no map; the message says why and what to change.
         """
-        return reconstruct(self._photographs(), self._settings, rng).cloud
+        found = reconstruct(self._photographs(), self._settings, rng)
+        self._account = {
+            "pictures": found.pictures,
+            "placed": found.names,
+            "positions_rms_m": float(found.alignment.residual_m),
+            "positions_used": int(found.alignment.is_used.sum()),
+            "scale_error": float(found.alignment.scale_error),
+        }
+        return found.cloud
+
+    def account(self) -> dict[str, float | tuple[str, ...]]:
+        """Return how many pictures were used and how well their positions fit."""
+        return dict(self._account)
 
     def _photographs(self) -> Photographs:
         return read_photographs(

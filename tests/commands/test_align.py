@@ -10,7 +10,7 @@ import pytest
 
 from executive.clouds.ply_writer import write_parts
 from executive.clouds.reader import read_points
-from executive.commands.align_guess import read_guess
+from executive.commands.clouds.guess import read_guess
 from executive.errors import ConfigError
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import angle_between, from_rpy

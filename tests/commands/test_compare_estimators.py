@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from executive.commands.recorded_mission import Rehearsal, is_mission
+from executive.commands.logs.recorded_mission import RecordedMission, is_mission
 from executive.errors import DataError
 
 SHORT = """
@@ -80,6 +80,6 @@ def test_a_bag_is_a_folder(tmp_path: Path) -> None:
     assert not is_mission(tmp_path)
 
 
-def test_without_an_oracle_nobody_knows_the_truth() -> None:
-    with pytest.raises(DataError, match="nobody knows"):
-        Rehearsal(Path("run.mcap"), None, None).truth([])
+def test_without_an_oracle_the_truth_is_not_known() -> None:
+    with pytest.raises(DataError, match="no oracle"):
+        RecordedMission(Path("run.mcap"), None, None).truth([])

@@ -10,15 +10,16 @@ import pytest
 import yaml
 
 from executive.clouds.ply_writer import write_parts
-from executive.commands.grasp_answer import answer, lines, write_answer
-from executive.commands.grasp_picture import draw_grasp
-from executive.commands.grasp_scene import read_scene
-from executive.commands.machine_place import beside, standing
+from executive.commands.grasps.answer import lines, plan_answer, write_answer
+from executive.commands.grasps.machine_place import beside, standing
+from executive.commands.grasps.picture import draw_grasp
+from executive.commands.grasps.scene import read_scene
 from executive.errors import ConfigError, DataError
 from executive.machine.machine import load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp, GraspPlan
 from executive.messages.segment import Segment, Segmentation
+from executive.tree.choices import Choices
 
 STONE_AT = np.array([4.0, 7.0])
 GROUND_M = -0.4
@@ -95,12 +96,12 @@ def test_wrong_options_are_a_message_and_status_2(cloud: Path, words: list[str],
 
 def test_a_segment_that_is_not_there_is_named_with_those_that_are(cloud: Path) -> None:
     with pytest.raises(DataError, match=r"slab\.ply: no segment 4; there is 0 to 0"):
-        read_scene(cloud, 4, "m545", None)
+        read_scene(cloud, 4, Choices(("segmentation",)), "m545", None)
 
 
 def test_a_machine_that_is_none_is_refused(cloud: Path) -> None:
     with pytest.raises(ConfigError, match="no machine 'excavator'"):
-        read_scene(cloud, 0, "excavator", None)
+        read_scene(cloud, 0, Choices(("segmentation",)), "excavator", None)
 
 
 def segmentation(*places: tuple[float, float], slope: float = 0.0) -> Segmentation:
@@ -148,7 +149,7 @@ def test_reasons_come_with_their_counts_the_commonest_first() -> None:
 def test_an_answer_is_read_back_from_both_kinds_of_file(
     tmp_path: Path, name: str, read: object
 ) -> None:
-    answered = answer(PLAN, 0, np.eye(4))
+    answered = plan_answer(PLAN, 0, np.eye(4))
     write_answer(tmp_path / name, answered)
     assert read((tmp_path / name).read_text()) == answered
 

@@ -12,7 +12,7 @@ import pytest
 from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
 
 from executive.commands.main import main
-from executive.commands.objects_answer import object_answer
+from executive.commands.stones.answer import object_answer
 from executive.messages.segment import Segment
 from executive.messages.stone import StoneState
 

@@ -14,7 +14,7 @@ from executive.estimate.drop import Drop
 from executive.estimate.estimator_run import estimate, prepare
 from executive.estimate.files import write_files
 from executive.estimate.material import Material
-from executive.estimate.options import EstimateOptions
+from executive.estimate.options import EstimateOptions, log_choices
 from executive.estimate.reference import with_reference
 from executive.estimate.replay import Replayer
 from executive.interfaces.estimation import Estimator
@@ -100,14 +100,36 @@ def test_a_log_without_rest_says_what_is_missing(car_log):
         ({"offsets": ["gnss"]}, "not SENSOR:SECONDS"),
         ({"offsets": ["gnss:late"]}, "not SENSOR:SECONDS"),
         ({"topics": ["imuu=/x"]}, "imuu"),
-        ({"settings": ["lag_s=-1"]}, "lag_s"),
-        ({"settings": ["lag_s"]}, "not KEY=VALUE"),
+        ({"topics": ["imu"]}, "expected KIND=NAME"),
     ],
 )
 def test_wrong_options_are_named(options, says, car_log):
     given = EstimateOptions(**options)
     with pytest.raises(ConfigError, match=says):
         estimate(Material.read(car_log, given), NAME, given)
+
+
+@pytest.mark.parametrize(
+    ("option", "says"),
+    [
+        ("estimation.lag_s=-1", "lag_s: input should be greater than"),
+        ("estimation.lag_s=yes", "lag_s: "),
+        ("estimation.lagg_s=3", "has no setting 'lagg_s'. Did you mean 'lag_s'?"),
+        ("estimation.lag_s", "expected capability.field=value"),
+        ("estimation.plugin=gnss_imu_fliter", "Did you mean 'gnss_imu_filter'?"),
+        ("lag_s=1", "no 'lag_s' to set"),
+        ("grasping.rehearsed=1", "does not use 'grasping'; it uses estimation"),
+    ],
+)
+def test_a_wrong_setting_is_told_as_in_a_mission(option, says, car_log):
+    def estimated():
+        given = EstimateOptions(plugins=log_choices([option]))
+        return estimate(Material.read(car_log, given), NAME, given)
+
+    with pytest.raises(ConfigError) as caught:
+        estimated()
+    assert f"--set {option}: error: " in str(caught.value)
+    assert says in str(caught.value)
 
 
 def test_a_drop_names_a_kind_or_a_frame(car_log):

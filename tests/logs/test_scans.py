@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from executive.estimate.material import Material
-from executive.estimate.options import EstimateOptions
+from executive.estimate.options import EstimateOptions, log_choices
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.logs.recorder import Recorder
 from executive.machine.machine import Machine, load_machine
@@ -72,7 +72,7 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("odometry", ["scan_to_submap", "kiss_icp"])
 def test_scans_become_increments_of_a_machine_at_rest(log: Path, odometry: str) -> None:
-    arrivals = Material.read(log, EstimateOptions(odometry=odometry)).arrivals
+    arrivals = Material.read(log, EstimateOptions(plugins=log_choices(odometry=odometry))).arrivals
     increments = [a.observation for a in arrivals if isinstance(a.observation, LidarIncrement)]
     assert len(increments) == 5
     for increment in increments:
@@ -82,5 +82,5 @@ def test_scans_become_increments_of_a_machine_at_rest(log: Path, odometry: str) 
 
 
 def test_without_an_odometry_scans_are_left_alone(log: Path) -> None:
-    arrivals = Material.read(log, EstimateOptions(odometry="")).arrivals
+    arrivals = Material.read(log, EstimateOptions(plugins=log_choices(["odometry=[]"]))).arrivals
     assert {type(a.observation) for a in arrivals} == {ImuSample, JointSample, GnssFix}

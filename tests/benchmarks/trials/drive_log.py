@@ -18,7 +18,7 @@ from bounds import Bound, Figure, held
 from executive.estimate.drop import Drop
 from executive.estimate.estimator_run import Estimated, estimate
 from executive.estimate.material import Material
-from executive.estimate.options import EstimateOptions
+from executive.estimate.options import EstimateOptions, log_choices
 
 FIRST_S, LAST_S = 60.0, 520.0  # outages begin after the start and before the end of the drive
 PERIODS_S = {5: 40.0, 10: 40.0}  # from one outage to the next, by their length
@@ -47,7 +47,7 @@ class Drive:
 
     def __init__(self, path: Path, offsets: Sequence[str]) -> None:
         started_s = time.process_time()
-        options = EstimateOptions(offsets=offsets, odometry="scan_to_submap")
+        options = EstimateOptions(offsets=offsets, plugins=log_choices(odometry="scan_to_submap"))
         self._material = Material.read(path, options)
         self.reading_s = time.process_time() - started_s
 

@@ -9,12 +9,12 @@ import numpy as np
 from bounds import Bound, Figure, held
 from matplotlib import figure as plots
 
-from executive.commands.recorded_mission import Rehearsal, rehearse
+from executive.commands.logs.recorded_mission import RecordedMission, record_mission
 from executive.estimate.compare import reported, table
 from executive.estimate.drop import Drop
 from executive.estimate.estimator_run import estimate
 from executive.estimate.material import Material
-from executive.estimate.options import EstimateOptions
+from executive.estimate.options import EstimateOptions, log_choices
 from executive.messages.base_state import BaseState
 
 ESTIMATORS = ("dual_graph", "error_state_ekf", "gnss_imu_filter")
@@ -34,14 +34,16 @@ Reports = Mapping[str, Mapping[str, Any]]  # condition → estimator → report
 Curves = Mapping[str, Mapping[str, np.ndarray]]
 
 
-def recorded(seed: int, folder: Path) -> tuple[Rehearsal, Material]:
+def recorded(seed: int, folder: Path) -> tuple[RecordedMission, Material]:
     """Run the mission and read its log."""
-    rehearsal = rehearse(str(MISSION), (), seed, folder)
-    material = Material.read(rehearsal.log, EstimateOptions(odometry="scan_to_submap"))
+    rehearsal = record_mission(str(MISSION), (), seed, folder)
+    material = Material.read(
+        rehearsal.log, EstimateOptions(plugins=log_choices(odometry="scan_to_submap"))
+    )
     return rehearsal, replace(material, datum=np.array(rehearsal.datum))
 
 
-def curve(rehearsal: Rehearsal, states: Sequence[BaseState]) -> np.ndarray:
+def curve(rehearsal: RecordedMission, states: Sequence[BaseState]) -> np.ndarray:
     """Return times [s] and mean distances from the truth [m], window by window, shape (2, n)."""
     windows: dict[int, list[BaseState]] = {}
     for state in states:
@@ -50,7 +52,7 @@ def curve(rehearsal: Rehearsal, states: Sequence[BaseState]) -> np.ndarray:
     return np.array([(np.array(list(windows)) + 0.5) * WINDOW_S, errors])
 
 
-def compared(rehearsal: Rehearsal, material: Material, seed: int) -> tuple[Reports, Curves]:
+def compared(rehearsal: RecordedMission, material: Material, seed: int) -> tuple[Reports, Curves]:
     """Print a table for each condition, and return the reports and curves of each estimator."""
     curves: dict[str, dict[str, np.ndarray]] = {}
     by_condition: dict[str, dict[str, Any]] = {}
@@ -58,7 +60,9 @@ def compared(rehearsal: Rehearsal, material: Material, seed: int) -> tuple[Repor
         cut = replace(material, drops=tuple(map(Drop.parse, drops)))
         reports = {}
         for name in ESTIMATORS:
-            estimated = estimate(cut, name, EstimateOptions(odometry="scan_to_submap"))
+            estimated = estimate(
+                cut, name, EstimateOptions(plugins=log_choices(odometry="scan_to_submap"))
+            )
             reports[name] = reported(estimated, rehearsal.truth)
             curves.setdefault(title, {})[name] = curve(rehearsal, estimated.replay.states)
         by_condition[title] = reports

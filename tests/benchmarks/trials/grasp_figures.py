@@ -22,9 +22,10 @@ from executive_plugins.grasping.sampling.ranking import paper_costs
 from matplotlib import figure as plots
 
 from executive.arrays import Float
-from executive.commands.grasp_picture import draw_grasp
-from executive.commands.plugin_choice import chosen
+from executive.commands.chosen import chosen
+from executive.commands.grasps.picture import draw_grasp
 from executive.geometry.pose import inverse
+from executive.interfaces.motion import MotionPlanner
 from executive.machine.machine import Machine, load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
@@ -135,7 +136,7 @@ def draw_pair(
 def drawn(folder: Path, stones: int) -> list[Figure]:
     """Draw all pictures; a picture for which no stone serves is a miss."""
     machine = load_machine("m545")
-    with chosen("motion") as motion:
+    with chosen(MotionPlanner) as motion:
         planners: dict[str, SampledPlanner] = {
             "the paper's stages": SampledAntipodal(
                 SampledAntipodalSettings(rehearsed=0), machine, motion

@@ -21,8 +21,9 @@ from executive_plugins.grasping.sampled_planner import SampledPlanner
 from executive_plugins.grasping.sampling.pool import Sampler, SamplingSettings
 
 from executive.arrays import Float
-from executive.commands.plugin_choice import chosen
+from executive.commands.chosen import chosen
 from executive.geometry.pose import transform
+from executive.interfaces.motion import MotionPlanner
 from executive.machine.machine import Machine, load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import GraspPlan
@@ -122,7 +123,7 @@ def measured(stones: int) -> list[Figure]:
     views = [
         look_at(solid, (), np.random.default_rng((SEED, i))) for i, (_, solid) in enumerate(solids)
     ]
-    with chosen("motion") as motion:
+    with chosen(MotionPlanner) as motion:
         planners: dict[str, SampledPlanner] = {
             "sampled_cnn": SampledCnn(SampledCnnSettings(samples=SAMPLES), machine, motion),
             "sampled_antipodal": SampledAntipodal(

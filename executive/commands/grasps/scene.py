@@ -9,14 +9,17 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.clouds.reader import read_site
-from executive.commands.machine_place import beside, standing
-from executive.commands.plugin_choice import chosen
+from executive.commands.chosen import chosen
+from executive.commands.grasps.machine_place import beside, standing
 from executive.errors import DataError
 from executive.geometry.pose import pose
+from executive.interfaces.grasping import GraspPlanner
+from executive.interfaces.segmentation import Segmenter
 from executive.machine.machine import Machine, load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import GraspPlan
 from executive.messages.stone import Stone, StoneState
+from executive.tree.choices import Choices
 
 Place = tuple[float, float, float]
 
@@ -27,6 +30,7 @@ class GraspScene:
     map.
 
     Attributes:
+        choices: The plugins of the command.
         stone: The stone, its surface as segmented.
         cloud: All points.
         model: Name or folder of the machine.
@@ -34,6 +38,7 @@ class GraspScene:
         T_map_base: Where it stands, shape (4, 4).
     """
 
+    choices: Choices
     stone: Stone
     cloud: Cloud
     model: str
@@ -41,7 +46,9 @@ class GraspScene:
     T_map_base: Float
 
 
-def read_scene(path: Path, segment: int, model: str, place: Place | None) -> GraspScene:
+def read_scene(
+    path: Path, segment: int, choices: Choices, model: str | None, place: Place | None
+) -> GraspScene:
     """Read and segment a cloud, and put the machine at a place: x, y [m] and yaw [deg], or beside
     the stone.
 
@@ -49,8 +56,9 @@ def read_scene(path: Path, segment: int, model: str, place: Place | None) -> Gra
         ConfigError: If there is no such machine.
         DataError: If the file cannot be used, or has no segment of that number.
     """
+    model = model or choices.model
     machine, points = load_machine(model), read_site(path)
-    with chosen("segmentation") as segmenter:
+    with chosen(Segmenter, choices) as segmenter:
         found = segmenter.segment(Cloud("map", points))
     if segment >= len(found.segments):
         there = f"0 to {len(found.segments) - 1}" if found.segments else "none"
@@ -63,15 +71,10 @@ def read_scene(path: Path, segment: int, model: str, place: Place | None) -> Gra
     else:
         T_map_base = standing(place[0], place[1], float(np.radians(place[2])), found, machine)
     stone = Stone(1, StoneState.ON_GROUND, one.points, one.centroid, pose(t=one.centroid), False)
-    return GraspScene(stone, Cloud("map", points), model, machine, T_map_base)
+    return GraspScene(choices, stone, Cloud("map", points), model, machine, T_map_base)
 
 
-def plan_grasps(scene: GraspScene, method: str | None, rng: np.random.Generator) -> GraspPlan:
-    """Plan with a grasping plugin of a name, or the default one.
-
-    Raises:
-        UnknownPluginError: If none of that name is installed.
-    """
-    with chosen("grasping", method, scene.model) as planner:
-        plan: GraspPlan = planner.plan(scene.stone, scene.cloud, scene.T_map_base, rng)
-    return plan
+def plan_grasps(scene: GraspScene, rng: np.random.Generator) -> GraspPlan:
+    """Plan with the grasping plugin of the command."""
+    with chosen(GraspPlanner, scene.choices, scene.model) as planner:
+        return planner.plan(scene.stone, scene.cloud, scene.T_map_base, rng)

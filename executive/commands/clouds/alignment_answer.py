@@ -6,7 +6,7 @@ from typing import Any
 from executive.arrays import Float
 from executive.clouds.ply_writer import write_parts
 from executive.clouds.units import unit_hint
-from executive.errors import ConfigError
+from executive.commands.console import answer, say
 from executive.messages.alignment import Alignment
 
 
@@ -25,26 +25,29 @@ def alignment_answer(found: Alignment) -> dict[str, Any]:
 
 
 def verdict(found: Alignment, source: Float, target: Float) -> str:
-    """Say whether the motion is to be believed and why; if not, whether a unit may be wrong."""
+    """Say whether the motion was accepted and why; if not, whether a unit may be wrong."""
     if found.accepted:
         return f"accepted: {found.reason}"
     hint = unit_hint(source, target)
     return f"refused: {found.reason}" + (f"; {hint}" if hint else "")
 
 
-def check_out(path: Path | None) -> None:
-    """Refuse an output that cannot be written, before anything is computed.
+def conclude(
+    found: Alignment, source: Float, target: Float, out: Path | None, as_json: bool
+) -> int:
+    """Say and answer what was found, write both clouds if it was accepted, and return the exit
+    status: 0 if it was accepted, else 1.
 
-    Raises:
-        ConfigError: If it is no .ply file in a folder that exists.
+    Args:
+        found: The alignment.
+        source: Points of the cloud that was moved [m], shape (N, 3).
+        target: Points of the cloud that it was laid over [m], shape (M, 3).
+        out: PLY file for both, one colour each; none if it is not wanted.
+        as_json: Whether to answer on standard output.
     """
-    if path and (path.suffix.lower() != ".ply" or not path.parent.is_dir()):
-        raise ConfigError(f"--out: {path}: name a .ply file in a folder that exists")
-
-
-def write_both(path: Path | None, found: Alignment, source: Float, target: Float) -> None:
-    """Write target and moved source, one colour each, if the motion was accepted and a path is
-    given.
-    """
-    if path and found.accepted:
-        write_parts(path, [target, found.apply(source)])
+    say(verdict(found, source, target))
+    if out and found.accepted:
+        write_parts(out, [target, found.apply(source)])
+    if as_json:
+        answer(alignment_answer(found))
+    return 0 if found.accepted else 1

@@ -10,7 +10,7 @@ from executive.arrays import Float
 from executive.messages.grasp import Grasp, GraspPlan
 
 
-def answer(plan: GraspPlan, segment: int, T_map_base: Float) -> dict[str, Any]:
+def plan_answer(plan: GraspPlan, segment: int, T_map_base: Float) -> dict[str, Any]:
     """Return what was planned, for which segment and machine;
     all poses in the frame of the cloud.
     """

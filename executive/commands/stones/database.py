@@ -6,8 +6,7 @@ import yaml
 
 from executive.errors import ConfigError
 from executive.mission.run_folder import RunFolder
-
-_DEFAULT = "sqlite"
+from executive.tree.choices import Choices
 
 
 def database_of(run_dir: Path) -> Path:
@@ -28,17 +27,20 @@ def database_of(run_dir: Path) -> Path:
     return path
 
 
-def plugin_of(run_dir: Path) -> str:
-    """Return the name of the objects plugin that the run's mission chose; the default one if it
-    does not tell.
+def choices_of(run_dir: Path) -> Choices:
+    """Return the objects plugin that the run's mission chose, with its settings; the default one
+    if the folder holds no mission.
+
+    Raises:
+        ConfigError: If the mission's file names no objects plugin, or one that is not installed.
     """
     path = RunFolder(run_dir).mission
     if not path.is_file():
-        return _DEFAULT
+        return Choices(("objects",))
     try:
         chosen = yaml.safe_load(path.read_text(encoding="utf-8"))["plugins"]["objects"]
-        return str(chosen["plugin"] if isinstance(chosen, dict) else chosen)
     except (yaml.YAMLError, KeyError, TypeError) as error:
         raise ConfigError(
             f"{path}: names no objects plugin ({error}); is it a run's mission?"
         ) from error
+    return Choices(("objects",), defaults={"objects": chosen}, source=str(path))

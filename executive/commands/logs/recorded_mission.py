@@ -15,8 +15,7 @@ from executive.estimate.options import EstimateOptions
 from executive.interfaces.oracle import MissionView, Oracle
 from executive.messages.base_state import BaseState
 from executive.mission.mission import Mission
-from executive.mission.run import Options as RunOptions
-from executive.mission.run import Run
+from executive.mission.run import Options, Run
 from executive.tree.language import MissionFile
 from executive.tree.load import load_mission
 
@@ -24,12 +23,12 @@ _LOGS = (".mcap", ".bag")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rehearsal:
-    """A recorded run.
+class RecordedMission:
+    """A run that was recorded.
 
     Attributes:
         log: What the robot measured.
-        oracle: Who knows the truth; none on a robot that has no oracle.
+        oracle: Gives the truth; none on a robot that has no oracle.
         datum: Origin of the map: latitude [deg], longitude [deg], altitude [m]; none for the log's
             first fix.
     """
@@ -41,7 +40,9 @@ class Rehearsal:
     def truth(self, states: Sequence[BaseState]) -> Mapping[str, Mapping[str, float]]:
         """Return how far states were from the truth; only reports may ask."""
         if self.oracle is None:
-            raise DataError(f"{self.log}: nobody knows the truth about this run")
+            raise DataError(
+                f"{self.log}: this robot has no oracle, so the truth about the run is not known"
+            )
         view = MissionView(states=states, stones=(), first_stones=(), slots={}, attempts=())
         errors: Mapping[str, Mapping[str, float]] = self.oracle.truth(view)["estimate"]
         return errors
@@ -52,34 +53,36 @@ def is_mission(name: Path) -> bool:
     return not name.is_dir() and name.suffix not in _LOGS
 
 
-def rehearse(mission: str, overrides: Sequence[str], seed: int, folder: Path) -> Rehearsal:
+def record_mission(
+    mission: str, overrides: Sequence[str], seed: int, folder: Path
+) -> RecordedMission:
     """Run a mission to its end, whatever that is, and record what the robot measured.
 
     Raises:
         ConfigError: As `executive run`.
     """
     description = load_mission(mission, list(overrides))
-    log = folder / "rehearsal.mcap"
+    log = folder / "recorded.mcap"
     oracles: list[Oracle] = []
 
     def watch(running: Mission) -> None:
         if not oracles:
             oracles.extend(_oracles(description, running))
 
-    Run(description, RunOptions(seed=seed, run_dir=folder / "run", record_log=log)).execute(watch)
+    Run(description, Options(seed=seed, run_dir=folder / "run", record_log=log)).execute(watch)
     settings = description.plugins["estimation"][0].settings
-    return Rehearsal(log, oracles[0] if oracles else None, getattr(settings, "datum", None))
+    return RecordedMission(log, oracles[0] if oracles else None, getattr(settings, "datum", None))
 
 
 def compare_on(
-    rehearsal: Rehearsal, names: Sequence[str], options: EstimateOptions
+    recorded: RecordedMission, names: Sequence[str], options: EstimateOptions
 ) -> dict[str, dict[str, Any]]:
     """Return the report of each estimator on the run, against the truth where it is known."""
-    material = Material.read(rehearsal.log, options)
-    if rehearsal.datum is not None:
-        material = replace(material, datum=np.array(rehearsal.datum))
+    material = Material.read(recorded.log, options)
+    if recorded.datum is not None:
+        material = replace(material, datum=np.array(recorded.datum))
     return compare(
-        material, names, options, rehearsal.truth if rehearsal.oracle is not None else None
+        material, names, options, recorded.truth if recorded.oracle is not None else None
     )
 
 

@@ -1,0 +1,66 @@
+"""`executive segment`: the objects on the ground of a cloud."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from executive.commands.console import answer, check_output, say
+from executive.commands.options import CloudArgument, JsonOption, SetOption, settings
+
+if TYPE_CHECKING:
+    from executive.messages.segment import Segment, Segmentation
+
+
+def segment(
+    cloud: CloudArgument,
+    method: Annotated[
+        str | None, typer.Option(help="Short for --set segmentation.plugin=NAME.")
+    ] = None,
+    set_: SetOption = None,
+    out: Annotated[
+        Path | None, typer.Option(help="PLY file to write the segments to, one colour each.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find the objects on the ground of a cloud.
+
+    Example: executive segment site.ply --out stones.ply
+    """
+    from executive.clouds.ply_writer import write_parts
+    from executive.clouds.reader import read_site
+    from executive.commands.chosen import chosen
+    from executive.interfaces.segmentation import Segmenter
+    from executive.messages.cloud import Cloud
+    from executive.tree.choices import Choices
+
+    check_output("--out", out, ".ply")
+    choices = Choices(("segmentation",), settings(set_, segmentation=method))
+    with chosen(Segmenter, choices) as segmenter:
+        points = read_site(cloud)
+        found = segmenter.segment(Cloud(cloud.stem, points))
+    for one in found.segments:
+        say(_line(one))
+    say(f"{cloud}: {len(found.segments)} segments of {len(points)} points")
+    if out:
+        write_parts(out, [one.points for one in found.segments])
+    if as_json:
+        answer(_answer(found))
+
+
+def _line(one: "Segment") -> str:
+    centre, size = (" ".join(f"{x:.2f}" for x in values) for values in (one.centroid, one.extents))
+    return f"  {one.id:3}  {len(one.points):7} points at {centre} m, {size} m long"
+
+
+def _answer(found: "Segmentation") -> dict[str, Any]:
+    segments = [
+        {
+            "id": one.id,
+            "points": len(one.points),
+            "centroid": one.centroid.tolist(),
+            "extents": one.extents.tolist(),
+        }
+        for one in found.segments
+    ]
+    return {"segments": segments, "ground_plane": found.ground_plane.tolist()}

@@ -1,0 +1,84 @@
+"""`executive survey`: a drone's photographs to a cloud."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from executive.commands.console import answer, check_output, say
+from executive.commands.options import JsonOption, SeedOption, SetOption
+from executive.errors import ConfigError
+
+if TYPE_CHECKING:
+    from executive.config import Settings
+
+_DEFAULT = "colmap"  # missions survey a simulated site by default; this verb has photographs
+
+
+def survey(
+    photographs: Annotated[
+        Path, typer.Argument(metavar="PHOTOGRAPHS", help="Folder of pictures, JPEG or PNG.")
+    ],
+    out: Annotated[Path, typer.Option(help="PLY file for the cloud, in metres, z up.")],
+    positions: Annotated[
+        Path | None, typer.Option(help="CSV of camera positions: name,x,y,z or name,lat,lon,alt.")
+    ] = None,
+    view_angle: Annotated[
+        float | None, typer.Option(help="Opening angle across a picture's width [deg].")
+    ] = None,
+    set_: SetOption = None,
+    seed: SeedOption = 1,
+    as_json: JsonOption = False,
+) -> None:
+    """Make a cloud from a drone's photographs.
+
+    The cloud is metric as far as the positions of the pictures are. Forty pictures take a minute
+    or two.
+
+    Example: executive survey photographs --out survey.ply --set surveying.voxel_m=0.03
+    """
+    import numpy as np
+
+    from executive.clouds.ply_writer import write_parts
+    from executive.commands.chosen import chosen
+    from executive.interfaces.surveying import Survey
+    from executive.tree.choices import Choices
+
+    check_output("--out", out, ".ply")
+    given = _given(photographs, positions, view_angle)
+    choices = Choices(("surveying",), set_ or (), {"surveying": _DEFAULT})
+    with chosen(Survey, choices, known={"surveying": lambda model: _known(model, given)}) as plugin:
+        cloud = plugin.survey(np.random.default_rng(seed))
+        account = dict(plugin.account())
+    write_parts(out, [cloud.points])
+    for name, figure in account.items():
+        say(f"  {name:16} {', '.join(figure) if isinstance(figure, tuple) else figure}")
+    say(f"{photographs}: {len(cloud)} points, {out}")
+    if as_json:
+        answer({"points": len(cloud), **account})
+
+
+def _given(
+    photographs: Path, positions: Path | None, view_angle_deg: float | None
+) -> dict[str, Any]:
+    """Return what the command line says as settings of a plugin that takes photographs."""
+    given: dict[str, Any] = {"photographs": str(photographs)}
+    if positions is not None:
+        given["positions"] = str(positions)
+    if view_angle_deg is not None:
+        if not 6 < view_angle_deg < 160:
+            raise ConfigError(f"--view-angle: {view_angle_deg:g} is not within 6 to 160 degrees")
+        given["motion"] = {"view_angle_rad": math.radians(view_angle_deg)}
+    return given
+
+
+def _known(model: type["Settings"], given: Mapping[str, Any]) -> Mapping[str, Any]:
+    strange = [name for name in given if name not in model.model_fields]
+    if strange:
+        raise ConfigError(
+            f"{model.__name__} has no setting '{strange[0]}': choose a surveying plugin that takes "
+            f"photographs, such as --set surveying.plugin={_DEFAULT}"
+        )
+    return given

@@ -1,0 +1,48 @@
+"""What every verb does in the same way: say something to people, answer machines, refuse input.
+
+People's text goes to standard error and answers go to standard output, so that `--json` can be
+piped. A refusal is a ConfigError, which the command line turns into a message and exit status 2.
+"""
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from executive.errors import ConfigError, did_you_mean
+
+
+def say(text: str, end: str = "\n") -> None:
+    """Print a text for people, on standard error."""
+    print(text, end=end, file=sys.stderr, flush=True)
+
+
+def answer(value: Any) -> None:
+    """Print plain values as JSON, on standard output."""
+    print(json.dumps(value, indent=2, ensure_ascii=False))
+
+
+def one_of(option: str, value: str, allowed: Sequence[str]) -> str:
+    """Return a value if it is allowed.
+
+    Raises:
+        ConfigError: If it is not; it names the option and the nearest allowed value.
+    """
+    if value in allowed:
+        return value
+    hint = did_you_mean(value, allowed)
+    if hint.startswith(";"):  # nothing is near: list what there is
+        raise ConfigError(f"{option}: '{value}' is not one of {', '.join(allowed)}")
+    raise ConfigError(f"{option}: '{value}' is unknown{hint}")
+
+
+def check_output(option: str, path: Path | None, *suffixes: str) -> None:
+    """Refuse an output file that cannot be written, before anything is computed.
+
+    Raises:
+        ConfigError: If its name ends otherwise, or its folder does not exist.
+    """
+    if path and (path.suffix.lower() not in suffixes or not path.parent.is_dir()):
+        kinds = " or ".join(suffixes)
+        raise ConfigError(f"{option}: {path}: name a {kinds} file in a folder that exists")

@@ -1,0 +1,1 @@
+"""The verb that plans how to hold a stone of a cloud."""

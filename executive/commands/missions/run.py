@@ -1,0 +1,82 @@
+"""`executive run`: a mission from start to report."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from executive.commands.console import answer, one_of, say
+from executive.commands.options import JsonOption, MissionArgument, SeedOption, SetOption
+
+_RUNNERS = ("inline", "thread", "process")
+_ANSWERS = {"yes": True, "no": False}
+
+
+def run(  # noqa: PLR0913 - the options of the command line, each a parameter to typer
+    mission: MissionArgument,
+    set_: SetOption = None,
+    seed: SeedOption = 1,
+    run_dir: Annotated[
+        Path | None, typer.Option(help="Folder for the run; a new one under runs/ by default.")
+    ] = None,
+    record: Annotated[
+        bool, typer.Option("--record", help="Write recording.rrd for the viewer.")
+    ] = False,
+    real_time: Annotated[
+        bool, typer.Option("--real-time", help="Tick on the wall clock, not in lock-step.")
+    ] = False,
+    record_log: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write what the robot measures to an MCAP log, for `executive estimate`."
+        ),
+    ] = None,
+    stones: Annotated[
+        Path | None, typer.Option(help="Folder of meshes for the simulated stones.")
+    ] = None,
+    runner: Annotated[
+        str | None, typer.Option(help="Where long computations run: inline, thread or process.")
+    ] = None,
+    answer_: Annotated[
+        str | None, typer.Option("--answer", help="Answer the mission's questions: yes or no.")
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Run a mission to its end and write its report.
+
+    Example: executive run pick_and_place --seed 3 --set robot.site.stones.count=3
+    """
+    if runner is not None:
+        one_of("--runner", runner, _RUNNERS)
+    if answer_ is not None:
+        one_of("--answer", answer_, tuple(_ANSWERS))
+
+    from executive.mission.progress import progress
+    from executive.mission.run import Options, Run
+    from executive.tree.load import load_mission
+
+    options = Options(
+        seed=seed,
+        run_dir=run_dir,
+        record=record,
+        record_log=record_log,
+        real_time=real_time,
+        runner=runner,
+        answer=None if answer_ is None else _ANSWERS[answer_],
+    )
+    made = Run(load_mission(mission, [*(set_ or ()), *_folder_of(stones)]), options)
+    with progress(quiet=quiet) as after_tick:
+        result = made.execute(after_tick)
+    say(result.summary)
+    say(f"  report     {result.folder.report}")
+    if as_json:
+        answer(result.report)
+    raise typer.Exit(result.exit_status)
+
+
+def _folder_of(stones: Path | None) -> list[str]:
+    if stones is None:
+        return []
+    return [f"robot.site.stones.folder={json.dumps(str(stones.resolve()))}"]

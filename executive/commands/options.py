@@ -1,0 +1,48 @@
+"""Options and arguments that several verbs share; each means the same everywhere."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+JsonOption = Annotated[
+    bool, typer.Option("--json", help="Answer as JSON on standard output, for programs.")
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="CAPABILITY.FIELD=VALUE",
+        help="Change a setting, or a plugin by CAPABILITY.plugin=NAME; may be repeated.",
+    ),
+]
+SeedOption = Annotated[
+    int, typer.Option(min=0, help="Seed of all random numbers; equal seeds give equal results.")
+]
+MissionArgument = Annotated[
+    str, typer.Argument(metavar="MISSION", help="A mission file, or the name of a shipped one.")
+]
+CloudArgument = Annotated[
+    Path,
+    typer.Argument(
+        metavar="CLOUD", help="PLY, PCD, LAS, LAZ or XYZ file, in metres, z roughly up."
+    ),
+]
+SourceArgument = Annotated[
+    Path, typer.Argument(metavar="SOURCE", help="The cloud to move: PLY, PCD, LAS, LAZ or XYZ.")
+]
+TargetArgument = Annotated[Path, typer.Argument(metavar="TARGET", help="The cloud to lay it over.")]
+BothOption = Annotated[
+    Path | None, typer.Option(help="PLY file for both, one colour each; written if accepted.")
+]
+
+
+def settings(set_: list[str] | None, **plugins: str | None) -> tuple[str, ...]:
+    """Return what `--set` says, with the short forms such as `--method` before it.
+
+    Args:
+        set_: The values of `--set`.
+        plugins: Plugin names by capability, as short options gave them; None if they did not.
+    """
+    chosen = (f"{capability}.plugin={name}" for capability, name in plugins.items() if name)
+    return (*chosen, *(set_ or ()))

@@ -1,0 +1,21 @@
+"""`executive plugins list`: the names of all plugins."""
+
+from executive.commands.console import answer
+from executive.commands.options import JsonOption
+
+
+def list_plugins(as_json: JsonOption = False) -> None:
+    """List all plugins by capability.
+
+    Nothing of them is imported.
+
+    Example: executive plugins list --json
+    """
+    from executive.registry import CAPABILITIES, installed
+
+    table = {capability: installed(capability) for capability in CAPABILITIES}
+    if as_json:
+        answer({capability: [one.name for one in found] for capability, found in table.items()})
+        return
+    for capability, found in table.items():
+        print(f"{capability:13} {', '.join(one.name for one in found) or '-'}")

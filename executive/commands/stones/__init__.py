@@ -1,0 +1,1 @@
+"""The verb on the stones that a run knows."""
