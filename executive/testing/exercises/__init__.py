@@ -1,0 +1,1 @@
+"""What the kit calls of each capability, with which inputs: ordinary ones and hostile ones."""

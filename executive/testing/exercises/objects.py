@@ -1,0 +1,84 @@
+"""Objects: boulders that are seen, held, moved and seen again, and segments of nothing."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from executive.errors import ConfigError, DataError
+from executive.geometry.pose import pose
+from executive.geometry.rotation import from_rpy
+from executive.interfaces.objects import ObjectDatabase
+from executive.machine.machine import Machine
+from executive.messages.segment import Segment
+from executive.messages.stone import StoneState
+from executive.testing.digest import locked
+from executive.testing.exercise import Exercise
+from executive.testing.exercises.useless_clouds import with_each_cloud
+
+T_GRASP = pose(from_rpy(0.1, 1.5, 0.3), np.array([5.0, 0.1, 1.0]))
+T_RELEASE = pose(from_rpy(0.0, 1.4, 1.9), np.array([-1.0, 6.0, 1.2]))
+IN_MEMORY = ":memory:"
+
+
+def boulder(x: float, y: float) -> Segment:
+    """Return a segment of an ellipsoid about (x, y, 0.3)."""
+    d = np.random.default_rng(0).normal(size=(2000, 3))
+    points = 0.5 * d / np.linalg.norm(d, axis=1)[:, None] * [1, 0.8, 0.7] + [x, y, 0.3]
+    return Segment(0, points, points.mean(axis=0), np.array([1.0, 0.8, 0.7]))
+
+
+def _segment(points: Any) -> Segment:
+    middle = points.mean(axis=0) if len(points) else np.zeros(3)
+    return Segment(0, points.copy(), middle, np.zeros(3))
+
+
+class ObjectsExercise(Exercise[ObjectDatabase]):
+    """Two stones, one of which is moved and seen again."""
+
+    may_raise = (DataError, ConfigError)
+
+    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+        return {
+            "segments": (boulder(5, 0), boulder(0, 4)),
+            "T_grasp": locked(T_GRASP),
+            "T_release": locked(T_RELEASE),
+            "T_map_map": locked(pose(from_rpy(0, 0, 0.2), np.array([0.1, 0, 0]))),
+        }
+
+    def run(self, plugin: ObjectDatabase, inputs: Mapping[str, Any]) -> object:
+        plugin.open(IN_MEMORY)
+        first = plugin.observe(inputs["segments"], 1.0, False)
+        number = first[0].id
+        held = plugin.grasp(number, inputs["T_grasp"], 2.0)
+        moved = plugin.release(number, inputs["T_release"], 3.0, StoneState.PLACED)
+        aligned = plugin.realign(number, inputs["T_map_map"], 4.0, "overlap 0.9")
+        return first, held, moved, aligned, plugin.stones(), plugin.history(number)
+
+    def hostile(self, machine: Machine) -> Mapping[str, Callable[[ObjectDatabase], object]]:
+        def seen(database: ObjectDatabase, segment: Segment) -> object:
+            database.open(IN_MEMORY)
+            return database.observe([segment], 1.0, False), database.stones()
+
+        def with_one(
+            call: Callable[[ObjectDatabase], object],
+        ) -> Callable[[ObjectDatabase], object]:
+            def run(database: ObjectDatabase) -> object:
+                database.open(IN_MEMORY)
+                database.observe([boulder(5, 0)], 1.0, False)
+                return call(database), database.stones()
+
+            return run
+
+        nowhere = np.full((4, 4), np.nan)
+        return {
+            **with_each_cloud(
+                lambda database, cloud: seen(database, _segment(cloud.points)), "as segment"
+            ),
+            "a stone that is not known": with_one(lambda d: d.grasp(99, T_GRASP, 2.0)),
+            "a grasp that is not finite": with_one(lambda d: d.grasp(1, nowhere, 2.0)),
+            "a release of what is not held": with_one(
+                lambda d: d.release(1, T_RELEASE, 2.0, StoneState.PLACED)
+            ),
+            "a correction of another shape": with_one(lambda d: d.realign(1, np.eye(3), 2.0)),
+        }

@@ -1,0 +1,158 @@
+"""Options and fixtures of the kit: `pytest -p executive.testing.pytest_plugin --pyargs …`."""
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import pytest
+
+from executive import registry
+from executive.testing.exercise import Exercise, exercise_of
+from executive.testing.first_answer import Answer, answer_of
+from executive.testing.subject import Subject
+
+TIME_LIMIT_S = 30.0  # generous: ten times what the slowest shipped verb takes on a laptop
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the options that choose what is held to its contract."""
+    group = parser.getgroup("executive", "the conformance kit of executive")
+    group.addoption("--capability", help="Check plugins of this capability; all by default.")
+    group.addoption("--plugin", help="Check the plugin of this name; all by default.")
+    group.addoption("--settings", default="{}", help="Its settings as JSON.")
+    group.addoption("--model", default="m545", help="The machine that it is made for.")
+    group.addoption(
+        "--companion",
+        action="append",
+        default=[],
+        metavar="CAPABILITY=NAME",
+        help="The plugin to give it for a capability that it needs, in place of a stand-in.",
+    )
+    group.addoption(
+        "--time-limit",
+        type=float,
+        default=TIME_LIMIT_S,
+        help="Longest call of any verb in seconds; a larger declared latency counts instead.",
+    )
+    group.addoption(
+        "--must-succeed",
+        action="store_true",
+        help="A plugin that refuses what a capable one answers fails; otherwise it is skipped.",
+    )
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Give each check the plugins that it is for, and the hostile inputs of their capability."""
+    if "subject" not in metafunc.fixturenames:
+        return
+    subjects = _subjects(metafunc.config, getattr(metafunc.module, "CAPABILITY", None))
+    if "hostile_input" in metafunc.fixturenames:
+        cases = [(subject, name) for subject in subjects for name in _hostile(subject)]
+        ids = [f"{name}-{subject.name}" for subject, name in cases]
+        metafunc.parametrize(("subject", "hostile_input"), cases, ids=ids, scope="module")
+    else:
+        ids = [subject.name for subject in subjects]
+        metafunc.parametrize("subject", subjects, ids=ids, scope="module")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out checks that are for none of the chosen plugins."""
+    empty = [
+        item
+        for item in items
+        if isinstance(item, pytest.Function)
+        and "subject" in item.fixturenames
+        and not isinstance(item.callspec.params.get("subject"), Subject)
+    ]
+    if empty:
+        config.hook.pytest_deselected(items=empty)
+        items[:] = [item for item in items if item not in empty]
+
+
+def _subjects(config: pytest.Config, capability: str | None) -> list[Subject]:
+    wanted = config.getoption("--capability")
+    known = (*registry.capabilities(), registry.SMOOTHERS)
+    capabilities = [capability] if capability else list(known)
+    companions = dict(pair.split("=", 1) for pair in config.getoption("--companion"))
+    return [
+        Subject(
+            one.capability,
+            one.name,
+            config.getoption("--settings"),
+            config.getoption("--model"),
+            companions,
+        )
+        for each in capabilities
+        if wanted in (None, each)
+        for one in registry.installed(each)
+        if config.getoption("--plugin") in (None, one.name)
+    ]
+
+
+def _hostile(subject: Subject) -> list[str]:
+    exercise = exercise_of(subject.capability)
+    return list(exercise.hostile(subject.machine)) if exercise else []
+
+
+@pytest.fixture
+def make(subject: Subject) -> Iterator[Callable[[], Any]]:
+    """Make started plugins; all are closed at the end."""
+    with ExitStack() as stack:
+        yield lambda: stack.enter_context(subject.started())
+
+
+@pytest.fixture
+def plugin(make: Callable[[], Any]) -> Any:
+    """One started plugin of its own for each check."""
+    return make()
+
+
+@pytest.fixture
+def exercise(subject: Subject) -> Exercise[Any]:
+    """The exercise of the plugin's capability."""
+    found = exercise_of(subject.capability)
+    if found is None:
+        pytest.skip(f"no installed package has an exercise for '{subject.capability}'")
+    return found
+
+
+@pytest.fixture(scope="module")
+def first_answer(subject: Subject) -> Answer:
+    """One ordinary run, shared by the checks that only look at it."""
+    found = exercise_of(subject.capability)
+    if found is None:
+        pytest.skip(f"no installed package has an exercise for '{subject.capability}'")
+    return answer_of(subject, found)
+
+
+@pytest.fixture
+def answered(first_answer: Answer, insist: Callable[[object, str], None]) -> Answer:
+    """The ordinary run of a plugin that answered."""
+    if first_answer.error is not None:
+        pytest.skip("it gave no answer: see the check that it answers")
+    insist(not first_answer.refusal, first_answer.refusal)
+    return first_answer
+
+
+@pytest.fixture
+def insist(request: pytest.FixtureRequest) -> Callable[[object, str], None]:
+    """Demand an answer that a capable plugin gives.
+
+    A refusal with a reason breaks no contract, but leaves nothing to check: it is skipped with its
+    reason, unless the run has `--must-succeed`.
+    """
+
+    def demand(is_met: object, reason: str) -> None:
+        if is_met:
+            return
+        if request.config.getoption("--must-succeed"):
+            pytest.fail(f"it refuses: {reason}")
+        pytest.skip(f"it refuses: {reason}")
+
+    return demand
+
+
+@pytest.fixture(scope="session")
+def time_limit_s(request: pytest.FixtureRequest) -> float:
+    """Longest call of any verb [s]."""
+    return float(request.config.getoption("--time-limit"))

@@ -1,0 +1,102 @@
+"""The plugin under test: which one, with which settings, and what it is given."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from executive import registry
+from executive.config import Settings
+from executive.errors import ConfigError
+from executive.interfaces.plugin import Plugin
+from executive.interfaces.robot import RobotSettings
+from executive.machine.machine import Machine, load_machine
+from executive.testing.stand_ins import STAND_INS
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """An installed plugin by name; picklable, so that another process makes the same one.
+
+    Attributes:
+        capability: Its capability, such as `segmentation`.
+        name: Its name, as `executive plugins list` shows it.
+        settings_json: Its settings as JSON; `{}` for the defaults.
+        model: The machine that it is made for.
+        companions: The plugin to give for each capability that it needs; where none is named, a
+            stand-in, or else the first installed one.
+        seed: All chance of its constructor follows from it.
+    """
+
+    capability: str
+    name: str
+    settings_json: str = "{}"
+    model: str = "m545"
+    companions: Mapping[str, str] = field(default_factory=dict)
+    seed: int = 1
+
+    @property
+    def plugin_class(self) -> type[Plugin]:
+        """The class behind the name; imports it."""
+        loaded: type[Plugin] = registry.load(self.capability, self.name)
+        return loaded
+
+    @property
+    def settings(self) -> Settings:
+        """The checked settings.
+
+        Raises:
+            pydantic.ValidationError: If one is missing or wrong.
+        """
+        return self.plugin_class.Settings.model_validate_json(self.settings_json, strict=True)
+
+    @property
+    def machine(self) -> Machine:
+        """The machine: a robot's own, where its settings name one."""
+        settings = self.settings
+        is_robot = isinstance(settings, RobotSettings)
+        return load_machine(settings.model if is_robot else self.model)
+
+    def make(self, stack: ExitStack) -> Any:
+        """Return a new plugin, not started; what it needs is started, and closed by the stack."""
+        return self._made(self.plugin_class, self.settings, (), stack)
+
+    @contextmanager
+    def started(self) -> Iterator[Any]:
+        """Give a new plugin, started; it is closed at the end, also after an error."""
+        with ExitStack() as stack:
+            plugin = self.make(stack)
+            stack.callback(plugin.close)
+            plugin.start()
+            yield plugin
+
+    def _made(
+        self, plugin: type[Plugin], settings: Settings, path: tuple[str, ...], stack: ExitStack
+    ) -> Plugin:
+        names = registry.dependencies_of(plugin)
+        given = {name: self._given(name, path, stack) for name in names}
+        made: Plugin = plugin(settings, **given)  # type: ignore[call-arg]
+        return made
+
+    def _given(self, name: str, path: tuple[str, ...], stack: ExitStack) -> Any:
+        if name == "machine":
+            return self.machine
+        if name == "rng":
+            return np.random.default_rng(self.seed)
+        if name in path:
+            raise ConfigError(f"plugins need each other in a circle: {' → '.join((*path, name))}")
+        chosen = self.companions.get(name)
+        if chosen is None and name in STAND_INS:
+            return STAND_INS[name]()
+        if chosen is None and not registry.installed(name):
+            raise ConfigError(
+                f"the {self.capability} plugin '{self.name}' asks for '{name}', which is neither "
+                "machine, rng nor a capability with an installed plugin"
+            )
+        plugin = registry.load(name, chosen or registry.installed(name)[0].name)
+        companion = self._made(plugin, plugin.Settings(), (*path, name), stack)
+        stack.callback(companion.close)
+        companion.start()
+        return companion
