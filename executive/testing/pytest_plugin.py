@@ -7,10 +7,12 @@ from typing import Any
 import pytest
 
 from executive import registry
+from executive.machine.machine import Machine
 from executive.testing.exercise import Exercise, exercise_of
 from executive.testing.first_answer import Answer, answer_of
 from executive.testing.subject import Subject
 
+Insist = Callable[[object, str], None]  # see the fixture `insist`
 TIME_LIMIT_S = 30.0  # generous: ten times what the slowest shipped verb takes on a laptop
 
 
@@ -107,6 +109,12 @@ def plugin(make: Callable[[], Any]) -> Any:
     return make()
 
 
+@pytest.fixture(scope="module")
+def machine(subject: Subject) -> Machine:
+    """The machine that the plugin is made for."""
+    return subject.machine
+
+
 @pytest.fixture
 def exercise(subject: Subject) -> Exercise[Any]:
     """The exercise of the plugin's capability."""
@@ -126,7 +134,7 @@ def first_answer(subject: Subject) -> Answer:
 
 
 @pytest.fixture
-def answered(first_answer: Answer, insist: Callable[[object, str], None]) -> Answer:
+def answered(first_answer: Answer, insist: Insist) -> Answer:
     """The ordinary run of a plugin that answered."""
     if first_answer.error is not None:
         pytest.skip("it gave no answer: see the check that it answers")
@@ -135,7 +143,7 @@ def answered(first_answer: Answer, insist: Callable[[object, str], None]) -> Ans
 
 
 @pytest.fixture
-def insist(request: pytest.FixtureRequest) -> Callable[[object, str], None]:
+def insist(request: pytest.FixtureRequest) -> Insist:
     """Demand an answer that a capable plugin gives.
 
     A refusal with a reason breaks no contract, but leaves nothing to check: it is skipped with its

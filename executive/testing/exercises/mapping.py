@@ -12,6 +12,7 @@ from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
+from executive.messages.sector import Sector
 from executive.testing.digest import locked
 from executive.testing.exercise import Exercise
 from executive.testing.exercises.useless_clouds import with_each_cloud
@@ -75,6 +76,7 @@ class MappingExercise(Exercise[Mapper]):
             "pairs": tuple(tuple(pair(machine, t, k)) for k, t in enumerate(stamps)),
             "motions": tuple(motion(machine, t) for t in stamps),
             "centre_map": locked(CENTRE),
+            "sector": Sector(T_MAP_CABIN[:2, 3].copy(), 0.0, 0.6, 3.5, 6.5),
             "points_map": locked(CENTRE + np.random.default_rng(0).uniform(-0.5, 0.5, (500, 3))),
         }
 
@@ -86,7 +88,8 @@ class MappingExercise(Exercise[Mapper]):
         removed = plugin.remove_sphere(inputs["centre_map"], 1.0)
         plugin.add_surface(inputs["points_map"])
         plugin.mask_held(0.5)
-        return kept, removed, plugin.cloud()
+        share = plugin.dense_share(inputs["sector"], 20.0)
+        return kept, removed, share, plugin.cloud()
 
     def hostile(self, machine: Machine) -> Mapping[str, Callable[[Mapper], object]]:
         name, nan = lidars(machine)[0], np.full(3, np.nan)
@@ -106,6 +109,9 @@ class MappingExercise(Exercise[Mapper]):
             "a sphere that is not finite": lambda mapper: mapper.remove_sphere(nan, 1.0),
             "a sphere in an empty map": lambda mapper: mapper.remove_sphere(CENTRE, 1.0),
             "a sphere of no size": lambda mapper: mapper.remove_sphere(CENTRE, 0.0),
+            "a sector that is too small": lambda mapper: mapper.dense_share(
+                Sector(np.zeros(2), 0.0, 0.01, 2.0, 2.1), 1.0
+            ),
             "a surface of another shape": lambda mapper: mapper.add_surface(np.zeros((5, 2))),
             "a surface that is not finite": lambda mapper: mapper.add_surface(nan[None]),
         }

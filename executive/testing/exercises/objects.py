@@ -10,6 +10,7 @@ from executive.geometry.pose import pose
 from executive.geometry.rotation import from_rpy
 from executive.interfaces.objects import ObjectDatabase
 from executive.machine.machine import Machine
+from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment
 from executive.messages.stone import StoneState
 from executive.testing.digest import locked
@@ -41,6 +42,8 @@ class ObjectsExercise(Exercise[ObjectDatabase]):
     def inputs(self, machine: Machine) -> Mapping[str, Any]:
         return {
             "segments": (boulder(5, 0), boulder(0, 4)),
+            "map_cloud": Cloud("map", np.vstack([boulder(5, 0).points, boulder(0, 4).points])),
+            "centre_map": locked([0.0, 4.0, 0.3]),
             "T_grasp": locked(T_GRASP),
             "T_release": locked(T_RELEASE),
             "T_map_map": locked(pose(from_rpy(0, 0, 0.2), np.array([0.1, 0, 0]))),
@@ -53,7 +56,12 @@ class ObjectsExercise(Exercise[ObjectDatabase]):
         held = plugin.grasp(number, inputs["T_grasp"], 2.0)
         moved = plugin.release(number, inputs["T_release"], 3.0, StoneState.PLACED)
         aligned = plugin.realign(number, inputs["T_map_map"], 4.0, "overlap 0.9")
-        return first, held, moved, aligned, plugin.stones(), plugin.history(number)
+        looks = (
+            plugin.surroundings(inputs["map_cloud"]),
+            plugin.unexplained(inputs["map_cloud"], number, 2.0),
+            plugin.surface_within(inputs["centre_map"], 2.0),
+        )
+        return first, held, moved, aligned, looks, plugin.stones(), plugin.history(number)
 
     def hostile(self, machine: Machine) -> Mapping[str, Callable[[ObjectDatabase], object]]:
         def seen(database: ObjectDatabase, segment: Segment) -> object:
@@ -74,6 +82,14 @@ class ObjectsExercise(Exercise[ObjectDatabase]):
         return {
             **with_each_cloud(
                 lambda database, cloud: seen(database, _segment(cloud.points)), "as segment"
+            ),
+            **with_each_cloud(
+                lambda database, cloud: with_one(lambda d: d.surroundings(cloud))(database),
+                "for a map",
+            ),
+            **with_each_cloud(
+                lambda database, cloud: with_one(lambda d: d.unexplained(cloud, 1, 2.0))(database),
+                "to explain",
             ),
             "a stone that is not known": with_one(lambda d: d.grasp(99, T_GRASP, 2.0)),
             "a grasp that is not finite": with_one(lambda d: d.grasp(1, nowhere, 2.0)),

@@ -36,13 +36,18 @@ def site(shift: Float | float = 0.0) -> Float:
 
 
 class SegmentationExercise(Exercise[Segmenter]):
-    """One cloud to its segments."""
+    """One cloud to its segments, and two clouds to one."""
 
     def inputs(self, machine: Machine) -> Mapping[str, Any]:
-        return {"cloud": Cloud("map", site())}
+        return {"cloud": Cloud("map", site()), "survey": Cloud("map", site(0.02)[::3])}
 
     def run(self, plugin: Segmenter, inputs: Mapping[str, Any]) -> object:
-        return plugin.segment(inputs["cloud"])
+        merged = plugin.merge([inputs["cloud"], inputs["survey"]])
+        return plugin.segment(inputs["cloud"]), merged
 
     def hostile(self, machine: Machine) -> Mapping[str, Callable[[Segmenter], object]]:
-        return with_each_cloud(lambda plugin, cloud: plugin.segment(cloud))
+        return {
+            **with_each_cloud(lambda plugin, cloud: plugin.segment(cloud)),
+            **with_each_cloud(lambda plugin, cloud: plugin.merge([cloud]), "to merge"),
+            "nothing to merge": lambda plugin: plugin.merge([]),
+        }

@@ -6,51 +6,26 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from executive import registry
 from executive.arrays import Float
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import from_rpy
 from executive.interfaces.objects import ObjectDatabase
 from executive.messages.cloud import Cloud
-from executive.messages.segment import Segment
 from executive.messages.stone import StoneState
+from executive.testing.exercises.objects import T_GRASP, T_RELEASE, boulder
 
-T_GRASP = pose(from_rpy(0.1, 1.5, 0.3), np.array([5.0, 0.1, 1.0]))
-T_RELEASE = pose(from_rpy(0.0, 1.4, 1.9), np.array([-1.0, 6.0, 1.2]))
-
-
-@pytest.fixture(params=[plugin.name for plugin in registry.installed("objects")])
-def make_database(request: pytest.FixtureRequest) -> Callable[[], ObjectDatabase]:
-    plugin = registry.load("objects", request.param)
-
-    def make() -> ObjectDatabase:
-        services = {"rng": np.random.default_rng(0)}
-        database: ObjectDatabase = plugin(
-            plugin.Settings(), *(services[name] for name in registry.dependencies_of(plugin))
-        )
-        database.start()
-        request.addfinalizer(database.close)
-        return database
-
-    return make
+CAPABILITY = "objects"
 
 
 @pytest.fixture
-def database(make_database: Callable[[], ObjectDatabase]) -> ObjectDatabase:
-    made = make_database()
-    made.open(":memory:")
-    return made
-
-
-def boulder(x: float, y: float) -> Segment:
-    d = np.random.default_rng(0).normal(size=(2000, 3))
-    points = 0.5 * d / np.linalg.norm(d, axis=1)[:, None] * [1, 0.8, 0.7] + [x, y, 0.3]
-    return Segment(0, points, points.mean(axis=0), np.array([1.0, 0.8, 0.7]))
+def database(plugin: ObjectDatabase) -> ObjectDatabase:
+    """A database that keeps nothing on the disk."""
+    plugin.open(":memory:")
+    return plugin
 
 
 def test_a_new_database_is_empty(database: ObjectDatabase) -> None:
-    assert isinstance(database, ObjectDatabase)
     assert database.stones() == ()
     assert database.observe([], 0.0, False) == ()
 
@@ -113,16 +88,16 @@ def test_an_unknown_stone_is_an_error(database: ObjectDatabase) -> None:
 
 
 def test_a_reopened_file_gives_the_same_stones(
-    make_database: Callable[[], ObjectDatabase], tmp_path: Path
+    make: Callable[[], ObjectDatabase], tmp_path: Path
 ) -> None:
     path = str(tmp_path / "objects.db")
-    first = make_database()
+    first = make()
     first.open(path)
     first.observe([boulder(5, 0), boulder(0, 4)], 1.0, False)
     first.grasp(1, T_GRASP, 2.0)
     kept = first.stones()
     first.close()
-    second = make_database()
+    second = make()
     second.open(path)
     for a, b in zip(kept, second.stones(), strict=True):
         assert (a.id, a.state) == (b.id, b.state)
@@ -131,10 +106,10 @@ def test_a_reopened_file_gives_the_same_stones(
 
 
 def test_another_may_look_while_it_is_open(
-    make_database: Callable[[], ObjectDatabase], tmp_path: Path
+    make: Callable[[], ObjectDatabase], tmp_path: Path
 ) -> None:
     path = str(tmp_path / "objects.db")
-    writer, reader = make_database(), make_database()
+    writer, reader = make(), make()
     writer.open(path)
     writer.observe([boulder(5, 0)], 1.0, False)
     reader.open(path, read_only=True)
@@ -146,10 +121,10 @@ def test_another_may_look_while_it_is_open(
 
 
 def test_a_file_to_look_at_must_be_there(
-    make_database: Callable[[], ObjectDatabase], tmp_path: Path
+    make: Callable[[], ObjectDatabase], tmp_path: Path
 ) -> None:
     with pytest.raises(ConfigError):
-        make_database().open(str(tmp_path / "objects.db"), read_only=True)
+        make().open(str(tmp_path / "objects.db"), read_only=True)
 
 
 def test_the_history_tells_every_change_with_state_and_pose(database: ObjectDatabase) -> None:
@@ -169,10 +144,10 @@ def test_the_history_tells_every_change_with_state_and_pose(database: ObjectData
 
 
 def test_a_folder_that_is_not_there_is_an_error(
-    make_database: Callable[[], ObjectDatabase], tmp_path: Path
+    make: Callable[[], ObjectDatabase], tmp_path: Path
 ) -> None:
     with pytest.raises(ConfigError):
-        make_database().open(str(tmp_path / "nowhere" / "objects.db"))
+        make().open(str(tmp_path / "nowhere" / "objects.db"))
 
 
 def scene(database: ObjectDatabase) -> Cloud:
