@@ -40,8 +40,7 @@ def first_difference(a: object, b: object) -> str:
 def place_of_nan(value: object) -> str:
     """Return where a value holds a number that is none (NaN); empty if nowhere."""
     for path, part in parts(value):
-        is_array = isinstance(part, np.ndarray) and part.dtype.kind == "f"
-        if is_array and np.isnan(part).any():
+        if isinstance(part, np.ndarray) and part.dtype.kind == "f" and np.isnan(part).any():
             return path or "the value"
         if isinstance(part, float) and math.isnan(part):
             return path or "the value"

@@ -56,8 +56,8 @@ class Subject:
     def machine(self) -> Machine:
         """The machine: a robot's own, where its settings name one."""
         settings = self.settings
-        is_robot = isinstance(settings, RobotSettings)
-        return load_machine(settings.model if is_robot else self.model)
+        own = settings.model if isinstance(settings, RobotSettings) else None
+        return load_machine(own or self.model)
 
     def make(self, stack: ExitStack) -> Any:
         """Return a new plugin, not started; what it needs is started, and closed by the stack."""
