@@ -50,7 +50,7 @@ def place_of_nan(value: object) -> str:
 def parts(value: object, path: str = "") -> Iterator[tuple[str, object]]:
     """Yield each leaf of a nested value with its path, in a fixed order."""
     if is_dataclass(value) and not isinstance(value, type):
-        yield path, type(value).__qualname__
+        # The class is no part of the content: a subclass may be handed over as its base.
         for field in fields(value):
             if field.name not in _MEASURED:
                 yield from parts(getattr(value, field.name), f"{path}.{field.name}".lstrip("."))

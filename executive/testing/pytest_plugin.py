@@ -103,6 +103,16 @@ def make(subject: Subject) -> Iterator[Callable[[], Any]]:
         yield lambda: stack.enter_context(subject.started())
 
 
+@pytest.fixture(scope="module")
+def shared(subject: Subject) -> Iterator[Any]:
+    """One plugin for many calls where it says is_stateless, to start it once; else None."""
+    if not subject.plugin_class.is_stateless:
+        yield None
+        return
+    with subject.started() as plugin:
+        yield plugin
+
+
 @pytest.fixture
 def plugin(make: Callable[[], Any]) -> Any:
     """One started plugin of its own for each check."""

@@ -19,9 +19,8 @@ from executive_plugins.motion.timing import Limits, time_path
 from executive_plugins.motion.waypoints import Waypoints
 from pydantic import Field
 
-from executive.arrays import Float
+from executive.arrays import Float, checked
 from executive.config import Meters, Settings
-from executive.errors import ShapeError
 from executive.geometry.pose import inverse, transform
 from executive.interfaces.motion import MotionPlanner
 from executive.machine.kinematics import Kinematics
@@ -55,7 +54,9 @@ class HermiteSettings(Settings):
     least_arrival: float = Field(
         0.5, gt=0, le=1, description="Share of the straight arrival that must be in reach."
     )
-    inverse_kinematics: InverseKinematicsSettings = InverseKinematicsSettings()
+    inverse_kinematics: InverseKinematicsSettings = Field(
+        InverseKinematicsSettings(), description="How positions for a pose are found."
+    )
 
 
 class Hermite(MotionPlanner):
@@ -80,6 +81,7 @@ class Hermite(MotionPlanner):
         self._machine_check = SelfCollision(machine, self._bodies, settings.machine_clearance)
 
     def reach(self, T_base_gripper: Float, seed: Float) -> Float | None:
+        T_base_gripper = checked("T_base_gripper", T_base_gripper, 4, 4)
         return self._ik.solve(T_base_gripper, self._checked(seed), self._is_free)
 
     def move(self, request: MoveRequest) -> MotionPlan:
@@ -213,11 +215,7 @@ class Hermite(MotionPlanner):
         )
 
     def _checked(self, q: Float) -> Float:
-        if np.shape(q) != (len(self._machine.joints),):
-            raise ShapeError(
-                f"arm positions have shape {np.shape(q)}, expected ({len(self._machine.joints)},)"
-            )
-        return np.asarray(q, dtype=float)
+        return checked("arm positions", q, len(self._machine.joints))
 
 
 def _refused(reason: str) -> MotionPlan:

@@ -67,6 +67,8 @@ class ObjectFinder:
     def find(self, target: Cloud, model: Cloud) -> Alignment:
         """Try motions that features propose, then turns all around; the same gate decides."""
         watch = Stopwatch()
+        if not len(model) or not np.ptp(model.points, axis=0).any():
+            return _refused("the object's model has no extent", watch)
         with watch.stage("segmentation"):
             try:
                 seen = self._segmentation.segment(target)

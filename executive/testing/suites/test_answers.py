@@ -1,6 +1,7 @@
 """The answers of every plugin: the same each time, in each process, to inputs that stay."""
 
 import pickle
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -61,8 +62,13 @@ def test_a_spawned_process_gives_the_same_answer(
 
 
 def test_a_hostile_input_gives_a_value_or_a_refusal(
-    plugin: Any, subject: Subject, exercise: Exercise[Any], hostile_input: str
+    shared: Any,
+    make: Callable[[], Any],
+    subject: Subject,
+    exercise: Exercise[Any],
+    hostile_input: str,
 ) -> None:
+    plugin = make() if shared is None else shared
     try:
         value = exercise.hostile(subject.machine)[hostile_input](plugin)
     except exercise.may_raise as refusal:

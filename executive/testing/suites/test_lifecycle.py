@@ -33,9 +33,3 @@ def test_it_can_be_closed_after_a_refused_input(subject: Subject, exercise: Exer
             next(iter(calls.values()))(plugin)
         except exercise.may_raise:
             plugin.close()
-
-
-def test_a_second_one_works_after_the_first_is_closed(subject: Subject) -> None:
-    for _ in range(2):
-        with subject.started():
-            pass

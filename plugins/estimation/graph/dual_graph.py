@@ -43,6 +43,7 @@ class DualGraph(CabinEstimator):
     def __init__(self, settings: DualGraphSettings, machine: Rig) -> None:
         super().__init__(settings, machine)
         self._settings = settings
+        self._started: SmootherHost | None = None
 
     @classmethod
     def settings_for(cls, body: RecordedBody) -> Mapping[str, object]:
@@ -57,7 +58,7 @@ class DualGraph(CabinEstimator):
         self.changes: list[ModeChange] = []
 
     def _shared_memory(self) -> Any:
-        self._host = self._made_host()
+        self._host = self._started = self._made_host()
         return self._host.memory
 
     def _made_host(self) -> SmootherHost:
@@ -67,7 +68,8 @@ class DualGraph(CabinEstimator):
         return InlineSmoother(settings.smoother, self._noise)
 
     def close(self) -> None:
-        self._host.close()
+        if self._started is not None:
+            self._started.close()
 
     def _restart(self) -> None:
         super()._restart()

@@ -69,7 +69,7 @@ class SamplingSettings(Settings):
         0.02, ge=0, description="Room between the gripper and anything else [m]."
     )
     tips_below_centre_m: Meters = Field(
-        0.02, description="How far the tips close below the stone's centre [m]."
+        0.02, ge=-1, le=1, description="How far the tips close below the stone's centre [m]."
     )
     density: KilogramsPerCubicMeter = Field(2700.0, gt=0, description="Density of a stone [kg/m³].")
 

@@ -9,6 +9,7 @@ from executive_plugins.robot.mujoco.site.stone_model import StoneModel
 from executive_plugins.robot.mujoco.site.stone_placement import place
 from executive_plugins.robot.mujoco.site.stones import StoneSettings, make_stones
 from executive_plugins.robot.mujoco.site.terrain import Terrain, TerrainSettings, make_terrain
+from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Settings
@@ -18,8 +19,8 @@ from executive.machine.machine import Machine
 class SiteSettings(Settings):
     """The ground and the stones."""
 
-    terrain: TerrainSettings = TerrainSettings()
-    stones: StoneSettings = StoneSettings()
+    terrain: TerrainSettings = Field(TerrainSettings(), description="Shape of the ground.")
+    stones: StoneSettings = Field(StoneSettings(), description="Which stones lie on it.")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

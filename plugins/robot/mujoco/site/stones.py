@@ -62,7 +62,9 @@ class StoneSettings(Settings):
     edge_m: Meters = Field(
         0.12, ge=0.03, le=1, description="Size of generated bumps: edge of the skin's mesh [m]."
     )
-    placement: PlacementSettings = PlacementSettings()
+    placement: PlacementSettings = Field(
+        PlacementSettings(), description="Where the stones may lie."
+    )
 
     @model_validator(mode="after")
     def _check_volume(self) -> "StoneSettings":
