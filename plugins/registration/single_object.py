@@ -68,7 +68,7 @@ class ObjectFinder:
         """Try motions that features propose, then turns all around; the same gate decides."""
         watch = Stopwatch()
         if not len(model) or not np.ptp(model.points, axis=0).any():
-            return _refused("the object's model has no extent", watch)
+            return refusal("the object's model has no extent", watch)
         with watch.stage("segmentation"):
             try:
                 seen = self._segmentation.segment(target)
