@@ -13,7 +13,7 @@ from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.jaws import drive_jaws
 from executive.leaf.outcome import failed, succeeded
-from executive.leaf.removal import reach_of, remove_from_map
+from executive.leaf.removal import removal_radius, remove_from_map
 from executive.messages.hold import Hold
 
 
@@ -65,7 +65,7 @@ class CloseGripper(Action[CloseGripperSettings]):
             stone, hold.T_map_gripper, self.context.now_s()
         )
         removed, put_back = remove_from_map(self.context, held, self.settings.removal_radius)
-        self.context.use(Mapper).mask_held(reach_of(held))
+        self.context.use(Mapper).mask_held(removal_radius(held))
         self.context.begin_hold()
         self.context.record(StoneGrasped(stone, angle_rad, removed, put_back))
         return succeeded(StoneHeld(hold))

@@ -11,7 +11,7 @@ from executive.interfaces.registration import Registrar
 from executive.interfaces.segmentation import Segmenter
 from executive.leaf.action import Action, Steps
 from executive.leaf.outcome import failed, succeeded
-from executive.leaf.unexplained import unexplained
+from executive.leaf.surroundings import unexplained
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment, Segmentation
 from executive.messages.stone import StoneState
@@ -41,11 +41,10 @@ class FindAgain(Action[FindAgainSettings]):
         """
         objects, radius_m = self.context.use(ObjectDatabase), self.settings.radius
         known = objects.stone(stone)
-        points = self.context.use(Mapper).cloud().points
-        near = points[np.hypot(*(points[:, :2] - known.centroid_map[:2]).T) < radius_m]
+        near = self.context.use(Mapper).cloud().near(known.centroid_map, radius_m)
         if not len(near):
             return failed(f"the map shows nothing around stone {stone}")
-        around = unexplained(self.context, known, radius_m)
+        around = unexplained(self.context, stone, radius_m)
         registrar = self.context.use(Registrar)
         found = yield from self.context.job(registrar.find, around, Cloud("map", known.points_map))
         if found.accepted:
@@ -53,9 +52,7 @@ class FindAgain(Action[FindAgainSettings]):
             objects.realign(stone, found.T_target_source, self.context.now_s(), note)
             self.context.record(StoneSoughtAgain(stone, (stone,), "registration", note))
             return succeeded(reason=note)
-        segmentation = yield from self.context.job(
-            self.context.use(Segmenter).segment, Cloud("map", near)
-        )
+        segmentation = yield from self.context.job(self.context.use(Segmenter).segment, near)
         seen = objects.observe(self._not_placed(segmentation), self.context.now_s(), False)
         ids = tuple(one.id for one in seen)
         self.context.record(StoneSoughtAgain(stone, ids, "segmentation", found.reason))

@@ -57,7 +57,7 @@ class PlanPlacement(Action[PlanPlacementSettings]):
             return failed(moving)
         stone = self.context.use(ObjectDatabase).stone(hold.stone_id)
         placing = self.context.use(PlacementPlanner)
-        cloud = surroundings(self.context, without=hold.stone_id)
+        cloud = surroundings(self.context, hold.stone_id)
         T_map_base = self.context.state().T_map_base
         reasons: list[str] = []
         for slot in free_slots:

@@ -1,5 +1,6 @@
 """Plan to lower a held stone to the ground below it."""
 
+from executive.geometry.gap import gap_below
 from executive.geometry.pose import transform
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.motion import MotionPlanner
@@ -8,7 +9,7 @@ from executive.leaf.action import Action, Steps
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.path import PathPlanned
 from executive.leaf.rest import come_to_rest
-from executive.leaf.surroundings import gap_below, held_surface, surroundings
+from executive.leaf.surroundings import held_surface, surroundings
 from executive.messages.hold import Hold
 from executive.messages.request import MoveRequest
 
@@ -29,7 +30,7 @@ class PlanSetDown(Action):
         """
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
-        cloud = surroundings(self.context, without=hold.stone_id)
+        cloud = surroundings(self.context, hold.stone_id)
         surface = held_surface(self.context, hold)
         goal = self.context.gripper()
         way_m = gap_below(transform(goal, surface), cloud.points) - _CLEARANCE_M

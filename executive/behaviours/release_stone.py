@@ -5,6 +5,7 @@ from pydantic import Field
 from executive.arrays import Float
 from executive.config import Newtons, Radians, Settings
 from executive.events.stone import StoneLetGo, StoneReleased
+from executive.geometry.gap import gap_below
 from executive.geometry.pose import transform
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.monitoring import Monitor
@@ -14,7 +15,7 @@ from executive.leaf.action import Action, Steps
 from executive.leaf.jaws import drive_jaws
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
-from executive.leaf.surroundings import gap_below, held_surface, surroundings
+from executive.leaf.surroundings import held_surface, surroundings
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement
 from executive.messages.stone import Stone, StoneState
@@ -83,5 +84,5 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
     def _fall_m(self, hold: Hold, T_map_gripper: Float) -> float:
         """Return the height of the held stone above the ground below it [m]."""
         stone_map = transform(T_map_gripper, held_surface(self.context, hold))
-        around = surroundings(self.context, without=hold.stone_id)
+        around = surroundings(self.context, hold.stone_id)
         return max(0.0, gap_below(stone_map, around.points))

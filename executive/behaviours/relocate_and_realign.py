@@ -15,7 +15,7 @@ from executive.interfaces.registration import Registrar
 from executive.leaf.action import Action, Steps
 from executive.leaf.job import Job
 from executive.leaf.outcome import succeeded
-from executive.leaf.unexplained import unexplained
+from executive.leaf.surroundings import unexplained
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 from executive.messages.stone import Stone
@@ -89,17 +89,16 @@ class RelocateAndRealign(Action[RelocateAndRealignSettings]):
         refusal = self._refusal(aligned, stone)
         if not refusal:
             return "alignment", aligned, ""
-        around = unexplained(self.context, stone, self.settings.search_radius)
+        around = unexplained(self.context, stone.id, self.settings.search_radius)
         found = yield from self.context.job(self.context.use(Registrar).find, around, source)
         if found.accepted:
             return "registration", found, ""
         return "alignment", aligned, f"{refusal}; registration: {found.reason}"
 
     def _map_around(self, stone: Stone) -> Cloud:
-        points = self.context.use(Mapper).cloud().points
         low = stone.points_map.min(axis=0) - self.settings.margin
         high = stone.points_map.max(axis=0) + self.settings.margin
-        return Cloud("map", points[((points >= low) & (points <= high)).all(axis=1)])
+        return self.context.use(Mapper).cloud().in_box(low, high)
 
     def _refusal(self, alignment: Alignment, stone: Stone) -> str:
         if not alignment.accepted:

@@ -2,11 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from executive.arrays import Float
 from executive.events.site import SiteSegmented
-from executive.geometry.voxels import voxel_means
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.segmentation import Segmenter
@@ -16,7 +12,7 @@ from executive.messages.cloud import Cloud
 from executive.messages.segment import Segmentation
 from executive.messages.stone import Stone
 
-_CELL_M = 0.03  # Mascaro 2020, Table 3: res_voxel
+_BEYOND_REACH_M = 1.0  # of the survey is kept, for stones at the border of the reach
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,14 +44,13 @@ class Segment(Action):
         Args:
             drone_map: The drone's map expressed in the frame `map`.
         """
-        lidar_map = self.context.use(Mapper).cloud()
-        parts = [lidar_map.points]
+        segmenter, clouds = self.context.use(Segmenter), [self.context.use(Mapper).cloud()]
         if drone_map is not None:
-            parts.append(self._in_reach(drone_map.points))
-        merged = Cloud("map", voxel_means(np.concatenate(parts), _CELL_M))
+            clouds.append(self._in_reach(drone_map))
+        merged = segmenter.merge(clouds)
         if not len(merged):
             return failed("the map is empty: scan first")
-        segmentation = yield from self.context.job(self.context.use(Segmenter).segment, merged)
+        segmentation = yield from self.context.job(segmenter.segment, merged)
         stones = self.context.use(ObjectDatabase).observe(
             segmentation.segments, self.context.now_s(), drone_map is not None
         )
@@ -68,8 +63,7 @@ class Segment(Action):
             return failed("no stone was found on the site")
         return succeeded(SiteSegments(segmentation, list(stones)), f"{len(stones)} stones")
 
-    def _in_reach(self, points: Float) -> Float:
+    def _in_reach(self, drone_map: Cloud) -> Cloud:
         """Return the part of the survey that the arm can reach and the lidar map can confirm."""
         base = self.context.state().T_map_base[:2, 3]
-        radius_m = self.context.machine().reach_m + 1.0
-        return np.asarray(points[np.hypot(*(points[:, :2] - base).T) < radius_m])
+        return drone_map.near(base, self.context.machine().reach_m + _BEYOND_REACH_M)

@@ -3,12 +3,12 @@
 import numpy as np
 from pydantic import Field
 
-from executive.arrays import Bool, Float
 from executive.config import Meters, Radians, Seconds, Settings
 from executive.events.site import MapDense
 from executive.interfaces.mapping import Mapper
 from executive.leaf.action import Action, Steps
 from executive.leaf.outcome import succeeded
+from executive.messages.sector import Sector
 
 
 class WaitForDensitySettings(Settings):
@@ -38,38 +38,25 @@ class WaitForDensity(Action[WaitForDensitySettings]):
     needs = (Mapper,)
 
     def run(self) -> Steps[None]:
-        base, gripper = self.context.state().T_map_base[:2, 3], self.context.gripper()[:2, 3]
-        heading_rad = float(np.arctan2(*(gripper - base)[::-1]))
+        mapper, sector = self.context.use(Mapper), self._region()
         began_s = self.context.now_s()
         while True:
-            points = self.context.use(Mapper).cloud().points
-            share = self._dense_share(points[:, :2] - base, heading_rad)
+            share = mapper.dense_share(sector, self.settings.density)
             if share >= self.settings.share:
                 waited_s = self.context.now_s() - began_s
-                self.context.record(MapDense(waited_s, share, len(points)))
+                self.context.record(MapDense(waited_s, share, len(mapper.cloud())))
                 return succeeded(reason=f"{100 * share:.0f} % of the region after {waited_s:.1f} s")
             asked_s = self.context.now_s()
             while self.context.now_s() < asked_s + self.settings.period:
                 yield None
 
-    def _dense_share(self, places: Float, heading_rad: float) -> float:
-        """Return the share of the region's cells of a square metre that hold enough points, shape
-        (N, 2).
-        """
-        reach = int(np.ceil(self.context.machine().reach_m))
-        inside = (np.abs(places) < reach).all(axis=1)
-        cells = np.floor(places[inside]).astype(np.int64) + reach
-        counts = np.bincount(cells[:, 0] * 2 * reach + cells[:, 1], minlength=(2 * reach) ** 2)
-        middles: Float = (
-            np.indices((2 * reach, 2 * reach), dtype=np.float64).reshape(2, -1).T + 0.5 - reach
+    def _region(self) -> Sector:
+        """Return the sector in front of the machine that the arm reaches."""
+        base, gripper = self.context.state().T_map_base[:2, 3], self.context.gripper()[:2, 3]
+        return Sector(
+            centre_map=base,
+            heading_rad=float(np.arctan2(*(gripper - base)[::-1])),
+            angle_rad=self.settings.angle,
+            nearest_m=self.settings.nearest,
+            farthest_m=self.context.machine().reach_m,
         )
-        return float(
-            (counts[self._is_in_region(middles, heading_rad)] >= self.settings.density).mean()
-        )
-
-    def _is_in_region(self, places: Float, heading_rad: float) -> Bool:
-        distances = np.hypot(places[:, 0], places[:, 1])
-        aside = np.arctan2(places[:, 1], places[:, 0]) - heading_rad
-        turned = np.abs((aside + np.pi) % (2 * np.pi) - np.pi)
-        is_near = (distances > self.settings.nearest) & (distances < self.context.machine().reach_m)
-        return np.asarray(is_near & (turned < self.settings.angle / 2))

@@ -4,6 +4,7 @@ given up.
 
 import numpy as np
 import pytest
+from executive_plugins.objects.sqlite import SqliteObjects
 
 from executive.behaviours.close_gripper import CloseGripper, CloseGripperSettings
 from executive.behaviours.execute_trajectory import ExecuteTrajectory
@@ -159,8 +160,11 @@ def test_jaws_that_open_are_a_success(fakes):
     assert context.time_s > (full - 0.3) / 0.4
 
 
-class Objects:
+class Objects(SqliteObjects):
+    """Keeps stones as they are given; scene verbs are the real ones."""
+
     def __init__(self, stone, others=()):
+        super().__init__(SqliteObjects.Settings())
         self.calls = []
         self._stone = stone
         self._others = others

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from executive_plugins.objects.sqlite import SqliteObjects
 
 from executive.behaviours.plan_pick import PlanPick, PlanPickSettings
 from executive.geometry.pose import pose
@@ -15,8 +16,11 @@ from executive.messages.trajectory import JointTrajectory
 POINTS = np.random.default_rng(0).uniform(-0.4, 0.4, (50, 3)) + [5, 0, 0.4]
 
 
-class Objects:
+class Objects(SqliteObjects):
+    """Keeps stones as they are given; scene verbs are the real ones."""
+
     def __init__(self):
+        super().__init__(SqliteObjects.Settings())
         self.T_map_object = pose(t=np.array([5.0, 0.0, 0.4]))
 
     def stone(self, stone_id):

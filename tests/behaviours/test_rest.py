@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from executive_plugins.objects.sqlite import SqliteObjects
 
 from executive.behaviours.plan_retreat import PlanRetreat, PlanRetreatSettings
 from executive.behaviours.plan_set_down import PlanSetDown
@@ -24,8 +25,11 @@ POINTS = np.random.default_rng(0).uniform(-0.3, 0.3, (50, 3)) + [5, 0, 1.2]
 GROUND = np.c_[np.random.default_rng(1).uniform([4, -1], [6, 1], (400, 2)), np.zeros(400)]
 
 
-class Objects:
+class Objects(SqliteObjects):
+    """Keeps stones as they are given; scene verbs are the real ones."""
+
     def __init__(self):
+        super().__init__(SqliteObjects.Settings())
         self.released = []
 
     def stone(self, stone_id):

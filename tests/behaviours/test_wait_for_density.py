@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from executive_plugins.mapping.density import dense_share
 
 from executive.behaviours.wait_for_density import WaitForDensity, WaitForDensitySettings
 from executive.messages.cloud import Cloud
@@ -12,6 +13,9 @@ class GrowingMap:
 
     def __init__(self, context, rate, radius_m=12.0):
         self._context, self._rate, self._radius_m = context, rate, radius_m
+
+    def dense_share(self, sector, points_per_m2):
+        return dense_share(self.cloud().points, sector, points_per_m2)
 
     def cloud(self):
         count = int(self._rate * self._context.now_s() * 4 * self._radius_m**2)
