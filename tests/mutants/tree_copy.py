@@ -1,0 +1,130 @@
+"""A copy of the tree in which faults are planted and tests are run, apart from the original."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+PARTS = ("executive", "plugins", "robot_models", "trees", "tests", "docs", "build/typing")
+FILES = ("*.toml", "*.py", "*.md", "Makefile", "LICENSE", "*.cff", ".ci")
+NOTHING_COLLECTED = 5  # pytest's status
+
+
+@dataclass(frozen=True, slots=True)
+class Ran:
+    """What came of a run of tests.
+
+    Attributes:
+        status: Pytest's exit status; None if it ran out of time.
+        output: The end of what it printed.
+        seconds: How long it took.
+    """
+
+    status: int | None
+    output: str
+    seconds: float
+
+    @property
+    def is_green(self) -> bool:
+        """Whether all tests passed, or none was there to run."""
+        return self.status in (0, NOTHING_COLLECTED)
+
+    @property
+    def first_failure(self) -> str:
+        """The line of the first test that failed, or of the error that kept tests from running."""
+        lines = [one for one in self.output.splitlines() if one.startswith(("FAILED", "ERROR"))]
+        return lines[0].split(" - ")[0] if lines else ""
+
+
+class TreeCopy:
+    """A tree in a temporary folder; compiled code that is cached there stays there."""
+
+    def __init__(self, root: Path) -> None:
+        self._folder = Path(tempfile.mkdtemp(prefix="mutants-"))
+        self.root = self._folder / "tree"
+        self.root.mkdir()
+        for part in PARTS:
+            if (root / part).is_dir():
+                shutil.copytree(root / part, self.root / part, symlinks=True)
+        for path in {path for pattern in FILES for path in root.glob(pattern)}:
+            if path.is_dir():
+                shutil.copytree(path, self.root / path.name)
+            else:
+                shutil.copy2(path, self.root / path.name)
+        if (root.parent / "shared").is_dir():  # measured data beside the repository
+            (self._folder / "shared").symlink_to((root.parent / "shared").resolve())
+        if (self.root / "setup.py").is_file():  # the entry points are those of the copy
+            words = [sys.executable, "setup.py", "-q", "egg_info"]
+            subprocess.run(words, cwd=self.root, check=True, capture_output=True)
+
+    def __enter__(self) -> "TreeCopy":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Remove the copy."""
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def run(self, tests: Sequence[str], limit_s: float, fresh_compiled: bool = False) -> Ran:
+        """Run tests up to the first that fails.
+
+        Args:
+            tests: What pytest is given.
+            limit_s: Time after which the tests are ended.
+            fresh_compiled: Whether to compile everything anew, apart from the caches of the copy:
+                the cache of a function does not notice a change of what it calls.
+        """
+        environment = os.environ | {
+            "PYTHONPATH": os.pathsep.join([str(self.root), str(self.root / "build" / "typing")]),
+            "PYTHONDONTWRITEBYTECODE": "1",  # a second mutant in one second would go unnoticed
+        }
+        environment.pop("NUMBA_CACHE_DIR", None)
+        with tempfile.TemporaryDirectory(dir=self._folder) as compiled:
+            if fresh_compiled:
+                environment["NUMBA_CACHE_DIR"] = compiled
+            words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
+            begun_s = time.monotonic()
+            started = subprocess.Popen(
+                words,
+                cwd=self.root,
+                env=environment,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                start_new_session=True,
+            )
+            try:
+                output, _ = started.communicate(timeout=limit_s)
+                status: int | None = started.returncode
+            except subprocess.TimeoutExpired:
+                os.killpg(started.pid, signal.SIGKILL)  # with the processes that tests started
+                output, _ = started.communicate()
+                status = None
+        return Ran(status, output[-4000:], time.monotonic() - begun_s)
+
+    def with_source(self, file: str, source: bytes) -> "_Planted":
+        """Return a context in which a file of the copy has another source."""
+        return _Planted(self.root / file, source)
+
+
+class _Planted:
+    """Put the old source back, with its time, so that compiled code is valid again."""
+
+    def __init__(self, path: Path, source: bytes) -> None:
+        self._path, self._source = path, source
+
+    def __enter__(self) -> None:
+        self._old, self._stat = self._path.read_bytes(), self._path.stat()
+        self._path.write_bytes(self._source)
+
+    def __exit__(self, *_: object) -> None:
+        self._path.write_bytes(self._old)
+        os.utime(self._path, ns=(self._stat.st_atime_ns, self._stat.st_mtime_ns))

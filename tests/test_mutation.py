@@ -1,0 +1,201 @@
+"""The scripts that plant faults: what they change, what they leave alone, and what they answer."""
+
+import ast
+import importlib
+import json
+from pathlib import Path
+
+import pytest
+
+TESTS = Path(__file__).parent
+SOURCE = '''"""A docstring, 1 < 2."""
+
+import logging
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    LIMIT = 3
+
+COUNT: int = 4
+
+
+def chosen(a, b, flag=True):
+    """Say that 5 < 6."""
+    logging.info("%s %s", a, 7)
+    if a < b and not flag:
+        raise ValueError(f"{a + 8} is wrong" + str(9))
+    total = a @ b
+    total += 10  # pragma: no cover
+    return total
+'''
+
+
+@pytest.fixture
+def load(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.syspath_prepend(str(TESTS))
+    return importlib.import_module
+
+
+@pytest.fixture
+def faults(load):
+    source = SOURCE.encode()
+    module = load("mutants.faults_of")
+    found = [module.fault_of("a.py", source, one) for one in module.candidates(source)]
+    return {(fault.line, fault.kind, fault.text) for fault in found if fault is not None}
+
+
+def test_it_plants_the_mistakes_that_people_make(faults) -> None:
+    assert {
+        (9, "off by one", "5"),
+        (12, "constant", "False"),
+        (15, "and/or", "a < b or not flag"),
+        (15, "comparison", "a <= b"),
+        (15, "comparison", "a >= b"),
+        (15, "not", "flag"),
+        (15, "not", "not (a < b and (not flag))"),
+        (16, "removed statement", "pass"),
+        (17, "swapped product", "b @ a"),
+        (19, "returned value", "return None"),
+    } == faults
+
+
+def test_every_fault_is_a_source_that_differs_in_one_place(load) -> None:
+    module, source = load("mutants.faults_of"), SOURCE.encode()
+    for one in module.candidates(source):
+        fault = module.fault_of("a.py", source, one)
+        planted = fault.planted(source)
+        assert ast.dump(ast.parse(planted)) != ast.dump(ast.parse(source))
+        assert load("mutants.fault").REACHED.encode() in fault.exposed(source)
+        assert len(fault.diff(source).splitlines()) == 2
+
+
+def test_operands_keep_their_order_of_evaluation(load) -> None:
+    module = load("mutants.faults_of")
+    source = b"x = (a @ b) @ c\ny = 2 * -a\n"
+    found = [module.fault_of("a.py", source, one) for one in module.candidates(source)]
+    texts = {fault.planted(source).decode().splitlines()[fault.line - 1] for fault in found}
+    assert texts == {
+        "x = c @ (a @ b)",
+        "x = (b @ a) @ c",
+        "y = 2 / -a",
+        "y = 3 * -a",
+        "y = 2 * a",
+    }
+
+
+# Without the plugins that other packages bring to pytest, it starts in half a second.
+PLAIN = '[tool.pytest.ini_options]\naddopts = "-p no:dash -p no:hypothesispytest -p no:anyio"\n'
+
+
+def project(root: Path, test: str) -> Path:
+    """Make a small tree: one function that is tested well, and one that the given test calls."""
+    for folder in ("executive", "tests"):
+        (root / folder).mkdir(parents=True)
+    (root / "pyproject.toml").write_text(PLAIN)
+    (root / "executive" / "__init__.py").write_text("")
+    (root / "executive" / "sums.py").write_text(
+        "def more(a, b):\n    return a + b\n\n\ndef less(a, b):\n    return a - b\n"
+    )
+    (root / "tests" / "test_sums.py").write_text(
+        "from executive.sums import less, more\n\n\n"
+        f"def test_more():\n    assert more(2, 3) == 5\n\n\n{test}"
+    )
+    return root
+
+
+@pytest.mark.parametrize(
+    ("test", "statuses", "ends"),
+    [
+        ("def test_less():\n    assert less(5, 2) == 3\n", {"killed"}, 0),
+        ("def test_less():\n    less(5, 2)\n", {"killed", "survived"}, 1),
+        ("", {"killed", "not covered"}, 1),
+    ],
+)
+def test_survivors_end_with_1(load, tmp_path, capsys, test, statuses, ends) -> None:
+    root = project(tmp_path / "tree", test)
+    words = ["--root", str(root), "--count", "9", "--no-lane", "--json"]
+    assert load("mutation").main(words) == ends
+    answer = json.loads(capsys.readouterr().out)
+    assert {one["status"] for one in answer["mutants"]} == statuses
+    assert {one["line"] for one in answer["mutants"]} == {2, 6}
+    assert "return a + b" in (root / "executive" / "sums.py").read_text()  # never in place
+
+
+def test_a_listed_equivalent_is_left_out(load, tmp_path, capsys) -> None:
+    root = project(tmp_path / "tree", "")
+    (root / "tests" / "mutants").mkdir()
+    (root / "tests" / "mutants" / "equivalent.toml").write_text(
+        '[[mutant]]\nfile = "executive/sums.py"\nreason = "As a test."\n'
+        'diff = """\n-    return a - b\n+    return a + b\n"""\n'
+    )
+    assert load("mutation").main(["--root", str(root), "--count", "9", "--list"]) == 0
+    out = capsys.readouterr().out
+    assert "return a - b\n+    return a + b" not in out
+    assert "return a + b\n+    return a - b" in out
+
+
+def test_tests_that_fail_without_a_fault_are_wrong_input(load, tmp_path, capsys) -> None:
+    root = project(tmp_path / "tree", "def test_less():\n    assert less(5, 2) == 4\n")
+    with pytest.raises(SystemExit) as end:
+        load("mutation").main(["--root", str(root), "--count", "1", "--no-lane"])
+    assert end.value.code == 2
+    assert "failed without any fault" in capsys.readouterr().err
+
+
+def test_the_same_seed_draws_the_same_faults(load) -> None:
+    drawn = load("mutants.faults_of").drawn
+    root = TESTS.parent
+    first, again, other = (list(drawn(root, ["executive/geometry"], 5, s)) for s in (1, 1, 2))
+    assert first == again != other
+
+
+def test_tests_are_those_that_mirror_hold_and_import_a_file(load) -> None:
+    related = load("mutants.related_tests").related
+    found = related(TESTS.parent, "plugins/monitoring/jaw_slip.py")
+    assert found[0].startswith("tests/plugins/monitoring")
+    assert related(TESTS.parent, "executive/geometry/pose.py")[0].startswith("tests/geometry")
+    assert "tests/test_config.py" in related(TESTS.parent, "executive/config.py")
+
+
+LEAF = '''class Both:
+    """A leaf."""
+
+    def run(self):
+        """Say nothing."""
+        yield None
+
+
+class Short:
+    def check(self):
+        return 1
+'''
+
+
+def test_a_leaf_is_broken_first_in_its_verb(load) -> None:
+    Leaf = load("broken_leaves").Leaf
+    broken = Leaf("Both", "a.py", "Both").broken(LEAF)
+    assert '"""Say nothing."""\n        raise RuntimeError' in broken
+    assert "def check(self):\n        raise" in Leaf("Short", "a.py", "Short").broken(LEAF)
+    with pytest.raises(ValueError, match="neither run nor check"):
+        Leaf("None", "a.py", "None").broken(LEAF)
+
+
+def test_every_shipped_leaf_can_be_broken(load) -> None:
+    leaves = load("broken_leaves").leaves_of(TESTS.parent)
+    assert len(leaves) > 20
+    for leaf in leaves:
+        broken = leaf.broken((TESTS.parent / leaf.file).read_text(encoding="utf-8"))
+        ast.parse(broken)
+
+
+@pytest.mark.parametrize(("called", "ends"), [("Good().check()", 0), ("Good", 1)])
+def test_a_leaf_that_stays_green_ends_with_1(load, tmp_path, called, ends) -> None:
+    root = project(tmp_path / "tree", "")
+    points = '[project.entry-points."executive.behaviour.v1"]\nGood = "executive.good:Good"\n'
+    (root / "pyproject.toml").write_text(PLAIN + points)
+    (root / "executive" / "good.py").write_text("class Good:\n    def check(self):\n        pass\n")
+    (root / "tests" / "behaviours").mkdir()
+    (root / "tests" / "behaviours" / "test_good.py").write_text(
+        f"from executive.good import Good\n\n\ndef test_good():\n    {called}\n"
+    )
+    assert load("broken_leaves").main(["--root", str(root)]) == ends
