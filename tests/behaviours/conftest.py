@@ -1,15 +1,39 @@
 """A context without a mission: scripted plugins, a clock that steps, everything recorded."""
 
+import inspect
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from executive_plugins.mapping.density import dense_share
+from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
 
+from executive.clock import SimulatedClock
+from executive.interfaces.mapping import Mapper
+from executive.leaf.action import Action
 from executive.leaf.context import Context
 from executive.leaf.job import Job
+from executive.leaf.runtime import Runtime
+from executive.leaf.store import Store
 from executive.machine.machine import load_machine
 from executive.messages.base_state import BaseState
+from executive.messages.cloud import Cloud
 from executive.messages.joints import JointSample
+from executive.messages.segment import Segment
+from executive.tree.build import build_tree, halt
+from executive.tree.language import (
+    Check,
+    LeafUse,
+    LoopSettings,
+    MissionFile,
+    Modifiers,
+    Node,
+    Ref,
+    Run,
+    Tree,
+)
+from executive.tree.problem import Mark
 
 TICK_S = 0.05
 
@@ -121,3 +145,152 @@ def finish(leaf, limit_s=60.0, **inputs):
 @pytest.fixture
 def fakes():
     return SimpleNamespace(Context=FakeContext, finish=finish, TICK_S=TICK_S)
+
+
+class Scripted:
+    """A plugin that answers each verb as a test says, and keeps what it was asked.
+
+    An answer is a value, a list of values for one call after the other, an exception, or a function
+    of the verb's arguments. Only verbs of the interface are known, with its arguments.
+    """
+
+    def __init__(self, interface, **answers):
+        for verb in answers:
+            getattr(interface, verb)  # a verb that the interface lacks is a mistake of the test
+        self._interface, self._answers = interface, answers
+        self.asked = []  # (verb, arguments by name) in order
+
+    def __getattr__(self, verb):
+        signature = inspect.signature(getattr(self._interface, verb))
+
+        def answer(*args, **kwargs):
+            bound = dict(signature.bind(self, *args, **kwargs).arguments)
+            del bound["self"]
+            self.asked.append((verb, bound))
+            given = self._answers.get(verb)
+            given = given.pop(0) if isinstance(given, list) else given
+            if isinstance(given, Exception):
+                raise given
+            return given(**bound) if callable(given) else given
+
+        return answer
+
+    def calls(self, verb):
+        """Return the arguments of each call of a verb."""
+        return [arguments for one, arguments in self.asked if one == verb]
+
+
+class PointMap(Mapper):
+    """A map of given points."""
+
+    def __init__(self, points):
+        self.points = np.asarray(points, dtype=float).reshape(-1, 3)
+        self.masks = []
+
+    def add_scan_pair(self, scans, motion):
+        raise NotImplementedError("no leaf adds scans")
+
+    def mask_held(self, radius_m):
+        self.masks.append(radius_m)
+
+    def remove_sphere(self, centre_map, radius_m):
+        inside = np.linalg.norm(self.points - centre_map, axis=1) <= radius_m
+        self.points = self.points[~inside]
+        return int(inside.sum())
+
+    def add_surface(self, points_map):
+        self.points = np.vstack([self.points, points_map])
+
+    def dense_share(self, sector, points_per_m2):
+        return dense_share(self.points, sector, points_per_m2)
+
+    def cloud(self):
+        return Cloud("map", self.points)
+
+
+@dataclass
+class Ended:
+    """How a leaf ended: its node's status and reason, what it wrote, recorded and showed."""
+
+    status: str
+    reason: str
+    is_final: bool
+    outputs: dict
+    events: list
+    shown: dict
+
+
+class Stage(Runtime):
+    """A tree of one leaf, ticked to its end; the leaf's context is a FakeContext."""
+
+    def __init__(self, **plugins):
+        self.clock = SimulatedClock()
+        self.store = Store()
+        self.leaf_context = FakeContext(**plugins)
+
+    def context(self, node):
+        return self.leaf_context
+
+    def record(self, node, event):
+        """Leave out what the node itself records."""
+
+    def ask(self, node, question, default):
+        raise NotImplementedError("no leaf asks")
+
+    def fail(self, error, node, leaf):
+        raise error
+
+    def tick(self, leaf, *, settings=None, limit_s=60.0, **inputs):
+        """Tick a leaf to its end with values on its input ports."""
+        for port, value in inputs.items():
+            self.store.set(port, value)
+        mark = Mark("test")
+        ports = {port: Ref(port, mark) for port in (*leaf.inputs, *leaf.outputs)}
+        use = LeafUse(leaf.__name__, leaf, leaf.Settings(**(settings or {})), ports, ports, mark)
+        node = Node(Run(use) if issubclass(leaf, Action) else Check(use), Modifiers(), mark)
+        tree = Tree("main", node, {}, {}, mark)
+        root = build_tree(MissionFile("t", "", LoopSettings(), {}, {"main": tree}), self)
+        began, until_s = len(self.leaf_context.events), self.leaf_context.time_s + limit_s
+        root.tick_once()
+        while root.status.name == "RUNNING" and self.leaf_context.time_s < until_s:
+            self.leaf_context.time_s += TICK_S
+            root.tick_once()
+        if root.status.name == "RUNNING":
+            halt(root)
+        return Ended(
+            root.status.name,
+            root.feedback_message,
+            root.is_final,
+            {port: self.store.get(port) for port in leaf.outputs if port in self.store},
+            self.leaf_context.events[began:],
+            self.leaf_context.shown,
+        )
+
+
+def block(centre, size=(1.0, 0.8, 0.6), count=400, seed=0):
+    """Return points on the faces of a box [m], shape (N, 3)."""
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-0.5, 0.5, (count, 3))
+    axis = rng.integers(0, 3, count)
+    points[np.arange(count), axis] = rng.choice([-0.5, 0.5], count)
+    return points * size + centre
+
+
+def segment(number, points):
+    return Segment(number, points, points.mean(axis=0), np.ptp(points, axis=0))
+
+
+@pytest.fixture
+def stage():
+    return SimpleNamespace(Stage=Stage, Scripted=Scripted, PointMap=PointMap, block=block)
+
+
+@pytest.fixture
+def database():
+    """Return a database of two stones on the ground: 1 at (5, 0) of more points, 2 at (5, 3)."""
+    objects = SqliteObjects(SqliteObjectsSettings())
+    objects.open(":memory:")
+    places = [block((5.0, 0.0, 0.3), count=400), block((5.0, 3.0, 0.3), count=300, seed=1)]
+    objects.observe([segment(i, points) for i, points in enumerate(places)], 1.0, False)
+    yield objects
+    objects.close()

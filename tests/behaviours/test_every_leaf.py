@@ -1,0 +1,17 @@
+"""No shipped leaf is left out: each is ticked in a tree by a test of this folder."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from executive.registry import BEHAVIOURS, installed
+
+HERE = Path(__file__)
+TESTS = "".join(path.read_text() for path in HERE.parent.glob("test_*_leaves.py"))
+SHIPPED = [one.name for one in installed(BEHAVIOURS) if one.distribution == "executive"]
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_shipped_leaf_is_ticked(name):
+    assert re.search(rf"\.tick\(\s*{name}\b|\[.*\b{name}\b.*\]", TESTS)

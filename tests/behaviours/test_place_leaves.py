@@ -1,0 +1,331 @@
+"""Leaves that set a stone down and look whether it is there, ticked to success and to failure."""
+
+import numpy as np
+import pytest
+
+from executive.behaviours.detect_slip import DetectSlip
+from executive.behaviours.find_again import FindAgain
+from executive.behaviours.forget_place import ForgetPlace
+from executive.behaviours.has_arrived import HasArrived
+from executive.behaviours.is_holding import IsHolding
+from executive.behaviours.plan_placement import PlanPlacement
+from executive.behaviours.plan_set_down import PlanSetDown
+from executive.behaviours.release_stone import ReleaseStone
+from executive.behaviours.relocate_and_realign import RelocateAndRealign
+from executive.errors import DataError
+from executive.events.stone import (
+    ArrivedEarly,
+    PlaceForgotten,
+    StoneLetGo,
+    StoneRealigned,
+    StoneReleased,
+    StoneSoughtAgain,
+)
+from executive.geometry.pose import pose
+from executive.interfaces.alignment import Aligner
+from executive.interfaces.motion import MotionPlanner
+from executive.interfaces.placing import PlacementPlanner
+from executive.interfaces.registration import Registrar
+from executive.interfaces.robot import Robot
+from executive.interfaces.segmentation import Segmenter
+from executive.messages.alignment import Alignment
+from executive.messages.cloud import Cloud
+from executive.messages.hold import Hold
+from executive.messages.placement import Placement, Slot
+from executive.messages.request import MotionPlan
+from executive.messages.segment import Segment, Segmentation
+from executive.messages.stone import StoneState
+from executive.messages.trajectory import JointTrajectory
+from executive.messages.verdict import Trouble, Verdict
+
+NO_PATH = np.zeros((0, 3))
+NO_WAY = MotionPlan(None, "the boom would hit stone 2", NO_PATH)
+SLIP = Verdict(3.0, "jaw_slip", Trouble.SLIP, "jaws 0.5 m open, 0.6 m before")
+DROP = Verdict(4.0, "payload_drop", Trouble.DROP, "12 kg left of 900 kg")
+EMPTY = Verdict(4.0, "jaw_slip", Trouble.EMPTY, "jaws 0.02 m open")
+SLOTS = [Slot(1, np.array([4.0, -3.0, 0.0])), Slot(2, np.array([5.0, -4.0, 0.0]))]
+
+
+@pytest.fixture
+def world(stage, database):
+    """Return a stage on which stone 1 is held 1.5 m above flat ground, below the gripper."""
+    grid = np.stack(np.meshgrid(np.arange(0, 9, 0.1), np.arange(-5, 5, 0.1)), -1).reshape(-1, 2)
+    stand = stage.Stage(
+        robot=stage.Scripted(Robot),
+        mapping=stage.PointMap(np.column_stack([grid, np.zeros(len(grid))])),
+        objects=database,
+        motion=stage.Scripted(MotionPlanner, move=NO_WAY),
+    )
+    context = stand.leaf_context
+    T_at_grasp = pose(t=np.array([5.0, 0.0, 0.5]))
+    database.grasp(1, T_at_grasp, 2.0)
+    stand.hold = Hold(1, T_at_grasp, 0.6)
+    start = context.arm()
+    position = np.stack([start, start + 0.1])
+    stand.path = JointTrajectory(
+        context.machine().arm_names, np.array([0.0, 1.0]), position, np.zeros_like(position)
+    )
+    stand.found = MotionPlan(stand.path, "", NO_PATH)
+    return stand
+
+
+def plugins(stand):
+    return stand.leaf_context.plugins
+
+
+def placement(slot, T_map_gripper=None):
+    T = pose(t=slot.position_map + [0.0, 0.0, 0.5]) if T_map_gripper is None else T_map_gripper
+    return Placement(slot, T, pose(t=slot.position_map))
+
+
+def test_the_first_placement_with_a_path_is_taken(stage, world, database):
+    first, second, third = placement(SLOTS[0]), placement(SLOTS[0]), placement(SLOTS[1])
+    planner = stage.Scripted(PlacementPlanner, plan=[(first, second), (third,)])
+    motion = stage.Scripted(MotionPlanner, move=[NO_WAY, NO_WAY, world.found])
+    plugins(world).update(placing=planner, motion=motion)
+    ended = world.tick(PlanPlacement, hold=world.hold, free_slots=SLOTS)
+    assert (ended.status, ended.reason) == ("SUCCESS", "slot 2")
+    assert ended.outputs == {"placement": third, "trajectory": world.path}
+    assert [asked["slot"].id for asked in planner.calls("plan")] == [1, 2]
+    assert {asked["stone"].id for asked in planner.calls("plan")} == {1}
+    requests = [asked["request"] for asked in motion.calls("move")]
+    np.testing.assert_array_equal(requests[-1].T_map_gripper, third.T_map_gripper)
+    own = len(database.stone(1).points_map)
+    assert [len(request.held_gripper) for request in requests] == [own] * 3
+    assert {request.jaw_rad for request in requests} == {0.6}
+
+
+def test_no_slot_with_a_path_is_a_failure_with_each_cause(stage, world):
+    planner = stage.Scripted(PlacementPlanner, plan=[(placement(SLOTS[0]),), ()])
+    plugins(world)["placing"] = planner
+    ended = world.tick(PlanPlacement, hold=world.hold, free_slots=SLOTS)
+    assert ended.status == "FAILURE"
+    assert "slot 1: the boom would hit stone 2" in ended.reason
+    assert "no placement on slot 2 is in reach" in ended.reason
+    assert ended.outputs == {}
+
+
+def test_no_slip_is_success_and_the_first_verdict_is_told(world):
+    assert world.tick(DetectSlip).status == "SUCCESS"
+    world.leaf_context.troubles = [SLIP, DROP]
+    ended = world.tick(DetectSlip)
+    assert ended.status == "FAILURE"
+    assert ended.reason == "slip reported by jaw_slip: jaws 0.5 m open, 0.6 m before"
+
+
+@pytest.mark.parametrize(
+    ("troubles", "jaw_rad", "status"),
+    [
+        ([], 0.6, "SUCCESS"),
+        ([SLIP], 0.6, "SUCCESS"),
+        ([SLIP, DROP], 0.6, "FAILURE"),
+        ([DROP], 0.6, "FAILURE"),
+        ([EMPTY], 0.6, "FAILURE"),
+        ([], 0.01, "FAILURE"),
+        ([SLIP], 0.01, "FAILURE"),
+    ],
+)
+def test_a_stone_is_held_while_the_jaws_are_apart_and_none_has_fallen(
+    world, troubles, jaw_rad, status
+):
+    world.leaf_context.troubles, world.leaf_context.jaw = troubles, lambda t: jaw_rad
+    ended = world.tick(IsHolding)
+    assert ended.status == status
+    fallen = "the stone was dropped" if jaw_rad > 0.5 else "the jaws are closed to 0.01 rad"
+    assert ended.reason == ("" if status == "SUCCESS" else fallen)
+
+
+def test_a_stone_that_met_the_ground_early_has_arrived(world):
+    T = world.leaf_context.gripper()
+    T[:3, 3] -= [0.05, 0.0, 0.2]
+    world.leaf_context.troubles = [SLIP]
+    ended = world.tick(HasArrived, placement=placement(SLOTS[0], T))
+    assert ended.status == "SUCCESS"
+    (event,) = ended.events
+    assert isinstance(event, ArrivedEarly)
+    assert (event.aside_m, event.above_m) == (pytest.approx(0.05), pytest.approx(0.2))
+
+
+@pytest.mark.parametrize(
+    ("offset_m", "troubles", "reason"),
+    [
+        ((0.0, 0.2, 0.0), [SLIP], "0.00 m above and 0.20 m beside the placement"),
+        ((0.0, 0.0, 0.4), [SLIP], "0.40 m above and 0.00 m beside the placement"),
+        ((0.0, 0.0, 0.0), [SLIP, DROP], "the stone was dropped"),
+    ],
+)
+def test_a_stone_that_is_elsewhere_or_fell_has_not_arrived(world, offset_m, troubles, reason):
+    T = world.leaf_context.gripper()
+    T[:3, 3] -= offset_m
+    world.leaf_context.troubles = troubles
+    ended = world.tick(HasArrived, placement=placement(SLOTS[0], T))
+    assert (ended.status, ended.reason, ended.events) == ("FAILURE", reason, [])
+
+
+def test_a_slipping_stone_is_set_down_on_the_ground_below(stage, world):
+    motion = plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=world.found)
+    ended = world.tick(PlanSetDown, hold=world.hold)
+    assert ended.status == "SUCCESS"
+    assert ended.outputs == {"trajectory": world.path}
+    (asked,) = motion.calls("move")
+    # The gripper is at 2 m and has risen by 1.5 m since the grasp on the ground.
+    z = asked["request"].T_map_gripper[2, 3]
+    assert z == pytest.approx(0.5, abs=0.1)
+    assert asked["request"].arrive_m == pytest.approx(2.0 - z)
+
+
+def test_a_stone_is_not_set_down_without_a_path_or_a_gap(world):
+    ended = world.tick(PlanSetDown, hold=world.hold)
+    assert (ended.status, ended.reason) == (
+        "FAILURE",
+        "no path down: the boom would hit stone 2",
+    )
+    low = world.leaf_context.gripper()
+    low[2, 3] = 0.5
+    world.leaf_context.gripper = lambda: low.copy()
+    ended = world.tick(PlanSetDown, hold=world.hold)
+    assert (ended.status, ended.reason) == ("FAILURE", "the stone is at the ground already")
+
+
+def test_a_stone_is_released_on_its_slot(world, database):
+    ended = world.tick(ReleaseStone, hold=world.hold, placement=placement(SLOTS[0]))
+    assert ended.status == "SUCCESS"
+    assert database.stone(1).state is StoneState.PLACED
+    (event,) = ended.events
+    assert isinstance(event, StoneReleased)
+    assert (event.stone, event.slot) == (1, 1)
+    np.testing.assert_array_equal(event.estimated_pose, database.stone(1).T_map_object)
+    # The gripper has risen by 1.5 m with the stone, which lay at 0.3 m.
+    assert event.estimated_pose[2, 3] == pytest.approx(1.8, abs=0.02)
+    (asked,) = plugins(world)["robot"].calls("command")
+    assert asked["command"].position_rad == pytest.approx(0.8)
+    assert world.leaf_context.holds == ["end"]
+    assert plugins(world)["mapping"].masks == [0.0]
+
+
+def test_a_stone_that_is_let_go_lies_on_the_ground_below(world, database):
+    ended = world.tick(ReleaseStone, hold=world.hold)
+    assert ended.status == "SUCCESS"
+    assert database.stone(1).state is StoneState.ON_GROUND
+    (event,) = ended.events
+    assert isinstance(event, StoneLetGo)
+    assert event.estimated_pose[2, 3] == pytest.approx(0.3, abs=0.05)
+
+
+@pytest.mark.parametrize("leaf", [ReleaseStone, PlanSetDown, PlanPlacement])
+def test_nothing_is_planned_or_released_while_the_arm_moves(world, leaf):
+    arm = world.leaf_context.arm()
+    world.leaf_context.positions = lambda t: arm + 0.2 * t
+    world.leaf_context.velocities = lambda t: np.full(len(arm), 0.2)
+    given = {"free_slots": SLOTS} if leaf is PlanPlacement else {}
+    ended = world.tick(leaf, hold=world.hold, **given)
+    assert ended.status == "FAILURE"
+    assert "still moves" in ended.reason
+    assert plugins(world)["robot"].asked == plugins(world)["motion"].asked == []
+
+
+def alignment(accepted, shift_m=0.1, reason="rmse 3 cm"):
+    return Alignment(pose(t=np.array([shift_m, 0.0, 0.0])), accepted, reason, 0.03, 0.9)
+
+
+@pytest.mark.parametrize(
+    ("aligned", "found", "method", "moved_m"),
+    [
+        (alignment(True), None, "alignment", 0.1),
+        (alignment(False), alignment(True, 0.7), "registration", 0.7),
+        (alignment(True, 0.6), alignment(True, 0.7), "registration", 0.7),
+        (alignment(False), alignment(False), "alignment", 0.0),
+    ],
+    ids=["aligned", "registered", "shifted too far", "refused"],
+)
+def test_a_relocated_stone_is_realigned_or_its_pose_kept(
+    stage, world, database, aligned, found, method, moved_m
+):
+    database.release(1, world.hold.T_map_gripper, 3.0, StoneState.PLACED)
+    aligner, registrar = (
+        stage.Scripted(Aligner, align=aligned),
+        stage.Scripted(Registrar, find=found),
+    )
+    plugins(world).update(alignment=aligner, registration=registrar)
+    ended = world.tick(RelocateAndRealign, stone=1)
+    assert ended.status == "SUCCESS"
+    (event,) = ended.events
+    assert isinstance(event, StoneRealigned)
+    assert (event.accepted, event.method) == (moved_m > 0, method)
+    assert (event.reason == "") == (moved_m > 0)
+    assert database.stone(1).T_map_object[0, 3] == pytest.approx(5.0 + moved_m, abs=0.05)
+    assert len(registrar.calls("find")) == (found is not None)
+    np.testing.assert_array_equal(
+        aligner.calls("align")[0]["source"].points[:, 1:].mean(axis=0).round(1), [0.0, 0.3]
+    )
+
+
+def test_the_map_forgets_a_place_and_keeps_the_neighbours(world, database):
+    before = plugins(world)["mapping"].cloud().points
+    ended = world.tick(ForgetPlace, stone=2)
+    assert ended.status == "SUCCESS"
+    after = plugins(world)["mapping"].cloud().points
+    (event,) = ended.events
+    assert isinstance(event, PlaceForgotten)
+    assert event.stone == 2
+    assert event.removed_points == len(before) - len(after) + event.put_back_points > 100
+    assert np.linalg.norm(after - database.stone(2).centroid_map, axis=1).min() > 0.9
+
+
+@pytest.mark.parametrize("leaf", [ForgetPlace, FindAgain, RelocateAndRealign])
+def test_a_stone_that_nobody_knows_is_an_error(stage, world, leaf):
+    unused = {"alignment": Aligner, "registration": Registrar, "segmentation": Segmenter}
+    plugins(world).update({name: stage.Scripted(kind) for name, kind in unused.items()})
+    with pytest.raises(DataError, match="9"):
+        world.tick(leaf, stone=9)
+
+
+@pytest.fixture
+def search(stage, world, database):
+    """Return the stage with stone 2 in the map, 0.3 m beside where the database has it."""
+    seen = stage.block((5.3, 3.0, 0.3), seed=5)
+    plugins(world)["mapping"].add_surface(seen)
+    part = Segment(0, seen, seen.mean(axis=0), np.ptp(seen, axis=0))
+    flat = np.array([0.0, 0.0, 1.0, 0.0])
+    world.segmented = Segmentation("map", (part,), Cloud("map", np.zeros((1, 3))), flat)
+    world.empty = Segmentation("map", (), Cloud("map", np.zeros((1, 3))), flat)
+    return world
+
+
+def test_a_pushed_stone_is_found_by_its_model(stage, search, database):
+    registrar = stage.Scripted(Registrar, find=alignment(True, 0.3))
+    segmenter = stage.Scripted(Segmenter)
+    plugins(search).update(registration=registrar, segmentation=segmenter)
+    ended = search.tick(FindAgain, stone=2)
+    assert (ended.status, ended.reason) == ("SUCCESS", "registration, rmse 3 cm")
+    assert database.stone(2).T_map_object[0, 3] == pytest.approx(5.3, abs=0.05)
+    (event,) = ended.events
+    assert isinstance(event, StoneSoughtAgain)
+    assert (event.stone, event.seen, event.method) == (2, (2,), "registration")
+    (asked,) = registrar.calls("find")
+    assert 250 < len(asked["model"].points) < 310  # the model of stone 2, thinned a little
+    assert segmenter.calls("segment") == []
+
+
+def test_what_registration_refuses_is_found_by_segmentation(stage, search, database):
+    registrar = stage.Scripted(Registrar, find=alignment(False))
+    segmenter = stage.Scripted(Segmenter, segment=search.segmented)
+    plugins(search).update(registration=registrar, segmentation=segmenter)
+    ended = search.tick(FindAgain, stone=2)
+    assert ended.status == "SUCCESS"
+    assert database.stone(2).centroid_map[0] == pytest.approx(5.3, abs=0.1)
+    assert [(event.method, event.seen) for event in ended.events] == [("segmentation", (2,))]
+
+
+def test_a_stone_that_is_gone_is_a_failure(stage, search, database):
+    plugins(search).update(
+        registration=stage.Scripted(Registrar, find=alignment(False)),
+        segmentation=stage.Scripted(Segmenter, segment=search.empty),
+    )
+    ended = search.tick(FindAgain, stone=2)
+    assert ended.status == "FAILURE"
+    assert ended.reason == "stone 2 was not found within 4.0 m of its last place"
+    assert [event.seen for event in ended.events] == [()]
+    plugins(search)["mapping"] = stage.PointMap([])
+    ended = search.tick(FindAgain, stone=2)
+    assert (ended.status, ended.reason) == ("FAILURE", "the map shows nothing around stone 2")
