@@ -8,7 +8,13 @@ import pytest
 pytestmark = pytest.mark.mission
 
 STONES = 3  # the fewest that the drone's map can be registered by
-PICK = ("grasps_planned", "attempt", "grasped", "released", "realigned")
+PICK = (
+    "grasps_planned",
+    "attempt_started",
+    "stone_grasped",
+    "stone_released",
+    "stone_realigned",
+)
 
 
 @pytest.fixture(scope="module")
@@ -64,14 +70,16 @@ def test_the_journal_tells_each_pick_in_order(finished):
 
 
 def test_the_largest_stone_that_is_left_comes_next(finished):
-    (segmented,) = (event["payload"] for event in finished.events("segmented"))
+    (segmented,) = (event["payload"] for event in finished.events("site_segmented"))
     points = dict(zip(segmented["stones"], segmented["points"], strict=True))
     by_size = sorted(points, key=points.__getitem__, reverse=True)
     assert [pick["object"] for pick in finished.report["picks"]] == by_size
 
 
 def test_each_stone_is_seen_where_it_was_to_be_placed(finished):
-    for realigned, pick in zip(finished.events("realigned"), finished.report["picks"], strict=True):
+    for realigned, pick in zip(
+        finished.events("stone_realigned"), finished.report["picks"], strict=True
+    ):
         assert realigned["payload"]["accepted"]
         planned, seen = np.array(pick["planned_pose"]), np.array(pick["estimated_pose"])
         assert np.linalg.norm(seen[:3, 3] - planned[:3, 3]) < 0.30

@@ -1,0 +1,150 @@
+"""A stone falls, or slips, in mid-carry: the shipped trees let go of it or set it down, look again,
+and place it in the end.
+
+The faults are made in the simulated world, between ticks; no part of the product knows of them.
+"""
+
+from abc import ABC, abstractmethod
+
+import pytest
+
+from executive.events.stone import StoneGrasped
+from executive.messages.command import MoveJaws
+
+pytestmark = pytest.mark.mission
+
+CARRIED_S = 5.0  # after the grasp: the stone has left the ground and has settled in the jaws
+WET = (0.05, 0.005)  # friction of steel on a wet stone: Coulomb's, and torsional [m]
+SLIPPED_M = 0.03  # twice what counts as a slip; the stone is still in the jaws
+FORCE_N = 20e3
+
+
+class Fault(ABC):
+    """Goes wrong once, in the first carry."""
+
+    def __init__(self):
+        self.at_s = None
+
+    def __call__(self, mission):
+        grasped = [
+            entry.time_s
+            for entry in mission.journal.entries
+            if isinstance(entry.event, StoneGrasped)
+        ]
+        if not grasped or mission.clock.now_s() < grasped[0] + CARRIED_S:
+            return
+        world = mission.services.plugins["robot"].world
+        if self.at_s is None:
+            self.at_s = mission.clock.now_s()
+            self.begin(world)
+        self.go_on(world)
+
+    @abstractmethod
+    def begin(self, world):
+        """Make the fault."""
+
+    @abstractmethod
+    def go_on(self, world):
+        """Follow it, at this tick and each later one."""
+
+
+class OpenJaws(Fault):
+    """A valve opens the jaws: the stone falls."""
+
+    def begin(self, world):
+        world.move_jaws(MoveJaws(world.machine.jaw.upper, FORCE_N))
+
+    def go_on(self, world):
+        pass  # the mission's next command moves the jaws again
+
+
+class WetStone(Fault):
+    """The stone is slippery for as long as it takes to slip by some centimetres."""
+
+    def begin(self, world):
+        stone = world.model.body(world.site.stones[0].name)
+        first = int(stone.geomadr[0])
+        self._geoms = range(first, first + int(stone.geomnum[0]))
+        self._dry = world.model.geom_friction[self._geoms].copy()
+        self._held_m = self._opening_m(world)
+        world.model.geom_priority[self._geoms] = 1  # else the rougher of two surfaces decides
+        world.model.geom_friction[self._geoms, :2] = WET
+
+    def go_on(self, world):
+        if self._opening_m(world) < self._held_m - SLIPPED_M:
+            world.model.geom_friction[self._geoms] = self._dry
+            world.model.geom_priority[self._geoms] = 0
+
+    @staticmethod
+    def _opening_m(world):
+        return world.machine.gripper.opening_m(world.jaws.position_rad)
+
+
+@pytest.fixture(scope="module", params=[OpenJaws, WetStone])
+def fault(request):
+    return request.param()
+
+
+@pytest.fixture(scope="module")
+def finished(run_mission, fault):
+    return run_mission("robot.site.stones.count=1", after_tick=fault)
+
+
+@pytest.fixture
+def trouble(fault):
+    return {OpenJaws: "drop", WetStone: "slip"}[type(fault)]
+
+
+def test_the_mission_succeeds_all_the_same(finished, fault):
+    assert fault.at_s is not None
+    assert (finished.report["outcome"], finished.exit_status) == ("success", 0)
+
+
+def test_the_stone_is_placed_at_the_second_attempt(finished, trouble):
+    counts = finished.report["counts"]
+    assert (counts["picks"], counts["placed"], counts["set_aside"]) == (1, 1, 0)
+    assert (counts["attempts"], counts["first_attempt"]) == (2, 0)
+    (pick,) = finished.report["picks"]
+    assert [attempt["outcome"] for attempt in pick["attempts"]] == [trouble, "placed"]
+
+
+def test_the_fault_is_seen_within_two_seconds(finished, fault, trouble):
+    first = finished.events("verdict_given")[0]
+    assert first["payload"]["trouble"] == trouble
+    assert fault.at_s < first["time_s"] < fault.at_s + 2.0
+
+
+def test_the_motion_is_stopped_in_the_tick_in_which_it_is_seen(finished):
+    seen_s = finished.events("verdict_given")[0]["time_s"]
+    halted = [
+        line["node"].rpartition(":")[2]
+        for line in finished.events("node_ended")
+        if line["payload"]["status"] == "halted" and line["time_s"] == seen_s
+    ]
+    assert halted == ["ExecuteTrajectory"]
+
+
+def test_it_lets_go_looks_again_and_takes_the_stone_anew(finished):
+    carry = ["attempt_started", "stone_grasped"]
+    recovery = ["stone_let_go", "place_forgotten", "stone_sought_again"]
+    placed = ["stone_released", "stone_realigned"]
+    told = [line["kind"] for line in finished.events(*carry, *recovery, *placed)]
+    assert told == [*carry, *recovery, *carry, *placed]
+
+
+def test_it_is_found_as_the_stone_that_it_is(finished):
+    (again,) = (event["payload"] for event in finished.events("stone_sought_again"))
+    assert (again["stone"], again["seen"], again["method"]) == (1, [1], "registration")
+
+
+def test_only_a_stone_that_is_still_held_is_set_down(finished, trouble):
+    is_held = trouble == "slip"
+    assert finished.endings("IsHolding") == ["success" if is_held else "failure"]
+    assert finished.endings("PlanSetDown") == (["success"] if is_held else [])
+
+
+def test_the_simulator_saw_the_same(finished, trouble, check_truth):
+    grasps = finished.report["truth"]["grasps"]
+    assert [grasp["lifted"] for grasp in grasps] == [True, True]
+    assert [grasp["dropped"] for grasp in grasps] == [trouble == "drop", False]
+    check_truth(finished, placed=1)
