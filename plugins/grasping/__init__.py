@@ -1,1 +1,1 @@
-"""grasping plugins."""
+"""Plugins that plan grasps."""

@@ -1,9 +1,8 @@
-"""A lift rehearsed: the known stone, the polyhedral gripper and gravity in a small physics world of
-the planner's own.
+"""A simulated lift: the known stone, the polyhedral gripper and gravity in a small MuJoCo world.
 
-Analytic force closure on a stone's normals says little about whether an angular gripper lifts it; a
-simulated lift of the hull of the points seen does, in some 40 ms. It knows nothing but the planning
-cloud and the machine's description.
+Analytic force closure from the normals of a stone predicts poorly whether an angular gripper lifts
+it. A simulated lift of the hull of the seen points predicts it well and takes about 40 ms. It uses
+only the planning cloud and the machine's description.
 """
 
 from dataclasses import dataclass
@@ -21,28 +20,26 @@ _TIMESTEP_S = 0.004
 _TORSIONAL_FRICTION_M = 0.05
 _CLOSE_S, _LIFT_S, _HOLD_S = 1.0, 1.0, 0.3
 _LIFT_M = 0.4
-_SLACK_RAD = 0.04  # the jaws start this far from the stone
+_SLACK_RAD = 0.04  # the jaws start this much wider than the given angle
 _STILL_RAD_S = 2e-3
 _MESH = mujoco.mjtGeom.mjGEOM_MESH
-_STONE, _GRIPPER, _GROUND = 1, 2, 4  # contact groups: the gripper does not meet the ground here
-_ARM_MASS_KG = (
-    1500.0  # of the arm as felt at the gripper, and the stiffness that its servos give it [N/m]
-)
-_ARM_STIFFNESS = 2e6
-FALLEN_M = 0.5
-_ARM_M = 0.5  # a turn counts by what it moves at this distance from the centre
+_STONE, _GRIPPER, _GROUND = 1, 2, 4  # contact groups; gripper and ground do not collide
+_ARM_MASS_KG = 1500.0  # effective mass of the arm at the gripper
+_ARM_STIFFNESS = 2e6  # stiffness of its servos at the gripper [N/m]
+FALLEN_M = 0.5  # slip at which a stone counts as fallen
+_ARM_M = 0.5  # a turn counts by the motion that it causes at this distance from the centre
 _JAW_INERTIA = (30.0, 60.0, 60.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Lifted:
-    """How a rehearsal ended.
+    """Result of a simulated lift.
 
     Attributes:
         shift_m: How far the stone moved in the gripper, from closed to lifted [m].
         turn_rad: How far it turned there [rad].
-        drag_m: How far the closing jaws moved it on the ground before, its turn at half a metre
-            included [m].
+        drag_m: How far the closing jaws moved it on the ground before; its turn counts at half a
+            metre from the centre [m].
     """
 
     shift_m: float
@@ -51,17 +48,18 @@ class Lifted:
 
     @property
     def slip_m(self) -> float:
-        """Shift, and what the turn moves half a metre from the centre; no more than 0.5: the stone
-        fell [m].
+        """Shift plus the turn at half a metre from the centre, at most 0.5 m [m].
+
+        A stone that slips 0.5 m or more has fallen.
         """
         return min(self.shift_m + _ARM_M * self.turn_rad, FALLEN_M)
 
 
 class SimulatedLift:
-    """Closes and lifts, in the frame of the planning cloud."""
+    """Closes the jaws and lifts, in the frame of the planning cloud."""
 
     def __init__(self, gripper: Gripper, hull: Float, ground_normal: Float, mass_kg: float) -> None:
-        """Prepare rehearsals of one stone.
+        """Prepare simulated lifts of one stone.
 
         Args:
             gripper: The gripper.
@@ -73,8 +71,12 @@ class SimulatedLift:
         self._mass_kg = mass_kg
 
     def lift(self, T_plan_gripper: Float, jaw_rad: float, friction: float) -> Lifted:
-        """Close from a jaw angle just outside the stone [rad], lift, and tell how the stone moved
-        in the jaws.
+        """Close the jaws, lift, and return how the stone moved in the jaws.
+
+        Args:
+            T_plan_gripper: Pose of the gripper at the grasp, shape (4, 4).
+            jaw_rad: Jaw angle just outside the stone, from which the jaws close [rad].
+            friction: Coulomb friction coefficient of all surfaces.
         """
         model = self._world(T_plan_gripper, friction)
         data = mujoco.MjData(model)
@@ -84,9 +86,8 @@ class SimulatedLift:
         self._close(model, data)
         held, stone = _stone_in_palm(data), data.body("stone")
         turned_rad = angle_between(np.eye(3), stone.xmat.reshape(3, 3))
-        drag_m = (
-            float(np.linalg.norm(stone.xpos)) + _ARM_M * turned_rad
-        )  # it began at the frame's origin
+        # The body of the stone was at the origin before the jaws closed.
+        drag_m = float(np.linalg.norm(stone.xpos)) + _ARM_M * turned_rad
         for fraction in np.linspace(0.0, 1.0, int(_LIFT_S / _TIMESTEP_S)):
             data.ctrl[:3] = self._up * _LIFT_M * fraction**2 * (3 - 2 * fraction)
             mujoco.mj_step(model, data)
@@ -161,7 +162,7 @@ class SimulatedLift:
             joint = jaw.add_joint(
                 name=name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0.0, 0.0, side]
             )
-            joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE  # closed jaws press no more
+            joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE
             joint.range = [0.0, np.degrees(self._gripper.open_rad) + 1.0]
             _add_hulls(spec, jaw, [shape.vertices for shape in self._gripper.links[name].shapes])
         spec.add_exclude(bodyname1="jaw_left", bodyname2="jaw_right")
@@ -170,9 +171,8 @@ class SimulatedLift:
         )
         tie.name1, tie.name2 = "jaw_right", "jaw_left"
         tie.data[:5] = (0.0, 1.0, 0.0, 0.0, 0.0)
-        torque = (
-            2 * self._gripper.tip_force_n * self._gripper.tip_radius_m
-        )  # one drive moves both tips
+        # One drive moves both tips.
+        torque = 2 * self._gripper.tip_force_n * self._gripper.tip_radius_m
         drive = spec.add_actuator(name="jaw", target="jaw_left", trntype=mujoco.mjtTrn.mjTRN_JOINT)
         drive.set_to_velocity(kv=20 * torque)
         drive.forcelimited, drive.forcerange = mujoco.mjtLimited.mjLIMITED_TRUE, [-torque, torque]
@@ -185,16 +185,12 @@ def _solid(
     mass_kg: float,
     inertia: Float | tuple[float, ...],
 ) -> mujoco.MjsBody:
-    """Add a body whose weight the arm carries."""
+    """Add a body whose weight the arm compensates."""
     body = parent.add_body(
         name=name, pos=T_parent[:3, 3], quat=quaternion_wxyz(T_parent[:3, :3]), gravcomp=1.0
     )
-    body.explicitinertial, body.mass, body.inertia, body.ipos = (
-        True,
-        mass_kg,
-        inertia,
-        [0.0, 0.0, 0.0],
-    )
+    body.explicitinertial, body.mass, body.inertia = True, mass_kg, inertia
+    body.ipos = [0.0, 0.0, 0.0]
     return body
 
 

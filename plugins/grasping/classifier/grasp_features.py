@@ -1,4 +1,4 @@
-"""What a classifier is shown of each grasp of a pool: its images and its costs, as pure numbers."""
+"""The inputs of the classifier for each grasp of a pool: images and scalars."""
 
 from dataclasses import dataclass
 
@@ -16,12 +16,12 @@ NUMBERS = ("align_rad", "jaw_rad", "size", *LENGTHS)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraspFeatures:
-    """M grasps as a classifier sees them; none of it depends on the gripper's scale.
+    """Features of M grasps; they do not depend on the scale of the gripper.
 
     Attributes:
         images: See `grasp_images`, shape (M, 15, 32, 32).
-        numbers: `NUMBERS`: angles [rad], the cube root of the stone's volume and the costs that are
-            lengths, both over the widest opening, shape (M, 9).
+        numbers: The scalars named in `NUMBERS`, shape (M, 9): angles [rad], the cube root of the
+            stone's volume, and the costs that are lengths; both are divided by the widest opening.
     """
 
     images: Images
@@ -29,7 +29,7 @@ class GraspFeatures:
 
 
 def features_of(scene: PlanningCloud, pool: Pool, gripper: Gripper) -> GraspFeatures:
-    """Draw and count what is known of each grasp of a pool."""
+    """Compute the features of every grasp of a pool."""
     images = draw_images(
         scene.points, scene.is_target, scene.normals, pool.R, pool.position, image_cube(gripper)
     )

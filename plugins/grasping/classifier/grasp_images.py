@@ -1,17 +1,17 @@
-"""Grasp images: what stands between and about the open jaws, seen along the gripper's three axes.
+"""Grasp images: the space between and around the open jaws, seen along the gripper's three axes.
 
-After the 15 channels of ten Pas et al. 2017 (three views of surface and normals), with the shadow
-replaced by the surroundings. Each view has five channels over its pixels, all in 0 … 1, 0 where
-there is nothing:
+They follow the 15 channels of ten Pas et al. 2017 (three views of surface and normals), with the
+surroundings in place of the shadow. Each view has five channels over its pixels, with values in
+0 … 1 and 0 where there is nothing:
 
     0  nearness of the target's nearest point to the low end of the viewed axis
     1  nearness of the target's nearest point to the high end
-    2  the same as 0 of all that is not the target: ground and neighbours
-    3  the same as 1 of it
-    4  mean part of the target's normals along the viewed axis, without its sign
+    2  the same as 0 for everything else: ground and neighbours
+    3  the same as 1 for everything else
+    4  mean magnitude of the target's normals along the viewed axis
 
 Views: 0 along the approach (pixels opening × width), 1 along the opening (approach × width), 2
-along the width (approach × opening). Mirroring the scene at the jaws' symmetry planes exchanges
+along the width (approach × opening). Mirroring the scene at a symmetry plane of the jaws exchanges
 pixels and the two ends exactly.
 """
 
@@ -25,16 +25,16 @@ from executive.machine.gripper import Gripper
 PIXELS = 32
 PER_VIEW = 5
 CHANNELS = 3 * PER_VIEW
-_BEHIND_PALM = 0.05  # of the cube's edge lies behind the palm's front
+_BEHIND_PALM = 0.05  # share of the cube's edge that lies behind the front of the palm
 
 Images = NDArray[np.float32]
 
 
 def image_cube(gripper: Gripper) -> tuple[Float, float]:
-    """Return the corner of least coordinates [m], shape (3,), and the edge [m] of the cube that is
-    drawn.
+    """Return the cube that is drawn: its lowest corner [m], shape (3,), and its edge [m].
 
-    It is as wide as the open gripper: a stone and a gripper of another scale give the same images.
+    It is as wide as the open gripper, so a stone and a gripper of another scale give the same
+    images.
     """
     edge_m = gripper.max_opening_m
     return edge_m * np.array([-_BEHIND_PALM, -0.5, -0.5]), edge_m
@@ -52,10 +52,10 @@ def draw_images(
 
     Args:
         points: The planning cloud [m], the target's points first, shape (N, 3).
-        is_target: Which are the target's, shape (N,).
+        is_target: Mask of the target's points, shape (N,).
         normals: Unit normals of the target's points, shape (T, 3).
-        R: Orientations of the gripper in the cloud's frame, shape (M, 3, 3).
-        position: Palm centres there [m], shape (M, 3).
+        R: Orientations of the gripper in the frame of the cloud, shape (M, 3, 3).
+        position: Centres of the palm in that frame [m], shape (M, 3).
         cube: Corner and edge from `image_cube`.
     """
     images = np.zeros((len(R), CHANNELS, PIXELS, PIXELS), dtype=np.float32)
@@ -73,9 +73,7 @@ def draw_images(
 
 
 def mirrored(images: Images, axis: int) -> Images:
-    """Return images of the scene mirrored at the gripper's plane across axis 1 (opening) or 2
-    (width).
-    """
+    """Return images of the scene mirrored across gripper axis 1 (opening) or 2 (width)."""
     views = images.reshape(-1, 3, PER_VIEW, PIXELS, PIXELS).copy()
     for view, (row, column) in enumerate(((1, 2), (0, 2), (0, 1))):
         if axis == view:
@@ -102,7 +100,7 @@ def _draw_all(points, targets, normals, R, position, cube, out):  # type: ignore
 
 @njit(cache=True)
 def _draw(points, targets, normals, T, cube, image, count):  # type: ignore[no-untyped-def]  # compiled
-    """Draw one grasp: normals are summed, for the mean."""
+    """Draw one grasp; normals are summed here and divided by their count later."""
     (R, position), (corner, edge) = T, cube
     place = np.empty(3)
     for j in range(len(points)):

@@ -1,5 +1,6 @@
-"""Networks that predict whether a lift will succeed, and their files: safetensors, which hold
-numbers and no code.
+"""Networks that predict whether a lift succeeds, and their files.
+
+The files are safetensors, which hold numbers and no code.
 """
 
 from itertools import pairwise
@@ -19,16 +20,15 @@ from executive.arrays import Float
 from executive.errors import DataError
 
 Architecture = Literal["four_layer", "two_stream"]
-_BATCH = 64  # more fall out of the cache
+_BATCH = 64  # larger batches do not fit into the processor cache
 _FORMAT = "executive.grasp_outcome.v1"
 
 
 class FourLayer(nn.Module):  # type: ignore[misc]  # torch is untyped here
-    """The four-layer network that the paper applies (ten Pas et al. 2017, after LeNet): images
-    alone.
+    """The four-layer network that the paper applies (ten Pas et al. 2017, after LeNet).
 
-    Two convolutions of 5 × 5 with pooling, two full layers; one output, the logit of success, in
-    place of two.
+    It uses images alone: two convolutions of 5 × 5 with pooling and two full layers. It has one
+    output, the logit of success, instead of two.
     """
 
     def __init__(self) -> None:
@@ -50,13 +50,14 @@ class FourLayer(nn.Module):  # type: ignore[misc]  # torch is untyped here
         )
 
     def forward(self, images: Tensor, numbers: Tensor) -> Tensor:
-        """Return logits (M,) of images (M, 15, 32, 32); the numbers are not looked at."""
+        """Return logits (M,) of images (M, 15, 32, 32); the numbers are ignored."""
         return self.layers(images)[:, 0]
 
 
 class TwoStream(nn.Module):  # type: ignore[misc]  # torch is untyped here
-    """Images through convolutions of 3 × 3, and the costs beside them, meeting in two full layers;
-    our own.
+    """A network of our own with one stream for images and one for the costs.
+
+    The images pass convolutions of 3 × 3; both streams meet in two full layers.
     """
 
     def __init__(self) -> None:
@@ -96,15 +97,15 @@ _ARCHITECTURES: dict[str, type[FourLayer] | type[TwoStream]] = {
 
 
 def new_net(architecture: Architecture) -> FourLayer | TwoStream:
-    """Return an untrained network; its weights follow torch's generator."""
+    """Return an untrained network; its weights are drawn from torch's global generator."""
     return _ARCHITECTURES[architecture]()
 
 
 def success(net: nn.Module, shown: GraspFeatures) -> Float:
-    """Return the probability of success of each grasp, to three digits, shape (M,).
+    """Return the predicted probability of success of each grasp, to three digits, shape (M,).
 
-    The mean over each grasp and its half turn about the approach: the jaws are alike, and so is the
-    prediction. The rounding hides in what order a computer with more threads adds.
+    It is the mean over each grasp and its half turn about the approach, since the jaws are
+    symmetric. The rounding hides that the order of summation depends on the number of threads.
     """
     net.eval()
     turned = mirrored(mirrored(shown.images, 1), 2)
@@ -117,7 +118,7 @@ def _logits(net: nn.Module, images: NDArray[np.float32], numbers: NDArray[np.flo
     with torch.inference_mode():
         for start in range(0, len(images), _BATCH):
             batch = slice(start, start + _BATCH)
-            # Channels last: twice as fast on a CPU here.
+            # The layout "channels last" is twice as fast on a CPU.
             shown = torch.from_numpy(images[batch].copy()).contiguous(
                 memory_format=torch.channels_last
             )
@@ -127,9 +128,7 @@ def _logits(net: nn.Module, images: NDArray[np.float32], numbers: NDArray[np.flo
 
 
 def save_net(net: FourLayer | TwoStream, path: Path, card: str) -> None:
-    """Write a network's weights with its architecture and a data card, JSON text of what it was
-    trained on.
-    """
+    """Write the weights of a network with its architecture and a data card (JSON text)."""
     architecture = next(name for name, kind in _ARCHITECTURES.items() if isinstance(net, kind))
     weights = {name: values.contiguous() for name, values in net.state_dict().items()}
     save_file(
@@ -138,11 +137,10 @@ def save_net(net: FourLayer | TwoStream, path: Path, card: str) -> None:
 
 
 def load_net(path: Path) -> FourLayer | TwoStream:
-    """Read a network; nothing in the file is run.
+    """Read a network; no code in the file is run.
 
     Raises:
-        DataError: If the file is missing, no safetensors file, or of something else than a network
-            of these.
+        DataError: If the file is missing, is not a safetensors file, or holds another network.
     """
     try:
         with safe_open(path, framework="pt") as file:
@@ -150,17 +148,17 @@ def load_net(path: Path) -> FourLayer | TwoStream:
             weights = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 - not a mapping
     except (SafetensorError, OSError) as error:
         raise DataError(
-            f"{path}: no readable weights ({error}); make some with `executive grasp-train`"
+            f"{path}: cannot read weights ({error}); train them with `executive grasp-train`"
         ) from error
     if metadata.get("format") != _FORMAT or metadata.get("architecture") not in _ARCHITECTURES:
         raise DataError(
-            f"{path}: no weights of a grasp classifier; make some with `executive grasp-train`"
+            f"{path}: no weights of a grasp classifier; train them with `executive grasp-train`"
         )
     net = _ARCHITECTURES[metadata["architecture"]]()
     try:
         net.load_state_dict(weights)
     except RuntimeError as error:
         raise DataError(f"{path}: the weights do not fit the network: {error}") from error
-    net.to(memory_format=torch.channels_last)  # in place
+    net.to(memory_format=torch.channels_last)
     net.eval()
     return net

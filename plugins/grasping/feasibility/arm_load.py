@@ -1,6 +1,4 @@
-"""What the arm can hold up where: static efforts of its joints with a stone in the jaws, against
-their limits.
-"""
+"""Static efforts of the arm with a stone in the jaws, compared with the limits of the joints."""
 
 import numpy as np
 from executive_plugins.physics.gravity import GRAVITY_M_S2
@@ -10,12 +8,14 @@ from executive.geometry.pose import transform
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 
-_STEP = 1e-4  # of each joint [rad] or [m], for the slope of the potential energy
+_STEP = 1e-4  # step of the central difference [rad] or [m]
 
 
 class ArmLoad:
-    """Static efforts: the slope of the potential energy of all that a joint carries, itself
-    included.
+    """Static efforts of the joints.
+
+    An effort is the derivative of the potential energy of the arm and its load with respect to the
+    position of the joint.
     """
 
     def __init__(self, machine: Machine) -> None:
@@ -24,17 +24,16 @@ class ArmLoad:
         self._limits = np.array([joint.max_effort for joint in machine.joints])
 
     def can_hold(self, q: Float, mass_kg: float) -> bool:
-        """Return whether no joint needs more than its effort to hold a stone between the jaws at
-        rest.
+        """Return whether all joints can hold a stone at rest.
 
         Args:
-            q: Positions of the arm's joints, shape (n,).
-            mass_kg: Mass of the stone, its centre where a stone sits in the gripper.
+            q: Positions of the arm joints, shape (n,).
+            mass_kg: Mass of the stone; its centre is assumed at the grasp centre of the gripper.
         """
         return bool((np.abs(self.efforts(q, mass_kg)) <= self._limits).all())
 
     def efforts(self, q: Float, mass_kg: float) -> Float:
-        """Return the efforts [N·m] or [N] of the joints at rest, the base level, shape (n,)."""
+        """Return the efforts [N·m] or [N] of the joints at rest on a level base, shape (n,)."""
         steps = _STEP * np.eye(len(q))
         rise = [
             self._energy_j(q + step, mass_kg) - self._energy_j(q - step, mass_kg) for step in steps

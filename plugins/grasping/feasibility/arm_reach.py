@@ -1,6 +1,4 @@
-"""Whether the arm comes to a grasp, at its pose and on the straight way above it, and holds the
-stone there.
-"""
+"""Whether the arm reaches a grasp and the point above it, and can hold the stone there."""
 
 from functools import cached_property
 
@@ -13,13 +11,12 @@ from executive.geometry.rotation import about_axis
 from executive.interfaces.motion import MotionPlanner
 from executive.machine.machine import Machine
 
-_HALF_TURN = pose(
-    about_axis(np.array([1.0, 0.0, 0.0]), np.pi)
-)  # about the approach: the jaws change places
+# Half a turn about the approach exchanges the jaws.
+_HALF_TURN = pose(about_axis(np.array([1.0, 0.0, 0.0]), np.pi))
 
 
 class ArmReach:
-    """Asks the motion planner, from the carrying posture."""
+    """Queries the motion planner, starting from the carrying posture."""
 
     def __init__(self, machine: Machine, motion: MotionPlanner) -> None:
         self._machine, self._motion = machine, motion
@@ -30,27 +27,28 @@ class ArmReach:
         return ArmLoad(self._machine)
 
     def holds(self, T_map_gripper: Float, T_map_base: Float, mass_kg: float) -> bool:
-        """Return whether the joints hold a stone of a mass at a pose that the arm comes to."""
+        """Return whether the arm reaches a pose and its joints can hold a stone of a mass there."""
         q = self._motion.reach(inverse(T_map_base) @ T_map_gripper, self._seed)
         return q is not None and self._load.can_hold(q, mass_kg)
 
     def reached(self, T_map_gripper: Float, T_map_base: Float, above_m: float) -> Float | None:
-        """Return the pose, or that after half a turn about the approach if the wrist turns less;
-        None out of reach.
+        """Return the pose, or the pose half a turn about the approach if the wrist turns less.
+
+        Returns None if neither it nor the pose above it is in reach.
         """
         T_base_map = inverse(T_map_base)
-        ways = {False: T_map_gripper, True: T_map_gripper @ _HALF_TURN}
+        poses = {False: T_map_gripper, True: T_map_gripper @ _HALF_TURN}
         found = {
             is_turned: self._motion.reach(T_base_map @ T, self._seed)
-            for is_turned, T in ways.items()
+            for is_turned, T in poses.items()
         }
-        effort = {
+        wrist_turn = {
             is_turned: abs(float(q[-1] - self._seed[-1]))
             for is_turned, q in found.items()
             if q is not None
         }
-        if not effort:
+        if not wrist_turn:
             return None
-        T = ways[min(effort, key=lambda is_turned: (effort[is_turned], is_turned))]
+        T = poses[min(wrist_turn, key=lambda is_turned: (wrist_turn[is_turned], is_turned))]
         above = pose(t=np.array([0.0, 0.0, above_m])) @ T
         return T if self._motion.reach(T_base_map @ above, self._seed) is not None else None

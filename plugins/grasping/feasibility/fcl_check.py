@@ -1,5 +1,6 @@
-"""The last look at a grasp, by another library: palm and open jaws as convex bodies in FCL, held
-against the cloud.
+"""Final check of a grasp with FCL: palm and open jaws as convex bodies against the cloud.
+
+It is independent of the tables and polyhedra that found the grasp.
 """
 
 import fcl
@@ -13,14 +14,14 @@ from executive.geometry.convex import half_spaces
 from executive.geometry.pose import inverse, transform
 from executive.machine.gripper import Gripper
 
-_POINT = 1e-3  # radius of the ball that stands for a point, over the depth that is allowed
+_POINT = 1e-3  # radius of the ball that represents a point, over the tolerated depth
 _REQUEST = fcl.CollisionRequest()
 
 
 class FclCheck:
     """The open gripper at a pose, against points.
 
-    Its parts are shrunk by the depth that points may have, and FCL only says whether one touches:
+    The parts are shrunk by the depth that points may have, and FCL only reports whether they touch:
     the depths that it returns for a ball in a polyhedron are too large by up to a third.
     """
 
@@ -28,8 +29,8 @@ class FclCheck:
         """Prepare the parts.
 
         Args:
-            gripper: The gripper, open.
-            allowed_m: How deep a point may be in a part, for its noise [m].
+            gripper: The gripper, checked with open jaws.
+            allowed_m: Depth of a point in a part that is tolerated as noise [m].
         """
         hulls = [hull for parts in gripper.hulls(gripper.open_rad).values() for hull in parts]
         cores = [core for hull in hulls if (core := _shrunk(hull, allowed_m)) is not None]

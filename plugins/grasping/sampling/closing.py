@@ -1,8 +1,7 @@
-"""The push and the closing: how deep the open gripper goes along each approach, and what the jaws
-then take hold of.
+"""The push along each approach, and the closing of the jaws at its end.
 
-Compiled; thousands of hypotheses a second over some ten thousand points. Single-threaded and
-deterministic.
+The loops are compiled, single-threaded and deterministic: thousands of hypotheses per second over
+some ten thousand points.
 """
 
 from dataclasses import dataclass
@@ -15,22 +14,20 @@ from numpy.typing import NDArray
 
 from executive.arrays import Bool, Float
 
-_ROUNDS = 6  # depth and closing depend on each other; they settle in two or three rounds
+_ROUNDS = 6  # depth and closing depend on each other and converge in two or three rounds
 _TOUCH = 1  # steps of progress past the first touch that still count as contact
-_FIRST = 3  # points that make a touch: fewer are noise
+_FIRST = 3  # number of points that make a touch; fewer may be noise
 
 
 class HoldOutcome(IntEnum):
-    """How a hypothesis ended; the names are the reasons of refusal."""
+    """Result of a hypothesis; the names are the reasons of refusal."""
 
     HELD = 0
-    NOTHING_TOUCHED = 1  # the open gripper passes the stone and the ground by
+    NOTHING_TOUCHED = 1  # the open gripper passes beside the stone and the ground
     NOTHING_BETWEEN_JAWS = 2
     ONE_JAW_ONLY = 3
-    JAWS_SWEEP_BLOCKED = (
-        4  # a neighbour or the ground stands where the jaws close, at any depth tried
-    )
-    TIPS_TOO_HIGH = 5  # the tips stay above the stone's centre and would slip off
+    JAWS_SWEEP_BLOCKED = 4  # a neighbour or the ground is where the jaws close, at all depths
+    TIPS_TOO_HIGH = 5  # the tips stay above the centre of the stone and would slip off
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,7 +36,7 @@ class Hypotheses:
 
     Attributes:
         R: Orientations of the gripper, columns approach, opening, width, shape (M, 3, 3).
-        anchor: Points on each approach's line [m], shape (M, 3).
+        anchor: A point on the line of each approach [m], shape (M, 3).
         is_centred: Whether to move the line to the middle of the stone between the jaws, shape
             (M,).
     """
@@ -51,7 +48,7 @@ class Hypotheses:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clearance:
-    """Room that is left at the end of the push [m]."""
+    """Clearances that are kept at the end of the push [m]."""
 
     stone_m: float
     other_m: float
@@ -60,13 +57,12 @@ class Clearance:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Holds:
-    """What became of each hypothesis.
+    """Results of all hypotheses.
 
     Attributes:
-        outcome: An `HoldOutcome`, shape (M,).
+        outcome: A `HoldOutcome`, shape (M,).
         position: Origin of the gripper at the end of the push [m], shape (M, 3).
-        progress: Step of the field at which the left and the right jaw touch the stone, shape (M,
-            2).
+        progress: Progress at which the left and the right jaw touch the stone, shape (M, 2).
         contact: Mean of the stone's points at the left and the right jaw, in the gripper frame [m],
             shape (M, 2, 3).
         contacts: Number of those points, shape (M, 2).
@@ -87,16 +83,17 @@ def push_and_close(
     tried: Hypotheses,
     clearance: Clearance,
 ) -> Holds:
-    """Push each hypothesis until the open gripper touches, then close on the stone, and withdraw
-    where the sweep hits.
+    """Push every hypothesis until the open gripper touches, then close the jaws on the stone.
+
+    Where the closing jaws would hit something else, the gripper is withdrawn.
 
     Args:
-        field: The gripper's tables.
+        field: Tables of the gripper.
         points: The planning cloud [m], shape (N, 3).
-        is_target: Which points are the stone's, shape (N,).
-        centre: The stone's centre of mass, as well as it is known [m], shape (3,).
+        is_target: Mask of the stone's points, shape (N,).
+        centre: Estimated centre of mass of the stone [m], shape (3,).
         tried: The hypotheses.
-        clearance: Room to leave.
+        clearance: Clearances to keep.
     """
     m = len(tried.R)
     holds = Holds(
@@ -106,7 +103,7 @@ def push_and_close(
         contact=np.zeros((m, 2, 3)),
         contacts=np.zeros((m, 2), dtype=np.int64),
     )
-    order = np.argsort(~is_target, kind="stable")  # the stone's points first: the loops split there
+    order = np.argsort(~is_target, kind="stable")  # the loops expect the points of the stone first
     tables = (field.front, field.sweep, field.tip_a, np.array(field.origin), field.cell_m)
     room = np.array(
         [clearance.stone_m, clearance.other_m, clearance.tips_below_centre_m], dtype=float
@@ -146,8 +143,9 @@ def _try_all(points, targets, centre, tried, tables, room, out):  # type: ignore
 
 @njit(cache=True)
 def _gather(points, targets, axes, line, tables, near):  # type: ignore[no-untyped-def]  # compiled
-    """Fill `near` with the points in the gripper's columns, in its axes from the line's anchor, the
-    target's first.
+    """Fill `near` with the points in the columns of the gripper, those of the target first.
+
+    The coordinates are those of the gripper's axes, from the anchor of the line.
     """
     front, origin, cell = tables[0], tables[3], tables[4]
     n, n_target = 0, 0
@@ -172,9 +170,7 @@ def _gather(points, targets, axes, line, tables, near):  # type: ignore[no-untyp
 
 @njit(cache=True)
 def _settle(near, n_target, n, centre_a, tables, room, progress):  # type: ignore[no-untyped-def]  # compiled
-    """Return the outcome and the depth: push, close, withdraw until the closing sweep is free of
-    others.
-    """
+    """Return outcome and depth: push, close, and withdraw until nothing blocks the closing."""
     front, sweep, tip_a = tables[0], tables[1], tables[2]
     free = min(
         _free_depth(near[:n_target], front[0], tables) - room[0],
@@ -194,14 +190,14 @@ def _settle(near, n_target, n, centre_a, tables, room, progress):  # type: ignor
         if depth + tip_a[last] < centre_a + room[2]:
             return HoldOutcome.TIPS_TOO_HIGH, depth
         free = min(depth, _free_depth(near[n_target:n], front[last], tables) - room[1])
-        if free >= depth - 0.03 * tables[4]:  # a part of a cell: below what the tables know
+        if free >= depth - 0.03 * tables[4]:  # less than the resolution of the tables
             return HoldOutcome.HELD, depth
     return HoldOutcome.JAWS_SWEEP_BLOCKED, depth
 
 
 @njit(cache=True)
 def _free_depth(near, height, tables):  # type: ignore[no-untyped-def]  # compiled
-    """Return how deep a front can go before it touches one of the points: the least a − H(b, c)."""
+    """Return the depth at which a front touches the first point: the least a − H(b, c)."""
     origin, cell = tables[3], tables[4]
     least = 1e3
     for j in range(len(near)):
@@ -236,7 +232,7 @@ def _swept(point, depth, sweep, tables):  # type: ignore[no-untyped-def]  # comp
 
 @njit(cache=True)
 def _touch(near, depth, tables, progress, contact, contacts):  # type: ignore[no-untyped-def]  # compiled
-    """Fill in the mean and the number of the points that each jaw holds."""
+    """Compute the mean and the number of the points that each jaw touches."""
     for j in range(len(near)):
         for side in range(2):
             if _swept(near[j], depth, tables[1][side], tables) <= progress[side] + _TOUCH:
@@ -249,8 +245,9 @@ def _touch(near, depth, tables, progress, contact, contacts):  # type: ignore[no
 
 @njit(cache=True)
 def _to_middle(points, axes, line, tables):  # type: ignore[no-untyped-def]  # compiled
-    """Return where along the opening the middle of the stone's part within the gripper's width lies
-    [m].
+    """Return the offset along the opening to the middle of the stone [m].
+
+    Only the part of the stone within the width of the gripper counts.
     """
     origin, cell = tables[3], tables[4]
     half = -origin[2] - 2 * cell

@@ -1,4 +1,4 @@
-"""Local frames on a stone's surface, and the approaches that are made of them."""
+"""Local frames on the surface of a stone, and the gripper orientations derived from them."""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -14,31 +14,31 @@ def outward_normals(points: Float, inside: Float, neighbours: int = 16) -> Float
     """Return unit surface normals that point away from a point inside the stone, shape (N, 3).
 
     Args:
-        points: The stone's surface [m], shape (N, 3).
-        inside: A point within the stone [m], shape (3,); on a convex stone the sign is then right
-            everywhere.
-        neighbours: Nearest points that span the tangent plane.
+        points: Surface of the stone [m], shape (N, 3).
+        inside: A point within the stone [m], shape (3,). On a convex stone every sign is then
+            correct.
+        neighbours: Number of nearest points that span the tangent plane.
     """
     _, index = cKDTree(points).query(points, k=min(neighbours, len(points)))
     patch = points[index] - points[index].mean(axis=1, keepdims=True)
     _, vectors = np.linalg.eigh(patch.transpose(0, 2, 1) @ patch)
-    normals = vectors[:, :, 0]  # of the least eigenvalue: across the patch
+    normals = vectors[:, :, 0]  # the eigenvector of the smallest eigenvalue is normal to the patch
     sign = np.where(np.einsum("ij,ij->i", normals, points - inside) < 0, -1.0, 1.0)
     return np.asarray(normals * sign[:, None])
 
 
 def local_frames(points: Float, normals: Float, at: Float, radius_m: float) -> Float:
-    """Return the frame of each sample: x out of the stone, z along the least curvature, shape (n,
-    3, 3).
+    """Return a frame per sample: x out of the stone, z along the least curvature, (n, 3, 3).
 
-    The eigenvectors of M(p) = Σ n nᵀ over the ball (Mascaro 2020, Eq. 4). The paper's prose gives x
-    the vector of the smallest eigenvalue; M is near n nᵀ, so that the vector along the normal is
-    that of the **largest**: x takes it, its sign by the mean outward normal, and z that of the
-    smallest, as on a cylinder whose axis no normal has a part of.
+    The axes are eigenvectors of M(p) = Σ n nᵀ over the ball around p (Mascaro 2020, Eq. 4). The
+    text of the paper assigns x to the smallest eigenvalue, but M is close to n nᵀ, so the
+    eigenvector along the normal belongs to the **largest** one. Here x is that eigenvector, with
+    the sign of the mean outward normal, and z is the eigenvector of the smallest eigenvalue, the
+    direction in which the normals have the least component (on a cylinder, its axis).
 
     Args:
-        points: The stone's surface [m], shape (N, 3).
-        normals: Its unit outward normals, shape (N, 3).
+        points: Surface of the stone [m], shape (N, 3).
+        normals: Unit outward normals of the points, shape (N, 3).
         at: Samples on the surface [m], shape (n, 3).
         radius_m: Radius of the ball [m].
     """
@@ -54,11 +54,10 @@ def local_frames(points: Float, normals: Float, at: Float, radius_m: float) -> F
 
 
 def turned_frames(frames: Float, about_y_rad: Float, about_z_rad: Float) -> Float:
-    """Return the gripper's orientations: each frame turned about its y and z in all combinations,
-    shape (n·a·b, 3, 3).
+    """Return gripper orientations: each frame turned about its y and z axes, (n·a·b, 3, 3).
 
-    The gripper's x is the approach, into the stone: the turned frame's −x; its y keeps, its z turns
-    over.
+    All combinations of the angles are returned. The approach axis x of the gripper points into the
+    stone, so it is −x of the turned frame; y is kept, and z is reversed.
     """
     turns = np.array(
         [about_axis(_Z, z) @ about_axis(_Y, y) for z in about_z_rad for y in about_y_rad]
@@ -67,9 +66,7 @@ def turned_frames(frames: Float, about_y_rad: Float, about_z_rad: Float) -> Floa
 
 
 def downward_frames(yaw_rad: Float) -> Float:
-    """Return orientations that approach straight down, the opening at some yaws [rad], shape (n, 3,
-    3).
-    """
+    """Return orientations that approach straight down at given yaws [rad], shape (n, 3, 3)."""
     y = np.column_stack([np.cos(yaw_rad), np.sin(yaw_rad), np.zeros(len(yaw_rad))])
     x = np.broadcast_to(-_UP, y.shape)
     return np.stack([x, y, np.cross(x, y)], axis=-1)

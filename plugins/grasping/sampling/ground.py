@@ -1,4 +1,4 @@
-"""The ground about a stone: a plane, the heights on it, and what a stone hid."""
+"""The ground around a stone: a plane with height samples, completed where the stone hid it."""
 
 from dataclasses import dataclass
 
@@ -8,8 +8,8 @@ from scipy.spatial import cKDTree
 from executive.arrays import Float
 from executive.geometry.voxels import first_in_cells
 
-_CELL_M = 0.2  # the lowest point of each cell may be ground
-_BAND_M = 0.2  # rough ground strays this far from its plane
+_CELL_M = 0.2  # edge of the cells whose lowest points are taken for ground
+_BAND_M = 0.2  # deviation of rough ground from its plane
 _TRIALS = 100
 _STEEPEST = np.cos(np.radians(30.0))
 _NEIGHBOURS = 6
@@ -17,12 +17,12 @@ _NEIGHBOURS = 6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ground:
-    """A plane and samples of the heights about it.
+    """A plane and samples of the ground heights around it.
 
     Attributes:
         normal: Unit normal of the plane, pointing up, shape (3,).
-        offset_m: d of n·p = d [m].
-        samples: Ground points, one a cell, shape (S, 3); empty if only the plane is known.
+        offset_m: Offset d of the plane n·p = d [m].
+        samples: Ground points, one per cell, shape (S, 3); empty if only the plane is known.
         cell_m: Edge of those cells [m].
     """
 
@@ -32,8 +32,9 @@ class Ground:
     cell_m: float
 
     def height(self, xy: Float) -> Float:
-        """Return the ground's height [m] at places (N, 2): the plane and, on it, the nearest
-        samples, shape (N,).
+        """Return the ground height [m] at places (N, 2), shape (N,).
+
+        It is the height of the plane plus the weighted deviation of the nearest samples from it.
         """
         plane = (self.offset_m - xy @ self.normal[:2]) / self.normal[2]
         if not len(self.samples):
@@ -49,16 +50,16 @@ class Ground:
 
 
 def fit_ground(around: Float, stone: Float, rng: np.random.Generator, scale: float = 1.0) -> Ground:
-    """Fit the ground to the points about a stone; with too few, it is a level plane at the stone's
-    lowest point.
+    """Fit the ground to the points around a stone.
 
-    RANSAC on the lowest points of cells (Mascaro 2020, Sec. 5.2 takes all points; the tops of
-    neighbours mislead that).
+    RANSAC runs on the lowest points of cells (Mascaro 2020, Sec. 5.2 uses all points, which the
+    tops of neighbouring stones mislead). With fewer than three such points the ground is a level
+    plane at the lowest point of the stone.
 
     Args:
-        around: Points about the stone [m], shape (N, 3).
-        stone: The stone's points, shape (T, 3).
-        rng: Chance of the trials.
+        around: Points around the stone [m], shape (N, 3).
+        stone: Points of the stone [m], shape (T, 3).
+        rng: Random generator of the RANSAC trials.
         scale: Factor on the lengths of this file, see `SamplingSettings`.
     """
     cell_m, band_m = scale * _CELL_M, scale * _BAND_M
@@ -83,8 +84,9 @@ def fit_ground(around: Float, stone: Float, rng: np.random.Generator, scale: flo
 def fill_ground(
     ground: Ground, stone: Float, low_xy: Float, high_xy: Float, spacing_m: float
 ) -> Float:
-    """Return ground points on a grid over a rectangle, without those above a part of the stone,
-    shape (G, 3).
+    """Return ground points on a grid over a rectangle, shape (G, 3) [m].
+
+    Grid points that would lie above a part of the stone are left out.
     """
     x, y = (np.arange(low, high, spacing_m) for low, high in zip(low_xy, high_xy, strict=True))
     xy = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)

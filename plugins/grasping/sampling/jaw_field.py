@@ -1,10 +1,9 @@
-"""The gripper as two tables: how far its front reaches as the jaws close, and which jaw sweeps
-which cell when.
+"""The gripper as two tables: its front as the jaws close, and the cells that each jaw sweeps.
 
-A point at gripper coordinates (a, b, c), a along the approach, is touched when the gripper has come
-to the depth a − H(b, c), with H the front height map of palm and jaws; the least over the points is
-the depth of the push. Closing is the same with the map of all places that the jaws have swept so
-far.
+A point at gripper coordinates (a, b, c), with a along the approach, is touched when the gripper has
+advanced to the depth a − H(b, c), where H is the front height map of palm and jaws. The minimum
+over the points is the depth of the push. Closing uses the same rule, with the map of all places
+that the jaws have swept so far.
 """
 
 from collections.abc import Iterable
@@ -20,22 +19,22 @@ from executive.machine.gripper import Gripper
 
 NEVER = 255  # progress of a cell that a jaw does not sweep
 _FAR_M = 1e3
-_TOUCH = 1e-6  # of a cell: a face on the border of a cell touches it, however the border is rounded
+_TOUCH = 1e-6  # share of a cell: a face on a cell border touches it in spite of rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JawField:
-    """Tables over cells of the gripper's frame; progress k = 0 is open, k = K − 1 is closed.
+    """Tables over cells of the gripper frame; progress k = 0 is open, k = K − 1 is closed.
 
     Attributes:
         cell_m: Edge of a cell [m].
-        origin: Corner of the first cell in the gripper's frame [m], shape (3,).
-        front: H_k(b, c): the frontmost place of the palm and of all jaw positions 0 … k, grown by
-            the skin [m]; −1000 where there is none; shape (K, B, C), float32.
-        sweep: Progress at which the left and the right jaw first touch a cell, or NEVER, shape (2,
-            A, B, C), uint8.
-        tip_a: Place of the tips along the approach at each progress [m], shape (K,).
-        tip_b: Half the distance of the tips at each progress [m], shape (K,).
+        origin: Corner of the first cell in the gripper frame [m], shape (3,).
+        front: H_k(b, c): front of the palm and of all jaw positions 0 … k, grown by the skin [m];
+            −1000 in empty columns; shape (K, B, C), float32.
+        sweep: Progress at which the left and the right jaw first touch a cell, or NEVER,
+            shape (2, A, B, C), uint8.
+        tip_a: Position of the tips along the approach at each progress [m], shape (K,).
+        tip_b: Half the distance between the tips at each progress [m], shape (K,).
         jaw_rad: Jaw angle at each progress [rad], shape (K,).
     """
 
@@ -49,8 +48,9 @@ class JawField:
 
 
 def build_jaw_field(gripper: Gripper, cell_m: float, skin_m: float, steps: int = 33) -> JawField:
-    """Tabulate a gripper at `steps` jaw angles from open to closed; the skin [m] grows only the
-    front map.
+    """Tabulate a gripper at `steps` jaw angles from open to closed.
+
+    The skin [m] enlarges only the front map.
     """
     jaw_rad = np.linspace(gripper.open_rad, 0.0, steps)
     shapes = [gripper.hulls(float(angle)) for angle in jaw_rad]
@@ -80,9 +80,7 @@ def build_jaw_field(gripper: Gripper, cell_m: float, skin_m: float, steps: int =
 
 
 class _Grid:
-    """Cells of the gripper's frame, and the stretch of each column (b, c) that a convex polyhedron
-    fills.
-    """
+    """Columns (b, c) of the gripper frame, and the intervals that polyhedra fill in them."""
 
     def __init__(self, low: Float, size: NDArray[Any], cell_m: float) -> None:
         self._half_m = cell_m * (0.5 + _TOUCH)
@@ -92,12 +90,13 @@ class _Grid:
         self._bc = np.stack(np.meshgrid(b, c, indexing="ij"), axis=-1)
 
     def column(self, vertices: Float, skin_m: float) -> tuple[Float, Float]:
-        """Return the polyhedron's ends along a within each column's square, (B, C) each; low > high
-        if none.
+        """Return the ends of a convex polyhedron along a within each column's square, (B, C) each.
+
+        Where it does not fill any part of the column, low > high.
         """
         faces = half_spaces(vertices)
         n, d = faces[:, :3], faces[:, 3] + skin_m
-        d = d + self._half_m * np.abs(n[:, 1:]).sum(axis=1)  # the square's reach along each normal
+        d = d + self._half_m * np.abs(n[:, 1:]).sum(axis=1)  # support of the square
         room = d - self._bc @ n[:, 1:].T  # n_a · a ≤ room
         with np.errstate(divide="ignore", invalid="ignore"):
             bound = room / n[:, 0]
@@ -108,9 +107,7 @@ class _Grid:
         return np.where(beside, np.inf, low), high
 
     def front(self, hulls: Iterable[Float], skin_m: float) -> Float:
-        """Return the frontmost place in each column over some polyhedra,
-        −1000 where there is none.
-        """
+        """Return the front of some polyhedra in each column, −1000 in empty ones, shape (B, C)."""
         height = np.full(self._bc.shape[:2], -_FAR_M)
         for hull in hulls:
             low, high = self.column(hull, skin_m)
@@ -118,7 +115,7 @@ class _Grid:
         return height
 
     def sweep(self, hulls: Iterable[Float], progress: int, field: NDArray[np.uint8]) -> None:
-        """Note the progress in every cell that one of the polyhedra touches first now."""
+        """Record the progress in all cells that one of the polyhedra touches for the first time."""
         for hull in hulls:
             low, high = (end[None] for end in self.column(hull, 0.0))
             a, half = self._a[:, None, None], self._half_m

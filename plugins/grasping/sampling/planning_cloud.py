@@ -1,9 +1,8 @@
-"""The planning cloud: a stone, its neighbours and the ground under them, at one density (Mascaro
-2020, Sec. 5.2).
+"""The planning cloud: a stone, its neighbours and the ground (Mascaro 2020, Sec. 5.2).
 
-It is built in a frame of the stone's own: origin at the mean of its points, z up, x along its
-longer side. The same scene turned or shifted in the map hence gives the same numbers, and the same
-grasp.
+All points have one density. The cloud is built in a frame of the stone: origin at the mean of its
+points, z up, x along its longer side. The same scene, turned or shifted in the map, therefore gives
+the same numbers and the same grasp.
 """
 
 from dataclasses import dataclass
@@ -19,20 +18,20 @@ from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis
 from executive.geometry.voxels import voxel_means
 
-_FOOT_M = 0.15  # a stone's foot that segmentation left with the ground is at most this high …
-_REACH_M = 0.10  # … and this far from the stone's known points
-_SLAB_M, _YAWS = 0.1, 90  # half the height, and directions, in which the width is taken
-_LEVEL_M = 0.03  # what is lower than this above the ground is ground
+_FOOT_M = 0.15  # largest height of a stone's foot that segmentation classified as ground
+_REACH_M = 0.10  # largest distance of such a foot from the known points of the stone
+_SLAB_M, _YAWS = 0.1, 90  # half height of the slab, and number of directions, for the width
+_LEVEL_M = 0.03  # points lower than this above the ground belong to the ground
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanningCloud:
-    """What the gripper is tried on; all coordinates in the frame `plan` of the stone.
+    """The points that grasps are planned on, in the frame `plan` of the stone.
 
     Attributes:
         T_map_plan: Pose of that frame, shape (4, 4).
-        points: The stone's points, then neighbours and ground [m], shape (N, 3).
-        is_target: Which are the stone's, shape (N,).
+        points: Points of the stone, then those of neighbours and ground [m], shape (N, 3).
+        is_target: Mask of the stone's points, shape (N,).
         normals: Outward normals of the stone's points, shape (T, 3).
         centre: Centre of volume of the stone's convex hull [m], shape (3,).
         volume_m3: Volume of that hull.
@@ -51,8 +50,9 @@ class PlanningCloud:
 
     @property
     def body(self) -> Float:
-        """Corners of the stone's hull with its lowest points brought down to the ground, where
-        nobody saw it.
+        """Corners of the stone's hull, extended down to the ground [m], shape (V, 3).
+
+        The underside is not seen: points near the ground are projected onto it.
         """
         height = self.stone[:, 2] - self.ground.height(self.stone[:, :2])
         foot = (self.stone - height[:, None] * (0.0, 0.0, 1.0))[height < self.scale * _FOOT_M]
@@ -60,8 +60,9 @@ class PlanningCloud:
 
     @property
     def least_width_m(self) -> float:
-        """Least horizontal width of the stone about the height of its centre [m]; what nobody saw
-        is missing.
+        """Least horizontal width of the seen points near the height of the centre [m].
+
+        Parts of the stone that were not seen are missing in it.
         """
         slab = self.stone[np.abs(self.stone[:, 2] - self.centre[2]) < self.scale * _SLAB_M, :2]
         yaw = np.linspace(0.0, np.pi, _YAWS, endpoint=False)
@@ -82,16 +83,17 @@ def build_planning_cloud(
     rng: np.random.Generator,
     scale: float = 1.0,
 ) -> PlanningCloud:
-    """Crop, merge, thin and fill.
+    """Crop the map around a stone, merge the stone's model, thin, and complete the ground.
+
 
     Args:
-        stone_map: Best known surface of the stone: lidar, drone and earlier sights merged [m],
+        stone_map: Best known surface of the stone, merged from lidar, drone and earlier views [m],
             shape (T, 3).
         cloud_map: The map, the stone included [m], shape (N, 3).
-        margin_m: How far around the stone to look: as far as the open gripper reaches to either
+        margin_m: Distance around the stone that is kept: the reach of the open gripper to each
             side.
-        spacing_m: Density of the result.
-        rng: For the ground's RANSAC.
+        spacing_m: Point spacing of the result.
+        rng: Random generator of the ground's RANSAC.
         scale: Factor on the lengths of this file, see `SamplingSettings`.
 
     Raises:
@@ -120,7 +122,7 @@ def build_planning_cloud(
 def _planning_cloud(
     T_map_plan: Float, stone: Float, others: Float, ground: Ground, scale: float
 ) -> PlanningCloud:
-    """Put the parts together, with what follows from them."""
+    """Assemble the parts and compute the normals, the centre and the volume."""
     volume_m3, centre = volume_and_centroid(stone)
     return PlanningCloud(
         T_map_plan=T_map_plan,
@@ -135,8 +137,9 @@ def _planning_cloud(
 
 
 def _stone_frame(stone_map: Float) -> Float:
-    """Return T_map_plan: at the mean, x along the horizontal direction of most spread, toward its
-    longer tail.
+    """Return T_map_plan, with its origin at the mean of the points.
+
+    Its x axis is the horizontal direction of largest spread, towards the longer tail.
     """
     middle = stone_map.mean(axis=0)
     flat = (stone_map - middle)[:, :2]
@@ -146,8 +149,9 @@ def _stone_frame(stone_map: Float) -> Float:
 
 
 def _is_foot(cloud: Float, distance: Float, ground: Ground, scale: float) -> Bool:
-    """Say which points are the stone's foot: low, above the ground, near the stone; segmentation
-    took it for ground.
+    """Return which points belong to the foot of the stone, shape (N,).
+
+    They are low, above the ground and close to the stone; segmentation classified them as ground.
     """
     is_foot = distance < scale * _REACH_M
     height = cloud[is_foot, 2] - ground.height(cloud[is_foot, :2])

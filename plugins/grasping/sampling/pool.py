@@ -1,7 +1,6 @@
-"""The pool: all ways to hold a stone that sampling finds, before any ranking (Mascaro 2020, Sec.
-5.2 and 5.3).
+"""The pool: all grasps of a stone that sampling finds (Mascaro 2020, Sec. 5.2 and 5.3).
 
-Every planner of this folder, and the making of labels, draws its grasps from here.
+Grasp planners rank the pool, and the making of labels draws its grasps from it.
 """
 
 from collections import Counter
@@ -25,37 +24,36 @@ from executive.arrays import Float, Int
 from executive.config import KilogramsPerCubicMeter, Meters, Radians, Settings
 from executive.machine.gripper import Gripper
 
-_CELL_M = 0.03  # of the gripper's tables
-_SKIN_M = 0.03  # the front map is grown by this: the arm stands as precisely
+_CELL_M = 0.03  # cell of the tables of the gripper
+_SKIN_M = 0.03  # the front map is enlarged by the positioning error of the arm
 _TURN_Y_RAD, _TURN_Z_RAD = np.radians(60.0), np.radians(80.0)
-_DOWNWARD_SHIFTS = (-0.25, 0.0, 0.25)  # of the jaws' width, along it, from the stone's centre
+# Offsets of approaches straight down from the stone's centre, along the width of the jaws and as
+# shares of it.
+_DOWNWARD_SHIFTS = (-0.25, 0.0, 0.25)
 
 
 class SamplingSettings(Settings):
-    """Density, sampling and clearance; the lengths are those of a gripper that opens some two
-    metres.
-    """
+    """Density, sampling and clearance, for a gripper that opens about two metres."""
 
     scale: float = Field(
         1.0,
         gt=0,
         le=10,
-        description="Factor on all lengths of this plugin, for a gripper and stones of another "
-        "size.",
+        description="Factor on all lengths of this plugin, for other sizes of gripper and stones.",
     )
     samples: int = Field(
-        80, ge=1, le=5000, description="Points on the stone that approaches are made for."
+        80, ge=1, le=5000, description="Number of surface points for which approaches are made."
     )
     turns_about_y: int = Field(
-        5, ge=1, le=36, description="Rotations about a frame's y axis, over ±60°."
+        5, ge=1, le=36, description="Number of rotations about the y axis of a frame, over ±60°."
     )
     turns_about_z: int = Field(
-        8, ge=1, le=36, description="Rotations about a frame's z axis, over ±80°."
+        8, ge=1, le=36, description="Number of rotations about the z axis of a frame, over ±80°."
     )
     downward_yaws: int = Field(
-        36, ge=0, le=360, description="Yaws of the approaches straight down; 0 for none."
+        36, ge=0, le=360, description="Number of yaws of approaches straight down; 0 for none."
     )
-    spacing_m: Meters = Field(0.04, gt=0, description="Density of the planning cloud [m].")
+    spacing_m: Meters = Field(0.04, gt=0, description="Point spacing of the planning cloud [m].")
     frame_radius_m: Meters = Field(
         0.25, gt=0, description="Radius of the ball of a local frame (Eq. 4) [m]."
     )
@@ -63,10 +61,10 @@ class SamplingSettings(Settings):
         0.7, gt=0, le=1.6, description="Largest angle of an approach off the vertical [rad]."
     )
     stone_clearance_m: Meters = Field(
-        0.04, ge=0, description="Room between palm or open jaws and the stone [m]."
+        0.04, ge=0, description="Clearance between palm or open jaws and the stone [m]."
     )
     other_clearance_m: Meters = Field(
-        0.02, ge=0, description="Room between the gripper and anything else [m]."
+        0.02, ge=0, description="Clearance between the gripper and anything else [m]."
     )
     tips_below_centre_m: Meters = Field(
         0.02, ge=-1, le=1, description="How far the tips close below the stone's centre [m]."
@@ -80,10 +78,10 @@ class Pool:
 
     Attributes:
         R: Orientations of the gripper, shape (M, 3, 3).
-        position: Palm centres [m], shape (M, 3).
+        position: Centres of the palm [m], shape (M, 3).
         jaw_rad: Jaw angle at which the first jaw touches [rad], shape (M,).
-        costs: The paper's three costs and those of the hold, by name, each of shape (M,).
-        refused: Number of hypotheses that were refused, by reason.
+        costs: The costs of the paper and those of the hold, by name, each of shape (M,).
+        refused: Number of refused hypotheses by reason.
     """
 
     R: Float
@@ -96,13 +94,13 @@ class Pool:
         return len(self.R)
 
     def taken(self, index: Int) -> "Pool":
-        """Return the grasps of some indices, in their order."""
+        """Return the grasps at some indices, in that order."""
         costs = {name: cost[index] for name, cost in self.costs.items()}
         return Pool(self.R[index], self.position[index], self.jaw_rad[index], costs, self.refused)
 
 
 class Sampler:
-    """Makes planning clouds and pools for one gripper."""
+    """Builds planning clouds and pools for one gripper."""
 
     def __init__(self, settings: SamplingSettings, gripper: Gripper) -> None:
         self._settings = settings
@@ -110,7 +108,7 @@ class Sampler:
         self._tables: JawField | None = None
 
     def prepare(self) -> None:
-        """Tabulate the gripper and compile the loops: seconds that no plan is to wait for."""
+        """Tabulate the gripper and compile the loops, so that no plan waits for these seconds."""
         point, nothing = np.zeros((1, 3)), np.zeros(1, dtype=bool)
         push_and_close(
             self._field(),
@@ -122,19 +120,15 @@ class Sampler:
         )
 
     def scene(self, stone_map: Float, cloud_map: Float, rng: np.random.Generator) -> PlanningCloud:
-        """Build the planning cloud of a stone with the margin of the open gripper's width (Sec.
-        5.2).
-        """
-        scale, margin_m = (
-            self._settings.scale,
-            -float(self._field().origin[1]),
-        )  # half of it to either side
+        """Build the planning cloud of a stone, with a margin as wide as the gripper (Sec. 5.2)."""
+        scale = self._settings.scale
+        margin_m = -float(self._field().origin[1])  # half the width of the open gripper
         return build_planning_cloud(
             stone_map, cloud_map, margin_m, scale * self._settings.spacing_m, rng, scale
         )
 
     def pool(self, scene: PlanningCloud, rng: np.random.Generator) -> Pool:
-        """Sample approaches, push and close each, and keep what holds (Sec. 5.3)."""
+        """Sample approaches, push and close each, and keep those that hold (Sec. 5.3)."""
         s, field = self._settings, self._field()
         tried, too_steep = self._hypotheses(scene, rng)
         clearance = Clearance(
@@ -157,10 +151,10 @@ class Sampler:
         return Pool(R, position, jaw_rad, costs, refused)
 
     def _hypotheses(self, scene: PlanningCloud, rng: np.random.Generator) -> tuple[Hypotheses, int]:
-        """Return the approaches to try, and how many more were too far off the vertical.
+        """Return the approaches to try, and the number of those that were too far off the vertical.
 
-        Those straight down are an addition to the paper: they are the nominal configuration of an
-        excavator's arm.
+        Approaches straight down are an addition to the paper: they are the nominal configuration of
+        the arm of an excavator.
         """
         s, stone = self._settings, scene.stone
         at = stone[rng.choice(len(stone), min(s.samples, len(stone)), replace=False)]
@@ -169,9 +163,8 @@ class Sampler:
         R = turned_frames(local_frames(stone, scene.normals, at, s.scale * s.frame_radius_m), y, z)
         anchor = np.repeat(at, len(y) * len(z), axis=0)
         level = -R[:, :, 0] @ scene.ground.normal >= np.cos(s.max_tilt_rad)
-        down = downward_frames(
-            np.arange(s.downward_yaws) * np.pi / max(s.downward_yaws, 1)
-        )  # the jaws are alike
+        # Half a turn suffices, since the jaws are symmetric.
+        down = downward_frames(np.arange(s.downward_yaws) * np.pi / max(s.downward_yaws, 1))
         shifts = (
             self._gripper.jaw_width_m * np.array(_DOWNWARD_SHIFTS)[:, None, None] * down[:, :, 2]
         )
@@ -183,9 +176,8 @@ class Sampler:
         )
 
     def _field(self) -> JawField:
-        if (
-            self._tables is None
-        ):  # a second of work: not at construction, where a tree is only drawn
+        # Tabulating takes a second, so it is not done at construction, which drawing a tree needs.
+        if self._tables is None:
             self._tables = build_jaw_field(
                 self._gripper, self._settings.scale * _CELL_M, self._settings.scale * _SKIN_M
             )

@@ -1,4 +1,4 @@
-"""The costs of a grasp, and the order that follows from them (Mascaro 2020, Sec. 5.4)."""
+"""Costs of grasps, and the order that follows from them (Mascaro 2020, Sec. 5.4)."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
@@ -17,9 +17,9 @@ def paper_costs(R: Float, position: Float, centre: Float, ground_normal: Float) 
     Args:
         R: Orientations of the gripper; the first column is the approach, pointing away from the
             palm, shape (M, 3, 3).
-        position: The palm's centre [m], shape (M, 3).
-        centre: The stone's centre of mass: of its hull, as the mean of the visible points is drawn
-            to the sensor [m].
+        position: Centre of the palm [m], shape (M, 3).
+        centre: Centre of mass of the stone, estimated by its hull [m]; the mean of the visible
+            points is shifted towards the sensor.
         ground_normal: Unit normal of the ground, upward, shape (3,).
 
     Returns:
@@ -34,12 +34,11 @@ def paper_costs(R: Float, position: Float, centre: Float, ground_normal: Float) 
 
 
 def ranked_rounds(costs: Costs, stages: Sequence[tuple[str, int]], final: str) -> Iterator[Int]:
-    """Yield the grasps that pass all stages, the least final cost first; then the same of those
-    that are left.
+    """Yield the grasps that pass all stages, by final cost; repeat with the remaining grasps.
 
-    A stage (name, keep) passes the `keep` grasps of least cost; with fewer, all. Equal costs are
-    ordered by the costs of the other stages, then by index, so that the order is always the same.
-    Each grasp is yielded once.
+    A stage (name, keep) passes the `keep` grasps of least cost, or all if there are fewer. Equal
+    costs are ordered by the costs of the other stages, then by index, so the order is
+    deterministic. Each grasp is yielded once.
     """
     left = np.arange(len(costs[final]))
     while len(left):
@@ -49,9 +48,7 @@ def ranked_rounds(costs: Costs, stages: Sequence[tuple[str, int]], final: str) -
 
 
 def best_first(costs: Costs, stages: Sequence[tuple[str, int]], final: str, left: Int) -> Int:
-    """Return which of the indices `left` pass all stages, the least final cost first; see
-    `ranked_rounds`.
-    """
+    """Return which of the indices `left` pass all stages, by final cost; see `ranked_rounds`."""
     names = [name for name, _ in stages] + [final]
     for i, (_, keep) in enumerate(stages):
         left = np.sort(_ordered(costs, names[i:], left)[:keep])
@@ -59,26 +56,25 @@ def best_first(costs: Costs, stages: Sequence[tuple[str, int]], final: str, left
 
 
 def _ordered(costs: Costs, names: Sequence[str], left: Int) -> Int:
-    keys = [
-        left,
-        *(np.round(costs[name][left], 9) for name in reversed(names)),
-    ]  # lexsort: the last is the first key
+    # The last key of lexsort is the primary one.
+    keys = [left, *(np.round(costs[name][left], 9) for name in reversed(names))]
     return np.asarray(left[np.lexsort(keys)])
 
 
 def spread(
     order: Iterable[int], R: Float, position: Float, shift_m: float, turn_rad: float
 ) -> Iterator[int]:
-    """Yield the same indices, those first that differ from all before them: a retry is then another
-    attempt.
+    """Yield the same indices, first those that differ from all earlier ones, then the rest.
+
+    A retry with the next grasp is then a different attempt.
 
     Args:
-        order: Indices, best first; taken as they are asked for.
-        R: Orientations (M, 3, 3).
-        position: Palm centres [m], shape (M, 3).
-        shift_m: Grasps this far apart differ.
-        turn_rad: Grasps turned this far differ; a half turn about the approach is no turn, the jaws
-            are alike.
+        order: Indices, best first, consumed lazily.
+        R: Orientations, shape (M, 3, 3).
+        position: Centres of the palm [m], shape (M, 3).
+        shift_m: Grasps differ if they are this far apart.
+        turn_rad: Grasps differ if they are turned this far. A half turn about the approach does not
+            count, since the jaws are symmetric.
     """
     first: list[int] = []
     again: list[int] = []
@@ -95,7 +91,7 @@ def spread(
 
 
 def _turn(R_a: Float, R_b: Float) -> float:
-    """Return the least angle between two orientations, each also turned half about its x [rad]."""
+    """Return the least angle between two orientations, up to a half turn about x [rad]."""
     D = R_a.T @ R_b
     flipped = D[0, 0] - D[1, 1] - D[2, 2]
     return float(np.arccos(np.clip((max(np.trace(D), flipped) - 1) / 2, -1.0, 1.0)))
@@ -104,23 +100,23 @@ def _turn(R_a: Float, R_b: Float) -> float:
 def hold_costs(
     field: JawField, holds: Holds, held: Int, R: Float, centre: Float
 ) -> dict[str, Float]:
-    """Return costs of the contact between the jaws, an addition to the paper, each of shape (M,).
+    """Return costs of the contact between the jaws, each of shape (M,); an addition to the paper.
 
     Returns:
         `drag_m`: how far the closing jaws move the stone until both touch.
-        `shallow_m`: how far the closed tips stay above the stone's centre, along the approach;
-            negative is deep.
-        `twist_m`: distance of the two contacts along the jaws' width, a couple about the approach.
-        `lever_m`: horizontal distance of the centre from the line through both contacts: the stone
-            swings about it.
+        `shallow_m`: how far the closed tips stay above the stone's centre along the approach;
+            negative if they are below.
+        `twist_m`: distance of the two contacts along the width of the jaws: a couple about the
+            approach.
+        `lever_m`: horizontal distance of the centre from the line through both contacts, about
+            which the stone swings.
     """
     progress, contact = holds.progress[held], holds.contact[held]
     drag = np.abs(field.tip_b[progress[:, 0]] - field.tip_b[progress[:, 1]]) / 2
     local = np.einsum("mji,mj->mi", R, centre - holds.position[held])
     tip = field.tip_a[progress.max(axis=1)]
-    world = np.einsum("mij,msj->msi", R, contact - local[:, None])[
-        :, :, :2
-    ]  # contacts from the centre, horizontal
+    # Horizontal positions of both contacts, relative to the centre.
+    world = np.einsum("mij,msj->msi", R, contact - local[:, None])[:, :, :2]
     axis = world[:, 1] - world[:, 0]
     lever = np.abs(axis[:, 0] * world[:, 0, 1] - axis[:, 1] * world[:, 0, 0]) / np.linalg.norm(
         axis, axis=1
