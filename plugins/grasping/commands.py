@@ -1,6 +1,4 @@
-"""The verbs that grasping brings to the command line; whatever is heavy is imported when a verb
-runs.
-"""
+"""The commands that grasping adds to the command line; heavy imports are deferred to a call."""
 
 from pathlib import Path
 from typing import Annotated
@@ -15,18 +13,16 @@ _Seed = Annotated[
 
 
 def grasp_data(
-    folder: Annotated[
-        Path, typer.Argument(help="Folder of the labels; one that has some goes on.")
-    ],
+    folder: Annotated[Path, typer.Argument(help="Folder of the labels; existing ones are kept.")],
     stones: Annotated[
-        int, typer.Option(min=1, help="Number of generated stones, those there included.")
+        int, typer.Option(min=1, help="Number of stones, existing ones included.")
     ] = 600,
-    grasps: Annotated[int, typer.Option(min=2, help="Grasps of each stone that are lifted.")] = 24,
+    grasps: Annotated[int, typer.Option(min=2, help="Number of simulated lifts per stone.")] = 24,
     seed: _Seed = 1,
     machine: Annotated[
-        str, typer.Option(help="Whose gripper lifts: a shipped machine, or a folder.")
+        str, typer.Option(help="Machine whose gripper lifts: name or folder.")
     ] = "m545",
-    workers: Annotated[int, typer.Option(min=1, help="Processes at a time.")] = 1,
+    workers: Annotated[int, typer.Option(min=1, help="Number of parallel processes.")] = 1,
 ) -> None:
     """Make labels for grasp classifiers.
 
@@ -44,13 +40,13 @@ def grasp_data(
 
 def grasp_train(
     folder: Annotated[Path, typer.Argument(help="Folder of labels, from grasp-data.")],
-    out: Annotated[Path, typer.Argument(help="File of weights to write: .safetensors.")],
+    out: Annotated[Path, typer.Argument(help="Weights file to write (.safetensors).")],
     architecture: Annotated[
-        str, typer.Option(help="two_stream, or four_layer, the paper's.")
+        str, typer.Option(help="two_stream, or four_layer (the paper's).")
     ] = "two_stream",
     epochs: Annotated[int, typer.Option(min=1, help="Passes over the labels.")] = 12,
     test: Annotated[
-        Path | None, typer.Option(help="Labels of other stones, for the final figure.")
+        Path | None, typer.Option(help="Labels of other stones, for a final test.")
     ] = None,
     seed: _Seed = 1,
 ) -> None:

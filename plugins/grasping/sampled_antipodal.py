@@ -1,6 +1,4 @@
-"""Grasps without a classifier: in the paper's order, the best of them rehearsed (Mascaro 2020, Sec.
-5).
-"""
+"""Grasps in the order of the paper, with simulated lifts, without a classifier (Mascaro 2020)."""
 
 from typing import ClassVar
 
@@ -15,12 +13,13 @@ from executive.machine.machine import Machine
 
 
 class SampledAntipodalSettings(SampledPlannerSettings):
-    """Sampling, the paper's stages, reach and rehearsal."""
+    """Sampling, the stages of the paper, reach and simulated lifts."""
 
 
 class SampledAntipodal(SampledPlanner):
-    """Samples approaches on the stone, and straight down onto it; keeps what holds it, hits nothing
-    and is in reach.
+    """Samples approaches on the stone and straight down onto it.
+
+    It keeps the grasps that hold the stone, collide with nothing and are in reach.
     """
 
     Settings: ClassVar[type[Settings]] = SampledAntipodalSettings
@@ -31,7 +30,8 @@ class SampledAntipodal(SampledPlanner):
         super().__init__(settings, machine, motion)
 
     def ordered(self, scene: PlanningCloud, pool: Pool) -> Order:
-        """Return the paper's order (Sec. 5.4); nothing tells what a grasp is worth before it is
-        rehearsed.
+        """Return the order of the paper (Sec. 5.4).
+
+        The value of a grasp is unknown before its simulated lift.
         """
         return Order(self.paper_order(pool), np.zeros(len(pool)), {}, is_telling=False)

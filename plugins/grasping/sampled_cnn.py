@@ -1,8 +1,7 @@
-"""Grasps ranked by a network that has learned from physical lifts which succeed (for Mascaro 2020,
-Sec. 5.4).
+"""Grasps ranked by a network that was trained on simulated lifts (for Mascaro 2020, Sec. 5.4).
 
-torch is imported when a planner starts, not with this file: a mission is checked in two seconds
-less.
+torch is imported when a planner starts, not with this file: checking a mission is then two seconds
+faster.
 """
 
 from collections.abc import Iterator
@@ -26,36 +25,34 @@ _SHIPPED = Path(__file__).parent / "weights"
 
 
 def weights_file(name: str) -> Path:
-    """Return the file of shipped weights by their name, or else the path that the name is."""
+    """Return the file of shipped weights with a name, or else the name as a path."""
     shipped = _SHIPPED / f"m545_{name}.safetensors"
     return shipped if shipped.exists() else Path(name)
 
 
 class SampledCnnSettings(SampledPlannerSettings):
-    """Which network judges, and how its judgement is used."""
+    """The network, and how its predictions are used."""
 
     weights: str = Field(
-        "two_stream", description="two_stream or four_layer as shipped, or a safetensors file."
+        "two_stream", description="Shipped weights two_stream or four_layer, or a safetensors file."
     )
     ranking: Literal["learned", "paper"] = Field(
         "learned",
-        description="By predicted success, or the paper's stages on what is predicted to succeed.",
+        description="learned: by predicted success; paper: stages among likely successes.",
     )
     min_success: float = Field(
-        0.5, ge=0, le=1, description="Predicted success that the paper's ranking asks for."
+        0.5, ge=0, le=1, description="Least predicted success for the ranking 'paper'."
     )
     rehearsed: int = Field(
-        8, ge=0, le=500, description="Most grasps that are rehearsed on top; 0 for none."
+        8, ge=0, le=500, description="Largest number of simulated lifts per plan; 0 for none."
     )
     max_slip_m: Meters = Field(
-        1.0, gt=0, description="A grasp whose stone moves more in rehearsals is refused [m]."
+        1.0, gt=0, description="Slip in simulated lifts above which a grasp is refused [m]."
     )
 
 
 class SampledCnn(SampledPlanner):
-    """Samples as `sampled_antipodal` does, and ranks by the success that a network predicts from
-    grasp images.
-    """
+    """Samples like `sampled_antipodal`, and ranks by the success that a network predicts."""
 
     Settings: ClassVar[type[Settings]] = SampledCnnSettings
 
@@ -67,22 +64,20 @@ class SampledCnn(SampledPlanner):
         self._net: Any = None
 
     def start(self) -> None:
-        """Read the weights, and prepare what plans need.
+        """Load the weights, tabulate the gripper and compile the loops.
 
         Raises:
-            DataError: If the file cannot be used.
+            DataError: If the weights file cannot be used.
         """
         self._loaded()
         super().start()
         none, axes = np.zeros((1, 3)), np.eye(3)[None]
         draw_images(
             none, np.ones(1, dtype=bool), none, axes, none, image_cube(self._machine.gripper)
-        )  # compiles
+        )  # compiles the loops
 
     def ordered(self, scene: PlanningCloud, pool: Pool) -> Order:
-        """Return the pool by predicted success, or by the paper's stages on what is predicted to
-        succeed.
-        """
+        """Return the pool by predicted success, or likely successes in the order of the paper."""
         from executive_plugins.grasping.classifier.outcome_net import success
 
         likely = success(self._loaded(), features_of(scene, pool, self._machine.gripper))
@@ -99,13 +94,13 @@ class SampledCnn(SampledPlanner):
     def _paper_first(
         self, pool: Pool, is_accepted: Bool, by_success: Iterator[int]
     ) -> Iterator[int]:
-        """Yield what is accepted in the paper's order; then the others, the likeliest first."""
+        """Yield the accepted grasps in the order of the paper, then the others by success."""
         accepted = np.flatnonzero(is_accepted)
         yield from (int(accepted[i]) for i in self.paper_order(pool.taken(accepted)))
         yield from (i for i in by_success if not is_accepted[i])
 
     def _loaded(self) -> Any:
-        """Return the network, a `FourLayer` or a `TwoStream`."""
+        """Return the network, a `FourLayer` or a `TwoStream`; load it at the first call."""
         from executive_plugins.grasping.classifier.outcome_net import load_net
 
         if self._net is None:

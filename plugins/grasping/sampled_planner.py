@@ -1,6 +1,4 @@
-"""The plan of every sampling planner: pool, order, reach, way in, rehearsal (Mascaro 2020,
-Sec. 5).
-"""
+"""The plan of all sampling planners: pool, order, feasibility, lift (Mascaro 2020, Sec. 5)."""
 
 from abc import abstractmethod
 from collections import Counter
@@ -29,57 +27,57 @@ from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp, GraspPlan
 from executive.messages.stone import Stone
 
-_ROOM_IN_CLOUD_M = 0.01  # a point deeper than this in the open gripper refuses a grasp
-_FEW_POINTS = 20  # fewer say nothing about a stone's shape
-# Friction of steel on stone, and offsets in the gripper's frame [m]: as planned, and with margins
-# for both.
+_ROOM_IN_CLOUD_M = 0.01  # a point deeper than this in the open gripper is a collision
+_FEW_POINTS = 20  # with fewer points the shape of a stone is unknown
+# Friction of steel on stone, and offset in the gripper frame [m] of each simulated lift: nominal,
+# then two with a position error.
 _VARIANTS = ((0.45, (0.0, 0.0, 0.0)), (0.55, (-0.03, 0.0, 0.04)), (0.55, (-0.03, 0.0, -0.04)))
-_PUSH_WEIGHT = 0.2  # of what the jaws move while they close, against what slips from them
-_FIRM_M, _ENOUGH = 0.05, 4  # no more rehearsals when this many grasps cost less than this
+_PUSH_WEIGHT = 0.2  # weight of the motion by the closing jaws relative to the slip
+_FIRM_M, _ENOUGH = 0.05, 4  # stop simulating once this many grasps have at most this cost
 _SPREAD_M, _SPREAD_RAD = 0.10, np.radians(20.0)
 
 
 class SampledPlannerSettings(SamplingSettings):
-    """Sampling, the paper's stages, reach and rehearsal."""
+    """Sampling, the stages of the paper, reach and simulated lifts."""
 
     approach_m: Meters = Field(
-        0.8, ge=0, description="Straight way down to a grasp that must be free and in reach [m]."
+        0.8, ge=0, description="Length of the straight descent to a grasp, free and in reach [m]."
     )
     overload: float = Field(
-        1.15, ge=1, description="Estimated mass over payload that is refused; a hull is too large."
+        1.15, ge=1, description="Refused ratio of mass to payload; above 1, as a hull is too large."
     )
     keep_aligned: int = Field(
-        40, ge=1, description="Grasps that pass the ranking by alignment (Sec. 5.4)."
+        40, ge=1, description="Number of grasps that pass the ranking by alignment (Sec. 5.4)."
     )
     keep_enclosing: int = Field(
-        20, ge=1, description="Grasps that pass the ranking by enclosing (Sec. 5.4)."
+        20, ge=1, description="Number of grasps that pass the ranking by enclosing (Sec. 5.4)."
     )
     rehearsed: int = Field(
-        32, ge=0, le=500, description="Most lifts that are rehearsed; 0: the order stays."
+        32, ge=0, le=500, description="Largest number of simulated lifts; with 0 the order is kept."
     )
     max_slip_m: Meters = Field(
-        0.3, gt=0, description="A grasp whose stone moves more in rehearsals is refused [m]."
+        0.3, gt=0, description="Slip in simulated lifts above which a grasp is refused [m]."
     )
-    max_grasps: int = Field(8, ge=1, description="Most grasps that are returned.")
+    max_grasps: int = Field(8, ge=1, description="Largest number of grasps returned.")
 
     @model_validator(mode="after")
     def _check_scale(self) -> "SampledPlannerSettings":
         if self.scale != 1 and self.rehearsed:
             raise ValueError(
-                "rehearsals know machines of full size only: with a scale, set rehearsed: 0"
+                "simulated lifts support machines of full size only: with a scale, set rehearsed: 0"
             )
         return self
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Order:
-    """In what order the M grasps of a pool are tried.
+    """The order in which the M grasps of a pool are tried.
 
     Attributes:
-        indices: Best first; taken as they are asked for.
-        worth: What the score of each begins with, shape (M,).
+        indices: Best first, consumed lazily.
+        worth: First term of the score of each grasp, shape (M,).
         costs: Further costs by name, each of shape (M,).
-        is_telling: Whether the worth tells enough of a grasp to return it unrehearsed.
+        is_telling: Whether the worth is reliable enough to return a grasp without a simulated lift.
     """
 
     indices: Iterable[int]
@@ -89,9 +87,9 @@ class Order:
 
 
 class SampledPlanner(GraspPlanner):
-    """Samples ways to hold a stone, orders them, and returns the first that are free and in reach.
+    """Samples grasps of a stone, orders them, and returns the first that are feasible.
 
-    What tells the planners apart is `ordered`.
+    Subclasses implement the order in `ordered`.
     """
 
     latency_s: ClassVar[dict[str, float]] = {"plan": 1.5}
@@ -106,17 +104,17 @@ class SampledPlanner(GraspPlanner):
         self._sampler = Sampler(settings, machine.gripper)
 
     def start(self) -> None:
-        """Tabulate and compile what plans need."""
+        """Tabulate the gripper and compile the loops that plans need."""
         self._sampler.prepare()
 
     @abstractmethod
     def ordered(self, scene: PlanningCloud, pool: Pool) -> Order:
-        """Return in what order the grasps of a pool are tried."""
+        """Return the order in which the grasps of a pool are tried."""
 
     def plan(
         self, target: Stone, cloud: Cloud, T_map_base: Float, rng: np.random.Generator
     ) -> GraspPlan:
-        """Plan grasps, best first; empty with reasons if the stone cannot be held.
+        """Plan grasps, best first; the plan is empty, with reasons, if the stone cannot be held.
 
         Raises:
             DataError: If the cloud is not in the map.
@@ -143,8 +141,9 @@ class SampledPlanner(GraspPlanner):
         return GraspPlan(grasps, {reason: n for reason, n in sorted(refused.items()) if n})
 
     def paper_order(self, pool: Pool) -> Iterator[int]:
-        """Yield the indices of a pool by the paper's stages (Sec. 5.4); those left over go through
-        them again.
+        """Yield the indices of a pool in the order of the paper's stages (Sec. 5.4).
+
+        Grasps that do not pass the stages go through them again after the others.
         """
         s = self._settings
         stages = [("align_rad", s.keep_aligned), ("enclose_m", s.keep_enclosing)]
@@ -155,11 +154,10 @@ class SampledPlanner(GraspPlanner):
     def _chosen(
         self, scene: PlanningCloud, pool: Pool, T_map_base: Float, refused: Counter[str]
     ) -> tuple[Grasp, ...]:
-        """Rehearse the first that the arm comes to, and rank them by what they are worth less how
-        far they slip.
+        """Simulate lifts of the first feasible grasps, and rank them by worth less slip.
 
-        Those that are worth no more than what others have left after their rehearsal are spared
-        theirs.
+        A grasp is not simulated if its worth is at most the score that another one has after its
+        lift.
         """
         s, gripper = self._settings, self._machine.gripper
         mass_kg = scene.volume_m3 * s.density
@@ -185,9 +183,7 @@ class SampledPlanner(GraspPlanner):
                     name: float(values[i])
                     for name, values in (*pool.costs.items(), *order.costs.items())
                 }
-                score = (
-                    float(order.worth[i]) - cost / FALLEN_M
-                )  # a stone that falls is worth nothing
+                score = float(order.worth[i]) - cost / FALLEN_M  # a fallen stone costs 1
                 best = max(best, score)
                 grasps.append(Grasp(T_map_gripper, gripper.max_opening_m, score, named | lifted))
             is_settled = (
@@ -195,7 +191,7 @@ class SampledPlanner(GraspPlanner):
             )
             if is_settled or tried == max(s.rehearsed, s.max_grasps):
                 break
-        grasps.sort(key=lambda grasp: -grasp.score)  # stable: equals keep their order
+        grasps.sort(key=lambda grasp: -grasp.score)  # stable: equal scores keep their order
         return tuple(grasps[: s.max_grasps])
 
     def _attainable(
@@ -206,13 +202,14 @@ class SampledPlanner(GraspPlanner):
         T_map_base: Float,
         refused: Counter[str],
     ) -> Iterator[tuple[int, Float]]:
-        """Yield index and T_map_gripper of grasps with a free way in that the arm comes to, in the
-        order given.
+        """Yield index and T_map_gripper of the feasible grasps, in the given order.
+
+        Feasible means: in reach of the arm, with a free approach path.
         """
         gripper, scale, up = self._machine.gripper, self._settings.scale, scene.ground.normal
         approach_m, room_m = scale * self._settings.approach_m, scale * _ROOM_IN_CLOUD_M
         mass_kg = scene.volume_m3 * self._settings.density / self._settings.overload
-        approach, recheck = ApproachPath(gripper, scale), FclCheck(gripper, room_m)
+        approach, fcl_check = ApproachPath(gripper, scale), FclCheck(gripper, room_m)
         for i in spread(order, pool.R, pool.position, scale * _SPREAD_M, _SPREAD_RAD):
             T_plan_gripper = pose(pool.R[i], pool.position[i])
             T_map_gripper = self._arm.reached(
@@ -224,7 +221,7 @@ class SampledPlanner(GraspPlanner):
                 refused["too_heavy_at_radius"] += 1
             elif not approach.is_free(scene.points, T_plan_gripper, up, approach_m, room_m):
                 refused["approach_blocked"] += 1
-            elif not recheck.is_free(scene.points, T_plan_gripper):
+            elif not fcl_check.is_free(scene.points, T_plan_gripper):
                 refused["gripper_in_cloud"] += 1
             else:
                 yield i, T_map_gripper
@@ -232,10 +229,9 @@ class SampledPlanner(GraspPlanner):
     def _rehearsed(
         self, simulated_lift: SimulatedLift, T_plan_gripper: Float, jaw_rad: float
     ) -> dict[str, float]:
-        """Return `slip_m`, how far the stone moves in the jaws, and `push_m`, how far they move it
-        before.
+        """Return mean `slip_m` and `push_m` of simulated lifts at and around a pose.
 
-        Both are means over rehearsals at and about the pose.
+        `slip_m` is how far the stone moves in the jaws, `push_m` how far the closing jaws move it.
         """
         if not self._settings.rehearsed:
             return {}
@@ -245,7 +241,7 @@ class SampledPlanner(GraspPlanner):
                 simulated_lift.lift(T_plan_gripper @ pose(t=np.array(offset)), jaw_rad, friction)
             )
             if lifts[0].slip_m >= FALLEN_M:
-                break  # hopeless: spare the variants
+                break  # the stone falls even in the nominal lift
         slip_m, push_m = (
             float(np.mean(values))
             for values in zip(*((x.slip_m, x.drag_m) for x in lifts), strict=True)

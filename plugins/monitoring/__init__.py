@@ -1,1 +1,1 @@
-"""monitoring plugins."""
+"""Plugins that watch a held stone."""

@@ -1,5 +1,6 @@
-"""Slip of a held stone, seen by the jaws' encoder: they press on, so what gives way lets them close
-further.
+"""Slip of a held stone, detected by the jaws' encoder.
+
+The jaws keep pressing, so they close further when the stone gives way.
 """
 
 from collections import deque
@@ -15,57 +16,62 @@ from executive.machine.machine import Machine
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Trouble, Verdict
 
-_SMOOTHING_S = 0.2
-_MOVING = 0.02  # [rad/s] or [m/s]: ten times the noise of a measured velocity
+_SMOOTHING_S = 0.2  # span of the median
+_MOVING = 0.02  # ten times the noise of a measured velocity [rad/s] or [m/s]
 
 
 class JawSlipSettings(Settings):
-    """How far jaws may close before a stone counts as slipping. All lengths are of the opening
-    between the tips.
-    """
+    """When closing jaws count as slip. All lengths are openings between the tips."""
 
     slip: Meters = Field(
-        0.015, gt=0, le=0.5, description="Closing within the window that is slip [m]."
+        0.015, gt=0, le=0.5, description="Closing within the window that counts as slip [m]."
     )
     window: Seconds = Field(
-        5.0, gt=0, le=60, description="Window of the closing; slower creep is settling [s]."
+        5.0, gt=0, le=60, description="Length of the window; slower closing counts as settling [s]."
     )
     creep: Meters = Field(
-        0.06, gt=0, le=0.5, description="Closing since the stone settled that is slip anyway [m]."
+        0.06,
+        gt=0,
+        le=0.5,
+        description="Closing since the stone has settled that counts as slip [m].",
     )
     lift_settle: Seconds = Field(
-        3.0, ge=0, le=30, description="The stone settles for so long after the arm moves [s]."
+        3.0,
+        ge=0,
+        le=30,
+        description="Time in which the stone settles after the arm first moves [s].",
     )
     lift_slip: Meters = Field(
-        0.3, gt=0, le=1, description="Closing that is slip until the stone has settled [m]."
+        0.3, gt=0, le=1, description="Closing that counts as slip before the stone has settled [m]."
     )
-    empty: Meters = Field(0.1, ge=0, le=1, description="Jaws closer than this hold nothing [m].")
+    empty: Meters = Field(
+        0.1, ge=0, le=1, description="Opening below which the jaws hold nothing [m]."
+    )
     confirm: Seconds = Field(
-        0.25, ge=0, le=5, description="How long trouble must last before it is told [s]."
+        0.25, ge=0, le=5, description="Time for which trouble must last before it is reported [s]."
     )
 
 
 @dataclass(eq=False)
 class _Hold:
-    """What is remembered of one hold."""
+    """State of one hold."""
 
     median: RunningMedian = field(default_factory=lambda: RunningMedian(_SMOOTHING_S))
-    openings: deque[tuple[float, float]] = field(
-        default_factory=deque
-    )  # (stamp, smoothed opening) over the window
-    first_m: float | None = None  # opening at the start, and anew once the stone has settled
-    settled_s: float = np.inf  # when the stone will have settled in the lift
+    # (stamp [s], smoothed opening [m]) over the window.
+    openings: deque[tuple[float, float]] = field(default_factory=deque)
+    first_m: float | None = None  # opening at the start, taken again once the stone has settled
+    settled_s: float = np.inf  # time at which the stone will have settled in the lift
     has_settled: bool = False
-    trouble_s: float | None = None  # since when something is wrong
+    trouble_s: float | None = None  # time at which trouble began
 
 
 class JawSlip(Monitor):
-    """Compares the jaws' opening with what it was a few seconds ago and at first (Mascaro 2020,
-    Sec. 6.3).
+    """Compares the opening of the jaws with that of some seconds ago and of the start of the hold.
 
-    The paper gives no figures. Ours: the encoder's noise is half a millimetre of opening. Of 512
-    lifts by the simulated arm, 16 of 18 in which the jaws closed by 12–30 cm as the stone left the
-    ground held it afterwards, 5 of 10 by 30–50 cm, none by more; a settled stone gives way by 2 mm.
+    The method is that of Mascaro 2020, Sec. 6.3, which gives no figures. Ours: the noise of the
+    encoder is half a millimetre of opening. In 512 lifts by the simulated arm, 16 of 18 stones were
+    held after the jaws had closed by 12–30 cm as the stone left the ground, 5 of 10 after 30–50 cm,
+    and none after more; a settled stone gives way by 2 mm.
     """
 
     Settings = JawSlipSettings
@@ -104,9 +110,7 @@ class JawSlip(Monitor):
         return self._machine.gripper.opening_m(sample.of(self._machine.jaw.name)[0])
 
     def _follow_lift(self, hold: _Hold, sample: JointSample) -> None:
-        """Note when the arm first moves, and take the measure anew once the stone has settled after
-        that.
-        """
+        """Note when the arm first moves; restart the comparison once the stone has settled."""
         is_moving = any(abs(sample.of(name)[1]) > _MOVING for name in self._machine.arm_names)
         if is_moving and hold.settled_s == np.inf:
             hold.settled_s = sample.stamp_s + self._settings.lift_settle

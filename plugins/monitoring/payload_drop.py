@@ -1,4 +1,4 @@
-"""A dropped stone, seen by the arm's efforts: the weight is gone."""
+"""A dropped stone, detected by a loss of weight in the efforts of the arm."""
 
 from collections import deque
 from dataclasses import dataclass, field
@@ -14,62 +14,67 @@ from executive.machine.machine import Machine
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Trouble, Verdict
 
-_VELOCITY_S = 0.2  # smoothing of measured velocities, to tell accelerations
-_SINKING_M_S = 0.02
-_PRESSING = 0.2  # share of the carried mass
+_VELOCITY_S = 0.2  # time constant of the velocities from which accelerations are derived
+_SINKING_M_S = 0.02  # downward speed of the grasp centre that counts as sinking
+_PRESSING = 0.2  # share of the carried mass; less than its negative means that the arm presses down
 
 
 class PayloadDropSettings(Settings):
-    """When a loss of weight is a drop."""
+    """When a loss of weight counts as a drop."""
 
     smoothing: Seconds = Field(
-        0.3, gt=0, le=5, description="Time constant of the weighed mass [s]."
+        0.3, gt=0, le=5, description="Time constant of the estimated mass [s]."
     )
     carried: Kilograms = Field(
-        250.0, gt=0, description="Mass from which something counts as carried [kg]."
+        250.0, gt=0, description="Mass from which a stone counts as carried [kg]."
     )
     loss: float = Field(
-        0.5, gt=0, lt=1, description="Share of the carried mass whose loss is a drop."
+        0.5, gt=0, lt=1, description="Share of the carried mass whose loss counts as a drop."
     )
-    sudden: Seconds = Field(3.0, gt=0, le=60, description="A loss within this time is sudden [s].")
+    sudden: Seconds = Field(
+        3.0, gt=0, le=60, description="A loss within this time counts as sudden [s]."
+    )
     confirm: Seconds = Field(
-        0.4, ge=0, le=5, description="How long the loss must last before it is told [s]."
+        0.4, ge=0, le=5, description="Time for which the loss must last before it is reported [s]."
     )
     steady: float = Field(
         0.6,
         gt=0,
         le=5,
-        description="Share of the acceleration limits up to which weighing is valid.",
+        description="Share of the acceleration limits up to which the mass is estimated.",
     )
     touch_down: Seconds = Field(
-        3.0, ge=0, le=60, description="After sinking, a loss may be the ground's support [s]."
+        3.0,
+        ge=0,
+        le=60,
+        description="Time after sinking in which the ground may carry the stone [s].",
     )
     jaw_closing: Meters = Field(
-        0.05, gt=0, le=1, description="Closing of the tips that tells a drop from support [m]."
+        0.05, gt=0, le=1, description="Closing of the tips that shows a drop during set-down [m]."
     )
 
 
 @dataclass(eq=False)
 class _Hold:
-    """What is remembered of one hold."""
+    """State of one hold."""
 
     mass: LowPass
     velocity: LowPass = field(default_factory=lambda: LowPass(_VELOCITY_S))
     carried_kg: float = 0.0
-    carried_s: float = 0.0  # when the weight was last there
-    openings: deque[tuple[float, float]] = field(
-        default_factory=deque
-    )  # (stamp, jaws' opening) while it was there
-    sinking_s: float = -np.inf  # when the gripper last went down
-    lost_s: float | None = None  # since when the weight is gone
+    carried_s: float = 0.0  # last time at which the weight was present
+    # (stamp [s], opening of the jaws [m]) while the weight was present.
+    openings: deque[tuple[float, float]] = field(default_factory=deque)
+    sinking_s: float = -np.inf  # last time at which the gripper moved down
+    lost_s: float | None = None  # time at which the weight was lost
 
 
 class PayloadDrop(Monitor):
-    """Weighs what is held and tells when most of it is suddenly gone (Mascaro 2020, Sec. 6.3).
+    """Estimates the held mass, and reports when most of it is suddenly gone.
 
-    Samples during strong accelerations are left out: the weight is that of a machine at rest. Our
-    own addition: a stone that is set down loses its weight to the ground, too, so that a loss in or
-    soon after a downward motion counts only if the jaws have closed as well.
+    The method is that of Mascaro 2020, Sec. 6.3. Samples during strong accelerations are skipped,
+    since the estimate assumes an arm at rest. An addition of ours: the ground also takes the weight
+    of a stone that is set down. A loss during or soon after a downward motion therefore counts only
+    if the jaws have closed as well.
     """
 
     Settings = PayloadDropSettings
@@ -120,7 +125,7 @@ class PayloadDrop(Monitor):
         return bool((np.abs(rate) <= self._settings.steady * self._machine.max_acceleration).all())
 
     def _follow_weight(self, hold: _Hold, now_s: float, mass_kg: float, opening_m: float) -> None:
-        """Note the largest weight, since when most of it is gone, and how the jaws stood before."""
+        """Update the largest weight, when most of it was lost, and the openings before that."""
         settings = self._settings
         if mass_kg > (1 - settings.loss / 2) * hold.carried_kg:
             hold.carried_kg, hold.carried_s = max(hold.carried_kg, mass_kg), now_s
@@ -128,9 +133,8 @@ class PayloadDrop(Monitor):
             while now_s - hold.openings[0][0] > settings.sudden:
                 hold.openings.popleft()
         if mass_kg < -_PRESSING * hold.carried_kg:
-            hold.sinking_s = (
-                now_s  # less than nothing: the arm leans on the ground, on which the stone stands
-            )
+            # A negative mass: the arm presses on the ground, which carries the stone.
+            hold.sinking_s = now_s
         is_lost = (
             hold.carried_kg >= settings.carried and mass_kg < (1 - settings.loss) * hold.carried_kg
         )
@@ -142,6 +146,8 @@ class PayloadDrop(Monitor):
     def _is_drop(self, hold: _Hold, opening_m: float) -> bool:
         lost_s = np.inf if hold.lost_s is None else hold.lost_s
         is_sudden = lost_s - hold.carried_s < self._settings.sudden
-        may_stand = lost_s - hold.sinking_s < self._settings.touch_down
+        may_be_supported = lost_s - hold.sinking_s < self._settings.touch_down
         widest_m = max((opening for _, opening in hold.openings), default=opening_m)
-        return is_sudden and (not may_stand or widest_m - opening_m > self._settings.jaw_closing)
+        return is_sudden and (
+            not may_be_supported or widest_m - opening_m > self._settings.jaw_closing
+        )

@@ -1,4 +1,4 @@
-"""What the gripper carries, weighed by the efforts of the arm's joints, on Pinocchio."""
+"""The mass in the gripper, estimated from the efforts of the arm joints with Pinocchio."""
 
 import numpy as np
 import pinocchio as pin
@@ -12,8 +12,9 @@ from executive.messages.joints import JointSample
 
 
 class PayloadScale:
-    """Weighs by comparing measured efforts with the gravity of the empty machine; valid while the
-    arm is steady.
+    """Compares measured efforts with those that hold the empty machine.
+
+    The result is valid while the arm does not accelerate.
     """
 
     def __init__(self, machine: Machine) -> None:
@@ -28,11 +29,11 @@ class PayloadScale:
         self._mirror = self._model.joints[self._model.getJointId(machine.jaw.mirror_name)]
 
     def weigh(self, sample: JointSample) -> float:
-        """Return the mass in the gripper [kg] that explains the efforts best; noise may make it
-        negative.
+        """Return the mass in the gripper [kg] that explains the efforts best.
 
-        The least-squares fit leaves the effort unscaled, so that the joints of the longest levers
-        decide: to them it matters least where between the jaws the stone sits.
+        Noise may make it negative. The least-squares fit does not scale the efforts, so the joints
+        with the longest levers have the largest weight; they depend least on where the stone is
+        between the jaws.
         """
         q, effort = self._arranged(sample)
         lever = self.lever(q[:-1])
@@ -40,25 +41,23 @@ class PayloadScale:
         return float(lever @ missing / max(float(lever @ lever), 1e-9))
 
     def lever(self, q_arm: Float) -> Float:
-        """Return what a kilogram at the grasp's centre asks of each arm joint [N·m/kg] or [N/kg],
-        shape (n,).
-        """
+        """Return the effort per kilogram at the grasp centre, [N·m/kg] or [N/kg], shape (n,)."""
         J = self._kinematics.jacobian(q_arm)
         arm = self._kinematics.gripper(q_arm)[:3, :3] @ self._machine.gripper.grasp_centre
         vertical = J[2] + J[3] * arm[1] - J[4] * arm[0]  # z row of v + ω × arm
         return np.asarray(GRAVITY_M_S2 * vertical)
 
     def empty_effort(self, q: Float) -> Float:
-        """Return the efforts that hold the empty machine still, of the arm's joints, shape (n,).
+        """Return the efforts of the arm joints that hold the empty machine still, shape (n,).
 
         Args:
-            q: Positions of the arm's joints, then of the jaw, shape (n + 1,).
+            q: Positions of the arm joints, then of the jaw, shape (n + 1,).
         """
         gravity = pin.computeGeneralizedGravity(self._model, self._data, self._configuration(q))
         return np.array([gravity[joint.idx_v] for joint in self._joints[:-1]])
 
     def rise_m_s(self, sample: JointSample) -> float:
-        """Return the vertical speed of the grasp's centre [m/s]."""
+        """Return the vertical speed of the grasp centre [m/s]."""
         q, _ = self._arranged(sample)
         velocity = np.array([sample.of(name)[1] for name in self._machine.arm_names])
         return float(self.lever(q[:-1]) @ velocity / GRAVITY_M_S2)
@@ -70,7 +69,7 @@ class PayloadScale:
     def _configuration(self, q: Float) -> Float:
         full = pin.neutral(self._model)
         for joint, value in zip([*self._joints, self._mirror], [*q, q[-1]], strict=True):
-            if joint.nq == 2:  # Pinocchio holds a continuous joint as (cos, sin)
+            if joint.nq == 2:  # Pinocchio represents a continuous joint by (cos, sin)
                 full[joint.idx_q], full[joint.idx_q + 1] = np.cos(value), np.sin(value)
             else:
                 full[joint.idx_q] = value

@@ -1,4 +1,4 @@
-"""Smoothing of sampled signals over time."""
+"""Filters of sampled signals over time."""
 
 import math
 from collections import deque
@@ -9,7 +9,7 @@ from executive.arrays import Float
 
 
 class RunningMedian:
-    """Median over the last moments: a spike does not move it."""
+    """Median over a time span; single outliers have no effect."""
 
     def __init__(self, span_s: float) -> None:
         self._span_s = span_s
@@ -17,7 +17,7 @@ class RunningMedian:
         self._samples: deque[tuple[float, float]] = deque()
 
     def add(self, stamp_s: float, value: float) -> float | None:
-        """Take a sample; return the median, or None until the span is covered."""
+        """Add a sample; return the median, or None until the span is covered."""
         self._first_s = stamp_s if self._first_s is None else self._first_s
         self._samples.append((stamp_s, value))
         while stamp_s - self._samples[0][0] > self._span_s:
@@ -28,7 +28,7 @@ class RunningMedian:
 
 
 class LowPass:
-    """First-order low-pass of a vector signal with uneven sampling."""
+    """First-order low-pass filter of a vector signal with uneven sampling."""
 
     def __init__(self, time_constant_s: float) -> None:
         self._time_constant_s = time_constant_s
@@ -36,7 +36,7 @@ class LowPass:
         self._value: Float | None = None
 
     def add(self, stamp_s: float, value: Float) -> tuple[Float, Float]:
-        """Take a sample; return the smoothed signal and its rate of change."""
+        """Add a sample; return the filtered signal and its rate of change."""
         if self._value is None:
             self._stamp_s, self._value = stamp_s, np.array(value)
             return self._value, np.zeros_like(self._value)

@@ -1,1 +1,1 @@
-"""objects plugins."""
+"""Plugins that keep the database of stones."""

@@ -1,4 +1,4 @@
-"""Which segment is which known stone."""
+"""Association of segments with known stones."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from scipy.optimize import linear_sum_assignment
 from executive.messages.segment import Segment
 from executive.messages.stone import Stone
 
-_FORBIDDEN = 1e6
+_FORBIDDEN = 1e6  # cost of an impossible pair [m]
 
 
 def associate(
@@ -18,15 +18,15 @@ def associate(
     reaches_m: Sequence[float],
     max_ratio: float,
 ) -> list[int]:
-    """Pair segments with stones, one to one, of least distance in sum.
+    """Assign segments to stones, one to one, with the least sum of distances.
 
     Args:
-        segments: What is seen.
-        stones: What may be seen.
-        reaches_m: How far each stone may be from where it is believed to be [m].
-        max_ratio: Largest ratio of the diagonals of a pair's boxes: two merged stones are not one
-            that has grown. For a stone out of reach of half its own diagonal the ratio holds both
-            ways: a pebble is not the stone that fell.
+        segments: The segments of a view.
+        stones: The stones that may be among them.
+        reaches_m: Largest distance of each stone from its stored position [m].
+        max_ratio: Largest ratio of the box diagonals of a pair: two merged stones are not one stone
+            that has grown. For a stone farther away than half its own diagonal the inverse ratio is
+            bounded as well: a pebble is not the stone that fell.
 
     Returns:
         For each segment the row of its stone, or −1.
@@ -49,8 +49,10 @@ def associate(
 
 
 def _distance_m(segment: Segment, stone: Stone) -> float:
-    """Return the distance of centroids; a stone seen from one side has its centroid off, so boxes
-    count as well [m].
+    """Return the distance of a segment from a stone [m].
+
+    The centroid of a stone that is seen from one side is biased, so the smaller of the distances of
+    centroids and of box centres counts.
     """
     boxes = box_centre(segment.points) - box_centre(stone.points_map)
     means = np.linalg.norm(segment.centroid - stone.centroid_map)

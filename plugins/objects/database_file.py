@@ -1,4 +1,4 @@
-"""The SQLite file under the object database: opened, shared, and changed in whole transactions."""
+"""The SQLite file of the object database: opening, sharing, and transactions."""
 
 import sqlite3
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from executive.errors import ConfigError, DataError
 
 
 def open_file(path: str, read_only: bool) -> sqlite3.Connection:
-    """Open or create a database; one that is only read may be written by another process meanwhile.
+    """Open or create a database; a read-only one may be written by another process meanwhile.
 
     Raises:
         ConfigError: If its folder does not exist, it cannot be written, or there is none to read.
@@ -23,15 +23,14 @@ def open_file(path: str, read_only: bool) -> sqlite3.Connection:
         if read_only:
             check(connection, path)
         else:
-            connection.execute(
-                "PRAGMA journal_mode = WAL"
-            )  # readers do not wait for the writer, nor it for them
-            connection.execute("PRAGMA synchronous = FULL")  # what returned is on the disk
+            # With a write-ahead log, readers and the writer do not wait for each other.
+            connection.execute("PRAGMA journal_mode = WAL")
+            connection.execute("PRAGMA synchronous = FULL")  # a finished change is on the disk
             connection.execute("PRAGMA foreign_keys = ON")
             create_or_check(connection, path)
     except sqlite3.DatabaseError as error:
         connection.close()
-        raise DataError(f"{path} is no object database: {error}") from error
+        raise DataError(f"{path} is not an object database: {error}") from error
     except DataError:
         connection.close()
         raise
@@ -40,7 +39,7 @@ def open_file(path: str, read_only: bool) -> sqlite3.Connection:
 
 @contextmanager
 def transaction(connection: sqlite3.Connection) -> Iterator[sqlite3.Connection]:
-    """Make changes all together or, if anything fails, not at all."""
+    """Apply all changes of the block, or none if anything fails."""
     connection.execute("BEGIN IMMEDIATE")
     try:
         yield connection
@@ -63,14 +62,12 @@ def _connect_to_write(path: str) -> sqlite3.Connection:
 
 def _connect_to_read(path: str) -> sqlite3.Connection:
     if not Path(path).is_file():
-        raise ConfigError(f"no object database {path}: give the folder of a run that knows stones")
+        raise ConfigError(f"no object database {path}: give the folder of a run with stones")
     address = f"{Path(path).absolute().as_uri()}?mode=ro"
-    # A reader of a log-ahead file writes beside it. Where it cannot (an archive), the file may be
-    # taken as it is, unless a mission left changes in the log.
-    beside = Path(f"{path}-wal")
-    for options in (
-        ("", "&immutable=1") if not beside.exists() or not beside.stat().st_size else ("",)
-    ):
+    # A reader of a database with a write-ahead log creates files next to it. Where that is not
+    # possible (an archive), the file is opened as immutable, unless the log holds changes.
+    log = Path(f"{path}-wal")
+    for options in ("", "&immutable=1") if not log.exists() or not log.stat().st_size else ("",):
         connection = sqlite3.connect(
             address + options, uri=True, isolation_level=None, check_same_thread=False
         )
@@ -80,10 +77,10 @@ def _connect_to_read(path: str) -> sqlite3.Connection:
             connection.close()
             refusal = error
         except sqlite3.DatabaseError:
-            return connection  # another kind of file: the caller says so
+            return connection  # another kind of file: the caller reports it
         else:
             return connection
     raise ConfigError(
-        f"cannot read the object database {path}: {refusal}; copy its folder to where "
-        "it can be written"
+        f"cannot read the object database {path}: {refusal}; copy its folder to a place that can "
+        "be written"
     )

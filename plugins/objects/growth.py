@@ -1,4 +1,4 @@
-"""Whether a view belongs to a stone's model, and what the model is afterwards."""
+"""Whether a view fits the model of a stone, and the model after merging it."""
 
 from dataclasses import dataclass
 
@@ -9,19 +9,19 @@ from scipy.spatial import cKDTree
 from executive.arrays import Float
 from executive.geometry.voxels import voxel_means
 
-_DRAWS = 20
-_COARSER = 1.26  # twice the volume of a cell
+_ITERATIONS = 20
+_COARSER = 1.26  # doubles the volume of a cell
 
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """How a view lies on a model.
+    """How well a view fits a model.
 
     Attributes:
-        share: Share of one's points that are near the other, of the two shares the larger: a
-            half-seen stone lies wholly on the whole stone, but not vice versa.
+        share: Share of the points of one that are near the other; the larger of both directions,
+            since a partial view lies wholly on the whole stone, but not vice versa.
         rmse_m: Root mean square distance of those points [m].
-        growth: Diagonal of both together over the model's.
+        growth: Box diagonal of both together over that of the model.
     """
 
     share: float
@@ -35,43 +35,39 @@ class Fit:
 
 
 def fit_of(model: Float, view: Float, distance_m: float) -> Fit:
-    """Measure a view (M, 3) against a model (N, 3), both in one frame [m]; points count as near up
-    to a distance.
-    """
-    ways = []
+    """Compare a view (M, 3) with a model (N, 3) in one frame [m]; nearer than a distance counts."""
+    directions = []
     for surface, points in ((model, view), (view, model)):
         distances = cKDTree(surface).query(points, distance_upper_bound=distance_m)[0]
         near = distances[np.isfinite(distances)]
         rmse_m = float(np.sqrt(np.mean(near**2))) if len(near) else distance_m
-        ways.append((len(near) / len(distances), rmse_m))
-    share, rmse_m = max(ways, key=lambda way: way[0])
+        directions.append((len(near) / len(distances), rmse_m))
+    share, rmse_m = max(directions, key=lambda direction: direction[0])
     growth = diagonal_m(np.vstack([model, view])) / max(diagonal_m(model), 1e-9)
     return Fit(share, rmse_m, growth)
 
 
 def shifts_of(model: Float, view: Float, voxel_m: float) -> tuple[Float, Float]:
-    """Return how far a view may have moved from a model without turning [m]: by their means, by
-    their boxes' middles.
+    """Return two estimates of the shift of a view from a model [m]: by means and by box centres.
 
-    Means of an even density; those of a view from one side are off, and so may the boxes be.
+    The means are those of thinned clouds. Both estimates are biased for a view from one side.
     """
     even = voxel_means(view, voxel_m)
     return even.mean(axis=0) - model.mean(axis=0), box_centre(even) - box_centre(model)
 
 
-def drawn_shift(model: Float, view: Float, distance_m: float) -> Float:
-    """Return the shift of a view from a model that its points' nearest neighbours draw it by [m],
-    shape (3,).
+def icp_shift(model: Float, view: Float, distance_m: float) -> Float:
+    """Return the shift of a view from a model by ICP without rotation [m], shape (3,).
 
-    ICP without turning (Besl 1992), for a view from one side that lies near: its mean and its box
-    tell little.
+    It suits a view from one side that is close to the model, for which mean and box are biased
+    (ICP: Besl 1992).
 
     Args:
         model, view: Shapes (N, 3), (M, 3), in one frame [m].
-        distance_m: Neighbours farther off draw nothing.
+        distance_m: Pairs of points farther apart are ignored.
     """
     shift, surface = np.zeros(3), cKDTree(model)
-    for _ in range(_DRAWS):
+    for _ in range(_ITERATIONS):
         moved = view - shift
         distances, nearest = surface.query(moved, distance_upper_bound=distance_m)
         is_near = np.isfinite(distances)
@@ -82,11 +78,10 @@ def drawn_shift(model: Float, view: Float, distance_m: float) -> Float:
 
 
 def merged(model: Float, view: Float, voxel_m: float, most: int) -> Float:
-    """Return a model with what a view shows anew, on a grid, coarser where it would hold too many
-    points.
+    """Return a model with the new points of a view, thinned to at most `most` points.
 
-    New is what lies farther than a cell from the model. The rest is known: added, it would thicken
-    the surface with each view, for noise reaches into the next cell.
+    Points farther than a cell from the model are new. The others are not added: their noise would
+    thicken the surface with each view. The grid is made coarser while there are too many points.
     """
     new = (
         view[~np.isfinite(cKDTree(model).query(view, distance_upper_bound=voxel_m)[0])]

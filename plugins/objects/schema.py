@@ -1,4 +1,4 @@
-"""The database's tables: stones as they are, and what happened to them."""
+"""The tables of the database: stones as they are now, and the events of their history."""
 
 import sqlite3
 
@@ -29,14 +29,14 @@ CREATE TABLE events (
     kind TEXT NOT NULL,               -- found seen moved replaced grasp release realign state
     state TEXT NOT NULL,              -- of the stone afterwards
     T_map_object BLOB NOT NULL,       -- afterwards
-    note TEXT NOT NULL                -- where it comes from, for people
+    note TEXT NOT NULL                -- its origin, for people
 );
 CREATE INDEX events_of_stone ON events(stone_id);
 """
 
 
 def create_or_check(connection: sqlite3.Connection, path: str) -> None:
-    """Create the tables in a new file, or check those of an old one.
+    """Create the tables in a new file, or check the version of an existing one.
 
     Raises:
         DataError: If the file belongs to another program or another version.
@@ -51,33 +51,33 @@ def check(connection: sqlite3.Connection, path: str) -> None:
     """Refuse a file of another program or another version.
 
     Raises:
-        DataError: It names the file and its version.
+        DataError: If so; the message names the file and its version.
     """
     version = version_of(connection)
     if version != VERSION:
         raise DataError(
-            f"{path} is no object database of version {VERSION} (it says {version}): "
+            f"{path} is not an object database of version {VERSION} (its version is {version}): "
             "choose another file"
         )
 
 
 def version_of(connection: sqlite3.Connection) -> int:
-    """Return the version that a file tells; 0 if it tells none."""
+    """Return the version stored in a file; 0 if there is none."""
     return int(connection.execute("PRAGMA user_version").fetchone()[0])
 
 
 def pack_pose(T: Float) -> bytes:
-    """Return a pose as bytes."""
+    """Return the bytes of a pose."""
     return np.asarray(T, dtype="<f8").tobytes()
 
 
 def unpack_pose(blob: bytes) -> Float:
-    """Return a pose from its bytes, shape (4, 4)."""
+    """Return the pose from its bytes, shape (4, 4)."""
     return np.frombuffer(blob, dtype="<f8").reshape(4, 4).astype(np.float64)
 
 
 def read_stone(row: sqlite3.Row) -> Stone:
-    """Assemble a stone from its row."""
+    """Build a stone from its row."""
     T = unpack_pose(row["T_map_object"])
     points = transform(T, unpack(row["points_object"]))
     return Stone(
@@ -91,6 +91,6 @@ def read_stone(row: sqlite3.Row) -> Stone:
 
 
 def read_event(row: sqlite3.Row) -> StoneEvent:
-    """Assemble an event from its row."""
+    """Build an event from its row."""
     T = unpack_pose(row["T_map_object"])
     return StoneEvent(row["stamp_s"], row["kind"], StoneState(row["state"]), T, row["note"])

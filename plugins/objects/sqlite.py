@@ -1,5 +1,6 @@
-"""The object database in one SQLite file: one transaction a change, so that a killed mission loses
-nothing.
+"""The object database in one SQLite file.
+
+Each change is one transaction, so a mission that is killed loses nothing.
 """
 
 import sqlite3
@@ -8,7 +9,7 @@ from contextlib import closing, contextmanager
 
 from executive_plugins.objects.association import associate
 from executive_plugins.objects.database_file import open_file, transaction
-from executive_plugins.objects.growth import Fit, drawn_shift, fit_of, merged, shifts_of
+from executive_plugins.objects.growth import Fit, fit_of, icp_shift, merged, shifts_of
 from executive_plugins.objects.scene import surface_within, surroundings, unexplained
 from executive_plugins.objects.schema import pack_pose, read_event, read_stone, unpack_pose
 from executive_plugins.objects.surface import pack
@@ -26,34 +27,34 @@ from executive.messages.stone_event import StoneEvent
 
 
 class SqliteObjectsSettings(Settings):
-    """When a segment is a known stone, when its surface grows,
-    and how finely its surface is kept.
-    """
+    """When a segment is a known stone, when its surface grows, and the resolution of surfaces."""
 
     max_distance_m: Meters = Field(
         0.6, gt=0, description="Largest distance of a segment from its stone [m]."
     )
     max_roll_m: Meters = Field(
-        3.0, gt=0, description="The same for a stone that fell or was lost [m]."
+        3.0, gt=0, description="The same for a stone that was dropped or lost [m]."
     )
     max_growth: float = Field(
-        1.6, gt=1, description="Largest ratio of a segment's diagonal to its stone's."
+        1.6, gt=1, description="Largest ratio of the box diagonals of segment and stone."
     )
     max_growth_whole: float = Field(
-        1.15, gt=1, description="The same for a stone that was seen from above."
+        1.15, gt=1, description="The same for a stone that was seen from above before."
     )
     voxel_m: Meters = Field(0.03, gt=0, description="Grid to which surfaces are thinned [m].")
     max_points: int = Field(
-        20_000, ge=100, description="Most points of a surface; beyond, its grid is coarser."
+        20_000,
+        ge=100,
+        description="Largest number of points of a surface; a coarser grid keeps it.",
     )
     agreement_m: Meters = Field(
-        0.10, gt=0, description="Distance up to which two surfaces agree [m]."
+        0.10, gt=0, description="Distance up to which points of two surfaces agree [m]."
     )
     min_agreement: float = Field(
-        0.6, ge=0, le=1, description="Share that must agree before a surface grows."
+        0.6, ge=0, le=1, description="Share of points that must agree before a surface grows."
     )
     max_rmse_m: Meters = Field(
-        0.04, gt=0, description="Largest distance of surfaces that agree, RMS [m]."
+        0.04, gt=0, description="Largest root mean square distance of surfaces that agree [m]."
     )
     explained_m: Meters = Field(
         0.08, gt=0, description="A map point this near to a stone's model is of that stone [m]."
@@ -74,7 +75,7 @@ class SqliteObjects(ObjectDatabase):
         self._is_read_only = False
 
     def open(self, path: str, read_only: bool = False) -> None:
-        """Open or create the file; `:memory:` keeps nothing; see `database_file.open_file`."""
+        """Open or create the file, see `open_file`; `:memory:` stores nothing on disk."""
         if self._open is not None:
             raise ConfigError(
                 f"the object database is open already; close it before opening {path}"
@@ -83,7 +84,7 @@ class SqliteObjects(ObjectDatabase):
         self._is_read_only = read_only
 
     def close(self) -> None:
-        """Close the file; all changes are in it already."""
+        """Close the file; all changes have been written already."""
         if self._open is not None:
             self._open.close()
             self._open = None
@@ -91,14 +92,14 @@ class SqliteObjects(ObjectDatabase):
     def observe(
         self, segments: Sequence[Segment], stamp_s: float, seen_from_above: bool
     ) -> tuple[Stone, ...]:
-        """Match segments with stones that are not held; see `association` for when they match.
+        """Match segments with stones that are not held, and update these; see `association`.
 
-        A stone's surface grows by a segment that passes the gate: overlap, RMSE and growth of its
-        box. A segment that overlaps but grows it too much is two stones in one, and changes
-        nothing. One that does not pass is the stone moved by itself: pushed, if it passes when
-        shifted; else turned, and what is seen replaces what was known, its frame follows the
-        centroid, its rotation unknown. A stone that was let go and not seen since may have rolled
-        away. A lost stone that is seen again lies on the ground.
+        A segment whose overlap and RMSE pass the gate extends the surface of its stone, unless the
+        box would grow too much: such a segment is two stones in one and changes nothing. A segment
+        that does not pass shows that the stone has moved. If it passes after a shift, the stone was
+        pushed. Otherwise it was turned: the seen surface replaces the known one and the frame
+        follows the centroid, while the rotation is unknown. A stone that was released and not seen
+        since may have rolled away. A lost stone that is seen again is on the ground.
         """
         known = [stone for stone in self.stones() if stone.state is not StoneState.HELD]
         reaches_m = [self._reach_m(stone) for stone in known]
@@ -122,7 +123,7 @@ class SqliteObjects(ObjectDatabase):
         return read_stone(self._row(stone_id))
 
     def history(self, stone_id: int) -> tuple[StoneEvent, ...]:
-        """Return what happened to a stone, oldest first."""
+        """Return the events of a stone, oldest first."""
         self._row(stone_id)
         rows = (
             self._connection()
@@ -132,7 +133,7 @@ class SqliteObjects(ObjectDatabase):
         return tuple(read_event(row) for row in rows)
 
     def grasp(self, stone_id: int, T_map_gripper: Float, stamp_s: float) -> Stone:
-        """Note the gripper's pose at the grasp; the stone is held from now on.
+        """Store the pose of the gripper at the grasp; the stone is held from now on.
 
         Raises:
             DataError: If it is held already.
@@ -159,8 +160,8 @@ class SqliteObjects(ObjectDatabase):
         row = self._row(stone_id)
         if row["state"] != StoneState.HELD or state is StoneState.HELD:
             raise DataError(
-                f"stone {stone_id} is {row['state']}: only a held stone is released, "
-                "and not to be held"
+                f"stone {stone_id} is {row['state']}: only a held stone can be released, "
+                "to another state than held"
             )
         T_map_map = T_release @ inverse(unpack_pose(row["T_map_gripper_grasp"]))
         with self._transaction() as db:
@@ -170,7 +171,7 @@ class SqliteObjects(ObjectDatabase):
         return self.stone(stone_id)
 
     def realign(self, stone_id: int, T_map_map: Float, stamp_s: float, note: str = "") -> Stone:
-        """Move the stone in the map; its state stays."""
+        """Move the stone in the map; its state is kept."""
         row, T = self._row(stone_id), checked("T_map_map", T_map_map, 4, 4)
         with self._transaction() as db:
             self._move(db, row, T)
@@ -178,15 +179,15 @@ class SqliteObjects(ObjectDatabase):
         return self.stone(stone_id)
 
     def set_state(self, stone_id: int, state: StoneState, stamp_s: float) -> Stone:
-        """Change the stone's state.
+        """Change the state of the stone.
 
         Raises:
-            DataError: If it is to be held: a grasp needs the gripper's pose.
+            DataError: If the new state is held: a grasp needs the pose of the gripper.
         """
         self._row(stone_id)
         if state is StoneState.HELD:
             raise DataError(
-                f"stone {stone_id} is held only by `grasp`, which notes the gripper's pose"
+                f"stone {stone_id}: use `grasp` to hold it, which stores the pose of the gripper"
             )
         with self._transaction() as db:
             db.execute("UPDATE stones SET T_map_gripper_grasp = NULL WHERE id = ?", (stone_id,))
@@ -227,9 +228,7 @@ class SqliteObjects(ObjectDatabase):
     def _transaction(self) -> Iterator[sqlite3.Connection]:
         db = self._connection()
         if self._is_read_only:
-            raise ConfigError(
-                "the object database was opened to be read: a mission alone changes it"
-            )
+            raise ConfigError("the object database is open for reading only; open it for writing")
         with transaction(db):
             yield db
 
@@ -264,18 +263,18 @@ class SqliteObjects(ObjectDatabase):
             ),
         )
         stone_id = int(cursor.lastrowid or 0)
-        self._note(db, stone_id, stamp_s, "found", StoneState.ON_GROUND, _eyes(seen_from_above))
+        self._note(db, stone_id, stamp_s, "found", StoneState.ON_GROUND, _sensors(seen_from_above))
         return stone_id
 
     def _reach_m(self, stone: Stone) -> float:
-        """Return how far a stone may be from where it is believed to be [m]."""
+        """Return how far a stone may be from its stored position [m]."""
         query = (
             "SELECT kind FROM events WHERE stone_id = ? AND kind != 'state' ORDER BY id "
             "DESC LIMIT 1"
         )
         newest = self._connection().execute(query, (stone.id,)).fetchone()["kind"]
-        was_let_go = stone.state is StoneState.ON_GROUND and newest == "release"
-        is_uncertain = was_let_go or stone.state is StoneState.LOST
+        was_released = stone.state is StoneState.ON_GROUND and newest == "release"
+        is_uncertain = was_released or stone.state is StoneState.LOST
         return self._settings.max_roll_m if is_uncertain else self._settings.max_distance_m
 
     def _update(
@@ -296,7 +295,7 @@ class SqliteObjects(ObjectDatabase):
         limit = (
             self._settings.max_growth_whole if stone.seen_from_above else self._settings.max_growth
         )
-        note = f"{_eyes(seen_from_above)}, {fit}"
+        note = f"{_sensors(seen_from_above)}, {fit}"
         if kind != "replaced" and fit.growth > limit:
             self._note(db, stone.id, stamp_s, "seen", state, f"{note}: too much, nothing added")
         else:
@@ -306,15 +305,14 @@ class SqliteObjects(ObjectDatabase):
         return stone.id
 
     def _moved(self, known: Float, seen: Float) -> tuple[Float, Fit]:
-        """Return how far a stone seems to have moved unturned [m], shape (3,), and how the view
-        lies on it there.
+        """Return the shift of a stone that moved without turning, shape (3,) [m], and its fit.
 
-        By means, by boxes, or as the points draw it, whichever fits best; if nothing fits, by
-        means.
+        The shift is estimated by means, by boxes and by ICP; the best fit counts, or the means if
+        none fits.
         """
         by_mean, by_box = shifts_of(known, seen, self._settings.voxel_m)
-        drawn = drawn_shift(known, seen, self._settings.agreement_m)
-        fits = [(shift, self._fit(known + shift, seen)) for shift in (by_mean, by_box, drawn)]
+        by_icp = icp_shift(known, seen, self._settings.agreement_m)
+        fits = [(shift, self._fit(known + shift, seen)) for shift in (by_mean, by_box, by_icp)]
         shift, fit = max(fits, key=lambda one: (self._agrees(one[1]), -one[1].rmse_m))
         return (shift, fit) if self._agrees(fit) else fits[0]
 
@@ -333,7 +331,7 @@ class SqliteObjects(ObjectDatabase):
         T: Float,
         from_above: bool,
     ) -> None:
-        """Merge both surfaces, given in the map, in the object's frame."""
+        """Merge two surfaces, given in the map, in the frame of the object."""
         T_object_map = inverse(T)
         points = merged(
             transform(T_object_map, known),
@@ -372,5 +370,5 @@ def _found(state: StoneState) -> StoneState:
     return StoneState.ON_GROUND if state is StoneState.LOST else state
 
 
-def _eyes(seen_from_above: bool) -> str:
+def _sensors(seen_from_above: bool) -> str:
     return "lidar and drone" if seen_from_above else "lidar"

@@ -1,7 +1,7 @@
-"""Convex stones as ice and water leave them: no faces, no edges, a few broad bulges.
+"""Convex stones rounded by ice and water: no faces, no edges, a few broad bulges.
 
-The other kind beside quarried blocks, so that what learns from generated stones does not learn flat
-faces. Axes follow the same statistics of found stones.
+They complement quarried blocks, so that a model that is trained on generated stones does not rely
+on flat faces. The axes follow the same statistics of found stones.
 """
 
 import numpy as np
@@ -12,14 +12,15 @@ from scipy.spatial import ConvexHull
 from executive.arrays import Float
 
 _CORNERS = 90
-_BULGES = (4, 9)  # number, least and one more than most
-_HEIGHT = 0.12  # spread of a bulge's height over the ellipsoid
-_BREADTH = (2.0, 6.0)  # concentration of a bulge about its direction: 2 covers a side, 6 a corner
+_BULGES = (4, 9)  # number of bulges: least, and largest plus one
+_HEIGHT = 0.12  # standard deviation of the heights of bulges, over the radius
+_BREADTH = (2.0, 6.0)  # concentration of a bulge around its direction: 2 covers a side, 6 a corner
 
 
 def rounded_stone(volume_m3: float, rng: np.random.Generator) -> Float:
-    """Return the corners of a convex stone about its middle, extents a ≥ b ≥ c along x, y, z, shape
-    (V, 3) [m].
+    """Draw the corners of a convex stone of a volume, around the middle of its box, (V, 3) [m].
+
+    Its extents a ≥ b ≥ c are along x, y, z.
     """
     b_a, c_b = ratios(rng)
     corners = _bulged(even_directions(_CORNERS), rng)
@@ -30,7 +31,7 @@ def rounded_stone(volume_m3: float, rng: np.random.Generator) -> Float:
 
 
 def _bulged(directions: Float, rng: np.random.Generator) -> Float:
-    """Push the unit sphere out and in around random directions."""
+    """Scale the unit vectors by the bulges around random directions."""
     radius = np.ones(len(directions))
     for _ in range(int(rng.integers(*_BULGES))):
         middle = rng.normal(size=3)

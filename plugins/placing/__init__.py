@@ -1,1 +1,1 @@
-"""placing plugins."""
+"""Plugins that plan where and how to set stones down."""

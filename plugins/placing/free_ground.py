@@ -1,4 +1,4 @@
-"""Ground that is known, near-flat and clear of segments."""
+"""Ground that is known, nearly flat and clear of segments."""
 
 from dataclasses import dataclass
 
@@ -9,16 +9,20 @@ from executive.arrays import Float
 from executive.geometry.voxels import first_in_cells
 from executive.messages.segment import Segmentation
 
-_RADIUS_M = 0.7  # of the ground under a stone
+_RADIUS_M = 0.7  # radius of the disc of ground under a stone
 _THIN_M = 0.07
 _CELL_M = 0.28
-_KNOWN = 0.7  # part of the cells that hold a point
+_KNOWN = 0.7  # least share of the cells that hold a point
 
 
 @dataclass(frozen=True, slots=True)
 class GroundNeeds:
-    """What a place must be like: distance to segments [m], slope [rad], standard deviation about
-    its plane [m].
+    """Requirements on the ground of a slot.
+
+    Attributes:
+        clearance_m: Least distance to any segment [m].
+        max_slope_rad: Largest slope [rad].
+        max_roughness_m: Largest standard deviation of the heights from their plane [m].
     """
 
     clearance_m: float
@@ -27,7 +31,7 @@ class GroundNeeds:
 
 
 class FreeGround:
-    """Answers how high the ground of a place is, if a stone may stand there."""
+    """The ground of a segmentation; returns the height of places that meet the requirements."""
 
     def __init__(self, segmentation: Segmentation, needs: GroundNeeds) -> None:
         self._needs = needs
@@ -37,8 +41,9 @@ class FreeGround:
         self._taken_tree = cKDTree(np.concatenate(taken)) if taken else None
 
     def height_m(self, xy: Float) -> float | None:
-        """Return the ground's height at a place (2,) [m], or None if it is taken, unknown, steep or
-        rough.
+        """Return the ground height at a place (2,) [m].
+
+        None if the place is occupied, or its ground is unknown, too steep or too rough.
         """
         if self._taken_tree is not None and self._taken_tree.query(xy)[0] < self._needs.clearance_m:
             return None
@@ -60,8 +65,6 @@ def _thinned(points: Float) -> Float:
 
 
 def _covers(offsets: Float) -> bool:
-    """Return whether most cells of the disc hold a point: no slot where the ground was
-    never seen.
-    """
+    """Return whether enough cells of the disc hold a point; else its ground was not seen."""
     cells = int(np.pi * (_RADIUS_M / _CELL_M) ** 2)
     return len(np.unique(np.floor(offsets / _CELL_M).astype(int), axis=0)) >= _KNOWN * cells

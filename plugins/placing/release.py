@@ -11,22 +11,22 @@ from executive.geometry.pose import pose
 from executive.geometry.rotation import about_axis
 
 _UP = np.array([0.0, 0.0, 1.0])
-_RING_M = 0.5  # width of the ground around the stone's foot that tells how high it stood
-# a model's lowest point is at most this far above the stone's: survey and segmentation miss the
-# foot
+_RING_M = 0.5  # width of the ring of ground around the stone that gives the height of its foot
+# Largest height of a model's lowest point above the foot of the stone: survey and segmentation miss
+# the foot.
 _SUNK_M = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeldStone:
-    """What is set down, in the map, at the pose of the grasp.
+    """The stone to set down, in the map, at the pose of its grasp.
 
     Attributes:
-        points: The stone's model [m], shape (N, 3).
+        points: Model of the stone [m], shape (N, 3).
         centre: Centre of volume of its hull [m], shape (3,).
-        bottom_m: Height of its lowest part in the map, the ground that it stood on if that was seen
-            [m].
-        radius_m: Of the circle about the centre that holds it, from above [m].
+        bottom_m: Height of its lowest part in the map, or of the ground that it rested on where
+            that was seen [m].
+        radius_m: Radius, from above, of the circle around the centre that contains it [m].
     """
 
     points: Float
@@ -55,11 +55,10 @@ class HeldStone:
 def release_poses(
     held: HeldStone, position_map: Float, bottom_m: float, T_map_base: Float, turns: int
 ) -> Iterator[Float]:
-    """Yield motions T_map_map of the stone that put its centre over a place and its bottom at a
-    height.
+    """Yield motions T_map_map that put a stone with its centre over a place, its bottom at a height.
 
-    They turn it about the vertical only: its attitude to gravity stays. First as the cabin turns
-    it, then in growing turns of the wrist to either side.
+    They turn the stone about the vertical only, so it keeps its attitude to gravity. The first
+    motion turns it with the cabin; the others add growing turns of the wrist to either side.
     """
     azimuth = [np.arctan2(*(p - T_map_base[:3, 3])[1::-1]) for p in (held.centre, position_map)]
     steps = np.arange(turns) * 2 * np.pi / turns

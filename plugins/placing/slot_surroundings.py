@@ -1,4 +1,4 @@
-"""The surroundings of a slot, and whether the stone and the opening jaws stay clear of them."""
+"""The surroundings of a slot: clearance of the stone and of the opening jaws."""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -9,19 +9,18 @@ from executive.geometry.pose import inverse, transform
 from executive.geometry.voxels import first_in_cells
 from executive.machine.gripper import Gripper
 
-_OPENINGS = (1.0, 0.75, 0.5)  # of the widest: the jaws pass all of them
-_IN_GROUND_M = 0.02  # a point of the ground deeper than this in the gripper is a collision
-_LEVEL_M = 0.15  # what is higher than this above the ground is a neighbour
-_APART_M = (
-    0.10  # between a neighbour and the stone or the jaws: its far side may not have been seen
-)
-_GROUND_BAND_M = 0.35  # ground under the stone is within this of the slot's height
-_HIGHEST = 0.95  # quantile of the heights under the stone that carry it
-_SPACING_M = 0.05  # density that suffices
+_OPENINGS = (1.0, 0.75, 0.5)  # checked openings, as shares of the widest angle
+_IN_GROUND_M = 0.02  # a ground point deeper than this in the gripper is a collision
+_LEVEL_M = 0.15  # points higher than this above the ground belong to neighbours
+# Least distance of a neighbour from the stone and the jaws; its far side may not have been seen.
+_APART_M = 0.10
+_GROUND_BAND_M = 0.35  # ground under the stone is at most this far from the slot's height
+_HIGHEST = 0.95  # quantile of the ground heights on which the stone comes to lie
+_SPACING_M = 0.05  # point spacing that suffices for the check
 
 
 class SlotSurroundings:
-    """The cloud near a slot."""
+    """The cloud near a slot, split into ground and neighbours."""
 
     def __init__(
         self, gripper: Gripper, cloud: Float, position_map: Float, radius_m: float
@@ -45,9 +44,7 @@ class SlotSurroundings:
         self._tree = cKDTree(self._neighbours) if is_high.any() else None
 
     def is_free(self, T_map_gripper: Float, stone_map: Float) -> bool:
-        """Return whether the stone and the opening jaws keep off the neighbours, and the jaws out
-        of the ground.
-        """
+        """Return whether stone and opening jaws clear the neighbours, and the jaws the ground."""
         if self._tree is not None and self._tree.query(stone_map)[0].min() < _APART_M:
             return False
         if self._depth_m(self._neighbours, T_map_gripper) > -_APART_M:
@@ -55,8 +52,9 @@ class SlotSurroundings:
         return self._depth_m(self._ground, T_map_gripper) < _IN_GROUND_M
 
     def _depth_m(self, points: Float, T_map_gripper: Float) -> float:
-        """Return how deep the deepest point is in the gripper at any of the openings [m]; negative
-        outside.
+        """Return the largest depth of a point in the gripper at any of the openings [m].
+
+        It is negative if all points are outside.
         """
         local = transform(inverse(T_map_gripper), points)
         local = local[np.linalg.norm(local, axis=1) < self._reach_m]

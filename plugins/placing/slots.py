@@ -1,6 +1,4 @@
-"""Equally spaced places on free ground, and how to set a stone down on one (Mascaro 2020, Sec.
-6.1).
-"""
+"""Equally spaced slots on free ground, and placements on them (Mascaro 2020, Sec. 6.1)."""
 
 from typing import ClassVar
 
@@ -25,43 +23,42 @@ from executive.messages.stone import Stone
 
 
 class SlotsSettings(Settings):
-    """Where slots lie, what ground they need, and how a stone is let go."""
+    """Positions of slots, requirements on their ground, and the release of a stone."""
 
     radii_m: tuple[Meters, ...] = Field(
         (6.0, 7.2, 5.0, 4.2),
         min_length=1,
-        description="Distances of rows of slots from the machine, in order of choice [m].",
+        description="Distances of rows of slots from the machine, preferred first [m].",
     )
     spacing_m: Meters = Field(
-        1.9, gt=0, description="Distance between slots of a row; open jaws fit between [m]."
+        1.9, gt=0, description="Distance between slots of a row; open jaws must fit between [m]."
     )
     sector_rad: Radians = Field(
-        6.28, gt=0, le=6.2832, description="Sector about the machine's front that is used [rad]."
+        6.28, gt=0, le=6.2832, description="Sector around the machine's front that is used [rad]."
     )
     clearance_m: Meters = Field(
-        1.2, gt=0, description="Distance of a slot's centre from any segment [m]."
+        1.2, gt=0, description="Least distance of a slot's centre from any segment [m]."
     )
-    max_slope_rad: Radians = Field(0.2, gt=0, lt=1.5, description="Slope of a slot's ground [rad].")
+    max_slope_rad: Radians = Field(0.2, gt=0, lt=1.5, description="Largest ground slope [rad].")
     max_roughness_m: Meters = Field(
-        0.08, gt=0, description="Standard deviation of its heights about their plane [m]."
+        0.08, gt=0, description="Largest standard deviation of ground heights from their plane [m]."
     )
     drop_m: Meters = Field(
-        0.05, ge=0, description="Height of the stone's bottom above the ground at the release [m]."
+        0.05, ge=0, description="Height of the stone's bottom above ground at the release [m]."
     )
     approach_m: Meters = Field(
-        0.8, ge=0, description="Straight way down to a slot that must be in reach [m]."
+        0.8, ge=0, description="Length of the straight descent to a slot, in reach [m]."
     )
-    turns: int = Field(
-        24, ge=1, le=360, description="Yaws of a stone over its slot that are tried."
-    )
+    turns: int = Field(24, ge=1, le=360, description="Number of yaws of a stone over its slot.")
     max_placements: int = Field(
         4, ge=1, description="Most ways to set a stone down that are returned."
     )
 
 
 class Slots(PlacementPlanner):
-    """Rows of slots on arcs about the machine; a stone keeps its attitude to gravity and turns with
-    the cabin.
+    """Rows of slots on arcs around the machine.
+
+    A stone keeps its attitude to gravity and turns with the cabin.
     """
 
     Settings: ClassVar[type[Settings]] = SlotsSettings
@@ -74,11 +71,10 @@ class Slots(PlacementPlanner):
         self._motion = motion
 
     def slots(self, segmentation: Segmentation, T_map_base: Float, count: int) -> tuple[Slot, ...]:
-        """Return up to `count` places on free, known, near-flat ground in reach, those that need
-        the least swing first.
+        """Return up to `count` slots on free, known, nearly flat ground in reach.
 
-        The first row with room for all is taken; if none has, the rows are filled one after the
-        other.
+        Those that need the least swing of the cabin come first. The first row with room for all
+        slots is taken; if there is none, the rows are filled one after the other.
         """
         T_map_base = checked("T_map_base", T_map_base, 4, 4)
         s = self._settings
@@ -97,11 +93,11 @@ class Slots(PlacementPlanner):
     def plan(
         self, stone: Stone, slot: Slot, T_map_gripper: Float, cloud: Cloud, T_map_base: Float
     ) -> tuple[Placement, ...]:
-        """Return ways to set the stone down, those that turn it against the cabin the least first.
+        """Return placements of the stone, those with the least turn against the cabin first.
 
-        The centre of volume of the model's hull goes over the slot: the mean of the seen points is
-        drawn to the sensor by some 0.2 m. Height: the stone's bottom just above the highest ground
-        under it.
+        The centre of volume of the model's hull goes over the slot; the mean of the seen points
+        would be about 0.2 m closer to the sensor. The bottom of the stone is just above the highest
+        ground under it.
 
         Raises:
             DataError: If the cloud is not in the map, or the stone's points span no volume.
@@ -116,7 +112,7 @@ class Slots(PlacementPlanner):
         around = SlotSurroundings(
             self._machine.gripper, cloud.points, slot.position_map, held.radius_m
         )
-        ways: list[Placement] = []
+        placements: list[Placement] = []
         for T_map_map in release_poses(
             held, slot.position_map, around.ground_m + s.drop_m, T_map_base, s.turns
         ):
@@ -124,10 +120,10 @@ class Slots(PlacementPlanner):
             if around.is_free(T, transform(T_map_map, held.points)) and self._reaches(
                 T, T_map_base
             ):
-                ways.append(Placement(slot, T, T_map_map @ stone.T_map_object))
-            if len(ways) == s.max_placements:
+                placements.append(Placement(slot, T, T_map_map @ stone.T_map_object))
+            if len(placements) == s.max_placements:
                 break
-        return tuple(ways)
+        return tuple(placements)
 
     def _row(self, radius_m: float, ground: FreeGround, chosen: Float, T_map_base: Float) -> Float:
         s = self._settings
@@ -144,16 +140,15 @@ class Slots(PlacementPlanner):
         )
 
     def _over(self, place: Float) -> Float:
-        """Return the pose of a gripper that hangs over a place, its closed tips at the ground, jaws
-        along x.
+        """Return a gripper pose that hangs over a place, with its closed tips at the ground.
+
+        The jaws open along x.
         """
         above = np.array([0.0, 0.0, float(self._machine.gripper.tips(0.0)[:, 0].max())])
         return pose(np.array([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]]), place + above)
 
     def _reaches(self, T_map_gripper: Float, T_map_base: Float) -> bool:
-        """Return whether the arm comes to the pose, and to the one from which it goes straight
-        down.
-        """
+        """Return whether the arm reaches the pose and the start of the descent above it."""
         T_base_gripper = inverse(T_map_base) @ T_map_gripper
         above = (
             inverse(T_map_base)

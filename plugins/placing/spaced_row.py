@@ -1,4 +1,4 @@
-"""One row of equally spaced places on an arc about the machine."""
+"""One row of equally spaced places on an arc around the machine."""
 
 from collections.abc import Callable
 
@@ -7,7 +7,7 @@ import numpy as np
 from executive.arrays import Float
 from executive.geometry.rotation import yaw_of
 
-_PHASES = 12  # shifts of the row along its arc that are tried
+_PHASES = 12  # number of shifts of the row along its arc
 
 
 def spaced_row(
@@ -17,21 +17,19 @@ def spaced_row(
     T_map_base: Float,
     height_of: Callable[[Float], float | None],
 ) -> Float:
-    """Return the row with the most usable places, those nearest the machine's front first, shape
-    (n, 3).
+    """Return the row with the most usable places, those nearest the front first, shape (n, 3).
 
     Args:
-        radius_m: Of the arc about the base [m].
+        radius_m: Radius of the arc around the base [m].
         spacing_m: Chord between neighbours [m].
-        sector_rad: Of the arc, half of it to either side of the front [rad].
-        T_map_base: Pose of the chassis.
-        height_of: The ground's height [m] at a place (2,), None where no slot may be.
+        sector_rad: Angle of the arc, half of it to either side of the front [rad].
+        T_map_base: Pose of the chassis, shape (4, 4).
+        height_of: Returns the ground height [m] at a place (2,), None where no slot is possible.
     """
     step = 2 * np.arcsin(min(spacing_m / (2 * radius_m), 1.0))
     whole = int(sector_rad // step)
-    step = (
-        max(step, sector_rad / whole) if whole and sector_rad > 2 * np.pi - step else step
-    )  # the ring closes evenly
+    if whole and sector_rad > 2 * np.pi - step:  # a full ring: make the last gap like the others
+        step = max(step, sector_rad / whole)
     best = np.empty((0, 3))
     for phase in np.arange(_PHASES) / _PHASES * step:
         angles = np.arange(

@@ -1,6 +1,4 @@
-"""From labels to weights: trains a network and writes it with the card of what it was trained on
-and how it does.
-"""
+"""Train a network on labels and write its weights with a data card."""
 
 import json
 from collections.abc import Callable
@@ -28,14 +26,14 @@ def train_weights(
     test_folder: Path | None = None,
     after_epoch: Callable[[Progress], None] = lambda _: None,
 ) -> dict[str, object]:
-    """Train on a folder of labels, write safetensors, and return the data card that is in them.
+    """Train on a folder of labels, write a safetensors file, and return its data card.
 
     Args:
-        folder: Labels; a part of their stones is held out for validation.
+        folder: Labels; a share of their stones is held out for validation.
         out: File to write.
         settings: How to train.
-        test_folder: Labels of other stones, looked at once, after training.
-        after_epoch: Told the progress.
+        test_folder: Labels of other stones, used once, after training.
+        after_epoch: Called with the progress after each epoch.
 
     Raises:
         DataError: If a folder holds no labels.

@@ -1,7 +1,7 @@
-"""Labelled grasps: pools on generated stones, seen in part, and lifts of what the stones truly are.
+"""Labelled grasps: pools on generated, partly seen stones, and simulated lifts of the true stones.
 
-One file a stone, drawn from a seed and the stone's number alone: making labels can stop, go on and
-be spread over processes at will, and gives the same files.
+There is one file per stone, which follows from the seed and the number of the stone alone. Making
+labels can therefore be interrupted, continued and distributed over processes with equal results.
 """
 
 import json
@@ -42,18 +42,25 @@ GRAY_LEVELS = 255.0  # a pixel value in 0 … 1 is stored as a multiple of 1 / 2
 
 
 class LabelSettings(Settings):
-    """Which labels are made; all files of a folder belong to one of these."""
+    """How labels are made; all files of a folder have the same settings."""
 
-    machine: str = Field("m545", description="Machine whose gripper lifts: a name or a folder.")
-    seed: int = Field(1, ge=0, description="All chance follows from it and the stone's number.")
+    machine: str = Field(
+        "m545", description="Machine whose gripper lifts: name of a shipped one, or folder."
+    )
+    seed: int = Field(
+        1, ge=0, description="Seed; with the stone's number it determines all random draws."
+    )
     grasps_per_stone: int = Field(
-        24, ge=1, le=1000, description="Half of them the paper's first, half at random."
+        24,
+        ge=1,
+        le=1000,
+        description="Grasps per stone; half are the paper's first, half are random.",
     )
     volume_m3: tuple[float, float] = Field(
         (0.1, 1.1), description="Least and largest volume of a stone [m³]."
     )
     rounded: float = Field(
-        0.5, ge=0, le=1, description="Part of the stones that are rounded; the others are blocks."
+        0.5, ge=0, le=1, description="Share of rounded stones; the others are quarried blocks."
     )
 
 
@@ -62,8 +69,8 @@ class Labels:
     """Grasps with their outcome.
 
     Attributes:
-        images: Shape (M, 15, 32, 32), uint8: 255 is 1.
-        numbers: Shape (M, 9), see `evidence.NUMBERS`.
+        images: Shape (M, 15, 32, 32), uint8; 255 stands for 1.
+        numbers: Shape (M, 9), see `grasp_features.NUMBERS`.
         is_lifted: Whether the lift succeeded, shape (M,).
         stone: Number of each grasp's stone, shape (M,).
     """
@@ -74,7 +81,7 @@ class Labels:
     stone: Int
 
     def of_stones(self, is_wanted: NDArray[np.bool_]) -> "Labels":
-        """Return the labels with a mask over grasps, shape (M,)."""
+        """Return the labels selected by a mask over grasps, shape (M,)."""
         return Labels(
             self.images[is_wanted],
             self.numbers[is_wanted],
@@ -86,10 +93,10 @@ class Labels:
 def make_labels(
     folder: Path, stones: int, settings: LabelSettings, workers: int = 1
 ) -> Iterator[int]:
-    """Make the files of stones 0 … that are not there yet; yield how many stones are done.
+    """Make the missing files of stones 0 to `stones` − 1; yield the number of finished stones.
 
     Raises:
-        ConfigError: If the folder holds labels of other settings.
+        ConfigError: If the folder holds labels with other settings.
     """
     _claim(folder, settings)
     missing = [i for i in range(stones) if not _file(folder, i).exists()]
@@ -110,7 +117,7 @@ def read_labels(folder: Path) -> Labels:
     """
     files = sorted(folder.glob("stone_*.npz"))
     if not files:
-        raise DataError(f"{folder}: no labels; make some with `executive grasp-data {folder}`")
+        raise DataError(f"{folder}: no labels; make them with `executive grasp-data {folder}`")
     parts = [_read(path) for path in files]
     images, numbers, slip_m = (
         np.concatenate([part[name] for part in parts]) for name in ("images", "numbers", "slip")
@@ -132,7 +139,7 @@ def _claim(folder: Path, settings: LabelSettings) -> None:
         path.write_text(json.dumps(wanted, indent=2) + "\n")
     elif json.loads(path.read_text()) != wanted:
         raise ConfigError(
-            f"{path}: the folder holds labels of other settings than {wanted}; give another folder"
+            f"{path}: the folder holds labels with settings other than {wanted}; use another folder"
         )
 
 
@@ -148,7 +155,7 @@ def _read(path: Path) -> dict[str, NDArray[np.generic]]:
 @cache
 def _sampler(machine: str) -> tuple[Gripper, Sampler]:
     gripper = load_machine(machine).gripper
-    return gripper, Sampler(SamplingSettings(), gripper)  # its tables take a second: once a process
+    return gripper, Sampler(SamplingSettings(), gripper)  # cached: tabulating takes a second
 
 
 def _label_stone(folder: Path, settings: LabelSettings, index: int) -> None:
@@ -177,10 +184,10 @@ def _label_stone(folder: Path, settings: LabelSettings, index: int) -> None:
 
 
 def resting_stone(settings: LabelSettings, rng: np.random.Generator) -> Float:
-    """Draw a stone until one comes to rest; return its corners there, the middle above the origin
-    [m].
+    """Draw stones until one comes to rest; return its corners there [m], shape (V, 3).
 
-    Sizes are drawn evenly by length: a small stone is as hard to hold as a large one.
+    Its middle is above the origin. The cube root of the volume is uniformly distributed, since a
+    small stone is as hard to hold as a large one.
     """
     least, most = np.cbrt(settings.volume_m3)
     while True:
@@ -198,7 +205,7 @@ def resting_stone(settings: LabelSettings, rng: np.random.Generator) -> Float:
 
 
 def chosen_for_lifts(pool: Pool, most: int, rng: np.random.Generator) -> Int:
-    """Choose grasps of a pool: half the first of the paper's order, the rest at random."""
+    """Choose grasps of a pool: half are the first in the order of the paper, half are random."""
     ordered = np.concatenate(
         [*ranked_rounds(pool.costs, _STAGES, "distance_m"), np.empty(0, dtype=np.int64)]
     )

@@ -1,6 +1,4 @@
-"""Training of the outcome networks on labels, split by stone, and the figures that say how good
-they are.
-"""
+"""Training of the outcome networks on labels that are split by stone, and its figures of merit."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -30,23 +28,26 @@ class TrainingSettings(Settings):
     """How a network is trained."""
 
     architecture: Architecture = Field(
-        "two_stream", description="four_layer, the paper's, or two_stream."
+        "two_stream", description="four_layer (the paper's) or two_stream."
     )
-    seed: int = Field(1, ge=0, description="All chance follows from it.")
+    seed: int = Field(1, ge=0, description="Seed of all random draws.")
     epochs: int = Field(12, ge=1, le=1000, description="Passes over the labels.")
-    batch: int = Field(64, ge=2, le=4096, description="Labels a step.")
+    batch: int = Field(64, ge=2, le=4096, description="Labels per step.")
     rate: float = Field(
-        1e-3, gt=0, lt=1, description="Largest step of AdamW; it falls along half a cosine."
+        1e-3,
+        gt=0,
+        lt=1,
+        description="Largest learning rate of AdamW; it decays along half a cosine.",
     )
     decay: float = Field(1e-3, ge=0, lt=1, description="Weight decay.")
     held_out: float = Field(
-        0.15, gt=0, lt=1, description="Part of the stones that is kept for validation."
+        0.15, gt=0, lt=1, description="Share of the stones that is kept for validation."
     )
 
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """What an epoch has led to."""
+    """State after an epoch: mean training loss, and area under the ROC curve in validation."""
 
     epoch: int
     loss: float
@@ -56,7 +57,7 @@ class Progress:
 def split_by_stone(
     labels: Labels, held_out: float, rng: np.random.Generator
 ) -> tuple[Labels, Labels]:
-    """Return labels to train on and to validate with; no stone is in both."""
+    """Return labels for training and for validation; no stone is in both."""
     stones = rng.permutation(np.unique(labels.stone))
     is_held_out = np.isin(labels.stone, stones[: int(np.ceil(held_out * len(stones)))])
     return labels.of_stones(~is_held_out), labels.of_stones(is_held_out)
@@ -65,9 +66,10 @@ def split_by_stone(
 def train(
     net: FourLayer | TwoStream, learned: Labels, validation: Labels, settings: TrainingSettings
 ) -> Iterator[Progress]:
-    """Train a network in place, epoch by epoch; the last epoch's weights are the result.
+    """Train a network in place, epoch by epoch; the weights of the last epoch are the result.
 
-    Each batch is mirrored at random at the gripper's two planes: a lift has a mirror image.
+    Batches are mirrored at random at the two symmetry planes of the gripper, since the mirror image
+    of a lift has the same outcome.
     """
     rng = np.random.default_rng(settings.seed)
     torch.manual_seed(settings.seed)
@@ -95,15 +97,16 @@ def train(
 
 
 def predictions(net: FourLayer | TwoStream, labels: Labels) -> tuple[Float, NDArray[np.bool_]]:
-    """Return the predicted success of labelled grasps and what became of them, shape (M,) each."""
+    """Return the predicted success of labelled grasps and their outcome, shape (M,) each."""
     return success(
         net, GraspFeatures(labels.images.astype(np.float32) / GRAY_LEVELS, labels.numbers)
     ), labels.is_lifted
 
 
 def area_under_curve(score: Float, is_positive: NDArray[np.bool_]) -> float:
-    """Return the probability that a positive scores above a negative, ties half (ROC AUC); NaN
-    without both kinds.
+    """Return the area under the ROC curve; NaN unless there are positives and negatives.
+
+    It is the probability that a positive scores higher than a negative; ties count half.
     """
     positives, negatives = int(is_positive.sum()), int((~is_positive).sum())
     if not positives or not negatives:
@@ -113,7 +116,7 @@ def area_under_curve(score: Float, is_positive: NDArray[np.bool_]) -> float:
 
 
 def untrained(settings: TrainingSettings) -> FourLayer | TwoStream:
-    """Return a network that is about to be trained: its first weights follow from the seed."""
+    """Return a network whose initial weights follow from the seed."""
     torch.manual_seed(settings.seed)
     return new_net(settings.architecture)
 

@@ -1,8 +1,6 @@
-"""Scenes to learn from: a stone at rest on level ground, and the partial, noisy cloud that is known
-of it.
+"""Training scenes: a stone at rest on level ground, and the partial, noisy cloud of it.
 
-Seen by a pair of lidars on a swinging cabin, and, in a part of the scenes, also by a drone from
-above.
+The cloud is that of two lidars on a swinging cabin and, in half of the scenes, also of a drone.
 """
 
 from collections.abc import Callable
@@ -18,26 +16,25 @@ from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import about_axis, exp_so3, from_quaternion
 from executive.geometry.voxels import voxel_means
 
-Solid = Callable[
-    [Float, Float], Float
-]  # origin (3,) and unit directions (K, 3) to ranges (K,), inf for a miss
+# A ray caster: origin (3,) and unit directions (K, 3) to ranges (K,), inf for a miss.
+Solid = Callable[[Float, Float], Float]
 
-_TILT_RAD = 0.15  # spread of how far from flat a stone is dropped
+_TILT_RAD = 0.15  # standard deviation of the tilt at the drop
 _TIMESTEP_S, _SETTLING_S = 0.004, (0.5, 6.0)  # step, and least and longest time to settle [s]
-_RADIUS_M, _HEIGHT_M = (4.0, 8.0), (2.2, 3.2)  # of the lidars from the stone, and above the ground
-_APART_RAD = 0.3  # spread of the directions from which the lidars of a swinging cabin see it
+_RADIUS_M, _HEIGHT_M = (4.0, 8.0), (2.2, 3.2)  # of the lidars: from the stone, and above the ground
+_APART_RAD = 0.3  # spread of the directions of the lidars while the cabin swings
 _DRONE_RADIUS_M, _DRONE_HEIGHT_M = 5.0, 9.0
 _RAYS, _SIGHTS = 6000, 3
 _NOISE_M, _GROUND_NOISE_M = (0.01, 0.03), 0.02
-_WINDOW_M = np.array([2.4, 2.4, 1.4])  # rays go to places in this box about the stone
-_FOOT_M = 0.06  # segmentation takes what is lower for ground
-_NEIGHBOUR_M = (1.5, 2.2)  # from centre to centre
+_WINDOW_M = np.array([2.4, 2.4, 1.4])  # rays aim at points in this box around the stone
+_FOOT_M = 0.06  # segmentation classifies lower points as ground
+_NEIGHBOUR_M = (1.5, 2.2)  # distance of the centres
 _MAP_CELL_M = 0.03
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StoneView:
-    """What a planner is given.
+    """The clouds that a planner receives.
 
     Attributes:
         stone: Known points of the target [m], shape (T, 3).
@@ -49,12 +46,16 @@ class StoneView:
 
 
 def at_rest(hull: Float, rng: np.random.Generator) -> Float | None:
-    """Drop a convex stone nearly flat on the ground z = 0 and return T_world_stone when it lies
-    still, or None.
+    """Drop a convex stone nearly flat on the ground z = 0 and let it settle.
+
+    The contacts are MuJoCo's defaults, since only the pose at rest matters.
 
     Args:
-        hull: Corners in the stone's frame [m], shape (V, 3).
-        rng: Chance of its heading and tilt.
+        hull: Corners in the frame of the stone [m], shape (V, 3).
+        rng: Random generator of its heading and tilt.
+
+    Returns:
+        T_world_stone at rest, shape (4, 4); None if the stone does not come to rest.
     """
     R = about_axis(np.array([0.0, 0.0, 1.0]), rng.uniform(0, 2 * np.pi))
     R = R @ exp_so3(np.append(rng.normal(0.0, _TILT_RAD, 2), 0.0)) @ _flat(hull)
@@ -74,7 +75,7 @@ def at_rest(hull: Float, rng: np.random.Generator) -> Float | None:
 
 
 def convex_solid(hull: Float) -> Solid:
-    """Return the ray caster of a convex polyhedron with given corners [m]."""
+    """Return a ray caster for the convex polyhedron with given corners [m]."""
     faces = half_spaces(hull)
 
     def cast(origin: Float, directions: Float) -> Float:
@@ -89,8 +90,9 @@ def convex_solid(hull: Float) -> Solid:
 
 
 def look_at(target: Solid, neighbours: tuple[Solid, ...], rng: np.random.Generator) -> StoneView:
-    """Return what two lidars, and in half of the scenes a drone,
-    see of a stone about the origin.
+    """Return what the sensors see of a stone at the origin.
+
+    The sensors are two lidars and, in half of the scenes, a drone.
     """
     noise_m = rng.uniform(*_NOISE_M)
     sensors = _lidars(rng) + (_drone(rng) if rng.random() < 0.5 else [])
@@ -102,7 +104,7 @@ def look_at(target: Solid, neighbours: tuple[Solid, ...], rng: np.random.Generat
 
 
 def neighbour_place(rng: np.random.Generator) -> Float:
-    """Draw where a neighbour lies, from the stone [m], shape (3,)."""
+    """Draw the position of a neighbour relative to the stone [m], shape (3,)."""
     azimuth, distance = rng.uniform(0, 2 * np.pi), rng.uniform(*_NEIGHBOUR_M)
     return np.array([distance * np.cos(azimuth), distance * np.sin(azimuth), 0.0])
 
@@ -110,7 +112,7 @@ def neighbour_place(rng: np.random.Generator) -> Float:
 def _sight(
     solids: tuple[Solid, ...], sensor: Float, noise_m: float, rng: np.random.Generator
 ) -> tuple[Float, Bool]:
-    """Return the points that one sensor at a place sees, and which are the first solid's."""
+    """Return the points that one sensor sees, and the mask of those on the first solid."""
     toward = (rng.random((_RAYS, 3)) - (0.5, 0.5, 0.0)) * 2 * _WINDOW_M * (1, 1, 0.5) - sensor
     directions = toward / np.linalg.norm(toward, axis=1, keepdims=True)
     with np.errstate(divide="ignore"):
@@ -141,7 +143,7 @@ def _drone(rng: np.random.Generator) -> list[Float]:
 
 
 def _flat(hull: Float) -> Float:
-    """Return the rotation that brings the axis of least spread up."""
+    """Return the rotation that turns the axis of least spread upwards."""
     corners = convex_corners(hull)
     _, axes = np.linalg.eigh(np.cov(corners.T))
     axes = axes[:, ::-1]

@@ -176,9 +176,9 @@ def test_wrong_requests_say_what_is_wrong(objects: SqliteObjects) -> None:
     objects.observe([segment(box((3, 0, 0)))], 1.0, False)
     with pytest.raises(DataError, match=r"no stone 7 .* there is 1"):
         objects.stone(7)
-    with pytest.raises(DataError, match="only a held stone is released"):
+    with pytest.raises(DataError, match="only a held stone can be released"):
         objects.release(1, np.eye(4), 2.0, StoneState.PLACED)
-    with pytest.raises(DataError, match="held only by `grasp`"):
+    with pytest.raises(DataError, match="use `grasp` to hold it"):
         objects.set_state(1, StoneState.HELD, 2.0)
     objects.grasp(1, np.eye(4), 2.0)
     with pytest.raises(DataError, match="held already"):

@@ -130,7 +130,7 @@ def test_who_reads_cannot_change(tmp_path: Path) -> None:
     found(path)
     with (
         closing(opened(path, read_only=True)) as reader,
-        pytest.raises(ConfigError, match="opened to be read"),
+        pytest.raises(ConfigError, match="open for reading only"),
     ):
         reader.set_state(1, StoneState.LOST, 2.0)
 

@@ -60,7 +60,7 @@ def test_no_grasps_have_no_predictions() -> None:
 def test_a_file_that_holds_no_tensors_is_refused_by_name(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "net.safetensors"
     path.write_bytes(content)
-    with pytest.raises(DataError, match=r"net\.safetensors: no readable weights"):
+    with pytest.raises(DataError, match=r"net\.safetensors: cannot read weights"):
         load_net(path)
 
 
