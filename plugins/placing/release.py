@@ -55,10 +55,11 @@ class HeldStone:
 def release_poses(
     held: HeldStone, position_map: Float, bottom_m: float, T_map_base: Float, turns: int
 ) -> Iterator[Float]:
-    """Yield motions T_map_map that put a stone with its centre over a place, its bottom at a height.
+    """Yield motions T_map_map that put the centre of a stone over a place.
 
-    They turn the stone about the vertical only, so it keeps its attitude to gravity. The first
-    motion turns it with the cabin; the others add growing turns of the wrist to either side.
+    The bottom of the stone comes to a given height. The motions turn it about the vertical only, so
+    it keeps its attitude to gravity. The first motion turns it with the cabin; the others add
+    growing turns of the wrist to either side.
     """
     azimuth = [np.arctan2(*(p - T_map_base[:3, 3])[1::-1]) for p in (held.centre, position_map)]
     steps = np.arange(turns) * 2 * np.pi / turns

@@ -60,7 +60,7 @@ def test_what_is_missing_is_made_again_and_the_same(folder: Path) -> None:
 
 
 def test_labels_of_other_settings_do_not_mix(folder: Path) -> None:
-    with pytest.raises(ConfigError, match="other settings"):
+    with pytest.raises(ConfigError, match="settings other than"):
         list(make_labels(folder, 2, LabelSettings(grasps_per_stone=4, seed=2)))
 
 
