@@ -193,7 +193,7 @@ def test_wrong_files_say_what_is_wrong(tmp_path: Path) -> None:
         database.open(str(tmp_path / "nowhere" / "objects.sqlite"))
     text = tmp_path / "text.sqlite"
     text.write_text("this is no database, but long enough to be taken for one " * 20)
-    with pytest.raises(DataError, match="no object database"):
+    with pytest.raises(DataError, match="not an object database"):
         database.open(str(text))
     other = tmp_path / "other.sqlite"
     connection = sqlite3.connect(other)
