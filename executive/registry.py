@@ -32,8 +32,6 @@ CAPABILITIES = (
     "monitoring",
     "viewing",
 )
-# Several plugins of these capabilities may run side by side; a list is what the mission gets.
-PLURAL = ("monitoring",)
 INTERFACES = "capability"  # the abstract class of each capability
 EXERCISES = "exercise"  # what the conformance kit asks of the plugins of a capability
 BEHAVIOURS = "behaviour"
@@ -98,8 +96,10 @@ def is_plural(capability: str) -> bool:
 def reread() -> None:
     """Forget what was found: packages that were installed since then are seen from now on."""
     _entry_points.cache_clear()
+    installed.cache_clear()
 
 
+@cache
 def installed(capability: str) -> tuple[Installed, ...]:
     """List the plugins of a capability by name, without importing any."""
     return tuple(

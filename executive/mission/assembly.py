@@ -68,7 +68,7 @@ def assemble(selections: Selections, model: str, seed: int) -> Assembly:
                 f"the {path[-1]} plugin needs a {capability} plugin, and the mission selects none"
             )
         plugins = tuple(make_one(capability, chosen, path) for chosen in selections[capability])
-        made[capability] = plugins if capability in registry.PLURAL else plugins[0]
+        made[capability] = plugins if registry.is_plural(capability) else plugins[0]
         return made[capability]
 
     def make_one(capability: str, chosen: Selection, path: tuple[str, ...]) -> Plugin:
@@ -82,7 +82,7 @@ def assemble(selections: Selections, model: str, seed: int) -> Assembly:
         order.append(plugin)
         return plugin
 
-    for capability in registry.CAPABILITIES:
+    for capability in registry.capabilities():
         if selections.get(capability):
             make(capability, ())
     return Assembly(machine, made, tuple(order))
@@ -105,7 +105,7 @@ def needed_for(selections: Selections, capability: str) -> dict[str, tuple[Selec
         reached[name] = selections.get(name, ())
         for chosen in reached[name]:
             dependencies = registry.dependencies_of(registry.load(name, chosen.name))
-            wanted.extend(d for d in dependencies if d in registry.CAPABILITIES)
+            wanted.extend(d for d in dependencies if d in registry.capabilities())
     return reached
 
 

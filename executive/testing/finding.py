@@ -1,10 +1,7 @@
 """The outcome of one check of one plugin, and where a failure comes from."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
-from pathlib import Path
-from types import TracebackType
 
 
 class Outcome(StrEnum):
@@ -50,15 +47,3 @@ def words(test_id: str) -> str:
     function, _, parameter = test_id.removeprefix("test_").partition("[")
     cases = [case for case in parameter.rstrip("]").rsplit("-", 1)[:-1] if case]
     return " ".join([function.replace("_", " "), *(f"[{case}]" for case in cases)])
-
-
-def place_in(traceback: TracebackType | None, folders: Iterable[Path]) -> str:
-    """Return `file:line` of the innermost call in one of the folders or files; empty if none."""
-    wanted = [str(folder) for folder in folders]
-    place = ""
-    while traceback is not None:
-        name = traceback.tb_frame.f_code.co_filename
-        if any(name == one or name.startswith(f"{one}/") for one in wanted):
-            place = f"{name}:{traceback.tb_lineno}"
-        traceback = traceback.tb_next
-    return place

@@ -4,15 +4,18 @@ import contextlib
 import inspect
 import io
 import os
+import traceback
 from collections.abc import Generator, Iterator, Sequence
 from pathlib import Path
+from types import TracebackType
 from typing import Any
 
 import pytest
 
 from executive.errors import ConfigError
+from executive.mission.fault import place_of
 from executive.testing import suites
-from executive.testing.finding import Finding, Outcome, place_in, words
+from executive.testing.finding import Finding, Outcome, words
 
 _SUITES = Path(suites.__file__).parent
 _OF_ALL = ("contract", "settings", "lifecycle", "answers")
@@ -74,22 +77,27 @@ class _Collector:
             return Finding(check, Outcome.PASS, "", "", call.duration)
         if report.skipped:
             return Finding(check, Outcome.SKIP, _reason(error), "", call.duration)
-        place = place_in(error.tb, [_code_of(self._class)]) or place_of(self._class)
+        place = _place_within(self._class, error.tb) or _place_of_class(self._class)
         return Finding(check, Outcome.FAIL, _reason(error), place, call.duration)
 
 
-def place_of(plugin_class: type[Any]) -> str:
-    """Return `file:line` where a class begins."""
+def _place_within(plugin_class: type[Any], trace: TracebackType | None) -> str:
+    """Return `file:line` of the innermost frame of the plugin's own package; empty if none."""
+    package = plugin_class.__module__.partition(".")[0]
+    names = [(one, str(one[0].f_globals.get("__name__"))) for one in traceback.walk_tb(trace)]
+    own = [
+        one
+        for one, name in names
+        if name.partition(".")[0] == package and not name.startswith("executive.testing")
+    ]
+    return place_of(own, plugin_class.__module__)
+
+
+def _place_of_class(plugin_class: type[Any]) -> str:
     try:
         return f"{inspect.getsourcefile(plugin_class)}:{inspect.getsourcelines(plugin_class)[1]}"
     except (OSError, TypeError):
         return plugin_class.__module__
-
-
-def _code_of(plugin_class: type[Any]) -> Path:
-    """Return the folder of the plugin's package, or its file where it is a single module."""
-    file = Path(inspect.getfile(plugin_class))
-    return file.parent if "." in plugin_class.__module__ else file
 
 
 def _reason(error: pytest.ExceptionInfo[BaseException]) -> str:

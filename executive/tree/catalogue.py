@@ -4,7 +4,6 @@ table of them.
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from functools import cache
 from typing import Any
 
 from executive import registry
@@ -32,7 +31,7 @@ class Catalogue(ABC):
 
     def capabilities(self) -> tuple[str, ...]:
         """List the capabilities, in the order in which data flows."""
-        return registry.CAPABILITIES
+        return registry.capabilities()
 
     def plugin(self, capability: str, name: str) -> type[Plugin]:
         """Return a plugin's class.
@@ -61,19 +60,11 @@ class Catalogue(ABC):
         return leaf
 
 
-@cache
-def _installed_names(capability: str) -> tuple[str, ...]:
-    """Read the entry points' names once: a distribution's metadata is parsed anew for each
-    question.
-    """
-    return tuple(one.name for one in registry.installed(capability))
-
-
 class InstalledCatalogue(Catalogue):
     """What the entry points announce."""
 
     def plugin_names(self, capability: str) -> tuple[str, ...]:
-        return _installed_names(capability)
+        return tuple(one.name for one in registry.installed(capability))
 
     def behaviour_names(self) -> tuple[str, ...]:
         return self.plugin_names(registry.BEHAVIOURS)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
-from executive.registry import PLURAL, dependencies_of
+from executive.registry import dependencies_of, is_plural
 from executive.tree.catalogue import REQUIRED, SERVICES
 from executive.tree.language import ON_ERROR, ON_ERROR_WORDS, LeafUse, Selection
 from executive.tree.problem import Mark
@@ -97,10 +97,12 @@ class PluginReader:
         if not isinstance(value, Listing):
             one = self._one(capability, value)
             return (one,) if one else ()
-        if capability not in PLURAL:
+        if not is_plural(capability):
+            plural = filter(is_plural, self._reading.catalogue.capabilities())
             self._reading.fail(
                 value,
-                f"{capability} takes one plugin, not a list; only monitoring may have several",
+                f"{capability} takes one plugin, not a list; only {', '.join(plural)} may have "
+                "several",
             )
             return ()
         chosen = [self._one(capability, item) for item in value.items]

@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from executive.registry import PLURAL
+from executive.registry import is_plural
 from executive.tree.language import (
     ON_ERROR,
     Ask,
@@ -84,7 +84,7 @@ def _selection(one: Selection) -> dict[str, Any]:
 
 def _selections(capability: str, several: tuple[Selection, ...]) -> Any:
     written = [_selection(one) for one in several]
-    return written if capability in PLURAL else written[0]
+    return written if is_plural(capability) else written[0]
 
 
 def _tree(tree: Tree) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Any
 from executive.config import Settings
 from executive.errors import ConfigError
 from executive.leaf.action import Action, Leaf
-from executive.registry import PLURAL
+from executive.registry import is_plural
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
 from executive.tree.language import ON_ERROR, ON_ERROR_WORDS, LoopSettings
 from executive.tree.sources import API
@@ -95,7 +95,7 @@ class _Builder:
                 partly,
             ]
         }
-        if capability not in PLURAL:
+        if not is_plural(capability):
             return one
         return {"anyOf": [*one["anyOf"], {"type": "array", "items": one}]}
 

@@ -11,9 +11,9 @@ def list_plugins(as_json: JsonOption = False) -> None:
 
     Example: executive plugins list --json
     """
-    from executive.registry import CAPABILITIES, installed
+    from executive.registry import capabilities, installed
 
-    table = {capability: installed(capability) for capability in CAPABILITIES}
+    table = {capability: installed(capability) for capability in capabilities()}
     if as_json:
         answer({capability: [one.name for one in found] for capability, found in table.items()})
         return
