@@ -1,5 +1,4 @@
-"""Make the pictures of docs/perception.md: two clouds before and after registration, and their
-segments.
+"""Draw the segments of two clouds, and those of both after registration, seen from above.
 
 python docs/perception_pictures.py drone.ply lidar.ply
 """
@@ -25,8 +24,8 @@ IMAGES = Path(__file__).parent / "images"
 LIDAR, DRONE, GREY = "#2a9d5c", "#d1495b", "#b5b5b5"
 
 
-def main(source: Path, target: Path) -> list[Path]:
-    """Register a source over a target and draw both, seen from above."""
+def main(source: Path, target: Path) -> Path:
+    """Register a source over a target and draw the segments of each and of both."""
     clouds = Cloud("target", read_site(target)), Cloud("source", read_site(source))
     with chosen(Registrar) as registrar:
         found = registrar.register(*clouds, np.random.default_rng(0))
@@ -37,19 +36,6 @@ def main(source: Path, target: Path) -> list[Path]:
         apart = [segmenter.segment(cloud) for cloud in clouds]
         merged = segmenter.segment(Cloud("target", np.vstack([clouds[0].points, moved])))
     middle = moved.mean(axis=0)
-    maps, axes = plt.subplots(1, 2, figsize=(13, 6.2), layout="constrained")
-    _map(
-        axes[0],
-        [(clouds[1].points, DRONE), (clouds[0].points, LIDAR)],
-        "before: each in a frame of its own",
-        None,
-    )
-    _map(
-        axes[1],
-        [(moved, DRONE), (clouds[0].points, LIDAR)],
-        "after: drone red, lidar green",
-        middle,
-    )
     segments, axes = plt.subplots(1, 3, figsize=(17, 6.0), layout="constrained")
     parts = (apart[1], apart[0], merged)
     names = ("drone", "lidar", "both, registered")
@@ -63,10 +49,9 @@ def main(source: Path, target: Path) -> list[Path]:
         )
         for number, segment in enumerate(segmentation.segments):
             _dots(axis, segment.points, f"C{number % 10}")
-    paths = [IMAGES / "perception_maps.png", IMAGES / "perception_segments.png"]
-    for figure, path in zip((maps, segments), paths, strict=True):
-        figure.savefig(path, dpi=75)
-    return paths
+    path = IMAGES / "perception_segments.png"
+    segments.savefig(path, dpi=75)
+    return path
 
 
 def _map(axis: Axes, layers: list[tuple[Float, str]], title: str, centre: Float | None) -> None:
@@ -84,4 +69,4 @@ def _dots(axis: Axes, points: Float, colour: str) -> None:
 
 if __name__ == "__main__":
     IMAGES.mkdir(exist_ok=True)
-    print(*main(Path(sys.argv[1]), Path(sys.argv[2])), sep="\n")
+    print(main(Path(sys.argv[1]), Path(sys.argv[2])))
