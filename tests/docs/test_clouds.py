@@ -13,7 +13,7 @@ from executive.commands.main import main
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import from_rpy
 
-PAGE = (Path(__file__).parents[2] / "docs" / "clouds.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "clouds.md").read_text(encoding="utf-8")
 
 
 def step(seed: int) -> np.ndarray:

@@ -1,38 +1,17 @@
-"""The page on estimation is true: its selections load, its commands have the options that it gives
-them.
-"""
+"""The page on estimation is true: its selections are plugins, its default is that of the missions."""
 
 import re
-import subprocess
-import sys
-import tempfile
 from pathlib import Path
 
 import pytest
 import yaml
 
 from executive import registry
+from executive.tree.load import load_mission
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "estimation.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "how-to" / "estimation.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(\w+)\n(.*?)```", PAGE, re.S)
-LINES = [line for language, body in BLOCKS if language == "sh" for line in body.splitlines()]
-COMMANDS = [line.split("#")[0].strip() for line in LINES if line.startswith("executive ")]
-BENCHMARKS = [line.split("#")[0].strip() for line in LINES if line.startswith("python ")]
-
-
-def usage(words: list[str]) -> str:
-    with tempfile.TemporaryDirectory() as home:  # matplotlib leaves its list of fonts there
-        environment = {"COLUMNS": "200", "PATH": "", "HOME": home}
-        ended = subprocess.run(
-            [sys.executable, *words, "--help"],
-            capture_output=True,
-            text=True,
-            timeout=120,
-            env=environment,
-        )
-    assert ended.returncode == 0, ended.stderr
-    return ended.stdout
 
 
 def test_its_selections_are_plugins() -> None:
@@ -47,30 +26,7 @@ def test_it_shows_every_plugin(capability: str) -> None:
         assert f"| `{plugin.name}` |" in PAGE
 
 
-@pytest.mark.parametrize("verb", sorted({command.split()[1] for command in COMMANDS}))
-def test_its_commands_know_their_options(verb: str) -> None:
-    code = "import sys; sys.argv[0] = 'executive'; from executive.commands.main import main; main()"
-    known = set(re.findall(r"--[\w-]+", usage(["-c", code, verb])))
-    for command in COMMANDS:
-        if command.split()[1] == verb:
-            assert set(re.findall(r"--[\w-]+", command)) <= known
-
-
-@pytest.mark.parametrize("command", BENCHMARKS)
-def test_its_benchmarks_exist_and_know_their_options(command: str) -> None:
-    script = ROOT / command.split()[1]
-    assert set(re.findall(r"--[\w-]+", command)) <= set(
-        re.findall(r"--[\w-]+", usage([str(script)]))
-    )
-
-
-def test_its_pictures_exist() -> None:
-    pictures = re.findall(r"!\[.*?\]\((.*?)\)", PAGE)
-    assert len(pictures) == 2
-    for picture in pictures:
-        assert (ROOT / "docs" / picture).read_bytes().startswith(b"\x89PNG")
-
-
-def test_there_is_something_to_check() -> None:
-    assert len(COMMANDS) >= 5
-    assert len(BENCHMARKS) >= 4
+def test_the_default_is_the_one_that_the_page_names() -> None:
+    (chosen,) = load_mission("pick_and_place", []).plugins["estimation"]
+    assert f"The shipped missions run **`{chosen.name}` without lidar odometry**" in PAGE
+    assert "odometry" not in load_mission("pick_and_place", []).plugins

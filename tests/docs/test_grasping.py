@@ -16,7 +16,7 @@ from executive_plugins.grasping.sampling.closing import HoldOutcome
 from executive import registry
 from executive.clouds.ply_writer import write_parts
 
-PAGE = (Path(__file__).parents[2] / "docs" / "grasping.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "grasping.md").read_text(encoding="utf-8")
 SELECTIONS = re.findall(
     r"grasping: (\{.*?\}|\w+)", re.search(r"```yaml\n(.*?)```", PAGE, re.S).group(1)
 )

@@ -8,7 +8,7 @@ import pytest
 from executive import registry
 from executive.tree.load import load_mission
 
-PAGE = (Path(__file__).parents[2] / "docs" / "mapping.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "mapping.md").read_text(encoding="utf-8")
 PLUGINS = {point.name for point in registry.installed("mapping")}
 
 
@@ -23,6 +23,11 @@ def test_it_names_every_mapper() -> None:
 def test_its_selections_load(settings: list[str]) -> None:
     (chosen,) = load_mission("map_site", settings).plugins["mapping"]
     assert chosen.name in PAGE
+
+
+def test_the_default_is_the_one_that_the_page_names() -> None:
+    (chosen,) = load_mission("pick_and_place", []).plugins["mapping"]
+    assert f"The shipped missions run **`{chosen.name}`**" in PAGE
 
 
 def test_the_settings_that_it_names_exist() -> None:

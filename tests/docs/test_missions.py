@@ -5,21 +5,26 @@ the code's.
 import re
 from pathlib import Path
 
-import pytest
-
 from executive import registry
 from executive.leaf import rest
 from executive.messages.command import START_TOLERANCE
 from executive.tree.load import load_mission
 
-PAGE = (Path(__file__).parents[2] / "docs" / "missions.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "missions.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| .* \| (.*) \|$", PAGE.split("## One stone")[1].split("##")[0], re.M)[1:]
 KINDS = {"retry"}
 
 
-@pytest.mark.parametrize("name", re.findall(r"executive \w+ (\w+)", PAGE))
-def test_the_commands_name_missions(name: str) -> None:
-    assert load_mission(name, []).name == name
+def test_the_table_of_defaults_is_that_of_the_missions() -> None:
+    plugins = load_mission("pick_and_place", []).plugins
+    rows = PAGE.split("## Which algorithms run")[1].split("##")[0]
+    told = dict(re.findall(r"^\| (\w+) \| ((?:`\w+`(?:, )?)+) \|", rows, re.M))
+    chosen = {
+        capability: ", ".join(f"`{one.name}`" for one in selected)
+        for capability, selected in plugins.items()
+        if capability not in ("robot", "surveying", "viewing")
+    }
+    assert told == chosen
 
 
 def test_the_table_names_what_there_is() -> None:

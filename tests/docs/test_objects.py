@@ -16,7 +16,7 @@ from executive.commands.stones.answer import object_answer
 from executive.messages.segment import Segment
 from executive.messages.stone import StoneState
 
-PAGE = (Path(__file__).parents[2] / "docs" / "objects.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "objects.md").read_text(encoding="utf-8")
 COMMANDS = re.findall(
     r"^(executive .*?)(?:\s+#.*)?$", re.search(r"```sh\n(.*?)```", PAGE, re.S).group(1), re.M
 )

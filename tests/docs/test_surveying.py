@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from executive import registry
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "surveying.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "how-to" / "surveying.md").read_text(encoding="utf-8")
 
 
 def has(settings: type[BaseModel], dotted: str) -> bool:
