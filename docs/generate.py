@@ -1,0 +1,254 @@
+"""Write the pages that are generated from the code: the words of missions, and the fields of
+`robot.yaml`.
+
+    python docs/generate.py
+
+`tests/docs/test_generated.py` fails when a page is not what this script would write.
+"""
+
+import inspect
+import re
+import types
+import typing
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from executive import registry
+from executive.config import UNITS
+from executive.leaf.action import Action, Leaf
+from executive.machine.gripper import Gripper, JawPart
+from executive.machine.joint import Jaw, Joint
+from executive.machine.link import Link
+from executive.machine.machine import Machine, Stance
+from executive.machine.sensor import Encoders, Gnss, Imu, Lidar
+from executive.machine.shape import Shape
+from executive.tree.node_reader import KINDS, MODIFIERS
+from executive.tree.port_types import type_name
+
+DOCS = Path(__file__).parent
+HOW_TO = DOCS / "how-to" / "write_a_tree.md"
+NOTE = "<!-- Written by docs/generate.py from the code. Do not edit. -->\n"
+PROVENANCE = "source, or field → source"
+WORDS = """\
+# Words of missions
+
+Every word that a mission file may use, read from what is installed. How they are put together:
+[write a tree](how-to/write_a_tree.md). Plugins and their settings: `executive plugins list` and
+`executive plugins show CAPABILITY NAME`.
+"""
+ACTIONS = """\
+## Actions
+
+`run:` these. They take time. A port that is not listed under `in:` or `out:` of the node is
+connected to the key of its own name; `?` marks one that may be missing.
+"""
+CHECKS = """\
+## Checks
+
+`check:` these, or name them in a condition. They answer at once.
+"""
+ROBOT_YAML = """\
+# A machine's robot.yaml
+
+A machine is a folder with one file, `robot.yaml`: joints, links, sensors, gripper. URDF, MJCF,
+kinematics, the self-filter and all limits are made from it. Two are shipped: `robot_models/m545`
+(HEAP) and `robot_models/mini` (a generic machine of eight tonnes). For your own, copy one, change
+it, and name its folder:
+
+```sh
+executive check map_site --set robot.model=robot_models/mini
+```
+
+SI units; frames as on the page of [conventions](conventions.md). An unknown field, a missing one
+or a value out of bounds is refused, with its place. `provenance` says of each block where its
+figures come from: `measured`, `paper` or `guess`. Most efforts, accelerations and masses of the
+shipped machines are guesses.
+
+Not described: hydraulics, tipping, a load chart by radius, and the motion of the wheels. Every
+machine has one chain of joints from the base to a gripper with two mirrored jaws.
+"""
+SENSORS = """\
+## sensors
+
+A mapping from the sensor's name. `kind` selects the fields.
+"""
+
+
+def pages() -> dict[Path, str]:
+    """Return the generated pages."""
+    return {DOCS / "words.md": words_page(), DOCS / "robot_yaml.md": robot_yaml_page()}
+
+
+def words_page() -> str:
+    """Return the page of all words of a mission file."""
+    leaves = {
+        one.name: registry.load(registry.BEHAVIOURS, one.name)
+        for one in registry.installed(registry.BEHAVIOURS)
+        if one.distribution == "executive"
+    }
+    actions = {name: leaf for name, leaf in leaves.items() if issubclass(leaf, Action)}
+    checks = {name: leaf for name, leaf in leaves.items() if name not in actions}
+    parts = [
+        WORDS,
+        "## Kinds of nodes\n",
+        *_kinds(),
+        "## Modifiers\n",
+        *_modifiers(),
+        "## Units\n",
+        *_units(),
+        ACTIONS,
+        *(line for name, leaf in sorted(actions.items()) for line in _leaf(name, leaf)),
+        CHECKS,
+        *(line for name, leaf in sorted(checks.items()) for line in _leaf(name, leaf)),
+    ]
+    return "\n".join([NOTE, *parts])
+
+
+def _kinds() -> Iterator[str]:
+    meanings = _meanings()
+    yield "| kind | keys beside it | what it does |"
+    yield "|---|---|---|"
+    for kind, keys in KINDS.items():
+        beside = ", ".join(f"`{key}`" for key in keys) or "–"
+        yield f"| `{kind}` | {beside} | {meanings[kind]} |"
+    yield ""
+
+
+def _modifiers() -> Iterator[str]:
+    meanings = _meanings()
+    yield "They are applied in this order, the first outermost.\n"
+    yield "| modifier | what it does |"
+    yield "|---|---|"
+    for modifier in MODIFIERS:
+        yield f"| `{modifier}` | {meanings[modifier]} |"
+    yield ""
+
+
+def _meanings() -> dict[str, str]:
+    """Return what each kind and modifier does, from the tables of the page on trees."""
+    rows = re.findall(r"^\| `(\w+).*?` (?:[^|]*)\| (.*) \|$", HOW_TO.read_text("utf-8"), re.M)
+    return dict(rows)
+
+
+def _units() -> Iterator[str]:
+    yield "| quantity | units; a plain number is in the first |"
+    yield "|---|---|"
+    for dimension, units in UNITS.items():
+        yield f"| {dimension} | {', '.join(f'`{unit}`' for unit in units)} |"
+    yield ""
+
+
+def _leaf(name: str, leaf: type[Leaf]) -> Iterator[str]:
+    yield f"### {name}\n"
+    yield f"{_first_line(leaf)}\n"
+    if leaf.needs:
+        needs = [getattr(need, "capability", need) for need in leaf.needs]
+        yield f"Needs plugins for: {', '.join(needs)}.\n"
+    rows = [
+        *(("in", port, spec) for port, spec in leaf.inputs.items()),
+        *(("out", port, spec) for port, spec in leaf.outputs.items()),
+    ]
+    fields = leaf.Settings.model_fields
+    if rows or fields:
+        yield "| | name | type or default | meaning |"
+        yield "|---|---|---|---|"
+    for way, port, spec in rows:
+        kind = f"{type_name(spec.type)}{'?' * spec.optional}"
+        yield f"| {way} | `{port}` | `{kind}` | {_cell(spec.doc)} |"
+    for field, info in fields.items():
+        yield f"| with | `{field}` | {_default(info)} | {_cell(info.description or '')} |"
+    if rows or fields:
+        yield ""
+
+
+def robot_yaml_page() -> str:
+    """Return the page of all fields of a machine's file."""
+    parts = [
+        ROBOT_YAML,
+        *_block("The file", Machine, "The top level."),
+        *_block("stance", Stance),
+        *_block("joints", Joint, "A list, from the base to the gripper; each carries the next."),
+        *_block("jaw", Jaw),
+        *_block("gripper", Gripper),
+        *_block("gripper.jaw_parts", JawPart, "A list."),
+        *_block("bodies", Link, "A mapping from the link's name. Without the gripper's links."),
+        *_block("shapes", Shape, "A list, in a body or in `gripper.palm_shapes`."),
+        SENSORS,
+        *_block("sensors, kind: lidar", Lidar),
+        *_block("sensors, kind: imu", Imu),
+        *_block("sensors, kind: gnss", Gnss),
+        *_block("sensors, kind: encoders", Encoders),
+    ]
+    return "\n".join([NOTE, *parts])
+
+
+def _block(title: str, model: type[BaseModel], introduction: str = "") -> Iterator[str]:
+    yield f"## {title}\n"
+    yield f"{introduction} {_first_line(model)}".strip() + "\n"
+    yield "| field | type | default | bounds | meaning |"
+    yield "|---|---|---|---|---|"
+    for name, info in model.model_fields.items():
+        if name == "name" and model in (Link, Lidar, Imu, Gnss, Encoders):
+            continue  # the key of the mapping
+        yield (
+            f"| `{name}` | {_type(info.annotation) if name != 'provenance' else PROVENANCE} | {_default(info)} | {_bounds(info)} | "
+            f"{_cell(info.description or _first_line(info.annotation))} |"
+        )
+    yield ""
+
+
+def _type(kind: Any) -> str:
+    origin, given = typing.get_origin(kind), typing.get_args(kind)
+    if origin is typing.Annotated:
+        return _type(given[0])
+    if origin is typing.Literal:
+        return " or ".join(f"`{one}`" for one in given)
+    if origin in (typing.Union, types.UnionType):
+        return " or ".join(_type(one) for one in given if one is not type(None))
+    if origin is tuple:
+        if given[-1] is Ellipsis:
+            return f"list of {_type(given[0])}"
+        return f"[{', '.join(_type(one) for one in given)}]"
+    if origin in (dict, Mapping):
+        return f"{_type(given[0])} → {_type(given[1])}"
+    names = {float: "number", int: "whole number", str: "text"}
+    return names.get(kind) or kind.__name__.lower()
+
+
+def _default(info: FieldInfo) -> str:
+    if info.is_required():
+        return "required"
+    value = info.get_default(call_default_factory=True)
+    return "–" if value is None else f"`{list(value) if isinstance(value, tuple) else value}`"
+
+
+def _bounds(info: FieldInfo) -> str:
+    signs = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤"}
+    found = []
+    for constraint in info.metadata:
+        for key, sign in signs.items():
+            if getattr(constraint, key, None) is not None:
+                found.append(f"{sign} {getattr(constraint, key):.4g}")
+        if getattr(constraint, "min_length", None):
+            found.append(f"at least {constraint.min_length}")
+    return ", ".join(found) or "–"
+
+
+def _first_line(thing: Any) -> str:
+    text = inspect.getdoc(thing) if inspect.isclass(thing) else None
+    paragraph = (text or "").partition("\n\n")[0]
+    return _cell(" ".join(paragraph.split()))
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
+
+
+if __name__ == "__main__":
+    for path, text in pages().items():
+        path.write_text(text, encoding="utf-8")
+        print(path)
