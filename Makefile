@@ -13,7 +13,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The heavy libraries start a thread for each core, and then wait for one another.
 export OMP_NUM_THREADS ?= 2
 
-.PHONY: mission test test-fast benchmark check lint setup clean
+.PHONY: mission test docs test-fast benchmark check lint setup clean
 .DEFAULT_GOAL := mission
 
 mission: setup
@@ -30,6 +30,10 @@ test-fast: setup
 # One of docs/benchmarks.md: make benchmark NAME=missions ARGS="1:5"
 benchmark: setup
 	OMP_NUM_THREADS=1 $(BIN)/python tests/benchmarks/$(or $(NAME),lidar_speed).py $(ARGS)
+
+# The pages as a site in build/site; fails if a link or a page is missing.
+docs: setup
+	$(BIN)/mkdocs build --strict
 
 check: lint test
 

@@ -194,10 +194,9 @@ def _block(title: str, model: type[BaseModel], introduction: str = "") -> Iterat
     for name, info in model.model_fields.items():
         if name == "name" and model in (Link, Lidar, Imu, Gnss, Encoders):
             continue  # the key of the mapping
-        yield (
-            f"| `{name}` | {_type(info.annotation) if name != 'provenance' else PROVENANCE} | {_default(info)} | {_bounds(info)} | "
-            f"{_cell(info.description or _first_line(info.annotation))} |"
-        )
+        kind = PROVENANCE if name == "provenance" else _type(info.annotation)
+        meaning = _cell(info.description or _first_line(info.annotation))
+        yield f"| `{name}` | {kind} | {_default(info)} | {_bounds(info)} | {meaning} |"
     yield ""
 
 
