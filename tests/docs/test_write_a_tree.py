@@ -15,7 +15,9 @@ from executive.tree.catalogue import InstalledCatalogue
 from executive.tree.load import load_mission
 from executive.tree.node_reader import KINDS, MODIFIERS
 
-PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "write_a_tree.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "write_a_tree.md").read_text(
+    encoding="utf-8"
+)
 MISSION = re.search(r"```yaml\n(.*?)```", PAGE, re.S).group(1)
 COMMANDS = [
     shlex.split(line, comments=True)
