@@ -1,4 +1,4 @@
-"""The page on estimation is true: its selections are plugins, its default is that of the missions."""
+"""The page on estimation is true: its selections are plugins, its default is the missions'."""
 
 import re
 from pathlib import Path
