@@ -100,9 +100,7 @@ class Judge:
         """
         copy = self._copy()
         source = (copy.root / fault.file).read_bytes()
-        tests = tuple(related(copy.root, fault.file))
-        stages = [tests] if tests else []
-        stages += [LANE] if self._has_lane else []
+        stages = [*related(copy.root, fault.file), *([LANE] if self._has_lane else [])]
         is_compiled = b"njit" in source
         status, by, seconds = SURVIVED if stages else NOT_COVERED, "", 0.0
         for stage in stages:

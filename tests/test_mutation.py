@@ -151,10 +151,12 @@ def test_the_same_seed_draws_the_same_faults(load) -> None:
 
 def test_tests_are_those_that_mirror_hold_and_import_a_file(load) -> None:
     related = load("mutants.related_tests").related
-    found = related(TESTS.parent, "plugins/monitoring/jaw_slip.py")
-    assert found[0].startswith("tests/plugins/monitoring")
-    assert related(TESTS.parent, "executive/geometry/pose.py")[0].startswith("tests/geometry")
-    assert "tests/test_config.py" in related(TESTS.parent, "executive/config.py")
+    near, wide, kit = related(TESTS.parent, "plugins/monitoring/jaw_slip.py")
+    assert kit[-2:] == ("monitoring", "executive/testing/suites")
+    assert all("tests/plugins/monitoring" in test for test in near[:1])
+    assert "tests/plugins/monitoring" in wide
+    assert related(TESTS.parent, "executive/geometry/pose.py")[1] == ("tests/geometry",)
+    assert related(TESTS.parent, "executive/config.py")[0][0] == "tests/test_config.py"
 
 
 LEAF = '''class Both:

@@ -3,35 +3,38 @@
 from functools import cache
 from pathlib import Path
 
+SUITES = Path("executive/testing/suites")  # what every plugin of a capability must do
+BESIDE = {"leaf": ("tests/behaviours", "tests/mission"), "behaviours": ("tests/mission",)}
 
-def related(root: Path, file: str) -> list[str]:
-    """Return test files and folders, the nearest first; none if nothing concerns the file.
 
-    The mirror of `executive/a/b.py` is `tests/a`, that of `plugins/x/room/y.py` is
-    `tests/plugins/x/room` if there is one, else `tests/plugins/x`; the suites of
-    `tests/conformance` and whatever imports the module come after it.
+def related(root: Path, file: str) -> list[tuple[str, ...]]:
+    """Return what to run for a file, the nearest first; none if no test concerns it.
+
+    Nearest are the test files of its name in its mirror and those that import it; then comes the
+    whole mirror, and for a plugin the suite of its capability. The mirror of `executive/a/b.py` is
+    `tests/a`, that of `plugins/x/room/y.py` is `tests/plugins/x/room` if there is one, else
+    `tests/plugins/x`.
     """
     path = Path(file)
     is_plugin = path.parts[0] == "plugins"
-    mirror = Path("tests") / (path if is_plugin else Path(*path.parts[1:]))
-    found = [mirror.parent / f"test_{path.stem}.py"]
-    while mirror.parent not in (Path("tests"), Path("tests/plugins")):
-        mirror = mirror.parent
-        if (root / mirror).is_dir():
-            found.append(mirror)
-            break
-    if is_plugin and len(path.parts) > 2:
-        conformance = root / "tests" / "conformance"
-        found += [p.relative_to(root) for p in sorted(conformance.glob(f"*{path.parts[1]}*.py"))]
-    found += _importing(root, _module(path))
-    names = list(dict.fromkeys(p.as_posix() for p in found if (root / p).exists()))
-    return [name for name in names if not _is_under_another(name, names)]
+    mirror = _mirror(root, Path("tests") / Path(*path.parts[0 if is_plugin else 1 :]))
+    near = [p.relative_to(root) for p in sorted((root / mirror).rglob(f"test_{path.stem}.py"))]
+    near += _importing(root, _module(path))
+    wide = [mirror.as_posix()] if mirror != Path("tests") else []
+    wide += [] if is_plugin else BESIDE.get(path.parts[1], ())
+    stages = [[p.as_posix() for p in near], [p for p in wide if (root / p).is_dir()]]
+    if is_plugin and (root / SUITES / f"test_{path.parts[1]}.py").is_file():
+        kit = ["-p", "executive.testing.pytest_plugin", "--capability", path.parts[1]]
+        stages.append([*kit, SUITES.as_posix()])
+    return [tuple(dict.fromkeys(stage)) for stage in stages if stage]
 
 
-def _is_under_another(name: str, names: list[str]) -> bool:
-    """Return whether a file's folder is run as well, unless the file comes before it."""
-    before = names[: names.index(name)]
-    return any(name.startswith(f"{folder}/") for folder in before)
+def _mirror(root: Path, path: Path) -> Path:
+    """Return the nearest folder above a file's mirror that there is."""
+    for folder in path.parents:
+        if (root / folder).is_dir() and folder != Path("tests/plugins"):
+            return folder
+    return Path("tests")
 
 
 def _module(path: Path) -> str:
@@ -54,5 +57,7 @@ def _importing(root: Path, module: str) -> list[Path]:
 @cache
 def _test_sources(root: Path) -> dict[Path, str]:
     return {
-        path: path.read_text(encoding="utf-8") for path in sorted(root.glob("tests/**/test_*.py"))
+        path: path.read_text(encoding="utf-8")
+        for path in sorted((root / "tests").rglob("test_*.py"))
+        if "benchmarks" not in path.parts
     }
