@@ -1,8 +1,8 @@
 """Break each leaf in turn, and tell whether a test notices: the table of leaves, red or green.
 
 In a copy of the tree, `raise RuntimeError` is put first into the leaf's `run` or `check`. Then the
-tests run that should notice. Green means that no test lets this leaf do its work. A quarter of a
-minute to ten minutes a leaf.
+tests of leaves run, then those of missions, up to the first failure. Green means that no test lets
+this leaf do its work. A quarter of a minute to ten minutes a leaf.
 """
 
 import argparse
@@ -11,10 +11,11 @@ import json
 import sys
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from mutants.tree_copy import Ran, TreeCopy
+from mutants.baseline import Baseline, RedWithoutFaultError
+from mutants.tree_copy import TreeCopy
 
 ROOT = Path(__file__).parents[1]
 GROUP = "executive.behaviour.v1"
@@ -35,7 +36,9 @@ def parser() -> argparse.ArgumentParser:
         description=__doc__, epilog=USAGE, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     made.add_argument("leaves", nargs="*", metavar="LEAF", help="default: all")
-    made.add_argument("--timeout", type=float, default=1800, metavar="S", help="of a leaf's tests")
+    made.add_argument(
+        "--timeout", type=float, default=1800, metavar="S", help="of tests without a fault [s]"
+    )
     made.add_argument("--json", action="store_true", help="write the answer as JSON")
     made.add_argument("--root", type=Path, default=ROOT, help="of the tree (default: this one)")
     return made
@@ -85,11 +88,35 @@ def leaves_of(root: Path) -> list[Leaf]:
     return made
 
 
-def word_of(ran: Ran) -> str:
-    """Return whether tests noticed; tests that do not end have."""
-    if ran.status is None:
-        return "red (timed out)"
-    return "green" if ran.is_green else "red"
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What became of one broken leaf: whether its tests turned red, and the first that did."""
+
+    leaf: str
+    tests: str
+    first: str
+
+    def __str__(self) -> str:
+        return f"{self.leaf:20} {self.tests:15} {self.first}".rstrip()
+
+
+def judged(leaf: Leaf, copy: TreeCopy, baseline: Baseline) -> Row:
+    """Break a leaf and run the tests, folder by folder, up to the first failure.
+
+    Raises:
+        RedWithoutFaultError: If tests fail without the broken leaf.
+    """
+    source = (copy.root / leaf.file).read_text(encoding="utf-8")
+    for folder in TESTS:
+        if not (copy.root / folder).is_dir():
+            continue
+        limit_s = baseline.limit_s(copy, [folder])
+        with copy.with_source(leaf.file, leaf.broken(source).encode()):
+            ran = copy.run([folder], limit_s)
+        if not ran.is_green:  # tests that no longer end have noticed, too
+            word = "red (timed out)" if ran.status is None else "red"
+            return Row(leaf.name, word, ran.first_failure)
+    return Row(leaf.name, "green", "")
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -100,21 +127,18 @@ def main(words: Sequence[str] | None = None) -> int:
         command.error(f"no leaf {', '.join(sorted(unknown))}")
     leaves = [leaf for leaf in leaves if not given.leaves or leaf.name in given.leaves]
     rows = []
+    baseline = Baseline(given.timeout)
     with TreeCopy(given.root) as copy:
-        tests = [test for test in TESTS if (copy.root / test).is_dir()]
-        ran = copy.run(tests, given.timeout)
-        if not ran.is_green:
-            command.error(f"{' '.join(tests)} fail without any broken leaf:\n{ran.output}")
-        for leaf in leaves:
-            source = (copy.root / leaf.file).read_text(encoding="utf-8")
-            with copy.with_source(leaf.file, leaf.broken(source).encode()):
-                ran = copy.run(tests, given.timeout)
-            rows.append({"leaf": leaf.name, "tests": word_of(ran), "first": ran.first_failure})
-            print(f"{leaf.name:20} {word_of(ran):6} {ran.first_failure}", file=sys.stderr)
-    green = [row["leaf"] for row in rows if row["tests"] == "green"]
+        try:
+            for leaf in leaves:
+                rows.append(judged(leaf, copy, baseline))
+                print(rows[-1], file=sys.stderr, flush=True)
+        except RedWithoutFaultError as error:
+            command.error(str(error))
+    green = [row for row in rows if row.tests == "green"]
     print(f"{len(rows) - len(green)} of {len(rows)} leaves turn the tests red", file=sys.stderr)
     if given.json:
-        print(json.dumps(rows, indent=1))
+        print(json.dumps([asdict(row) for row in rows], indent=1))
     return int(bool(green))
 
 

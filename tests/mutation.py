@@ -21,6 +21,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from mutants.baseline import Baseline, RedWithoutFaultError
 from mutants.fault import Fault
 from mutants.faults_of import drawn
 from mutants.related_tests import related
@@ -87,26 +88,25 @@ class Judge:
     """Runs the tests of faults, each worker in a copy of its own."""
 
     def __init__(self, root: Path, limit_s: float, has_lane: bool) -> None:
-        self._root, self._limit_s, self._has_lane = root, limit_s, has_lane
+        self._root, self._has_lane = root, has_lane
+        self._baseline = Baseline(limit_s)
         self._copies: list[TreeCopy] = []
-        self._own, self._lock = threading.local(), threading.Lock()
-        self._limits_s: dict[tuple[str, ...], float] = {}
+        self._own = threading.local()
 
     def judge(self, fault: Fault) -> Verdict:
         """Plant a fault, run its tests, and return what became of it.
 
         Raises:
-            RuntimeError: If the tests fail without the fault.
+            RedWithoutFaultError: If the tests fail without the fault.
         """
         copy = self._copy()
         source = (copy.root / fault.file).read_bytes()
         stages = [*related(copy.root, fault.file), *([LANE] if self._has_lane else [])]
-        is_compiled = b"njit" in source
         status, by, seconds = SURVIVED if stages else NOT_COVERED, "", 0.0
         for stage in stages:
-            limit_s = self._limit(copy, stage)
+            limit_s = self._baseline.limit_s(copy, stage)
             with copy.with_source(fault.file, fault.planted(source)):
-                ran = copy.run(stage, limit_s, is_compiled)
+                ran = copy.run(stage, limit_s, is_compiled(source))
             seconds += ran.seconds
             if not ran.is_green:
                 status, by = TIMED_OUT if ran.status is None else KILLED, ran.first_failure
@@ -121,32 +121,18 @@ class Judge:
     ) -> bool:
         """Return whether an exception in place of the statement turns the tests red."""
         with copy.with_source(fault.file, fault.exposed(source)):
-            return any(not copy.run(stage, self._limit(copy, stage)).is_green for stage in stages)
-
-    def _limit(self, copy: TreeCopy, tests: Sequence[str]) -> float:
-        """Return how long tests may take [s]: a minute, and three times as long as without fault.
-
-        Raises:
-            RuntimeError: If the tests fail without any fault.
-        """
-        key = tuple(tests)
-        with self._lock:
-            if key in self._limits_s:
-                return self._limits_s[key]
-        ran = copy.run(tests, self._limit_s)
-        if not ran.is_green:
-            why = "ran out of time" if ran.status is None else "failed"
-            raise RuntimeError(f"{' '.join(tests)} {why} without any fault:\n{ran.output}")
-        with self._lock:
-            self._limits_s[key] = 60.0 + 3.0 * ran.seconds
-        return self._limits_s[key]
+            return any(
+                not copy.run(
+                    stage, self._baseline.limit_s(copy, stage), is_compiled(source)
+                ).is_green
+                for stage in stages
+            )
 
     def _copy(self) -> TreeCopy:
         """Return the copy of this thread."""
         if not hasattr(self._own, "copy"):
             self._own.copy = TreeCopy(self._root)
-            with self._lock:
-                self._copies.append(self._own.copy)
+            self._copies.append(self._own.copy)
         copy: TreeCopy = self._own.copy
         return copy
 
@@ -154,6 +140,11 @@ class Judge:
         """Remove the copies."""
         for copy in self._copies:
             copy.close()
+
+
+def is_compiled(source: bytes) -> bool:
+    """Return whether a file holds functions that are compiled, and cached so by their callers."""
+    return b"njit" in source
 
 
 def without_equivalents(faults: Iterable[Fault], root: Path) -> list[Fault]:
@@ -200,7 +191,7 @@ def main(words: Sequence[str] | None = None) -> int:
             for verdict in pool.map(judge.judge, faults):
                 verdicts.append(verdict)
                 print(verdict, file=sys.stderr, flush=True)
-    except RuntimeError as error:
+    except RedWithoutFaultError as error:
         command.error(str(error))
     finally:
         judge.close()
