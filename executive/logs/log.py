@@ -14,7 +14,7 @@ from executive.errors import DataError, ShapeError, did_you_mean
 from executive.geometry.pose import inverse
 from executive.logs import decode
 from executive.logs.extrinsics import rig_from
-from executive.logs.source import Recorded, Source
+from executive.logs.log_source import LogSource, Recorded
 from executive.logs.topics import TYPES, Topics
 from executive.machine.machine import load_machine
 from executive.machine.rig import Rig
@@ -70,7 +70,7 @@ class Log:
                 has another type.
         """
         self.path = path
-        self._source = Source(path)
+        self._source = LogSource(path)
         self._topics = {
             name: kind
             for kind, name in topics.model_dump().items()

@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from multiprocessing.connection import Connection
 
-from executive_plugins.mapping.pair_graph import Node, PairGraph, Poses
+from executive_plugins.mapping.pair_graph import PairGraph, PairNode, Poses
 
 _log = logging.getLogger(__name__)
 _LEAVE_S = 1.0  # time that a child is given to end by itself
@@ -19,7 +19,7 @@ class GraphHost(ABC):
     """Takes nodes, gives poses whenever there are new ones; never blocks for long."""
 
     @abstractmethod
-    def add(self, node: Node) -> None:
+    def add(self, node: PairNode) -> None:
         """Hand a node over."""
 
     @abstractmethod
@@ -38,7 +38,7 @@ class InlineGraph(GraphHost):
         self._graph = PairGraph(window)
         self._poses: Poses | None = None
 
-    def add(self, node: Node) -> None:
+    def add(self, node: PairNode) -> None:
         self._poses = self._graph.add(node)
 
     def take(self) -> Poses | None:
@@ -64,8 +64,8 @@ class ProcessGraph(GraphHost):
         self._window = window
         self._answer_within_s = answer_within_s
         self.restarts = 0
-        self._sent: list[Node] = []
-        self._waiting: deque[Node] = deque()
+        self._sent: list[PairNode] = []
+        self._waiting: deque[PairNode] = deque()
         self._spawn()
 
     def _spawn(self) -> None:
@@ -78,7 +78,7 @@ class ProcessGraph(GraphHost):
             time.monotonic() + _SPAWN_S
         )  # it answers once when it is ready
 
-    def add(self, node: Node) -> None:
+    def add(self, node: PairNode) -> None:
         self._waiting.append(node)
 
     def take(self) -> Poses | None:
@@ -138,7 +138,7 @@ def _serve(connection: Connection, window: int) -> None:
     connection.send(None)
     while True:
         try:
-            nodes: list[Node] = connection.recv()
+            nodes: list[PairNode] = connection.recv()
         except EOFError:
             return
         if not nodes:

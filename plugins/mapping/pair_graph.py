@@ -14,7 +14,7 @@ _RELINEARISE = 1e-3  # rad, m
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Node:
+class PairNode:
     """One scan pair's place in the graph.
 
     Attributes:
@@ -74,13 +74,13 @@ class PairGraph:
         parameters.setRelinearizeThreshold(_RELINEARISE)
         parameters.relinearizeSkip = 1
         self._isam = gtsam.ISAM2(parameters)
-        self._nodes: list[Node] = []
+        self._nodes: list[PairNode] = []
         self._factors: list[list[gtsam.NonlinearFactor]] = []  # that came with each node
 
     def __len__(self) -> int:
         return len(self._nodes)
 
-    def add(self, node: Node) -> Poses:
+    def add(self, node: PairNode) -> Poses:
         """Add a node with its constraints; return where all nodes in the window are now."""
         if len(self._nodes) >= self._window + self._window // 2:
             self._forget()
@@ -98,18 +98,20 @@ class PairGraph:
         self.restarts += 1
         self._begin()
 
-    def _is_tied(self, node: Node) -> bool:
+    def _is_tied(self, node: PairNode) -> bool:
         """Say whether a node hangs on the one before; GTSAM would leave it at its first guess, and
         say nothing.
         """
         is_next = node.number == self._nodes[-1].number + 1
         return is_next and not (node.odometry is None and node.match is None)
 
-    def _enter(self, node: Node) -> None:
+    def _enter(self, node: PairNode) -> None:
         factors = _between(node) + _anchors(node) if self._nodes else [_tie(node)]
         self._update(node, node.T_map_cabin, factors)
 
-    def _update(self, node: Node, T_map_cabin: Float, factors: list[gtsam.NonlinearFactor]) -> None:
+    def _update(
+        self, node: PairNode, T_map_cabin: Float, factors: list[gtsam.NonlinearFactor]
+    ) -> None:
         graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         for factor in factors:
             graph.push_back(factor)
@@ -137,7 +139,9 @@ class PairGraph:
         for k in range(first, len(nodes)):
             self._update(nodes[k], T[k], factors[k] if k > first else prior + _anchors(nodes[k]))
 
-    def _summary(self, kept: Node, old: list[gtsam.NonlinearFactor]) -> list[gtsam.NonlinearFactor]:
+    def _summary(
+        self, kept: PairNode, old: list[gtsam.NonlinearFactor]
+    ) -> list[gtsam.NonlinearFactor]:
         """Eliminate all nodes before one, for the nodes are a chain: what is left is a factor on
         that one alone.
         """
@@ -161,17 +165,17 @@ class PairGraph:
         ]
 
 
-def _tie(node: Node) -> gtsam.NonlinearFactor:
+def _tie(node: PairNode) -> gtsam.NonlinearFactor:
     return gtsam.PriorFactorPose3(
         X(node.number), gtsam.Pose3(node.estimate.T), _gaussian(node.estimate)
     )
 
 
-def _anchors(node: Node) -> list[gtsam.NonlinearFactor]:
+def _anchors(node: PairNode) -> list[gtsam.NonlinearFactor]:
     return [_tie(node)] if node.is_anchor else []
 
 
-def _between(node: Node) -> list[gtsam.NonlinearFactor]:
+def _between(node: PairNode) -> list[gtsam.NonlinearFactor]:
     before, key = X(node.number - 1), X(node.number)
     factors: list[gtsam.NonlinearFactor] = []
     if node.odometry is not None:

@@ -13,9 +13,9 @@ from executive_plugins.mapping.map_cloud import cloud_of
 from executive_plugins.mapping.map_settings import MapSettings
 from executive_plugins.mapping.node_track import NodeTrack
 from executive_plugins.mapping.odometry_noise import OdometryNoise, OdometryNoiseSettings
-from executive_plugins.mapping.pair_graph import Node
+from executive_plugins.mapping.pair_graph import PairNode
 from executive_plugins.mapping.pair_store import PairStore
-from executive_plugins.mapping.scan_front import ScanFront
+from executive_plugins.mapping.scan_front_end import ScanFrontEnd
 from executive_plugins.mapping.scan_matching import ScanMatcher, ScanMatchingSettings
 from executive_plugins.mapping.scan_pair import ScanPair, assemble
 from executive_plugins.mapping.voxel_grid import VoxelGrid
@@ -74,7 +74,7 @@ class _LastNode:
 class _Parts:
     """What lives from start to close."""
 
-    front: ScanFront
+    front_end: ScanFrontEnd
     host: GraphHost
     matcher: ScanMatcher
     track: NodeTrack
@@ -109,7 +109,7 @@ class PoseGraph(Mapper):
         s = self._settings
         VoxelGrid.compile()
         self._parts = _Parts(
-            front=ScanFront(self._machine, s),
+            front_end=ScanFrontEnd(self._machine, s),
             host=ProcessGraph(s.window, s.answer_within_s) if s.process else InlineGraph(s.window),
             matcher=ScanMatcher(s.matching),
             track=NodeTrack(2 * s.window),
@@ -131,12 +131,12 @@ class PoseGraph(Mapper):
         parts = self._running()
         if self._cylinder.follow(motion.T_map_cabin[-1][:3, 3]):
             parts.store.keep(self._cylinder.contains)
-        pair = assemble(parts.front, scans, motion, self._held_radius_m, self._cylinder)
+        pair = assemble(parts.front_end, scans, motion, self._held_radius_m, self._cylinder)
         if pair is None:
             return 0
         self._cloud = None
         self._take_poses(parts)
-        lidars_map = parts.front.lidars_map(motion, pair.stamp_s)
+        lidars_map = parts.front_end.lidars_map(motion, pair.stamp_s)
         if self._has_travelled(lidars_map):
             self._add_node(pair, lidars_map, motion.covariance, parts)
             self._take_poses(parts)
@@ -165,7 +165,7 @@ class PoseGraph(Mapper):
             self._anchored_s = pair.stamp_s
         estimate = self._noise.anchor(pair.T_map_cabin, since_anchor_s, covariance)
         if last is None:
-            node = Node(number, pair.T_map_cabin, estimate, is_anchor)
+            node = PairNode(number, pair.T_map_cabin, estimate, is_anchor)
             parts.track.append(np.eye(4), pair.T_map_cabin)
         else:
             T_before_this = inverse(last.T_map_cabin) @ pair.T_map_cabin
@@ -174,7 +174,7 @@ class PoseGraph(Mapper):
                 T_before_this, pair.stamp_s - last.stamp_s, covariance, last.covariance
             )
             match = parts.matcher.match(pair.points_cabin, guess, parts.track.pose_of)
-            node = Node(number, guess, estimate, is_anchor, odometry, match)
+            node = PairNode(number, guess, estimate, is_anchor, odometry, match)
             parts.track.append(T_before_this, guess)
         parts.host.add(node)
         parts.matcher.add(number, pair.points_cabin)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from executive_plugins.mapping.cylinder import Cylinder
-from executive_plugins.mapping.scan_front import ScanFront
+from executive_plugins.mapping.scan_front_end import ScanFrontEnd
 from numpy.typing import NDArray
 
 from executive.arrays import Float
@@ -38,7 +38,7 @@ class ScanPair:
 
 
 def assemble(
-    front: ScanFront,
+    front_end: ScanFrontEnd,
     scans: Sequence[LidarScan],
     motion: Motion,
     held_radius_m: float,
@@ -49,7 +49,7 @@ def assemble(
     Raises:
         DataError: If a scan's sensor is no lidar of the machine, or the motion lacks a joint.
     """
-    parts = [front.place(scan, motion, held_radius_m) for scan in scans]
+    parts = [front_end.place(scan, motion, held_radius_m) for scan in scans]
     points_map = np.vstack([np.empty((0, 3)), *parts])
     if not len(points_map):
         return None

@@ -13,7 +13,7 @@ from executive_plugins.mapping.cylinder import Cylinder
 from executive_plugins.mapping.density import dense_share
 from executive_plugins.mapping.map_cloud import cloud_of
 from executive_plugins.mapping.map_settings import MapSettings
-from executive_plugins.mapping.scan_front import ScanFront
+from executive_plugins.mapping.scan_front_end import ScanFrontEnd
 from executive_plugins.mapping.voxel_grid import VoxelGrid
 
 from executive.arrays import Float, checked
@@ -40,7 +40,7 @@ class VoxelMap(Mapper):
     def __init__(self, settings: VoxelMapSettings, machine: Machine) -> None:
         self._settings = settings
         self._machine = machine
-        self._front: ScanFront | None = None
+        self._front_end: ScanFrontEnd | None = None
         self._grid: VoxelGrid | None = None
         self._cloud: Cloud | None = None
         self._held_radius_m = 0.0
@@ -48,13 +48,13 @@ class VoxelMap(Mapper):
 
     def start(self) -> None:
         """Prepare the shapes and compile the inner loops, so that no scan has to wait for them."""
-        self._front = ScanFront(self._machine, self._settings)
+        self._front_end = ScanFrontEnd(self._machine, self._settings)
         VoxelGrid.compile()
         self._grid = VoxelGrid(self._settings.voxel_m, self._settings.memory)
 
     def close(self) -> None:
         """Give the map's memory back."""
-        self._front = self._grid = self._cloud = None
+        self._front_end = self._grid = self._cloud = None
 
     def add_scan_pair(self, scans: Sequence[LidarScan], motion: Motion) -> int:
         """Fuse one scan of each lidar; about 15 ms for two of 28,800 returns.
@@ -62,8 +62,8 @@ class VoxelMap(Mapper):
         Raises:
             DataError: If a scan's sensor is no lidar of the machine, or the motion lacks a joint.
         """
-        front, grid = self._running()
-        parts = [front.place(scan, motion, self._held_radius_m) for scan in scans]
+        front_end, grid = self._running()
+        parts = [front_end.place(scan, motion, self._held_radius_m) for scan in scans]
         pair_map = np.vstack([np.empty((0, 3)), *parts])
         self._cloud = None
         if self._cylinder.follow(motion.T_map_cabin[-1][:3, 3]):
@@ -111,7 +111,7 @@ class VoxelMap(Mapper):
             self._cloud = cloud_of(grid, self._settings, self._cylinder)
         return self._cloud
 
-    def _running(self) -> tuple[ScanFront, VoxelGrid]:
-        if self._front is None or self._grid is None:
+    def _running(self) -> tuple[ScanFrontEnd, VoxelGrid]:
+        if self._front_end is None or self._grid is None:
             raise ConfigError("the map is not started: call `start` before its first use")
-        return self._front, self._grid
+        return self._front_end, self._grid

@@ -1,6 +1,4 @@
-"""What estimators of a cabin have in common: the door, the first state, and the head that goes on
-at each sample.
-"""
+"""The part that all estimators of a cabin share: checks of samples, first state, propagation."""
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
@@ -9,12 +7,12 @@ from typing import Any
 import numpy as np
 from executive_plugins.estimation.cabin.sensors import antennas_in_imu, cabin_imu
 from executive_plugins.estimation.cabin.settings import CabinSettings
-from executive_plugins.estimation.gate.doorkeeper import Doorkeeper
+from executive_plugins.estimation.gate.stamp_gate import StampGate
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
-from executive_plugins.estimation.live.head import OUT_OF_RANGE, LiveHead
 from executive_plugins.estimation.live.kernels import is_beyond_range
-from executive_plugins.estimation.start.chassis import StandingDetector, TurnJoint
+from executive_plugins.estimation.live.propagator import OUT_OF_RANGE, LivePropagator
+from executive_plugins.estimation.start.chassis import StandstillDetector, TurnJoint
 from executive_plugins.estimation.start.chassis_level import ChassisLevel
 from executive_plugins.estimation.start.first_state import FirstState
 
@@ -40,7 +38,7 @@ _IDLING_RAD_S = 0.15
 # Largest squared Mahalanobis distance of a fix on an unknown body, whose fixes may scatter by 1.65
 # times their stated standard deviation: 60 = 22 · 1.65², with 22 the default of the gates.
 UNKNOWN_BODY_GATE = 60.0
-_TELL_PERIOD_S = 5.0  # of what a start waits for
+_REPORT_PERIOD_S = 5.0  # of what a start waits for
 
 
 class CabinEstimator(Estimator):
@@ -75,20 +73,20 @@ class CabinEstimator(Estimator):
         self._noise = InertialNoise.of(imu, settings.noise_factor, settings.gravity_m_s2)
         self._T_imu_cabin = inverse(imu.T_link_sensor)
         self._antennas_imu = antennas_in_imu(self._machine, imu)
-        self._door = Doorkeeper()
+        self._stamp_gate = StampGate()
         self._turn = TurnJoint(self._machine)
-        self._standing = StandingDetector(settings.standing)
+        self._standing = StandstillDetector(settings.standing)
         self._datum = None if settings.datum is None else np.array(settings.datum)
-        self._account: list[StatusChange] = []
-        self._told_s = -np.inf
+        self._status_changes: list[StatusChange] = []
+        self._reported_s = -np.inf
         memory = self._shared_memory()
-        self._head = LiveHead(
+        self._propagator = LivePropagator(
             self._T_imu_cabin, self._turn, self._noise, settings.restart_after_s, memory
         )
         self._restart()
 
     def _shared_memory(self) -> Any:
-        """Return what the head is to lie in, if another process reads it."""
+        """Return what the propagator is to lie in, if another process reads it."""
         return None
 
     def _restart(self) -> None:
@@ -106,10 +104,10 @@ class CabinEstimator(Estimator):
     @property
     def refused(self) -> Mapping[str, int]:
         """Number of refused samples by stream and reason."""
-        return dict(self._door.refused)
+        return dict(self._stamp_gate.refused)
 
     def add_imu(self, sample: ImuSample) -> None:
-        if not self._door.admits(sample.frame, sample.stamp_s, _JUMP_S):
+        if not self._stamp_gate.admits(sample.frame, sample.stamp_s, _JUMP_S):
             return
         if sample.frame == self._cabin.imu:
             self._add_cabin_sample(sample)
@@ -121,7 +119,7 @@ class CabinEstimator(Estimator):
     def _is_in_range(self, sample: ImuSample) -> bool:
         """Return whether a sensor can have measured that; count a sample that it cannot."""
         if is_beyond_range(sample.angular_velocity_rad_s, sample.specific_force_m_s2):
-            self._door.refuse(sample.frame, "out of range")
+            self._stamp_gate.refuse(sample.frame, "out of range")
             return False
         return True
 
@@ -131,21 +129,21 @@ class CabinEstimator(Estimator):
         if not self._is_begun or before_s is None:
             self._begin(sample)
             return
-        answered = self._head.step(
+        answered = self._propagator.step(
             sample.stamp_s, sample.angular_velocity_rad_s, sample.specific_force_m_s2
         )
         if answered >= 0:
             self._newest_s = sample.stamp_s
             self._sampled(sample, sample.stamp_s - before_s, answered)
         elif answered == OUT_OF_RANGE:
-            self._door.refuse(sample.frame, "out of range")
+            self._stamp_gate.refuse(sample.frame, "out of range")
         else:
             self._begin_again(sample)
 
     def _begin_again(self, sample: ImuSample) -> None:
         """Forget all after too long a gap, and begin with the sample after it."""
-        self._door.refuse(sample.frame, "gap, started again")
-        self._head.forget_samples()
+        self._stamp_gate.refuse(sample.frame, "gap, started again")
+        self._propagator.forget_samples()
         self._restart()
         self._begin(sample)
 
@@ -163,19 +161,23 @@ class CabinEstimator(Estimator):
         first = self._first.add_sample(inertial, self._turn.velocity_rad_s)
         if first is not None:
             self._is_begun = True
-            self._begun_at(*first)
-        elif self._first.waits_for and not 0 <= sample.stamp_s - self._told_s < _TELL_PERIOD_S:
-            self._told_s = sample.stamp_s
+            self._start_at(*first)
+        elif (
+            self._first.waits_for and not 0 <= sample.stamp_s - self._reported_s < _REPORT_PERIOD_S
+        ):
+            self._reported_s = sample.stamp_s
             reason = f"waits for {self._first.waits_for}"
-            self._account.append(StatusChange(sample.stamp_s, INITIALISING, INITIALISING, reason))
+            self._status_changes.append(
+                StatusChange(sample.stamp_s, INITIALISING, INITIALISING, reason)
+            )
 
     @abstractmethod
-    def _begun_at(self, state: InertialState, covariance: Float) -> None:
+    def _start_at(self, state: InertialState, covariance: Float) -> None:
         """Begin at a state, and put it into the head; shape of the covariance (15, 15)."""
 
     @abstractmethod
     def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
-        """Do what is to be done after the head has gone on to a sample;
+        """Do what is to be done after the propagator has gone on to a sample;
         see `SmootherHost.sampled`.
         """
 
@@ -185,7 +187,7 @@ class CabinEstimator(Estimator):
         """
         noise = self._cabin.gnss_scale**2 * fix.covariance_enu_m2
         if not fix.is_rtk_fixed or not 0 < np.diag(noise).max() < self._cabin.max_gnss_std_m**2:
-            self._door.refuse(fix.antenna, "too uncertain")
+            self._stamp_gate.refuse(fix.antenna, "too uncertain")
             return None
         if self._datum is None:
             self._datum = np.array(fix.geodetic)
@@ -196,7 +198,7 @@ class CabinEstimator(Estimator):
 
     def add_gnss(self, fix: GnssFix) -> None:
         if fix.antenna not in self._antennas_imu:
-            self._door.refuse(fix.antenna, "unknown antenna")
+            self._stamp_gate.refuse(fix.antenna, "unknown antenna")
         elif self._admits_fix(fix):
             position = self._position_of(fix)
             if position is not None:
@@ -213,10 +215,10 @@ class CabinEstimator(Estimator):
         """
 
     def add_joints(self, sample: JointSample) -> None:
-        if not self._door.admits("joints", sample.stamp_s):
+        if not self._stamp_gate.admits("joints", sample.stamp_s):
             return
         self._turn.update(sample)
-        self._head.turned()
+        self._propagator.turned()
         is_due = sample.stamp_s - self._standing_s >= _STANDING_PERIOD_S - 1e-6
         if is_due and self._standing.stands(sample.stamp_s):
             self._standing_s = sample.stamp_s
@@ -232,7 +234,7 @@ class CabinEstimator(Estimator):
         """Return the changes that have a reason, and what each start waited for,
         every few seconds.
         """
-        return tuple(self._account)
+        return tuple(self._status_changes)
 
     @abstractmethod
     def _status(self) -> str:
@@ -240,7 +242,7 @@ class CabinEstimator(Estimator):
 
     def state(self) -> BaseState:
         if self._is_begun and self._turn.is_known:
-            return self._head.state(self._status())
+            return self._propagator.state(self._status())
         nowhere, zeros = np.eye(4), np.zeros(3)
         return BaseState(
             self._newest_s or 0.0,

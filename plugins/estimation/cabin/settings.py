@@ -1,7 +1,7 @@
 """Settings that estimators of a cabin have in common."""
 
 from executive_plugins.estimation.start.at_rest import RestSettings
-from executive_plugins.estimation.start.chassis import StandingSettings
+from executive_plugins.estimation.start.chassis import StandstillSettings
 from executive_plugins.estimation.start.in_motion import MovingStartSettings
 from pydantic import Field
 
@@ -40,6 +40,6 @@ class CabinSettings(Settings):
         default_factory=MovingStartSettings,
         description="Heading from the first motion, with one antenna.",
     )
-    standing: StandingSettings = Field(
-        default_factory=StandingSettings, description="Correction by a standing chassis."
+    standing: StandstillSettings = Field(
+        default_factory=StandstillSettings, description="Correction by a standing chassis."
     )

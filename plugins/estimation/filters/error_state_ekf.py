@@ -1,10 +1,9 @@
 """Estimation by inertial, satellite and lidar measurements in one error-state Kalman filter."""
 
 import numpy as np
-from executive_plugins.estimation.filters.error_state_ekf_clone import CloningFilter
+from executive_plugins.estimation.filters.cloning_filter import CloningFilter
 from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
-from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
-from executive_plugins.estimation.filters.gnss_imu_settings import GnssImuSettings
+from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter, GnssImuSettings
 from executive_plugins.estimation.inertial.state import InertialState
 from pydantic import Field
 
@@ -45,7 +44,7 @@ class ErrorStateEkf(GnssImuFilter):
 
     def add_odometry(self, increment: LidarIncrement) -> None:
         stream = f"odometry {increment.frame}"
-        if self._door.admits(stream, increment.to_s):
+        if self._stamp_gate.admits(stream, increment.to_s):
             self._queue(
                 stream, increment.to_s, lambda _: self._correct_by_increment(stream, increment)
             )
@@ -65,7 +64,7 @@ class ErrorStateEkf(GnssImuFilter):
             Ad = adjoint(T_imu_lidar)
             covariance = self._lidar.odometry_scale**2 * Ad @ increment.covariance @ Ad.T
             if not kalman.correct_by_increment(T_from_to, covariance, self._lidar.odometry_gate):
-                self._door.refuse(stream, "outlier")
+                self._stamp_gate.refuse(stream, "outlier")
         kalman.clone()
 
     def _T_imu_lidar(self, frame: str) -> Float:

@@ -4,18 +4,19 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
-from executive_plugins.estimation.filters.correction import Correction
+from executive_plugins.estimation.cabin.settings import CabinSettings
 from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
-from executive_plugins.estimation.filters.gnss_imu_head import TrailingFilter
-from executive_plugins.estimation.filters.gnss_imu_settings import GnssImuSettings
+from executive_plugins.estimation.filters.trailing_filter import Correction, TrailingFilter
 from executive_plugins.estimation.inertial.measurement_models import (
     antenna_residual,
     rate_residual,
-    standing_residual,
+    standstill_residual,
 )
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
+from pydantic import Field
 
 from executive.arrays import Float
+from executive.config import Seconds
 from executive.interfaces.recorded_log import RecordedBody
 from executive.machine.rig import Rig
 from executive.messages.gnss import GnssFix
@@ -24,6 +25,28 @@ from executive.messages.odometry import LidarIncrement
 
 GLOBAL, FALLBACK = "GLOBAL", "FALLBACK"
 _DOUBT_S = 2.0  # time after which a chassis that was seen to move may be taken to stand
+
+
+class GnssImuSettings(CabinSettings):
+    """Settings of the filter: those of all, and what it believes when."""
+
+    lag_s: Seconds = Field(
+        0.1,
+        ge=0,
+        le=2,
+        description="Corrections may come this late [s]; the state is predicted over it.",
+    )
+    gate: float = Field(
+        22.0,
+        gt=0,
+        description="Largest squared Mahalanobis distance of a fix (χ², 3: 1 in 15,000).",
+    )
+    reacquire_after: int = Field(
+        100, gt=0, description="Fixes refused in a row by the gate until the pose is doubted."
+    )
+    fallback_after_s: Seconds = Field(
+        1.0, gt=0, le=60, description="Time without a used fix until FALLBACK [s]."
+    )
 
 
 class GnssImuFilter(CabinEstimator):
@@ -56,9 +79,9 @@ class GnssImuFilter(CabinEstimator):
         self._gated = 0
         self._moving_s = -np.inf
 
-    def _begun_at(self, state: InertialState, covariance: Float) -> None:
+    def _start_at(self, state: InertialState, covariance: Float) -> None:
         self._trailing = TrailingFilter(
-            self._make_filter(state, covariance), self._settings.lag_s, self._head
+            self._make_filter(state, covariance), self._settings.lag_s, self._propagator
         )
         self._used_fix_s = state.stamp_s
 
@@ -71,7 +94,7 @@ class GnssImuFilter(CabinEstimator):
             self._trailing.add_sample(Inertial(sample.stamp_s, rate, force, since_last_s))
 
     def _admits_fix(self, fix: GnssFix) -> bool:
-        return self._door.admits(fix.antenna, fix.stamp_s)
+        return self._stamp_gate.admits(fix.antenna, fix.stamp_s)
 
     def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
         antenna, stamp_s = fix.antenna, fix.stamp_s
@@ -92,7 +115,7 @@ class GnssImuFilter(CabinEstimator):
         if trailing is not None and not trailing.add(
             Correction(stamp_s, lambda: apply(trailing.kalman))
         ):
-            self._door.refuse(stream, "too late")
+            self._stamp_gate.refuse(stream, "too late")
 
     def _correct_by_fix(
         self, kalman: ErrorStateFilter, antenna: str, p_map_antenna: Float, noise: Float
@@ -102,7 +125,7 @@ class GnssImuFilter(CabinEstimator):
             self._used_fix_s = max(self._used_fix_s, kalman.state.stamp_s)
             self._gated = 0
             return
-        self._door.refuse(antenna, "outlier")
+        self._stamp_gate.refuse(antenna, "outlier")
         self._gated += 1
         if (
             self._gated >= self._settings.reacquire_after
@@ -118,7 +141,7 @@ class GnssImuFilter(CabinEstimator):
         if kalman.state.stamp_s - self._moving_s < _DOUBT_S:
             return
         settings, gate = self._settings.standing, self._settings.gate
-        residual, H = standing_residual(kalman.state, self._T_imu_cabin[:3, 3])
+        residual, H = standstill_residual(kalman.state, self._T_imu_cabin[:3, 3])
         if not kalman.correct(residual, H, settings.velocity_std_m_s**2 * np.eye(3), gate):
             self._moving_s = kalman.state.stamp_s
             return
@@ -131,6 +154,6 @@ class GnssImuFilter(CabinEstimator):
     def _status(self) -> str:
         return (
             GLOBAL
-            if self._head.stamp_s - self._used_fix_s <= self._settings.fallback_after_s
+            if self._propagator.stamp_s - self._used_fix_s <= self._settings.fallback_after_s
             else FALLBACK
         )

@@ -44,7 +44,7 @@ class Increment:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Standing:
+class Standstill:
     """The chassis is seen to stand while the cabin may turn on it.
 
     Attributes:
@@ -59,11 +59,11 @@ class Standing:
     rate_imu: Float | None
 
 
-Measurement = Fix | Increment | Standing
+Measurement = Fix | Increment | Standstill
 
 
 @dataclass(order=True, frozen=True, slots=True)
-class Waiting:
+class PendingMeasurement:
     """A measurement that the inertial samples have not reached; in order of time."""
 
     stamp_s: float

@@ -4,16 +4,15 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from executive_plugins.estimation.cabin.sensors import cabin_imu
 from executive_plugins.estimation.gate.measurements import Measurement
-from executive_plugins.estimation.graph.dual_graph import DualGraph
-from executive_plugins.estimation.graph.dual_graph_settings import DualGraphSettings
+from executive_plugins.estimation.graph.dual_graph import DualGraph, DualGraphSettings
 from executive_plugins.estimation.graph.smoother_process import InlineSmoother, SmootherHost
 from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
 from executive_plugins.estimation.graph.whole_graph import Recording, WholeGraph
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
 from executive_plugins.estimation.live.estimate import Estimate
-from executive_plugins.estimation.live.head import LiveHead
-from executive_plugins.estimation.live.parcel import packed
+from executive_plugins.estimation.live.packing import packed
+from executive_plugins.estimation.live.propagator import LivePropagator
 from executive_plugins.estimation.start.chassis import TurnJoint
 
 from executive.arrays import Float
@@ -37,9 +36,9 @@ class _RecordingHost(InlineSmoother):
         super().__init__(settings, noise)
         self.recordings: list[Recording] = []
 
-    def begin(self, head: LiveHead, state: InertialState, covariance: Float) -> None:
+    def begin(self, propagator: LivePropagator, state: InertialState, covariance: Float) -> None:
         self.recordings.append(Recording((state, covariance)))
-        super().begin(head, state, covariance)
+        super().begin(propagator, state, covariance)
 
     def add(self, measurement: Measurement) -> None:
         self.recordings[-1].measurements.append(measurement)
@@ -100,16 +99,18 @@ class BatchGraph(TrajectorySmoother):
             for recording in online.host.recordings
         ]
         turn = TurnJoint(self._machine)
-        head = LiveHead(inverse(imu.T_link_sensor), turn, noise, self._settings.restart_after_s)
+        propagator = LivePropagator(
+            inverse(imu.T_link_sensor), turn, noise, self._settings.restart_after_s
+        )
         answers, k = [], 0
         for state, P in (pair for graph in graphs for pair in _smoothed(graph)):
             while k < len(joints) and joints[k].stamp_s <= state.stamp_s:
                 turn.update(joints[k])
                 k += 1
-            head.turned()
-            if not head.take(packed(state, P), is_alone=True):
+            propagator.turned()
+            if not propagator.take(packed(state, P), is_alone=True):
                 raise DataError(f"the smoothed state at {state.stamp_s:.2f} s is not finite")
-            answers.append(head.state(SMOOTHED))
+            answers.append(propagator.state(SMOOTHED))
         return answers
 
 

@@ -8,18 +8,21 @@ from typing import Any
 
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
-from executive_plugins.estimation.gate.measurements import Fix, Increment, Measurement, Standing
-from executive_plugins.estimation.gate.unordered_door import UnorderedDoor
-from executive_plugins.estimation.graph.dual_graph_settings import DualGraphSettings
+from executive_plugins.estimation.cabin.settings import CabinSettings
+from executive_plugins.estimation.gate.measurements import Fix, Increment, Measurement, Standstill
+from executive_plugins.estimation.gate.unordered_stamp_gate import UnorderedStampGate
 from executive_plugins.estimation.graph.smoother_process import (
     InlineSmoother,
     ProcessSmoother,
     SmootherHost,
 )
+from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
 from executive_plugins.estimation.inertial.state import InertialState
 from executive_plugins.estimation.live.modes import Mode, ModeChange
+from pydantic import Field
 
 from executive.arrays import Float
+from executive.config import Seconds
 from executive.geometry.pose import adjoint, inverse
 from executive.interfaces.recorded_log import RecordedBody
 from executive.machine.rig import Rig
@@ -27,6 +30,25 @@ from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.odometry import LidarIncrement
 from executive.messages.status_change import StatusChange
+
+
+class DualGraphSettings(CabinSettings):
+    """Settings of the estimator: those of all, and where and how it smooths."""
+
+    process: bool = Field(
+        False,
+        description="Whether to smooth in a process of its own; false gives the same result on "
+        "each run.",
+    )
+    answer_within_s: Seconds = Field(
+        1.0,
+        gt=0.05,
+        le=60,
+        description="A smoother's process that is silent for so long is replaced [s].",
+    )
+    smoother: SmootherSettings = Field(
+        default_factory=SmootherSettings, description="The graphs and the gate."
+    )
 
 
 class DualGraph(CabinEstimator):
@@ -53,7 +75,7 @@ class DualGraph(CabinEstimator):
 
     def start(self) -> None:
         super().start()
-        self._late_door = UnorderedDoor(self._door)
+        self._late_stamp_gate = UnorderedStampGate(self._stamp_gate)
         self._refused: Counter[str] = Counter()
         self.changes: list[ModeChange] = []
 
@@ -78,19 +100,19 @@ class DualGraph(CabinEstimator):
     @property
     def refused(self) -> Mapping[str, int]:
         """Number of refused samples by stream and reason."""
-        return dict(self._door.refused + self._refused)
+        return dict(self._stamp_gate.refused + self._refused)
 
-    def _begun_at(self, state: InertialState, covariance: Float) -> None:
+    def _start_at(self, state: InertialState, covariance: Float) -> None:
         self._begun_s = state.stamp_s
-        self._host.begin(self._head, state, covariance)
+        self._host.begin(self._propagator, state, covariance)
 
     def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
-        news = self._host.sampled(self._head, sample, since_last_s, answered)
+        news = self._host.sampled(self._propagator, sample, since_last_s, answered)
         if news is not None:
             self._mode = news.mode
             if news.changes or news.refused:
                 self.changes.extend(news.changes)
-                self._account += [
+                self._status_changes += [
                     StatusChange(c.stamp_s, str(c.before), str(c.after), c.reason)
                     for c in news.changes
                 ]
@@ -101,7 +123,7 @@ class DualGraph(CabinEstimator):
         return self._newest_s if self._newest_s is not None else np.inf
 
     def _admits_fix(self, fix: GnssFix) -> bool:
-        return self._late_door.admits(fix.antenna, fix.stamp_s, self._now_s)
+        return self._late_stamp_gate.admits(fix.antenna, fix.stamp_s, self._now_s)
 
     def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
         self._hand_over(
@@ -110,9 +132,9 @@ class DualGraph(CabinEstimator):
 
     def add_odometry(self, increment: LidarIncrement) -> None:
         if not increment.from_s < increment.to_s:
-            self._door.refuse(increment.frame, "stamps not in order")
+            self._stamp_gate.refuse(increment.frame, "stamps not in order")
             return
-        if not self._late_door.admits(increment.frame, increment.to_s, self._now_s):
+        if not self._late_stamp_gate.admits(increment.frame, increment.to_s, self._now_s):
             return
         T_imu_lidar = self._T_imu_cabin @ self._machine.sensors[increment.frame].T_link_sensor
         T_from_to = T_imu_lidar @ increment.T_from_to @ inverse(T_imu_lidar)
@@ -124,7 +146,7 @@ class DualGraph(CabinEstimator):
     def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
         rests = np.linalg.norm(rate_cabin) < self._settings.standing.rate_std_rad_s
         rate_imu = self._T_imu_cabin[:3, :3] @ rate_cabin if rests else None
-        self._hand_over(Standing(stamp_s, self._T_imu_cabin[:3, 3], rate_imu))
+        self._hand_over(Standstill(stamp_s, self._T_imu_cabin[:3, 3], rate_imu))
 
     def _hand_over(self, measurement: Measurement) -> None:
         if self._is_begun and measurement.stamp_s > self._begun_s:

@@ -12,8 +12,8 @@ from executive_plugins.estimation.gate.measurements import (
     Fix,
     Increment,
     Measurement,
-    Standing,
-    Waiting,
+    PendingMeasurement,
+    Standstill,
 )
 from executive_plugins.estimation.graph.factors import (
     GAP_ACCELERATION_M_S2,
@@ -24,7 +24,7 @@ from executive_plugins.estimation.graph.factors import (
 )
 from executive_plugins.estimation.graph.lidar_chain import LidarChain
 from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
-from executive_plugins.estimation.graph.standing import StandingBelief
+from executive_plugins.estimation.graph.standstill_check import StandstillCheck
 from executive_plugins.estimation.graph.window import GraphWindow, UnsolvableError
 from executive_plugins.estimation.inertial.measurement_models import antenna_residual
 from executive_plugins.estimation.inertial.noise import InertialNoise
@@ -66,11 +66,11 @@ class GraphSmoother:
         self._gate = GnssGate(settings.gate)
         self._chain = LidarChain()
         self._anchor: Float | None = None  # T_map_chain of Eq. (10)
-        self._waiting: list[Waiting] = []
+        self._waiting: list[PendingMeasurement] = []
         self._refused: Counter[str] = Counter()
         self._used_fix_s = state.stamp_s
         self._used_fix_way_m = 0.0
-        self._standing = StandingBelief(settings)
+        self._standing = StandstillCheck(settings)
 
     @property
     def _leading(self) -> GraphWindow:
@@ -107,7 +107,7 @@ class GraphSmoother:
         """Take a measurement, late or not; it is used in the next update that the samples have
         reached.
         """
-        insort(self._waiting, Waiting(measurement.stamp_s, measurement))
+        insort(self._waiting, PendingMeasurement(measurement.stamp_s, measurement))
 
     @property
     def is_waiting(self) -> bool:
@@ -183,7 +183,7 @@ class GraphSmoother:
         else:
             self._take_standing(measurement)
 
-    def _take_standing(self, standing: Standing) -> None:
+    def _take_standing(self, standing: Standstill) -> None:
         """Where the estimate knows better, what was said of standing lately was wrong as well."""
         state, P = self._predicted(standing.stamp_s)
         if self._standing.contradicts(standing, state, P):

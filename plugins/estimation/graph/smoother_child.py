@@ -20,7 +20,7 @@ from executive_plugins.estimation.inertial.state import InertialState
 from executive_plugins.estimation.live.estimate import Estimate
 from executive_plugins.estimation.live.layout import ANSWERS, LIVE
 from executive_plugins.estimation.live.modes import ModeChange
-from executive_plugins.estimation.live.parcel import is_finite, pack_into, samples_from
+from executive_plugins.estimation.live.packing import is_finite, pack_into, samples_from
 
 from executive.arrays import Float
 
@@ -47,7 +47,7 @@ class Start:
     first_sample: int
 
 
-Words = tuple[Sequence[ModeChange], Mapping[str, int]]
+Messages = tuple[Sequence[ModeChange], Mapping[str, int]]
 Batch = list[Start | Measurement]
 
 
@@ -90,14 +90,14 @@ class SmootherChild:
         """
         self._connection.send(batch)
 
-    def words(self) -> Words:
+    def messages(self) -> Messages:
         """Return the next words that it has sent; only to be called when there are any.
 
         Raises:
             EOFError, OSError: If it has died.
         """
-        words: Words = self._connection.recv()
-        return words
+        messages: Messages = self._connection.recv()
+        return messages
 
     def close(self) -> None:
         """Ask it to leave, and end it if it does not."""
@@ -143,7 +143,7 @@ class _Work:
         self._block = np.frombuffer(memory, LIVE, 1)
         self._made = (settings, noise)
         self._smoother: GraphSmoother | None = None
-        self._epoch, self._read, self._words, self._batches = 0, 0, 0, 0
+        self._epoch, self._read, self._messages, self._batches = 0, 0, 0, 0
 
     @property
     def patience_s(self) -> float:
@@ -183,6 +183,6 @@ class _Work:
             return
         if estimate.changes or estimate.refused:
             self._connection.send((estimate.changes, estimate.refused))
-            self._words += 1
-        row["epoch"], row["words"] = self._epoch, self._words
+            self._messages += 1
+        row["epoch"], row["messages"] = self._epoch, self._messages
         self._block["answered"][0] = number

@@ -17,10 +17,10 @@ from executive_plugins.estimation.graph.smoother_settings import SmootherSetting
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
 from executive_plugins.estimation.live.estimate import Estimate
-from executive_plugins.estimation.live.head import LiveHead
 from executive_plugins.estimation.live.layout import ANSWERS, LIVE
 from executive_plugins.estimation.live.modes import Mode, ModeChange
-from executive_plugins.estimation.live.parcel import MODES, packed, packed_estimate, unpacked
+from executive_plugins.estimation.live.packing import MODES, packed, packed_estimate, unpacked
+from executive_plugins.estimation.live.propagator import LivePropagator
 
 from executive.arrays import Float
 from executive.messages.imu import ImuSample
@@ -32,7 +32,7 @@ _MEASUREMENT_S = 0.01  # what one may cost on a busy machine
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class News:
+class SmootherUpdate:
     """What an estimate brought besides the state.
 
     Attributes:
@@ -46,7 +46,7 @@ class News:
     refused: Mapping[str, int]
 
 
-_NOTHING_BESIDES = tuple(News(mode, (), {}) for mode in MODES)
+_NOTHING_BESIDES = tuple(SmootherUpdate(mode, (), {}) for mode in MODES)
 
 
 class SmootherHost(ABC):
@@ -60,8 +60,8 @@ class SmootherHost(ABC):
     memory: Any = None
 
     @abstractmethod
-    def begin(self, head: LiveHead, state: InertialState, covariance: Float) -> None:
-        """Begin anew at a state, shape of the covariance (15, 15), and put it into the head."""
+    def begin(self, propagator: LivePropagator, state: InertialState, covariance: Float) -> None:
+        """Start from a state with its covariance (15, 15), and set the propagator to it."""
 
     @abstractmethod
     def add(self, measurement: Measurement) -> None:
@@ -69,16 +69,15 @@ class SmootherHost(ABC):
 
     @abstractmethod
     def sampled(
-        self, head: LiveHead, sample: ImuSample, since_last_s: float, answered: int
-    ) -> News | None:
-        """Take notice of a sample to which the head has gone on; put a new estimate into it, if
-        there is one.
+        self, propagator: LivePropagator, sample: ImuSample, since_last_s: float, answered: int
+    ) -> SmootherUpdate | None:
+        """Handle a sample after the propagator has taken it; apply a new estimate if there is one.
 
         Args:
-            head: The head.
+            propagator: The propagator.
             sample: The sample.
             since_last_s: Time since the one before [s].
-            answered: What the head has said to it.
+            answered: What the propagator has said to it.
         """
 
     @abstractmethod
@@ -95,25 +94,25 @@ class InlineSmoother(SmootherHost):
         self._settings = settings
         self._noise = noise
 
-    def begin(self, head: LiveHead, state: InertialState, covariance: Float) -> None:
+    def begin(self, propagator: LivePropagator, state: InertialState, covariance: Float) -> None:
         self._smoother = GraphSmoother(self._settings, self._noise, state, covariance)
-        head.take(packed(state, covariance))
+        propagator.take(packed(state, covariance))
 
     def add(self, measurement: Measurement) -> None:
         self._smoother.add(measurement)
 
     def sampled(
-        self, head: LiveHead, sample: ImuSample, since_last_s: float, answered: int
-    ) -> News | None:
+        self, propagator: LivePropagator, sample: ImuSample, since_last_s: float, answered: int
+    ) -> SmootherUpdate | None:
         rate, force = sample.angular_velocity_rad_s, sample.specific_force_m_s2
         estimate = self._updated(Inertial(sample.stamp_s, rate, force, since_last_s))
         if estimate is None:
             return None
-        if not head.take(packed_estimate(estimate)):
-            return News(
+        if not propagator.take(packed_estimate(estimate)):
+            return SmootherUpdate(
                 estimate.mode, estimate.changes, {**estimate.refused, "smoother: not finite": 1}
             )
-        return News(estimate.mode, estimate.changes, estimate.refused)
+        return SmootherUpdate(estimate.mode, estimate.changes, estimate.refused)
 
     def _updated(self, sample: Inertial) -> Estimate | None:
         """Hand over a sample; return a new estimate, if there is one."""
@@ -150,7 +149,7 @@ class ProcessSmoother(SmootherHost):
         self.restarts = 0
         self._outbox: Batch = []
         self._begun: Start | None = None
-        self._taken = self._words = self._sent = self._seen = 0
+        self._taken = self._messages = self._sent = self._seen = 0
         self._deadline_s: float | None = None
         self.child = self._spawned()
         self.spare: SmootherChild | None = None
@@ -158,11 +157,11 @@ class ProcessSmoother(SmootherHost):
     def _spawned(self) -> SmootherChild:
         return SmootherChild(self._settings, self._noise, self.memory)
 
-    def begin(self, head: LiveHead, state: InertialState, covariance: Float) -> None:
+    def begin(self, propagator: LivePropagator, state: InertialState, covariance: Float) -> None:
         epoch = 1 if self._begun is None else self._begun.epoch + 1
-        self._begun = Start(epoch, state, covariance, head.samples)
-        head.take(packed(state, covariance))
-        head.epoch = epoch
+        self._begun = Start(epoch, state, covariance, propagator.samples)
+        propagator.take(packed(state, covariance))
+        propagator.epoch = epoch
         self._outbox = [self._begun]
         self._send()
 
@@ -171,33 +170,33 @@ class ProcessSmoother(SmootherHost):
         self._send()
 
     def sampled(
-        self, head: LiveHead, sample: ImuSample, since_last_s: float, answered: int
-    ) -> News | None:
-        self._published[0] = head.samples  # not before the sample is written
+        self, propagator: LivePropagator, sample: ImuSample, since_last_s: float, answered: int
+    ) -> SmootherUpdate | None:
+        self._published[0] = propagator.samples  # not before the sample is written
         if self._deadline_s is not None and time.monotonic() > self._deadline_s:
             self._look_after()
         if answered == self._taken:
             return None
         self._taken = answered
-        return self._news(*head.take_answer(answered))
+        return self._news(*propagator.take_answer(answered))
 
-    def _news(self, mode: int, words: int) -> News | None:
+    def _news(self, mode: int, messages: int) -> SmootherUpdate | None:
         """Return what came with an estimate; None if it goes back to an earlier beginning."""
         if mode < 0:
             return None
-        if words == self._words:
+        if messages == self._messages:
             return _NOTHING_BESIDES[mode]
         changes: list[ModeChange] = []
         refused: Counter[str] = Counter()
         try:
-            while self._words < words:
-                more, counts = self.child.words()
-                self._words += 1
+            while self._messages < messages:
+                more, counts = self.child.messages()
+                self._messages += 1
                 changes.extend(more)
                 refused.update(counts)
         except (EOFError, OSError):
             self._replace("died")
-        return News(MODES[mode], changes, refused)
+        return SmootherUpdate(MODES[mode], changes, refused)
 
     def _send(self) -> None:
         """Send what waits, if the child is ready; see that there is another one in reserve."""
@@ -239,7 +238,7 @@ class ProcessSmoother(SmootherHost):
         )
         self.restarts += 1
         self.child.kill()
-        self._sent = self._handled[0] = self._words = 0
+        self._sent = self._handled[0] = self._messages = 0
         self._deadline_s = None
         waiting = [item for item in self._outbox if not isinstance(item, Start)]
         self._outbox = [*self._last_start(), *waiting]

@@ -19,7 +19,7 @@ from executive_plugins.estimation.graph.factors import (
     prior,
 )
 from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
-from executive_plugins.estimation.graph.standing import StandingBelief
+from executive_plugins.estimation.graph.standstill_check import StandstillCheck
 from executive_plugins.estimation.inertial.measurement_models import antenna_residual
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
@@ -166,7 +166,7 @@ class WholeGraph:
         for node in range(1, len(states)):
             samples = self._samples.between(self._stamps_s[node - 1], self._stamps_s[node])
             yield inertial_factor((node - 1, node), states[node - 1], samples, self._noise)
-        belief = StandingBelief(self._settings)
+        belief = StandstillCheck(self._settings)
         for measurement in measurements:
             node = self._node(measurement.stamp_s)
             if isinstance(measurement, Fix):

@@ -32,7 +32,7 @@ def antenna_residual(
     return p_map_antenna - state.p_map_imu - state.R_map_imu @ arm_imu, H
 
 
-def standing_residual(state: InertialState, arm_imu: Float) -> tuple[Float, Float]:
+def standstill_residual(state: InertialState, arm_imu: Float) -> tuple[Float, Float]:
     """Compare the speed of a point of the cabin that is on the turn axis, v_imu + R (ω × l), with
     zero.
     """

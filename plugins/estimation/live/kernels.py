@@ -280,4 +280,4 @@ def take_answer(live: Block, number: int) -> int:
     if answers[k].epoch != live[0].epoch:
         return -1
     take(live, answers[k : k + 1], True)
-    return int(answers[k].mode + MODES * answers[k].words)
+    return int(answers[k].mode + MODES * answers[k].messages)

@@ -23,7 +23,7 @@ ESTIMATE = np.dtype(
         ("P", "f8", (15, 15)),
         ("mode", "i8"),
         ("epoch", "i8"),  # which beginning it goes back to
-        ("words", "i8"),  # how many messages of changes and refusals have been sent until then
+        ("messages", "i8"),  # how many messages of changes and refusals have been sent until then
     ]
 )
 """A state of the inertial sensor with its covariance, and how the estimator stands."""

@@ -60,7 +60,7 @@ class TurnJoint:
         return np.asarray(pose(rotation_step(-angle_rad * self.axis)) @ self.T_joint_base)
 
 
-class StandingSettings(Settings):
+class StandstillSettings(Settings):
     """When the chassis counts as standing, and what that is worth.
 
     A chassis that no inertial sensor watches never counts as standing.
@@ -83,12 +83,12 @@ class StandingSettings(Settings):
     )
 
 
-class StandingDetector:
+class StandstillDetector:
     """Judges from the chassis' own inertial sensor over half a second whether it stands."""
 
     _WINDOW = 50
 
-    def __init__(self, settings: StandingSettings) -> None:
+    def __init__(self, settings: StandstillSettings) -> None:
         self._settings = settings
         self._window: deque[Float] = deque(maxlen=self._WINDOW)
         self._newest_s = -np.inf

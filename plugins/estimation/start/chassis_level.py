@@ -2,7 +2,7 @@
 rests on it.
 """
 
-from executive_plugins.estimation.start.chassis import StandingDetector, TurnJoint
+from executive_plugins.estimation.start.chassis import StandstillDetector, TurnJoint
 
 from executive.arrays import Float
 from executive.machine.rig import Rig
@@ -17,7 +17,7 @@ class ChassisLevel:
     """
 
     def __init__(
-        self, sensor: Imu, T_imu_cabin: Float, turn: TurnJoint, standing: StandingDetector
+        self, sensor: Imu, T_imu_cabin: Float, turn: TurnJoint, standing: StandstillDetector
     ) -> None:
         self.accel_bias_m_s2 = max(sensor.accel_bias_m_s2, 1e-3)
         self._R_base_sensor = sensor.T_link_sensor[:3, :3]
@@ -27,7 +27,7 @@ class ChassisLevel:
 
     @classmethod
     def of(
-        cls, rig: Rig, name: str, T_imu_cabin: Float, turn: TurnJoint, standing: StandingDetector
+        cls, rig: Rig, name: str, T_imu_cabin: Float, turn: TurnJoint, standing: StandstillDetector
     ) -> "ChassisLevel | None":
         """Return the level of a rig whose chassis carries an inertial sensor of that name; None of
         another.

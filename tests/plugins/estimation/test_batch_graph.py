@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.graph.batch_graph import SMOOTHED, BatchGraph
-from executive_plugins.estimation.graph.dual_graph_settings import DualGraphSettings
+from executive_plugins.estimation.graph.dual_graph import DualGraphSettings
 from executive_plugins.estimation.graph.factors import fix_factor
 from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
 from executive_plugins.estimation.graph.whole_graph import Recording, WholeGraph

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from executive_plugins.estimation.cabin.estimator import INITIALISING
-from executive_plugins.estimation.graph.dual_graph import DualGraph
-from executive_plugins.estimation.graph.dual_graph_settings import DualGraphSettings
+from executive_plugins.estimation.graph.dual_graph import DualGraph, DualGraphSettings
 
 from executive.errors import ConfigError
 from executive.geometry.pose import inverse

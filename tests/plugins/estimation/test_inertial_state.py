@@ -5,7 +5,7 @@ import pytest
 from executive_plugins.estimation.inertial.measurement_models import (
     antenna_residual,
     rate_residual,
-    standing_residual,
+    standstill_residual,
 )
 from executive_plugins.estimation.inertial.state import (
     ACCEL_BIAS,
@@ -90,7 +90,7 @@ def test_transition_agrees_with_finite_differences() -> None:
     "residual",
     [
         lambda s: antenna_residual(s, np.array([-1.3, 0.6, 1.2]), np.array([3.0, 2.0, 1.0])),
-        lambda s: standing_residual(s, np.array([0.2, -0.3, -0.4])),
+        lambda s: standstill_residual(s, np.array([0.2, -0.3, -0.4])),
         lambda s: rate_residual(s, np.array([0.1, 0.2, 0.3])),
     ],
     ids=["antenna", "standing", "rate"],

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
-from executive_plugins.estimation.filters.gnss_imu_settings import GnssImuSettings
+from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter, GnssImuSettings
 
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.rotation import from_rpy, yaw_of

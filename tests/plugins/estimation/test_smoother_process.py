@@ -9,18 +9,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from executive_plugins.estimation.gate.measurements import Fix
-from executive_plugins.estimation.graph.dual_graph_settings import DualGraphSettings
+from executive_plugins.estimation.graph.dual_graph import DualGraphSettings
 from executive_plugins.estimation.graph.smoother_child import Start
 from executive_plugins.estimation.graph.smoother_process import (
     InlineSmoother,
-    News,
     ProcessSmoother,
     SmootherHost,
+    SmootherUpdate,
 )
 from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
-from executive_plugins.estimation.live.head import LiveHead
+from executive_plugins.estimation.live.propagator import LivePropagator
 from executive_plugins.estimation.start.chassis import TurnJoint
 
 from executive.messages.imu import ImuSample
@@ -35,24 +35,26 @@ class Rest:
     def __init__(self, host: SmootherHost, machine) -> None:
         self.k = 0
         self.host = host
-        self.head = LiveHead(np.eye(4), TurnJoint(machine), NOISE, 5.0, host.memory)
+        self.propagator = LivePropagator(np.eye(4), TurnJoint(machine), NOISE, 5.0, host.memory)
         self.begin(np.zeros(3))
 
     def begin(self, p: np.ndarray) -> None:
         z = np.zeros(3)
         sample = Inertial(self.k / 100, z, np.array([0, 0, 9.81]), 0.01)
-        self.host.begin(self.head, InertialState(sample, np.eye(3), p, z, z, z), 1e-4 * np.eye(15))
+        self.host.begin(
+            self.propagator, InertialState(sample, np.eye(3), p, z, z, z), 1e-4 * np.eye(15)
+        )
 
-    def feed(self, has_fixes: bool = True) -> News | None:
+    def feed(self, has_fixes: bool = True) -> SmootherUpdate | None:
         self.k += 1
         if has_fixes and self.k % 5 == 0:
             arm = np.array([1.0, 0, 0])
             self.host.add(Fix(self.k / 100, "gnss_left", arm, arm, 1e-4 * np.eye(3)))
         sample = ImuSample(self.k / 100, "imu_cabin", np.zeros(3), np.array([0, 0, 9.81]))
-        answered = self.head.step(
+        answered = self.propagator.step(
             sample.stamp_s, sample.angular_velocity_rad_s, sample.specific_force_m_s2
         )
-        return self.host.sampled(self.head, sample, 0.01, answered)
+        return self.host.sampled(self.propagator, sample, 0.01, answered)
 
     def feed_until(self, is_so, has_fixes: bool = True) -> None:
         deadline_s = time.monotonic() + PATIENCE_S
@@ -66,7 +68,7 @@ class Rest:
 
     @property
     def p(self) -> np.ndarray:
-        return self.head.state("").T_map_cabin[:3, 3]
+        return self.propagator.state("").T_map_cabin[:3, 3]
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 from executive_plugins.mapping.graph_host import InlineGraph, ProcessGraph
-from executive_plugins.mapping.pair_graph import Node, Poses
+from executive_plugins.mapping.pair_graph import PairNode, Poses
 from executive_plugins.mapping.pose_constraint import PoseConstraint
 
 from executive.geometry.pose import pose
@@ -19,9 +19,9 @@ P = 1e-4 * np.eye(6)
 STEP = pose(t=np.array([0.1, 0.0, 0.0]))
 
 
-def node(number: int) -> Node:
+def node(number: int) -> PairNode:
     T = pose(t=np.array([0.1 * number, 0.0, 0.0]))
-    return Node(
+    return PairNode(
         number,
         T,
         PoseConstraint(T, P),

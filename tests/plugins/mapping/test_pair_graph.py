@@ -4,7 +4,7 @@ and over long times.
 
 import numpy as np
 import pytest
-from executive_plugins.mapping.pair_graph import Node, PairGraph
+from executive_plugins.mapping.pair_graph import PairGraph, PairNode
 from executive_plugins.mapping.pose_constraint import PoseConstraint
 
 from executive.errors import DataError, ShapeError
@@ -29,7 +29,7 @@ def perturbed(
 
 def chain(
     count: int, rng: np.random.Generator, with_matches: bool = True, anchored: int = 10
-) -> list[Node]:
+) -> list[PairNode]:
     """Nodes on a circle: increments of 1 mm, matches of 0.5 mm, a tie to an estimate of 5 mm now
     and then.
     """
@@ -43,11 +43,11 @@ def chain(
             guess = guess @ odometry.T
             if with_matches:
                 match = PoseConstraint(perturbed(rng, step, 1e-4, 5e-4), covariance(1e-4, 5e-4))
-        nodes.append(Node(k, guess, estimate, k % anchored == 0, odometry, match))
+        nodes.append(PairNode(k, guess, estimate, k % anchored == 0, odometry, match))
     return nodes
 
 
-def errors_m(graph: PairGraph, nodes: list[Node]) -> np.ndarray:
+def errors_m(graph: PairGraph, nodes: list[PairNode]) -> np.ndarray:
     for node in nodes:
         poses = graph.add(node)
     true = np.array([on_circle(poses.first + i) for i in range(len(poses.T_map_cabin))])
@@ -57,10 +57,10 @@ def errors_m(graph: PairGraph, nodes: list[Node]) -> np.ndarray:
 def test_perfect_increments_lead_to_the_true_poses() -> None:
     steps = [inverse(on_circle(k - 1)) @ on_circle(k) for k in range(1, 30)]
     first = PoseConstraint(on_circle(0), covariance(1e-3, 1e-2))
-    nodes = [Node(0, on_circle(0), first, True)]
+    nodes = [PairNode(0, on_circle(0), first, True)]
     for k, step in enumerate(steps, 1):
         wrong = perturbed(np.random.default_rng(k), on_circle(k), 0.02, 0.05)
-        nodes.append(Node(k, wrong, first, False, PoseConstraint(step, covariance(1e-4, 1e-3))))
+        nodes.append(PairNode(k, wrong, first, False, PoseConstraint(step, covariance(1e-4, 1e-3))))
     assert errors_m(PairGraph(100), nodes).max() < 1e-6
 
 
@@ -84,8 +84,8 @@ def test_one_pair_of_measurements_is_weighted_by_their_covariances() -> None:
     odometry = PoseConstraint(pose(t=np.array([0.10, 0, 0])), covariance(1e-3, 0.02))
     match = PoseConstraint(pose(t=np.array([0.11, 0, 0])), covariance(1e-3, 0.01))
     graph = PairGraph(20)
-    graph.add(Node(0, np.eye(4), first, True))
-    poses = graph.add(Node(1, odometry.T, first, False, odometry, match))
+    graph.add(PairNode(0, np.eye(4), first, True))
+    poses = graph.add(PairNode(1, odometry.T, first, False, odometry, match))
     assert poses.T_map_cabin[1][0, 3] == pytest.approx(
         (0.10 / 4e-4 + 0.11 / 1e-4) / (1 / 4e-4 + 1 / 1e-4), abs=1e-6
     )
@@ -96,7 +96,9 @@ def test_a_wild_match_is_held_back_by_the_kernel() -> None:
     wild = nodes[20]
     assert wild.match is not None
     shifted = PoseConstraint(wild.match.T @ pose(t=np.array([0.1, 0, 0])), wild.match.covariance)
-    nodes[20] = Node(20, wild.T_map_cabin, wild.estimate, wild.is_anchor, wild.odometry, shifted)
+    nodes[20] = PairNode(
+        20, wild.T_map_cabin, wild.estimate, wild.is_anchor, wild.odometry, shifted
+    )
     assert (
         errors_m(PairGraph(100), nodes).max() < 0.012
     )  # plain least squares would follow it by eight centimetres
@@ -120,7 +122,7 @@ def test_a_node_that_hangs_on_nothing_begins_a_new_graph() -> None:
     graph = PairGraph(20)
     first, *_ = chain(1, np.random.default_rng(0))
     graph.add(first)
-    poses = graph.add(Node(1, on_circle(1), first.estimate, False))
+    poses = graph.add(PairNode(1, on_circle(1), first.estimate, False))
     assert graph.restarts == 1
     assert (poses.first, len(poses.T_map_cabin)) == (1, 1)
 

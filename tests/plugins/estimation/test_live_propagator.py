@@ -13,9 +13,9 @@ from executive_plugins.estimation.inertial.state import (
     carry_covariance,
     propagate_through,
 )
-from executive_plugins.estimation.live.head import GAP, OUT_OF_RANGE, LiveHead
 from executive_plugins.estimation.live.layout import SAMPLES
-from executive_plugins.estimation.live.parcel import packed
+from executive_plugins.estimation.live.packing import packed
+from executive_plugins.estimation.live.propagator import GAP, OUT_OF_RANGE, LivePropagator
 from executive_plugins.estimation.start.chassis import TurnJoint
 
 from executive.geometry.pose import inverse, pose
@@ -39,8 +39,8 @@ def turn(machine) -> TurnJoint:
 
 
 @pytest.fixture
-def head(turn) -> LiveHead:
-    return LiveHead(T_IMU_CABIN, turn, NOISE, gap_s=5.0)
+def propagator(turn) -> LivePropagator:
+    return LivePropagator(T_IMU_CABIN, turn, NOISE, gap_s=5.0)
 
 
 def some_state(rng: np.random.Generator, stamp_s: float = 1.0) -> InertialState:
@@ -57,21 +57,23 @@ def some_samples(rng: np.random.Generator, count: int, begin_s: float = 1.0) -> 
     return [Inertial(begin_s + k / 100, *rng.normal(0, 1, (2, 3))) for k in range(1, count + 1)]
 
 
-def go(head: LiveHead, samples: list[Inertial]) -> None:
+def go(propagator: LivePropagator, samples: list[Inertial]) -> None:
     for sample in samples:
-        assert head.step(sample.stamp_s, sample.rate, sample.force) == 0
+        assert propagator.step(sample.stamp_s, sample.rate, sample.force) == 0
 
 
 def T_map_imu(state: InertialState) -> np.ndarray:
     return pose(state.R_map_imu, state.p_map_imu)
 
 
-def test_going_on_is_the_strapdown_equations_and_a_report_a_chain_of_poses(head, turn) -> None:
+def test_going_on_is_the_strapdown_equations_and_a_report_a_chain_of_poses(
+    propagator, turn
+) -> None:
     rng = np.random.default_rng(1)
     state, samples = some_state(rng), some_samples(rng, 7)
-    head.take(packed(state, np.eye(15)))
-    go(head, samples)
-    end, said = propagate_through(state, samples, 9.81), head.state("GLOBAL")
+    propagator.take(packed(state, np.eye(15)))
+    go(propagator, samples)
+    end, said = propagate_through(state, samples, 9.81), propagator.state("GLOBAL")
     np.testing.assert_allclose(said.T_map_cabin, T_map_imu(end) @ T_IMU_CABIN, atol=1e-12)
     np.testing.assert_allclose(
         said.T_map_base, said.T_map_cabin @ turn.T_cabin_base(1.07), atol=1e-12
@@ -90,14 +92,14 @@ def test_going_on_is_the_strapdown_equations_and_a_report_a_chain_of_poses(head,
     assert (said.stamp_s, said.status) == (samples[-1].stamp_s, "GLOBAL")
 
 
-def test_the_covariance_is_carried_on_and_moved_to_the_cabin(head) -> None:
+def test_the_covariance_is_carried_on_and_moved_to_the_cabin(propagator) -> None:
     rng = np.random.default_rng(2)
     state, samples = some_state(rng), some_samples(rng, 12)
     root = rng.normal(0, 0.1, (15, 15))
-    head.take(packed(state, root @ root.T))
-    go(head, samples[:1])
+    propagator.take(packed(state, root @ root.T))
+    go(propagator, samples[:1])
     for count in range(2, 13):
-        go(head, samples[count - 1 : count])
+        go(propagator, samples[count - 1 : count])
     end = propagate_through(
         state, samples[:11], 9.81
     )  # one of up to 50 ms ago will do: found at 1, 6 and 11
@@ -107,19 +109,19 @@ def test_the_covariance_is_carried_on_and_moved_to_the_cabin(head) -> None:
     J[:3, :3], J[3:, :3], J[3:, 3:] = R, -R @ skew(arm), R @ end.R_map_imu.T
     pick = np.r_[ROTATION, POSITION]
     np.testing.assert_allclose(
-        head.state("").covariance, J @ P[np.ix_(pick, pick)] @ J.T, rtol=1e-9, atol=1e-12
+        propagator.state("").covariance, J @ P[np.ix_(pick, pick)] @ J.T, rtol=1e-9, atol=1e-12
     )
 
 
-def test_an_estimate_of_the_past_is_carried_on_and_only_the_map_steps(head) -> None:
+def test_an_estimate_of_the_past_is_carried_on_and_only_the_map_steps(propagator) -> None:
     rng = np.random.default_rng(3)
     state, samples = some_state(rng), some_samples(rng, 10)
-    head.take(packed(state, np.eye(15)))
-    go(head, samples)
-    before = head.state("")
+    propagator.take(packed(state, np.eye(15)))
+    go(propagator, samples)
+    before = propagator.state("")
     other = some_state(rng, stamp_s=1.043)  # between two samples
-    assert head.take(packed(other, np.eye(15)))
-    after = head.state("")
+    assert propagator.take(packed(other, np.eye(15)))
+    after = propagator.state("")
     end = propagate_through(other, samples[4:], 9.81)
     np.testing.assert_allclose(after.T_map_cabin, T_map_imu(end) @ T_IMU_CABIN, atol=1e-12)
     np.testing.assert_allclose(after.T_odom_base, before.T_odom_base, atol=1e-12)
@@ -129,33 +131,37 @@ def test_an_estimate_of_the_past_is_carried_on_and_only_the_map_steps(head) -> N
     np.testing.assert_allclose(T_map_odom, expected, atol=1e-12)
 
 
-def test_more_samples_than_the_ring_holds_change_nothing(head) -> None:
+def test_more_samples_than_the_ring_holds_change_nothing(propagator) -> None:
     rng = np.random.default_rng(4)
     state = some_state(rng)
-    head.take(packed(state, np.eye(15)))
+    propagator.take(packed(state, np.eye(15)))
     samples = [
         Inertial(1.0 + k / 400, np.zeros(3), np.array([0, 0, 9.81]))
         for k in range(1, SAMPLES + 300)
     ]
-    go(head, samples)
+    go(propagator, samples)
     late = some_state(rng, stamp_s=samples[-201].stamp_s)
-    head.take(packed(late, np.eye(15)))
+    propagator.take(packed(late, np.eye(15)))
     end = propagate_through(late, samples[-200:], 9.81)
-    np.testing.assert_allclose(head.state("").T_map_cabin, T_map_imu(end) @ T_IMU_CABIN, atol=1e-9)
-    assert head.samples == len(samples)
+    np.testing.assert_allclose(
+        propagator.state("").T_map_cabin, T_map_imu(end) @ T_IMU_CABIN, atol=1e-9
+    )
+    assert propagator.samples == len(samples)
 
 
-def test_what_the_turn_joint_says_after_a_sample_counts_in_its_report(head, turn, machine) -> None:
-    head.take(packed(some_state(np.random.default_rng(5)), np.eye(15)))
-    go(head, some_samples(np.random.default_rng(6), 2))
-    before = head.state("")
+def test_what_the_turn_joint_says_after_a_sample_counts_in_its_report(
+    propagator, turn, machine
+) -> None:
+    propagator.take(packed(some_state(np.random.default_rng(5)), np.eye(15)))
+    go(propagator, some_samples(np.random.default_rng(6), 2))
+    before = propagator.state("")
     names, zeros = machine.joint_names, np.zeros(len(machine.joint_names))
     turn.update(JointSample(1.02, names, zeros + 0.9, zeros, zeros))
-    head.turned()
+    propagator.turned()
     np.testing.assert_allclose(
-        head.state("").T_map_base, before.T_map_cabin @ turn.T_cabin_base(1.02), atol=1e-12
+        propagator.state("").T_map_base, before.T_map_cabin @ turn.T_cabin_base(1.02), atol=1e-12
     )
-    np.testing.assert_array_equal(head.state("").T_map_cabin, before.T_map_cabin)
+    np.testing.assert_array_equal(propagator.state("").T_map_cabin, before.T_map_cabin)
 
 
 @pytest.mark.parametrize(
@@ -167,29 +173,33 @@ def test_what_the_turn_joint_says_after_a_sample_counts_in_its_report(head, turn
         (0.9, [0, 0, 0], [0, 0, 9.8], GAP),
     ],
 )
-def test_a_sample_that_cannot_be_right_changes_nothing(head, stamp_s, rate, force, code) -> None:
-    head.take(packed(some_state(np.random.default_rng(7)), np.eye(15)))
-    before = head.state("")
-    assert head.step(stamp_s, np.array(rate, dtype=float), np.array(force, dtype=float)) == code
-    np.testing.assert_array_equal(head.state("").T_map_cabin, before.T_map_cabin)
-    assert head.samples == 0
+def test_a_sample_that_cannot_be_right_changes_nothing(
+    propagator, stamp_s, rate, force, code
+) -> None:
+    propagator.take(packed(some_state(np.random.default_rng(7)), np.eye(15)))
+    before = propagator.state("")
+    assert (
+        propagator.step(stamp_s, np.array(rate, dtype=float), np.array(force, dtype=float)) == code
+    )
+    np.testing.assert_array_equal(propagator.state("").T_map_cabin, before.T_map_cabin)
+    assert propagator.samples == 0
 
 
-def test_an_estimate_that_is_not_finite_is_not_taken(head) -> None:
+def test_an_estimate_that_is_not_finite_is_not_taken(propagator) -> None:
     state = some_state(np.random.default_rng(8))
-    head.take(packed(state, np.eye(15)))
-    before = head.state("").T_map_cabin
-    assert not head.take(packed(state, np.full((15, 15), np.nan)))
-    np.testing.assert_array_equal(head.state("").T_map_cabin, before)
+    propagator.take(packed(state, np.eye(15)))
+    before = propagator.state("").T_map_cabin
+    assert not propagator.take(packed(state, np.full((15, 15), np.nan)))
+    np.testing.assert_array_equal(propagator.state("").T_map_cabin, before)
 
 
-def test_states_are_kept_as_they_were_locked_and_may_be_sent_to_another_process(head) -> None:
+def test_states_are_kept_as_they_were_locked_and_may_be_sent_to_another_process(propagator) -> None:
     rng = np.random.default_rng(9)
-    head.take(packed(some_state(rng), np.eye(15)))
+    propagator.take(packed(some_state(rng), np.eye(15)))
     kept, copies = [], []
     for sample in some_samples(rng, 100):
-        go(head, [sample])
-        kept.append(head.state("GLOBAL"))
+        go(propagator, [sample])
+        kept.append(propagator.state("GLOBAL"))
         copies.append(kept[-1].T_map_base.copy())
     for state, copy in zip(kept, copies, strict=True):
         np.testing.assert_array_equal(state.T_map_base, copy)

@@ -18,7 +18,7 @@ from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
 
 
-class ScanFront:
+class ScanFrontEnd:
     """Self-filter and motion correction of one machine's lidars."""
 
     def __init__(self, machine: Machine, settings: MapSettings) -> None:

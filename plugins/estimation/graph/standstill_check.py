@@ -2,17 +2,17 @@
 
 import gtsam
 import numpy as np
-from executive_plugins.estimation.gate.measurements import Standing
+from executive_plugins.estimation.gate.measurements import Standstill
 from executive_plugins.estimation.graph.factors import gyro_bias_factor, velocity_factor
 from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
-from executive_plugins.estimation.inertial.measurement_models import standing_residual
+from executive_plugins.estimation.inertial.measurement_models import standstill_residual
 from executive_plugins.estimation.inertial.state import InertialState
 
 from executive.arrays import Float
 from executive.geometry.rotation import skew
 
 
-class StandingBelief:
+class StandstillCheck:
     """Holds the measurements against the estimate: a chassis that drives smoothly looks as if it
     stood.
 
@@ -24,9 +24,9 @@ class StandingBelief:
         self._settings = settings
         self._contradicted_s = -np.inf
 
-    def contradicts(self, standing: Standing, state: InertialState, P: Float) -> bool:
+    def contradicts(self, standing: Standstill, state: InertialState, P: Float) -> bool:
         """Return whether the estimate, with its covariance (15, 15), says that it moves."""
-        residual, H = standing_residual(state, standing.arm_imu)
+        residual, H = standstill_residual(state, standing.arm_imu)
         S = H @ P @ H.T + self._settings.standing_velocity_std_m_s**2 * np.eye(3)
         if residual @ np.linalg.solve(S, residual) <= self._settings.standing_gate:
             return False
@@ -38,7 +38,7 @@ class StandingBelief:
         return stamp_s - self._contradicted_s >= self._settings.standing_doubt_s
 
     def factors(
-        self, node: int, standing: Standing, state: InertialState
+        self, node: int, standing: Standstill, state: InertialState
     ) -> list[gtsam.NonlinearFactor]:
         """The speed of a point on the turn axis, v + R (ω × l), is zero; R and ω are taken as
         estimated now.

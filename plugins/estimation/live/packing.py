@@ -41,7 +41,7 @@ def packed(state: InertialState, covariance: Float) -> Block:
 
 
 def packed_estimate(estimate: Estimate) -> Block:
-    """Return an estimate without its words, shape (1,), dtype `ESTIMATE`."""
+    """Return an estimate without its messages, shape (1,), dtype `ESTIMATE`."""
     row = np.zeros(1, ESTIMATE)
     pack_into(row, estimate)
     return row

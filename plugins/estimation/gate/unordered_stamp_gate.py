@@ -3,19 +3,19 @@
 import math
 from collections import deque
 
-from executive_plugins.estimation.gate.doorkeeper import Doorkeeper
+from executive_plugins.estimation.gate.stamp_gate import StampGate
 
 _REMEMBERED = 1000  # stamps a stream: 50 s of fixes
 _AHEAD_S = 1.0  # no sensor is so much earlier than the inertial one
 
 
-class UnorderedDoor:
+class UnorderedStampGate:
     """Admits each stamp once, and none that the inertial samples cannot reach; refusals are the
     doorkeeper's.
     """
 
-    def __init__(self, door: Doorkeeper) -> None:
-        self._door = door
+    def __init__(self, door: StampGate) -> None:
+        self._stamp_gate = door
         self._seen: dict[str, deque[float]] = {}
 
     def admits(self, stream: str, stamp_s: float, now_s: float) -> bool:
@@ -32,5 +32,5 @@ class UnorderedDoor:
         else:
             seen.append(stamp_s)
             return True
-        self._door.refuse(stream, reason)
+        self._stamp_gate.refuse(stream, reason)
         return False

@@ -19,17 +19,17 @@ from executive_plugins.estimation.live.kernels import (
 )
 from executive_plugins.estimation.live.layout import LIVE
 from executive_plugins.estimation.live.packed_state import ROW, PackedState
-from executive_plugins.estimation.live.parcel import is_finite
+from executive_plugins.estimation.live.packing import is_finite
 from executive_plugins.estimation.start.chassis import TurnJoint
 
 from executive.arrays import Float
 from executive.messages.base_state import BaseState
 
-__all__ = ["GAP", "OUT_OF_RANGE", "LiveHead"]
+__all__ = ["GAP", "OUT_OF_RANGE", "LivePropagator"]
 _ROWS = 32  # reports that are made room for at once, which costs as much as for one
 
 
-class LiveHead:
+class LivePropagator:
     """Carries a state on from sample to sample; estimates take its place. The odometry frame never
     steps (REP-105).
 
@@ -46,7 +46,7 @@ class LiveHead:
         gap_s: float,
         memory: Any = None,
     ) -> None:
-        """Make a head without a state.
+        """Make a propagator without a state.
 
         Args:
             T_imu_cabin: Shape (4, 4).
@@ -111,7 +111,7 @@ class LiveHead:
         finite.
 
         Args:
-            estimate: The estimate; the head goes on from it to the newest sample.
+            estimate: The estimate; the propagator goes on from it to the newest sample.
             is_alone: Whether it corrects nothing: map and odometry stay as they lie to one another.
 
         Returns:
@@ -135,14 +135,14 @@ class LiveHead:
 
         Returns:
             Its mode's number, negative if it is of another epoch and not taken; and the number of
-            words until then.
+            messages until then.
         """
         answer = take_answer(self.block, number)
         if answer < 0:
             return answer, 0
         self._row = None
-        words, mode = divmod(answer, MODES)
-        return mode, words
+        messages, mode = divmod(answer, MODES)
+        return mode, messages
 
     @property
     def epoch(self) -> int:

@@ -2,11 +2,11 @@
 
 import math
 
-from executive_plugins.estimation.gate.doorkeeper import Doorkeeper
+from executive_plugins.estimation.gate.stamp_gate import StampGate
 
 
 def admitted(stamps, jump_s=0.5):
-    door = Doorkeeper()
+    door = StampGate()
     return [s for s in stamps if door.admits("imu", s, jump_s)], dict(door.refused)
 
 
@@ -61,6 +61,6 @@ def test_late_samples_are_no_clock_that_was_set_back() -> None:
 
 
 def test_streams_have_doors_of_their_own() -> None:
-    door = Doorkeeper()
+    door = StampGate()
     assert door.admits("imu", 5.0)
     assert door.admits("joints", 1.0)

@@ -11,7 +11,7 @@ _SET_BACK_S = (
 )
 
 
-class Doorkeeper:
+class StampGate:
     """Admits samples whose stamps rise, one stream at a time.
 
     A stamp far ahead is admitted only if the next one agrees with it: by itself it would shut the

@@ -5,7 +5,7 @@ from executive_plugins.estimation.inertial.state import Inertial, InertialState
 from executive_plugins.estimation.live.estimate import Estimate
 from executive_plugins.estimation.live.layout import LIVE, SAMPLES
 from executive_plugins.estimation.live.modes import Mode
-from executive_plugins.estimation.live.parcel import (
+from executive_plugins.estimation.live.packing import (
     MODES,
     is_finite,
     packed,

@@ -2,34 +2,48 @@
 
 from bisect import insort
 from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
-from executive_plugins.estimation.filters.correction import Correction
 from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.inertial.state import Inertial
-from executive_plugins.estimation.live.head import LiveHead
-from executive_plugins.estimation.live.parcel import packed
+from executive_plugins.estimation.live.packing import packed
+from executive_plugins.estimation.live.propagator import LivePropagator
 
 _COVARIANCE_PERIOD_S = (
     0.049  # without a correction the head's covariance is carried on from a newer one so often
 )
 
 
+@dataclass(order=True, frozen=True)
+class Correction:
+    """What to do when the filter stands at a time; corrections are ordered by it.
+
+    Attributes:
+        stamp_s: Time of the measurement [s].
+        apply: Corrects the filter, which stands at that time then.
+    """
+
+    stamp_s: float
+    apply: Callable[[], None] = field(compare=False)
+
+
 class TrailingFilter:
     """Uses measurements at their own time and in order, whatever is late by less than the lag.
 
     Attributes:
-        kalman: The filter, `lag_s` behind the head.
+        kalman: The filter, `lag_s` behind the propagator.
     """
 
-    def __init__(self, kalman: ErrorStateFilter, lag_s: float, head: LiveHead) -> None:
+    def __init__(self, kalman: ErrorStateFilter, lag_s: float, propagator: LivePropagator) -> None:
         self.kalman = kalman
         self._lag_s = lag_s
-        self._head = head
+        self._propagator = propagator
         self._begin_s = kalman.state.stamp_s
         self._samples: deque[Inertial] = deque()  # newer than the filter
         self._corrections: list[Correction] = []
         self._anchored_s = self._begin_s
-        head.take(packed(kalman.state, kalman.covariance))
+        propagator.take(packed(kalman.state, kalman.covariance))
 
     def add(self, correction: Correction) -> bool:
         """Take a correction; return whether it is in time. What is older than the first state, that
@@ -42,9 +56,7 @@ class TrailingFilter:
         return True
 
     def add_sample(self, sample: Inertial) -> None:
-        """Move the filter on behind a sample that the head has gone on to; put the head where a
-        correction says.
-        """
+        """Advance the filter after a sample, and correct the propagator where it applies."""
         self._samples.append(sample)
         is_corrected = self._advance(sample.stamp_s - self._lag_s)
         if not is_corrected and sample.stamp_s - self._anchored_s < _COVARIANCE_PERIOD_S:
@@ -52,9 +64,9 @@ class TrailingFilter:
         self._anchored_s = sample.stamp_s
         estimate = packed(self.kalman.state, self.kalman.covariance)
         if is_corrected:
-            self._head.take(estimate)
+            self._propagator.take(estimate)
         else:
-            self._head.anchor(estimate)
+            self._propagator.anchor(estimate)
 
     def _advance(self, until_s: float) -> bool:
         """Predict up to a time, correcting on the way by all that was measured until then; return

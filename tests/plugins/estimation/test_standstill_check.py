@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from executive_plugins.estimation.gate.measurements import Standing
+from executive_plugins.estimation.gate.measurements import Standstill
 from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
-from executive_plugins.estimation.graph.standing import StandingBelief
+from executive_plugins.estimation.graph.standstill_check import StandstillCheck
 from executive_plugins.estimation.inertial.state import VELOCITY, Inertial, InertialState
 
 ARM = np.array([0.2, -0.3, -0.4])
@@ -24,23 +24,23 @@ def known(std_m_s: float) -> np.ndarray:
 
 
 @pytest.fixture
-def belief() -> StandingBelief:
-    return StandingBelief(SmootherSettings())
+def belief() -> StandstillCheck:
+    return StandstillCheck(SmootherSettings())
 
 
 def test_a_drive_that_is_known_to_the_estimate_is_not_taken_for_standing(belief) -> None:
-    standing = Standing(1.0, ARM, None)
+    standing = Standstill(1.0, ARM, None)
     assert belief.contradicts(standing, moving([0.2, 0, 0]), known(0.01))
     assert not belief.is_believed(1.9)
     assert belief.is_believed(2.0)
 
 
 def test_an_estimate_that_does_not_know_its_speed_is_told_by_a_standing_chassis(belief) -> None:
-    assert not belief.contradicts(Standing(1.0, ARM, None), moving([0.2, 0, 0]), known(0.2))
+    assert not belief.contradicts(Standstill(1.0, ARM, None), moving([0.2, 0, 0]), known(0.2))
     assert belief.is_believed(1.0)
 
 
 def test_a_sensor_that_swings_about_the_turn_axis_stands(belief) -> None:
     rate = np.array([0.0, 0.0, 0.8])
     swinging = moving(-np.cross(rate, ARM), rate)
-    assert not belief.contradicts(Standing(1.0, ARM, None), swinging, known(0.001))
+    assert not belief.contradicts(Standstill(1.0, ARM, None), swinging, known(0.001))

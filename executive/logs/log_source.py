@@ -57,7 +57,7 @@ class Recorded:
     message: Any
 
 
-class Source:
+class LogSource:
     """A log file or bag folder.
 
     Attributes:
