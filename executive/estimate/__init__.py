@@ -1,1 +1,1 @@
-"""Estimators on recorded logs: replay, measures, files."""
+"""Estimators on recorded logs: replay, measures, comparison and files."""

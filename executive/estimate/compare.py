@@ -1,6 +1,4 @@
-"""Estimators side by side on one log: Tables I and II of Nubert 2022,
-and what else one run tells.
-"""
+"""Estimators compared on one log: Tables I and II of Nubert 2022, and further measures."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -14,16 +12,21 @@ from executive.estimate.measures import Track
 from executive.estimate.options import EstimateOptions
 from executive.messages.base_state import BaseState
 
-# What a simulator says of estimated states: `error_m` and `error_rad`, each with mean, std and max
-# of the magnitude; of the first also the bias and a component's std.
+# Errors of estimated states by a simulator's truth: `error_m` and `error_rad`, each with mean, std
+# and max of the magnitude; `error_m` may also have the bias and the std of a component.
 Truth = Callable[[Sequence[BaseState]], Mapping[str, Mapping[str, float]]]
 
 
 def compare(
     material: Material, names: Sequence[str], options: EstimateOptions, truth: Truth | None = None
 ) -> dict[str, dict[str, Any]]:
-    """Return the report of each estimator by name, with what its outages did to it, and the truth
-    where it is known.
+    """Return the report of each estimator by name.
+
+    Args:
+        material: The log.
+        names: Names of the estimators.
+        options: Options of the runs.
+        truth: Errors of states against a simulator's truth; None if the truth is unknown.
 
     Raises:
         ConfigError, DataError: As `estimate`.
@@ -32,9 +35,7 @@ def compare(
 
 
 def reported(estimated: Estimated, truth: Truth | None = None) -> dict[str, Any]:
-    """Return the report of one estimator, with the largest step of its odometry frame and the end
-    of each outage.
-    """
+    """Return the report of one run, with steps of the odometry frame and recovery after outages."""
     return estimated.report | {
         "odometry_step_m": round(float(odometry_steps(estimated.track).max(initial=0.0)), 5),
         "outages": [
@@ -45,8 +46,9 @@ def reported(estimated: Estimated, truth: Truth | None = None) -> dict[str, Any]
 
 
 def odometry_steps(track: Track) -> Float:
-    """Return by how much the cabin moved in the odometry frame beyond v·dt, between samples [m],
-    shape (n − 1,).
+    """Return how far the cabin moved in the odometry frame beyond v·dt, between samples [m].
+
+    The shape is (n − 1,) for n states.
     """
     T_map_odom = track.T_map_odom
     p_odom = np.linalg.inv(T_map_odom) @ track.T_map_cabin[:, :, 3:]
@@ -58,9 +60,7 @@ def odometry_steps(track: Track) -> Float:
 def _with_recovery(
     outage: Mapping[str, Any], estimated: Estimated, truth: Truth | None
 ) -> dict[str, Any]:
-    """Add when the estimator was global again after the outage, and how far it was from the truth
-    within.
-    """
+    """Add the time until the estimator was GLOBAL again, and its largest error in the outage."""
     states = estimated.report["states"]
     begun = [state["status"] for state in states if state["time_s"] <= outage["to_s"]]
     back = [
@@ -81,9 +81,9 @@ def _with_recovery(
 
 
 def table(reports: Mapping[str, Mapping[str, Any]]) -> str:
-    """Lay the reports side by side: errors in centimetres, latencies in microseconds."""
+    """Return a table of the reports: errors in centimetres, latencies in microseconds."""
     rows: dict[str, Callable[[Mapping[str, Any]], str]] = {
-        "position error when given out [cm]": lambda r: _mean_std(r["prediction_m"], 100),
+        "position error of the prediction [cm]": lambda r: _mean_std(r["prediction_m"], 100),
         "  95 % [cm]": lambda r: _figure(r["prediction_m"], "p95", 100),
         "position error after the fix [cm]": lambda r: _mean_std(r["posterior_m"], 100),
         "consistency [cm]": lambda r: _mean_std(r["consistency_m"], 100),
@@ -119,13 +119,12 @@ def _outages(reports: Mapping[str, Mapping[str, Any]]) -> int:
 
 
 def _outage_lines(reports: Mapping[str, Mapping[str, Any]], i: int) -> list[list[str]]:
-    """Return what an outage did to each: at its end and at most, against the fixes left out or the
-    truth.
-    """
+    """Return the lines on one outage: errors at its end and at most, and time of recovery."""
     outages = [report["outages"][i] for report in reports.values()]
     first = outages[0]
     title = (
-        f"outage {first['from_s']:.0f}–{first['to_s']:.0f} s, antennas' way {first['way_m']:.0f} m:"
+        f"outage {first['from_s']:.0f}–{first['to_s']:.0f} s, "
+        f"distance travelled {first['way_m']:.0f} m:"
     )
     lines = [
         [title, *[""] * len(outages)],
@@ -161,7 +160,7 @@ def _mean_std(figures: Mapping[str, float], factor: float) -> str:
 
 
 def _bias_std(figures: Mapping[str, float]) -> str:
-    """Return what Nubert 2022 gives in its Table I, in centimetres; not every oracle tells it."""
+    """Return bias ± standard deviation of a component [cm], as Nubert 2022, Table I."""
     return (
         f"{100 * figures['bias']:.2f} ± {100 * figures['component_std']:.2f}"
         if "bias" in figures

@@ -1,4 +1,4 @@
-"""Outages made on purpose: sensors that are left out for some time."""
+"""Simulated outages: measurements of a sensor that are left out for some time."""
 
 from dataclasses import dataclass
 
@@ -21,7 +21,7 @@ _KINDS = {
 
 @dataclass(frozen=True, slots=True)
 class Drop:
-    """A sensor's outage.
+    """An outage of a sensor.
 
     Attributes:
         sensor: A kind (imu, gnss, joints, lidar), or the name of one sensor's frame.
@@ -38,7 +38,7 @@ class Drop:
         """Read `SENSOR:FROM:TO`.
 
         Raises:
-            ConfigError: If it is written otherwise, or does not end after it begins.
+            ConfigError: If the text has another form, or the end is not after the beginning.
         """
         sensor, *times = text.rsplit(":", 2)
         try:
@@ -52,7 +52,7 @@ class Drop:
         return cls(sensor, from_s, to_s)
 
     def takes(self, observation: Observation | LidarIncrement) -> bool:
-        """Return whether an observation falls into the outage."""
+        """Return whether an observation is in the outage."""
         stamp_s = (
             observation.to_s if isinstance(observation, LidarIncrement) else observation.stamp_s
         )
@@ -60,9 +60,7 @@ class Drop:
 
 
 def is_of(observation: Observation | LidarIncrement, sensor: str) -> bool:
-    """Return whether an observation is of a sensor, given by its kind or by the name of
-    its frame.
-    """
+    """Return whether an observation is of a sensor, given by its kind or its frame's name."""
     return sensor in (_KINDS[type(observation)], _name_of(observation))
 
 

@@ -1,4 +1,4 @@
-"""What `executive estimate` leaves behind: trajectories (TUM), a report (JSON), a plot (PNG)."""
+"""Files that `executive estimate` writes: trajectories (TUM), report (JSON), plot (PNG)."""
 
 import json
 from pathlib import Path
@@ -14,11 +14,15 @@ from executive.estimate.plot import plot
 
 
 def write_files(out: Path, material: Material, estimated: Estimated) -> tuple[Path, ...]:
-    """Write the chassis' poses in the map to `out`; beside it those in the odometry frame, report,
-    plot and reference.
+    """Write the chassis' poses in the map to `out`, and further files beside it.
+
+    These are the poses in the odometry frame, the report, the plot and the reference trajectory.
+
+    Returns:
+        The paths of the files.
 
     Raises:
-        ConfigError: If they cannot be written.
+        ConfigError: If they cannot be written, or two of them would have the same name.
     """
     paths: tuple[Path, ...] = (
         out,
@@ -28,7 +32,7 @@ def write_files(out: Path, material: Material, estimated: Estimated) -> tuple[Pa
     )
     if len(set(paths)) < len(paths):
         raise ConfigError(
-            f"--out {out}: .json and .png stand for the report and the plot; name it .tum"
+            f"--out {out}: .json and .png are the names of report and plot; use .tum instead"
         )
     track, origin_s = estimated.track, 1e-9 * material.log.origin_ns
     try:
@@ -47,7 +51,7 @@ def write_files(out: Path, material: Material, estimated: Estimated) -> tuple[Pa
 
 
 def _write_tum(path: Path, stamps_s: Float, poses: Float) -> None:
-    """Write `stamp x y z qx qy qz qw` lines, the format that evo and others read."""
+    """Write lines `stamp x y z qx qy qz qw`, the TUM format that evo and others read."""
     rows = np.column_stack(
         [stamps_s, poses[:, :3, 3], Rotation.from_matrix(poses[:, :3, :3]).as_quat()]
     )

@@ -1,6 +1,4 @@
-"""How good a replayed estimate was: the measures of Nubert 2022, Sec. V, from the states and the
-fixes of one log.
-"""
+"""Accuracy measures of a replayed estimate (Nubert 2022, Sec. V), from states and fixes."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,8 +13,8 @@ from executive.machine.rig import Rig
 from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
 
-_NEAR_S = 0.05  # a state nearer to a fix than this is carried to it by its own velocity
-_SETTLED_S = 0.15  # after a fix, when even an estimator that trails by 0.1 s has taken it in
+_NEAR_S = 0.05  # a state is extrapolated to a fix over at most this time, by its velocity
+_SETTLED_S = 0.15  # time after a fix by which an estimator that trails by 0.1 s has used it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,14 +37,14 @@ class Track:
 
     @classmethod
     def of(cls, states: Sequence[BaseState]) -> "Track":
-        """Stack states; there is at least one."""
+        """Stack states; at least one is needed."""
         names = ("T_map_base", "T_odom_base", "T_map_cabin", "v_map_cabin", "w_map_cabin_in_cabin")
         stacks = {name: np.stack([getattr(state, name) for state in states]) for name in names}
         return cls(stamps_s=np.array([state.stamp_s for state in states]), **stacks)
 
     @property
     def T_map_odom(self) -> Float:
-        """The correction of the odometry frame, shape (n, 4, 4)."""
+        """Pose of the odometry frame in the map, shape (n, 4, 4)."""
         return np.asarray(self.T_map_base @ np.linalg.inv(self.T_odom_base))
 
 
@@ -57,10 +55,9 @@ class FixErrors:
     Attributes:
         stamps_s: [s], shape (m,).
         p_map_antenna: The measured positions [m], shape (m, 3).
-        predicted_m: Of the state that was given out at that time, before the fix was known, shape
-            (m, 3).
-        posterior_m: Of the state at that time, after it was taken in, shape (m, 3).
-        is_dropped: Whether the estimator never saw the fix, shape (m,).
+        predicted_m: Error of the state before the fix was used, shape (m, 3).
+        posterior_m: Error of the state at the same time after the fix was used, shape (m, 3).
+        is_dropped: Whether the fix was withheld from the estimator, shape (m,).
         antennas: Name of each fix's antenna, m of them.
     """
 
@@ -75,7 +72,7 @@ class FixErrors:
 def fix_errors(
     track: Track, fixes: Sequence[GnssFix], rig: Rig, datum: Float, drops: Sequence[Drop]
 ) -> FixErrors:
-    """Compare the track with every fix that has a state just before it and one after it."""
+    """Compare the track with every fix that has a state shortly before it and one after it."""
     T_map_odom = track.T_map_odom
     rows, antennas = [], []
     for fix in fixes:
@@ -110,23 +107,20 @@ def fix_errors(
 
 
 def consistency(track: Track) -> Float:
-    """Return by how much each correction moved the pose at its own time [m] (Nubert 2022, Sec.
-    V-B1).
+    """Return how far each correction moved the pose at its own time [m] (Nubert 2022, Sec. V-B1).
 
-    The odometry frame is the propagated pose, so that a change of T_map_odom is a correction and
-    nothing else.
+    The pose in the odometry frame is the propagated one, so that any change of T_map_odom is a
+    correction.
     """
     T_map_odom = track.T_map_odom
     p_odom = track.T_odom_base[1:, :3, 3]
     propagated = np.einsum("nij,nj->ni", T_map_odom[:-1, :3, :3], p_odom) + T_map_odom[:-1, :3, 3]
     steps = np.linalg.norm(propagated - track.T_map_base[1:, :3, 3], axis=1)
-    return np.asarray(steps[steps > 1e-6])  # below: rounding, no correction
+    return np.asarray(steps[steps > 1e-6])  # smaller steps are rounding, not corrections
 
 
 def outages(errors: FixErrors, drops: Sequence[Drop]) -> list[dict[str, Any]]:
-    """Return what became of the position in each outage of the satellites; the fixes left out are
-    the reference.
-    """
+    """Return the position error in each outage of the satellites, against the withheld fixes."""
     answers = []
     for drop in drops:
         inside = (
@@ -135,9 +129,8 @@ def outages(errors: FixErrors, drops: Sequence[Drop]) -> list[dict[str, Any]]:
         if not inside.any() or drop.sensor not in ("gnss", *errors.antennas):
             continue
         distance = np.linalg.norm(errors.predicted_m[inside], axis=1)
-        first = np.array(
-            [antenna == errors.antennas[0] for antenna in errors.antennas]
-        )  # two would zigzag
+        # The distance is measured by one antenna; a path through two would zigzag.
+        first = np.array([antenna == errors.antennas[0] for antenna in errors.antennas])
         way = float(
             np.linalg.norm(np.diff(errors.p_map_antenna[inside & first], axis=0), axis=1).sum()
         )
@@ -155,9 +148,7 @@ def outages(errors: FixErrors, drops: Sequence[Drop]) -> list[dict[str, Any]]:
 
 
 def spread(vectors: Float) -> Mapping[str, float | int]:
-    """Describe errors (n, 3): distance's mean, 95 % and largest, and the standard deviation of a
-    component, n.
-    """
+    """Return statistics of errors (n, 3): of their length, and the std of a component."""
     if not len(vectors):
         return {"n": 0}
     distance = np.linalg.norm(vectors, axis=1)
@@ -165,7 +156,7 @@ def spread(vectors: Float) -> Mapping[str, float | int]:
 
 
 def statistics(values: Float, digits: int = 5) -> Mapping[str, float | int]:
-    """Describe numbers (n,): mean, standard deviation, 95 and 99 %, largest, n."""
+    """Return mean, standard deviation, 95 and 99 %, largest value and number of values (n,)."""
     if not len(values):
         return {"n": 0}
     figures = {

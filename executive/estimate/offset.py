@@ -1,6 +1,4 @@
-"""Sensors whose stamps are wrong by a constant: clocks that were not synchronised, filters that
-delay.
-"""
+"""Constant errors of a sensor's stamps, by an unsynchronised clock or a filter delay."""
 
 from dataclasses import dataclass, replace
 
@@ -13,11 +11,11 @@ from executive.messages.odometry import LidarIncrement
 
 @dataclass(frozen=True, slots=True)
 class Offset:
-    """What is added to the stamps of a sensor.
+    """A time that is added to the stamps of a sensor.
 
     Attributes:
         sensor: A kind (imu, gnss, joints, lidar), or the name of one sensor's frame.
-        seconds: [s].
+        seconds: The time that is added [s].
     """
 
     sensor: str
@@ -28,7 +26,7 @@ class Offset:
         """Read `SENSOR:SECONDS`.
 
         Raises:
-            ConfigError: If it is written otherwise.
+            ConfigError: If the text has another form.
         """
         sensor, colon, seconds = text.rpartition(":")
         try:
@@ -39,7 +37,7 @@ class Offset:
             ) from None
 
     def applied(self, observation: Observation | LidarIncrement) -> Observation | LidarIncrement:
-        """Return an observation with its stamps moved, or as it is if it is of another sensor."""
+        """Return an observation with its stamps shifted, or itself if it is of another sensor."""
         if not is_of(observation, self.sensor):
             return observation
         if isinstance(observation, LidarIncrement):

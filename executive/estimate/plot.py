@@ -1,4 +1,4 @@
-"""The plot of a replay: the way from above, and the error against the fixes over time."""
+"""Plot of a replay: the path from above, and the errors against the fixes over time."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from executive.estimate.drop import Drop
 from executive.estimate.estimator_run import Estimated
 
-_SMALLEST_M = 1e-4  # shown on the logarithmic axis
+_SMALLEST_M = 1e-4  # smaller values are drawn as this one on the logarithmic axis
 
 
 def plot(path: Path, estimated: Estimated, drops: Sequence[Drop]) -> None:
@@ -25,14 +25,14 @@ def plot(path: Path, estimated: Estimated, drops: Sequence[Drop]) -> None:
             *estimated.reference.T_map_base[:, :2, 3].T,
             ":",
             linewidth=1,
-            label="smoothed as a whole",
+            label="batch smoothing",
         )
     above.set(
         xlabel="east [m]", ylabel="north [m]", aspect="equal", title=estimated.report["estimator"]
     )
     above.legend(loc="best", fontsize="small")
     for name, vectors in (
-        ("when given out", errors.predicted_m),
+        ("prediction", errors.predicted_m),
         ("after the fix", errors.posterior_m),
     ):
         distance_m = np.maximum(np.linalg.norm(vectors, axis=1), _SMALLEST_M)

@@ -1,6 +1,4 @@
-"""A reference for the figures: the whole log smoothed at once, and how far the online trajectory is
-from it.
-"""
+"""A reference trajectory by batch smoothing, and the online trajectory's difference to it."""
 
 from dataclasses import replace
 from typing import Any
@@ -19,12 +17,11 @@ _DIGITS = 6
 
 
 def with_reference(material: Material, estimated: Estimated, name: str) -> Estimated:
-    """Smooth all of a log, the fixes that were dropped too, and report the difference to what was
-    estimated online.
+    """Smooth a whole log with all its fixes, and report the online estimate's difference to it.
 
     Raises:
         ConfigError: If there is no such smoother.
-        DataError: If it comes to no trajectory.
+        DataError: If it finds no trajectory.
     """
     smoother: TrajectorySmoother = prepare(material, "smoothing", name, Choices(()))
     smoother.start()
@@ -34,8 +31,8 @@ def with_reference(material: Material, estimated: Estimated, name: str) -> Estim
         smoother.close()
     if not states:
         raise DataError(
-            f"{material.log.path}: {name} came to no trajectory: nothing is known of "
-            "where it begins"
+            f"{material.log.path}: {name} found no trajectory, since it found no first state; "
+            "record some seconds at rest first"
         )
     reference = Track.of(states)
     datum = map_origin(smoother, material)

@@ -1,6 +1,4 @@
-"""Feeds a log to an estimator and keeps what it said: after every inertial sample, how late, and at
-every fix.
-"""
+"""Replay of a log to an estimator, which records states, latencies and counts."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -19,18 +17,16 @@ from executive.messages.odometry import LidarIncrement
 
 @dataclass(slots=True)
 class Replay:
-    """What came of one replay.
+    """The result of one replay.
 
     Attributes:
-        states: The estimate after every inertial sample of the main sensor, from the first that may
-            be used.
-        fixes: All fixes of the log that were fixed to the centimetre, dropped ones too: they are
-            the reference.
-        latency_us: From the arrival of each of those samples to the state [µs].
+        states: The state after every inertial sample of the main sensor, from the first ready one.
+        fixes: All fixes with a fixed RTK solution, also dropped ones; they are the reference.
+        latency_us: Time from the arrival of each of those samples to the state [µs].
         counts: Observations fed by kind, and dropped ones.
         changes: Time [s] and new status at each change.
-        wall_s: Time that the replay took [s].
-        refused: Samples refused by the estimator by reason, where it counts them.
+        wall_s: Duration of the replay [s].
+        refused: Number of samples that the estimator refused, by stream and reason.
     """
 
     states: list[BaseState] = field(default_factory=list)
@@ -43,7 +39,7 @@ class Replay:
 
 
 class Replayer:
-    """Hands arrivals to an estimator; lidar scans have become increments before."""
+    """Hands arrivals to an estimator; lidar scans were replaced by increments before."""
 
     def __init__(self, estimator: Estimator, imu: str, drops: Sequence[Drop]) -> None:
         self._estimator = estimator
@@ -52,13 +48,12 @@ class Replayer:
         self._replay = Replay()
 
     def run(self, arrivals: Sequence[Arrival], clock: Clock | None) -> Replay:
-        """Feed everything, as fast as it goes, or at a clock's pace."""
+        """Feed all arrivals at full speed, or at the pace of a clock."""
         started_s = wall_s()
         for arrival in arrivals:
             while clock is not None and (early_s := arrival.arrival_s - clock.now_s()) > 0:
-                clock.advance(
-                    early_s
-                )  # a clock counts from its last tick, not from now: once is not always enough
+                # A clock counts from its last tick, so that one call may not be enough.
+                clock.advance(early_s)
             self._take(arrival.observation)
         self._replay.wall_s = wall_s() - started_s
         self._replay.refused = dict(self._estimator.refused)

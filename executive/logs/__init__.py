@@ -1,3 +1,1 @@
-"""Recorded logs: ROS messages in MCAP files and bags, read and written as this project's
-messages.
-"""
+"""Recorded logs: ROS messages in MCAP files and bags, read and written as own messages."""

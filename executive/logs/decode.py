@@ -1,4 +1,4 @@
-"""ROS messages to this project's."""
+"""Conversion of ROS messages to the messages of this project."""
 
 from typing import Any
 
@@ -13,20 +13,10 @@ from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 
-_NO_FIX, _GROUND_AUGMENTED = (
-    -1,
-    2,
-)  # sensor_msgs/NavSatStatus; RTK receivers report a fixed solution as the latter
-_NUMPY = {
-    1: "i1",
-    2: "u1",
-    3: "i2",
-    4: "u2",
-    5: "i4",
-    6: "u4",
-    7: "f4",
-    8: "f8",
-}  # sensor_msgs/PointField
+# sensor_msgs/NavSatStatus; RTK receivers report a fixed solution as ground-based augmentation.
+_NO_FIX, _GROUND_AUGMENTED = -1, 2
+# NumPy types of sensor_msgs/PointField
+_NUMPY = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
 _TIMES = {"time": 1.0, "t": 1e-9}  # names and units [s] of a point's time, as drivers write them
 
 
@@ -57,8 +47,7 @@ def gnss_fix(message: Any, stamp_s: float) -> GnssFix | None:
 
 
 def joint_sample(message: Any, stamp_s: float) -> JointSample:
-    """Return a sensor_msgs/JointState; efforts may be missing, for they say nothing about where the
-    joints are.
+    """Return a sensor_msgs/JointState; efforts may be missing and are then zero.
 
     Raises:
         DataError: If velocities are missing.
@@ -75,10 +64,10 @@ def joint_sample(message: Any, stamp_s: float) -> JointSample:
 
 
 def lidar_scan(message: Any, stamp_s: float) -> LidarScan:
-    """Return a sensor_msgs/PointCloud2 with x, y, z and, if it is there, a time of each point after
-    the stamp.
+    """Return a sensor_msgs/PointCloud2 with fields x, y, z and optionally a time of each point.
 
-    The scan's own stamp is that of its last point. Returns that are not finite are left out.
+    Times of points count from the message's stamp. The stamp of the scan is that of its last point.
+    Returns that are not finite are left out.
 
     Raises:
         DataError: If it has no x, y, z.

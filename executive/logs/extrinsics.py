@@ -1,4 +1,4 @@
-"""A rig from a log's static transforms, for bodies that no description knows."""
+"""A rig made from a log's static transforms, for bodies without a description."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -44,12 +44,12 @@ def rig_from(transforms: Iterable[Any], frames: Mapping[str, str], log: str) -> 
     """Return one rigid body that carries sensors.
 
     Args:
-        transforms: geometry_msgs/TransformStamped, of which the tree's root is the body.
+        transforms: geometry_msgs/TransformStamped; the root of their tree is the body.
         frames: Kind of sensor by the name of its frame: imu, gnss, points or odometry.
         log: Name of the log, for errors.
 
     Raises:
-        DataError: If a sensor's frame is not in the tree.
+        DataError: If a sensor's frame is not in the tree, or not connected to the IMU's.
     """
     parents = {t.child_frame_id: (t.header.frame_id, transform_of(t.transform)) for t in transforms}
     known = {*parents, *(parent for parent, _ in parents.values())}
@@ -62,8 +62,8 @@ def rig_from(transforms: Iterable[Any], frames: Mapping[str, str], log: str) -> 
     strangers = sorted(frame for frame, (root, _) in poses.items() if root != body)
     if strangers:
         raise DataError(
-            f"{log}: tf_static does not tie {', '.join(strangers)} to '{body}', which "
-            "carries the IMU"
+            f"{log}: tf_static does not connect {', '.join(strangers)} to '{body}', which "
+            "carries the IMU; record the missing transform"
         )
     sensors = {frame: _sensor(frame, frames[frame], T) for frame, (_, T) in poses.items()}
     return Rig.model_validate({"name": body, "sensors": sensors})
@@ -74,7 +74,7 @@ def _to_root(frame: str, parents: Mapping[str, tuple[str, Float]], log: str) -> 
     while frame in parents:
         frame, T_parent_frame = parents[frame]
         if frame in seen:
-            raise DataError(f"{log}: tf_static goes in a circle at '{frame}'")
+            raise DataError(f"{log}: the transforms of tf_static form a cycle at '{frame}'")
         seen.add(frame)
         T = T_parent_frame @ T
     return frame, T

@@ -23,21 +23,20 @@ from executive.messages.odometry import LidarIncrement
 
 _log = logging.getLogger(__name__)
 
-METADATA = "executive"  # the record by which a log names the machine that it was taken on
-_HEAD = 2000  # messages within which every sensor shows
-_INCREMENT_STD = np.repeat(
-    [0.003, 0.02], 3
-)  # of an increment whose recorder gave none: rotation [rad], position [m]
+METADATA = "executive"  # metadata record in which a log names its machine
+_HEAD = 2000  # number of messages within which each sensor must appear
+# Standard deviation of increments that were recorded without one: rotation [rad], position [m].
+_INCREMENT_STD = np.repeat([0.003, 0.02], 3)
 
 
 @dataclass(slots=True)
 class Skipped:
-    """Messages of one topic that hold a value which cannot be.
+    """Messages of one topic that were left out because of an invalid value.
 
     Attributes:
-        count: How many.
+        count: Number of messages.
         first_s: Arrival of the first, since the log's first message [s].
-        reason: What is wrong with it.
+        reason: The error in the first.
     """
 
     count: int
@@ -47,27 +46,27 @@ class Skipped:
 
 @dataclass(frozen=True, slots=True)
 class Arrival:
-    """One observation, and when it came [s], since the log's first message."""
+    """One observation and the time of its arrival [s], since the log's first message."""
 
     arrival_s: float
     observation: Observation | LidarIncrement
 
 
 class Log:
-    """A log of inertial and satellite measurements, and whatever else there is.
+    """A log of inertial and satellite measurements, and of other sensors if present.
 
     Attributes:
         path: The file or folder.
-        origin_ns: Arrival of the first message [ns]; all times are since then.
-        skipped: What was left out by `arrivals`, by topic.
+        origin_ns: Arrival of the first message [ns]; all times count from it.
+        skipped: Messages that `arrivals` has left out, by topic.
     """
 
     def __init__(self, path: Path, topics: Topics) -> None:
         """Open a log.
 
         Raises:
-            DataError: If it is no whole log, lacks inertial or satellite measurements, or a topic
-                has another type.
+            DataError: If the log is incomplete, lacks inertial or satellite measurements, or a
+            topic has another type.
         """
         self.path = path
         self._source = LogSource(path)
@@ -85,8 +84,11 @@ class Log:
         self.skipped: dict[str, Skipped] = {}
 
     def rig(self, model: str | None) -> Rig:
-        """Return the machine of a name; without one, the machine that the log names, or a body by
-        its extrinsics.
+        """Return the rig that carried the sensors.
+
+        Args:
+            model: Name of a machine's description. None for the machine that the log names; if it
+                names none, the rig is made from the log's static transforms.
 
         Raises:
             DataError: If the extrinsics of a sensor are missing.
@@ -117,15 +119,15 @@ class Log:
         return rig_from(transforms, frames, str(self.path))
 
     def arrivals(self) -> Iterator[Arrival]:
-        """Yield all measurements in order of arrival; receivers' messages without a fix are left
-        out.
+        """Yield all measurements in order of arrival.
 
-        A message with a value that cannot be, such as one that is not finite, is left out and
-        counted in `skipped`: one bad sample does not make a log useless.
+        Receivers' messages without a fix are left out. A message with an invalid value, such as
+        NaN, is left out and counted in `skipped`, so that one bad sample does not make a log
+        useless.
 
         Raises:
-            DataError: If the file breaks off, or a topic lacks what is needed of each of its
-                messages.
+            DataError: If the file ends early, or all messages of a topic lack a field that is
+            needed.
         """
         self.skipped.clear()
         readers = self._readers()
@@ -180,14 +182,15 @@ class Log:
 
 
 class _Increments:
-    """Turns the poses of an odometry into increments, one sensor frame at a time."""
+    """Converts odometry poses to increments, separately for each sensor frame."""
 
     def __init__(self) -> None:
         self._last: dict[str, tuple[float, Float]] = {}
 
     def __call__(self, message: Any, stamp_s: float) -> LidarIncrement | None:
-        """Return the motion since the frame's last pose; its covariance is taken as that of the
-        increment.
+        """Return the motion since the frame's last pose; None for the first pose.
+
+        The covariance of the pose is used as that of the increment.
         """
         frame, T = message.child_frame_id, decode.pose_of(message.pose.pose)
         if not np.isfinite(T).all():

@@ -1,4 +1,4 @@
-"""Files that hold ROS messages: MCAP by itself, ROS 1 and ROS 2 bags."""
+"""Files that hold ROS messages: MCAP files, and ROS 1 and ROS 2 bags."""
 
 import sqlite3
 import struct
@@ -20,8 +20,8 @@ from executive.errors import DataError
 from executive.logs.mcap_messages import in_order
 from executive.logs.topics import TYPES
 
-# The readers let through whatever their decoders raise on a damaged file: these were met in tests
-# with flipped bytes.
+# The readers pass on the errors of their decoders on a damaged file. These occurred in tests with
+# flipped bytes.
 _DAMAGED = (
     McapError,
     AnyReaderError,
@@ -48,7 +48,7 @@ class Recorded:
 
     Attributes:
         topic: Its topic.
-        arrival_ns: When it was written down [ns].
+        arrival_ns: Time at which it was recorded [ns].
         message: The ROS message, as rosbags decodes it.
     """
 
@@ -66,10 +66,10 @@ class LogSource:
     """
 
     def __init__(self, path: Path) -> None:
-        """Open a log and read what it holds.
+        """Open a log and read its topics.
 
         Raises:
-            DataError: If there is none, or it cannot be read; the message says why.
+            DataError: If it does not exist or cannot be read; the message gives the reason.
         """
         if not path.exists():
             raise DataError(
@@ -83,9 +83,7 @@ class LogSource:
             )
 
     def metadata(self, name: str) -> Mapping[str, str]:
-        """Return a record of text pairs that an MCAP file carries; empty if it has none of that
-        name.
-        """
+        """Return the metadata record of a name in an MCAP file; empty if there is none."""
         if not self._is_mcap:
             return {}
         with self._explained(), self.path.open("rb") as file:
@@ -102,7 +100,7 @@ class LogSource:
         """Yield the messages of some topics in order of arrival.
 
         Raises:
-            DataError: If the file breaks off, or a message cannot be decoded.
+            DataError: If the file ends early, or a message cannot be decoded.
         """
         with self._explained():
             yield from self._mcap_messages(topics) if self._is_mcap else self._bag_messages(topics)
@@ -114,7 +112,7 @@ class LogSource:
         except _DAMAGED as error:
             reason = str(error) or type(error).__name__
             raise DataError(
-                f"{self.path}: not a whole log: {reason}; record it again, or repair it"
+                f"{self.path}: incomplete or damaged log: {reason}; record it again, or repair it"
             ) from error
 
     def _mcap_types(self) -> dict[str, str]:
@@ -122,7 +120,7 @@ class LogSource:
             summary = make_reader(file).get_summary()
         if summary is None:
             raise DataError(
-                f"{self.path}: not a whole log: it ends without a summary; repair it "
+                f"{self.path}: incomplete log: it ends without a summary; repair it "
                 "with `mcap recover`"
             )
         names = {
@@ -152,8 +150,8 @@ class LogSource:
                 if decode is None or schema is None:
                     encoding = channel.message_encoding
                     raise DataError(
-                        f"{self.path}: {channel.topic} is encoded as '{encoding}'; cdr "
-                        "and ros1 are read"
+                        f"{self.path}: {channel.topic} is encoded as '{encoding}'; supported "
+                        "encodings are cdr and ros1"
                     )
                 try:
                     decoded = decode(message.data, _full_name(schema.name))
@@ -175,7 +173,7 @@ class LogSource:
 
     def _undecodable(self, topic: str, error: Exception) -> DataError:
         return DataError(
-            f"{self.path}: a message on {topic} is no {self.types[topic]}: "
+            f"{self.path}: a message on {topic} is not a valid {self.types[topic]}: "
             f"{type(error).__name__} {error}"
         )
 

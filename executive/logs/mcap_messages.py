@@ -1,6 +1,4 @@
-"""The messages of an MCAP file in the order in which they were written down, a few chunks at a
-time.
-"""
+"""Messages of an MCAP file in order of their time, with few chunks in memory."""
 
 from collections.abc import Iterator, Sequence
 from typing import IO
@@ -10,20 +8,20 @@ from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, ChunkIndex, Message, Schema
 from mcap.stream_reader import breakup_chunk
 
-_TO_CONTENT = 9  # bytes of a record's kind and length
+_TO_CONTENT = 9  # bytes for kind and length of a record
 
 
 def in_order(
     file: IO[bytes], topics: Sequence[str]
 ) -> Iterator[tuple[Schema | None, Channel, Message]]:
-    """Yield schema, channel and message of some topics, checked by the chunks' sums.
+    """Yield schema, channel and message of some topics; the checksums of chunks are verified.
 
-    Chunks follow one another in time but for a few that overlap, so that it is enough to sort what
-    overlaps. The package's own reader puts each message through a heap: three times the cost, for
-    the same order.
+    Most chunks follow one another in time, so that only messages of overlapping chunks must be
+    sorted. The package's own reader passes each message through a heap, which takes three times as
+    long.
 
     Raises:
-        Exception: What the package raises on a damaged file, which is not of one kind.
+        Exception: Various types, which the package raises on a damaged file.
     """
     reader = make_reader(file, validate_crcs=True)
     summary = reader.get_summary()
@@ -54,9 +52,7 @@ def in_order(
 
 
 def _overlapping(chunks: Sequence[ChunkIndex]) -> Iterator[list[ChunkIndex]]:
-    """Yield runs of chunks that overlap in time, earliest first; those of a run in the order of the
-    file.
-    """
+    """Yield groups of chunks that overlap in time, earliest first, each in order of the file."""
     run: list[ChunkIndex] = []
     end_ns = 0
     for chunk in sorted(

@@ -1,4 +1,4 @@
-"""Writes observations as the ROS messages that the reader reads: one topic a kind, MCAP."""
+"""Recording of observations as ROS messages in an MCAP file, one topic for each kind."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -20,18 +20,17 @@ from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.observation import Observation
 
-_POINT = np.dtype(
-    [("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("time", "<f4")]
-)  # time [s] after the header's stamp
+# Time of a point is in seconds after the header's stamp.
+_POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("time", "<f4")])
 _FLOAT32 = 7  # sensor_msgs/PointField
 _RTK, _FLOAT, _GPS, _COVARIANCE_KNOWN = 2, 0, 1, 3  # sensor_msgs/NavSatStatus and NavSatFix
 
 
 class Recorder:
-    """A log being written; it ends with `close`."""
+    """A log that is being written; it must be ended with `close`."""
 
     def __init__(self, path: Path, machine: Rig, model: str) -> None:
-        """Begin a log with the machine's name and where its sensors sit.
+        """Start a log with the machine's name and the mounting of its sensors.
 
         Raises:
             ConfigError: If the file cannot be written.
@@ -50,7 +49,7 @@ class Recorder:
         self._add("tf_static", 0, self._extrinsics(machine))
 
     def write(self, observations: Sequence[Observation], now_s: float) -> None:
-        """Append what has arrived at a time [s]."""
+        """Append observations with their time of arrival [s]."""
         kinds = {ImuSample: "imu", GnssFix: "gnss", JointSample: "joints", LidarScan: "points"}
         makers: Mapping[type, Any] = {
             ImuSample: self._imu,
@@ -63,7 +62,7 @@ class Recorder:
             self._add(kinds[kind], _ns(now_s), makers[kind](observation))
 
     def close(self) -> None:
-        """Write the summary; without it the file is not a whole log."""
+        """Write the summary; without it the file is incomplete."""
         self._writer.finish()
 
     def _add(self, kind: str, arrival_ns: int, message: Any) -> None:

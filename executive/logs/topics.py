@@ -1,6 +1,4 @@
-"""Where a log keeps what: one topic a kind of sensor; several sensors of a kind differ by their
-frame.
-"""
+"""Topics of a log: one for each kind of sensor; sensors of a kind differ by their frame."""
 
 from pydantic import Field
 
@@ -17,9 +15,7 @@ TYPES = {
 
 
 class Topics(Settings):
-    """Names of the topics; those of a kind that a log lacks are not missed, inertial and satellite
-    ones apart.
-    """
+    """Names of the topics; a log must have those of inertial and satellite measurements."""
 
     imu: str = Field("/imu/data", description=TYPES["imu"])
     gnss: str = Field("/gnss/fix", description=TYPES["gnss"])

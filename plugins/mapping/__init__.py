@@ -1,1 +1,1 @@
-"""mapping plugins."""
+"""Mapping: lidar scans to a cloud of voxels in the map."""

@@ -1,4 +1,4 @@
-"""How much of the ground a cloud covers densely."""
+"""Density of a cloud over a sector of the ground."""
 
 import numpy as np
 
@@ -8,15 +8,15 @@ from executive.messages.sector import Sector
 
 
 def dense_share(points_map: Float, sector: Sector, points_per_m2: float) -> float:
-    """Return the share of a sector's cells of 1 m x 1 m that hold at least so many points.
+    """Return the share of a sector's cells of 1 m x 1 m that hold at least `points_per_m2` points.
 
-    The cells form a grid with a corner at the sector's centre, along the axes of the map; those
-    count whose middle lies in the sector.
+    The cells form a grid along the axes of the map, with a corner at the sector's centre. A cell
+    belongs to the sector if its middle does.
 
     Args:
         points_map: Points in the map [m], shape (N, 3).
-        sector: The part of the ground that is looked at.
-        points_per_m2: Points that make a cell dense [1/m²].
+        sector: The part of the ground.
+        points_per_m2: Number of points from which a cell counts as dense [1/m²].
 
     Raises:
         DataError: If the sector is so small that it holds the middle of no cell.

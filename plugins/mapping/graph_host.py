@@ -1,4 +1,4 @@
-"""Where the graph is solved: in line with the scans, or beside them in a process of its own."""
+"""Hosts of the pose graph: inline with the scans, or in a separate process."""
 
 import logging
 import multiprocessing
@@ -11,12 +11,12 @@ from multiprocessing.connection import Connection
 from executive_plugins.mapping.pair_graph import PairGraph, PairNode, Poses
 
 _log = logging.getLogger(__name__)
-_LEAVE_S = 1.0  # time that a child is given to end by itself
-_SPAWN_S = 30.0  # time that a child may take to import what it needs
+_LEAVE_S = 1.0  # time for a child to end by itself
+_SPAWN_S = 30.0  # time for a child to import its modules
 
 
 class GraphHost(ABC):
-    """Takes nodes, gives poses whenever there are new ones; never blocks for long."""
+    """Adds nodes to a graph and returns new poses, without blocking for long."""
 
     @abstractmethod
     def add(self, node: PairNode) -> None:
@@ -24,15 +24,15 @@ class GraphHost(ABC):
 
     @abstractmethod
     def take(self) -> Poses | None:
-        """Return the newest poses, once."""
+        """Return the newest poses, once; None if there are no new ones."""
 
     @abstractmethod
     def close(self) -> None:
-        """Release what the host owns."""
+        """Release all resources."""
 
 
 class InlineGraph(GraphHost):
-    """Solves at once: the same scans always give the same map."""
+    """Solves at once; the result is deterministic."""
 
     def __init__(self, window: int) -> None:
         self._graph = PairGraph(window)
@@ -46,18 +46,18 @@ class InlineGraph(GraphHost):
         return poses
 
     def close(self) -> None:
-        """Own nothing."""
+        """Do nothing: this host holds no resources."""
 
 
 class ProcessGraph(GraphHost):
-    """Solves in a child process, for GTSAM holds the interpreter's lock through a whole update.
+    """Solves in a child process, since GTSAM holds the interpreter's lock during a whole update.
 
-    One batch is under way at a time. A child that died or is silent for too long, by the wall
-    clock, the only one that it obeys, is replaced; the next begins at the first node that was not
-    answered, at the state estimate's word.
+    One batch is under way at a time. A child that has died or has not answered in time, by the wall
+    clock, is replaced. The next one starts at the first node without an answer, at the pose of the
+    state estimate.
 
     Attributes:
-        restarts: Number of children that had to be replaced.
+        restarts: Number of children that were replaced.
     """
 
     def __init__(self, window: int, answer_within_s: float) -> None:
@@ -74,9 +74,8 @@ class ProcessGraph(GraphHost):
         self.child = context.Process(target=_serve, args=(theirs, self._window), daemon=True)
         self.child.start()
         theirs.close()
-        self._deadline_s: float | None = (
-            time.monotonic() + _SPAWN_S
-        )  # it answers once when it is ready
+        # The child answers once when it is ready.
+        self._deadline_s: float | None = time.monotonic() + _SPAWN_S
 
     def add(self, node: PairNode) -> None:
         self._waiting.append(node)
@@ -109,7 +108,7 @@ class ProcessGraph(GraphHost):
 
     def _replace(self, reason: str) -> None:
         _log.warning(
-            "the map's graph: its process %s; a new one begins at the next scan pair", reason
+            "the process of the map's graph %s; a new one starts at the next scan pair", reason
         )
         self.restarts += 1
         self._waiting.extendleft(reversed(self._sent))
@@ -130,9 +129,7 @@ class ProcessGraph(GraphHost):
 
 
 def _serve(connection: Connection, window: int) -> None:
-    """Answer each batch of nodes with the window's poses; an empty batch, or the parent's end, ends
-    it.
-    """
+    """Answer batches of nodes with the window's poses, until an empty batch or the parent's end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
     graph = PairGraph(window)
     connection.send(None)

@@ -1,4 +1,4 @@
-"""From voxels to the cloud that is handed out."""
+"""The cloud that a map of voxels gives."""
 
 from executive_plugins.mapping.cylinder import Cylinder
 from executive_plugins.mapping.map_settings import MapSettings
@@ -9,8 +9,9 @@ from executive.messages.cloud import Cloud
 
 
 def cloud_of(grid: VoxelGrid, settings: MapSettings, cylinder: Cylinder) -> Cloud:
-    """Return one point for each occupied voxel in the cylinder, range noise smoothed out, in order
-    of the voxels.
+    """Return one point for each occupied voxel in the cylinder, in order of the voxels.
+
+    Range noise is smoothed if `smoothing_m` is positive.
     """
     points, counts = grid.surface(settings.smoothing_m) if settings.smoothing_m else grid.points()
     points = points[(counts >= settings.min_points) & cylinder.contains(points)]

@@ -1,4 +1,4 @@
-"""How surely the state estimate knows a pose, and a motion between two poses."""
+"""Noise of the state estimate: of a pose, and of the motion between two poses."""
 
 import numpy as np
 from executive_plugins.mapping.pose_constraint import PoseConstraint
@@ -9,34 +9,34 @@ from executive.config import Meters, Radians, Seconds, Settings
 
 
 class OdometryNoiseSettings(Settings):
-    """The estimate's error as a process that wanders, and forgets where it was.
+    """The estimate's error as a random walk with a correlation time.
 
-    Defaults were measured on the shipped estimators, with satellites of 8 mm and of 40 mm: their
-    poses wander alike.
+    Defaults were measured on the shipped estimators, with satellites of 8 mm and of 40 mm: the
+    random walk of their poses is the same.
     """
 
     rotation_rad: Radians = Field(
-        0.002, gt=0, description="Wander of the attitude in one second [rad]."
+        0.002, gt=0, description="Random walk of the attitude in one second [rad]."
     )
     position_m: Meters = Field(
-        0.0035, gt=0, description="Wander of the position in one second [m]."
+        0.0035, gt=0, description="Random walk of the position in one second [m]."
     )
     correlation_s: Seconds = Field(
-        2.0, gt=0, description="Time after which an error is a new one [s]."
+        2.0, gt=0, description="Time after which errors are uncorrelated [s]."
     )
     anchor_period_s: Seconds = Field(
-        1.0, gt=0, description="Time between ties to the estimate itself [s]."
+        1.0, gt=0, description="Time between two constraints to the estimated pose itself [s]."
     )
     unknown_rotation_rad: Radians = Field(
-        0.003, gt=0, description="Error where the estimate tells none [rad]."
+        0.003, gt=0, description="Rotation error if the estimate gives no covariance [rad]."
     )
     unknown_position_m: Meters = Field(
-        0.01, gt=0, description="Error where the estimate tells none [m]."
+        0.01, gt=0, description="Position error if the estimate gives no covariance [m]."
     )
 
 
 class OdometryNoise:
-    """Turns the estimate's covariance into constraints."""
+    """Makes constraints from the estimate's covariance."""
 
     def __init__(self, settings: OdometryNoiseSettings) -> None:
         self._settings = settings
@@ -52,11 +52,11 @@ class OdometryNoise:
         covariance: Float | None,
         before: Float | None,
     ) -> PoseConstraint:
-        """Return a motion between two estimated poses with covariances of their own.
+        """Return the motion between two estimated poses as a constraint.
 
-        It wanders with time, but no farther than two errors lie apart. Where the covariance has
-        shrunk, the estimate was corrected by about as much, and where it has grown, it went blind
-        for that long.
+        Its variance grows with time, up to the sum of both poses' variances. A change of the
+        estimate's covariance is added: if it has shrunk, the estimate was corrected by about as
+        much; if it has grown, the estimate had no measurements.
         """
         now, then = np.diag(self._of(covariance)), np.diag(self._of(before))
         wander = np.minimum(self._wander * max(duration_s, 1e-3), now + then)
@@ -65,12 +65,15 @@ class OdometryNoise:
     def anchor(
         self, T_map_cabin: Float, since_last_s: float, covariance: Float | None
     ) -> PoseConstraint:
-        """Return a pose; errors that are still the same ones as at the last anchor count less."""
+        """Return a pose as a constraint.
+
+        Its variance is scaled up while its error is still correlated with that of the last anchor.
+        """
         repeated = max(1.0, 2.0 * self._settings.correlation_s / max(since_last_s, 1e-3))
         return PoseConstraint(T_map_cabin, repeated * self._of(covariance))
 
     def is_due(self, since_last_s: float) -> bool:
-        """Say whether it is time for an anchor."""
+        """Return whether it is time for an anchor."""
         return since_last_s >= self._settings.anchor_period_s
 
     def _of(self, covariance: Float | None) -> Float:

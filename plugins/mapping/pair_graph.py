@@ -1,4 +1,4 @@
-"""The pose graph over scan pairs, solved step by step (Mascaro 2020, Sec. 4.2, Eq. 1)."""
+"""The pose graph over scan pairs, solved incrementally (Mascaro 2020, Sec. 4.2, Eq. 1)."""
 
 from dataclasses import dataclass
 
@@ -15,15 +15,15 @@ _RELINEARISE = 1e-3  # rad, m
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairNode:
-    """One scan pair's place in the graph.
+    """The node of one scan pair.
 
     Attributes:
-        number: From 0, one after the other.
-        T_map_cabin: First guess, shape (4, 4).
-        estimate: The state estimate's own word on the pose.
-        is_anchor: Whether that word counts; for a first node it always does.
-        odometry: The pose in the node before, by the estimate's increment; None for a first node.
-        match: The same by scan matching; None where nothing matched.
+        number: From 0, consecutive.
+        T_map_cabin: Initial pose, shape (4, 4).
+        estimate: The pose by the state estimate.
+        is_anchor: Whether that pose is used as a constraint; for a first node it always is.
+        odometry: Pose in the previous node by the state estimate; None for a first node.
+        match: The same by scan matching; None if nothing matched.
     """
 
     number: int
@@ -50,20 +50,20 @@ class Poses:
 class PairGraph:
     """iSAM2 over the newest nodes.
 
-    Deviation from the paper: now and then a node is tied to the state estimate itself, not only to
-    its increments. A chain of increments would walk away from the satellites; and nodes beyond a
-    window are forgotten, their knowledge kept as a prior, so that a long mission costs no more than
-    a short one.
+    Deviation from the paper: at intervals a node is also constrained to the estimated pose itself,
+    since a chain of increments would drift away from the satellite fixes. Nodes beyond a window are
+    marginalised, so that the cost does not grow with the length of a mission.
 
     Attributes:
-        restarts: How often the equations had no solution, and the graph began anew.
+        restarts: How often the equations had no solution, so that a new graph was started.
     """
 
     def __init__(self, window: int) -> None:
-        """Begin empty.
+        """Start empty.
 
         Args:
-            window: Nodes that stay; up to half as many more are there between two clearings.
+            window: Number of nodes that stay; up to half as many more are kept between two
+                marginalisations.
         """
         self._window = window
         self.restarts = 0
@@ -75,13 +75,13 @@ class PairGraph:
         parameters.relinearizeSkip = 1
         self._isam = gtsam.ISAM2(parameters)
         self._nodes: list[PairNode] = []
-        self._factors: list[list[gtsam.NonlinearFactor]] = []  # that came with each node
+        self._factors: list[list[gtsam.NonlinearFactor]] = []  # that were added with each node
 
     def __len__(self) -> int:
         return len(self._nodes)
 
     def add(self, node: PairNode) -> Poses:
-        """Add a node with its constraints; return where all nodes in the window are now."""
+        """Add a node with its constraints; return the poses of all nodes in the window."""
         if len(self._nodes) >= self._window + self._window // 2:
             self._forget()
         if self._nodes and not self._is_tied(node):
@@ -89,7 +89,7 @@ class PairGraph:
         try:
             self._enter(node)
             return self._solved()
-        except RuntimeError:  # what GTSAM throws on a singular system
+        except RuntimeError:  # GTSAM raises it on a singular system
             self._restart()
             self._enter(node)
             return self._solved()
@@ -99,8 +99,9 @@ class PairGraph:
         self._begin()
 
     def _is_tied(self, node: PairNode) -> bool:
-        """Say whether a node hangs on the one before; GTSAM would leave it at its first guess, and
-        say nothing.
+        """Return whether a node is connected to the one before.
+
+        GTSAM would leave an unconnected node at its initial pose without an error.
         """
         is_next = node.number == self._nodes[-1].number + 1
         return is_next and not (node.odometry is None and node.match is None)
@@ -128,9 +129,7 @@ class PairGraph:
         return Poses(self._nodes[0].number, poses)
 
     def _forget(self) -> None:
-        """Rebuild the graph on its newest nodes; what the older ones knew becomes a prior on the
-        oldest of them.
-        """
+        """Rebuild the graph with its newest nodes, and the marginal of the others as a prior."""
         T = self._solved().T_map_cabin
         nodes, factors = self._nodes, self._factors
         first = len(nodes) - self._window
@@ -142,8 +141,9 @@ class PairGraph:
     def _summary(
         self, kept: PairNode, old: list[gtsam.NonlinearFactor]
     ) -> list[gtsam.NonlinearFactor]:
-        """Eliminate all nodes before one, for the nodes are a chain: what is left is a factor on
-        that one alone.
+        """Return the marginal of all nodes before one, as factors on that node.
+
+        The nodes are a chain, so that no other node is involved.
         """
         values, graph, ordering = (
             self._isam.calculateEstimate(),
@@ -184,7 +184,7 @@ def _between(node: PairNode) -> list[gtsam.NonlinearFactor]:
             gtsam.BetweenFactorPose3(before, key, gtsam.Pose3(odometry.T), _gaussian(odometry))
         )
     if node.match is not None:
-        # Matches share their scans, and a stone that is moved pulls at several of them.
+        # Matches share scans, so that a stone that was moved affects several of them.
         kernel = gtsam.noiseModel.mEstimator.Huber.Create(_HUBER)
         noise = gtsam.noiseModel.Robust.Create(kernel, _gaussian(node.match))
         factors.append(gtsam.BetweenFactorPose3(before, key, gtsam.Pose3(node.match.T), noise))

@@ -1,4 +1,4 @@
-"""The newest scan pairs, so that the map can be made again when their poses have moved."""
+"""The newest scan pairs, so that the map can be rebuilt when their poses change."""
 
 from collections import deque
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from executive.geometry.rotation import angle_between
 
 @dataclass(slots=True)
 class _Stored:
-    """A pair, the node that it hangs on, and where it was when it went into the grid."""
+    """A pair, the node that it belongs to, and its pose when it was inserted into the grid."""
 
     node: int
     points_cabin: SinglePrecision
@@ -26,29 +26,28 @@ class _Stored:
 
 
 class PairStore:
-    """A map of voxels from pairs with poses that may still move.
+    """A map of voxels from pairs whose poses may still change.
 
-    What leaves the store stays in the map where it was last, so that memory is bounded by the
-    number of pairs. A voxel grid of running means cannot give a pair back; it is made again from
-    the pairs, but only when it is looked at.
+    A pair that leaves the store stays in the map at its last pose, so that memory is bounded by the
+    number of pairs. A pair cannot be removed from a grid of running means; the grid is rebuilt from
+    all pairs instead, but only when it is read.
     """
 
     def __init__(self, voxel_m: float, memory: int, most_pairs: int, arm_m: float) -> None:
-        """Begin empty.
+        """Start empty.
 
         Args:
-            voxel_m: Edge of a voxel [m]; a pair is put in anew when it moves by more than half of
-                it.
-            memory: Returns over which a voxel's mean is taken.
-            most_pairs: Pairs whose points are kept.
-            arm_m: Distance from the cabin at which a pair's motion is told [m]: a turn moves what
-                is far.
+            voxel_m: Edge of a voxel [m]; the grid is rebuilt when a pair moves by more than half of
+            it.
+            memory: Number of returns over which a voxel's mean is taken.
+            most_pairs: Number of pairs whose points are kept.
+            arm_m: Distance from the cabin at which the motion of a pair is measured [m].
         """
         self._half_voxel_m = 0.5 * voxel_m
         self._most_pairs = most_pairs
         self._arm_m = arm_m
         self._pairs: deque[_Stored] = deque()
-        self._settled = VoxelGrid(voxel_m, memory)  # what no longer moves
+        self._settled = VoxelGrid(voxel_m, memory)  # pairs that left the store
         self._grid = VoxelGrid(voxel_m, memory)
         self._is_stale = False
 
@@ -57,13 +56,13 @@ class PairStore:
 
     @property
     def is_stale(self) -> bool:
-        """Whether a pose has moved since the grid was made."""
+        """Whether a pose has changed since the grid was built."""
         return self._is_stale
 
     def add(
         self, node: int, points_cabin: SinglePrecision, T_node_cabin: Float, T_map_node: Float
     ) -> None:
-        """Put a pair into the map at a node's pose, seen from there at T_node_cabin."""
+        """Insert a pair at T_map_node @ T_node_cabin."""
         T = T_map_node @ T_node_cabin
         if len(self._pairs) == self._most_pairs:
             oldest = self._pairs.popleft()
@@ -72,7 +71,7 @@ class PairStore:
         self._grid.insert(_placed(self._pairs[-1]))
 
     def move(self, poses: Poses) -> None:
-        """Take the nodes' new poses."""
+        """Take new poses of the nodes."""
         for pair in self._pairs:
             i = pair.node - poses.first
             if 0 <= i < len(poses.T_map_cabin):
@@ -86,9 +85,7 @@ class PairStore:
         )
 
     def grid(self) -> VoxelGrid:
-        """Return the map's voxels, made again from the pairs if one of them has moved: 100 ms for
-        300 pairs.
-        """
+        """Return the map's voxels, rebuilt if a pair has moved: 100 ms for 300 pairs."""
         if self._is_stale:
             self._grid = self._settled.copy()
             for pair in self._pairs:
@@ -98,8 +95,10 @@ class PairStore:
         return self._grid
 
     def forget_sphere(self, centre_map: Float, radius_m: float, least: int) -> int:
-        """Forget a sphere in the grid and in all pairs, so that it stays away; return the occupied
-        voxels in it.
+        """Remove a sphere from the grid and from all pairs, so that it stays removed.
+
+        Returns:
+            Number of occupied voxels that were removed.
         """
         removed = self.grid().forget_sphere(centre_map, radius_m, least)
         self._settled.forget_sphere(centre_map, radius_m, least)
@@ -112,12 +111,12 @@ class PairStore:
         return removed
 
     def add_surface(self, points_map: Float) -> None:
-        """Put points into the map for good."""
+        """Insert points [m] into the map permanently, shape (N, 3)."""
         self._settled.insert(points_map)
         self._grid.insert(points_map)
 
     def keep(self, is_kept: Callable[[Float], Bool]) -> None:
-        """Forget the voxels that a test refuses, and the pairs none of whose points pass it."""
+        """Remove the voxels that fail a test, and the pairs all of whose points fail it."""
         for grid in (self.grid(), self._settled):
             grid.keep(is_kept(grid.points()[0]))
         self._pairs = deque(pair for pair in self._pairs if is_kept(_placed(pair)).any())

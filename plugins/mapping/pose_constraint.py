@@ -1,4 +1,4 @@
-"""What is known of a pose, or of one pose seen from another, and how surely."""
+"""A pose, or a relative pose, with its covariance."""
 
 from dataclasses import dataclass
 
@@ -12,13 +12,13 @@ from executive.errors import DataError
 class PoseConstraint:
     """A pose with its covariance.
 
-    Checked here, for GTSAM answers a covariance that is not a number with its first guess, and says
-    nothing.
+    Both are checked here, because GTSAM answers a covariance with NaN by the initial values,
+    without an error.
 
     Attributes:
         T: The pose, shape (4, 4).
         covariance: As (rotation [rad], translation [m]) in the frame that T leads from, shape (6,
-            6), positive.
+        6), positive definite.
     """
 
     T: Float
@@ -30,6 +30,6 @@ class PoseConstraint:
         object.__setattr__(self, "covariance", P)
         if np.linalg.eigvalsh(0.5 * (P + P.T))[0] <= 0:
             raise DataError(
-                "the covariance of a pose must be positive: a direction that is known "
-                "perfectly has none"
+                "the covariance of a pose must be positive definite: give each direction a "
+                "variance above zero"
             )

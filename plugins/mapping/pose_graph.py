@@ -1,6 +1,4 @@
-"""A map from a pose graph of scan pairs: odometry, scan matching, iSAM2 (Mascaro 2020,
-Sec. 4.2).
-"""
+"""A map from a pose graph of scan pairs: odometry, scan matching, iSAM2 (Mascaro 2020, 4.2)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -34,34 +32,40 @@ from executive.messages.sector import Sector
 
 
 class PoseGraphSettings(MapSettings):
-    """The graph, and the map that is made of it."""
+    """Settings of the pose graph, in addition to those of all maps."""
 
     process: bool = Field(
-        False, description="Solve in a process of its own; false gives the same map on each run."
+        False, description="Solve in a separate process; false gives the same map on each run."
     )
     answer_within_s: Seconds = Field(
-        2.0, gt=0.05, le=60, description="A process silent for so long is replaced [s]."
+        2.0,
+        gt=0.05,
+        le=60,
+        description="Time without an answer after which the process is replaced [s].",
     )
     travel_m: Meters = Field(
-        0.01, gt=0, description="Way of a lidar until the next node, d_poses [m]."
+        0.01, gt=0, description="Distance that a lidar moves until the next node, d_poses [m]."
     )
     pairs_at_rest: int = Field(
-        20, ge=1, description="Most pairs that one node takes in while nothing moves."
+        20, ge=1, description="Largest number of pairs of one node that are inserted at rest."
     )
     window: int = Field(
-        300, ge=20, le=5000, description="Nodes in the graph, and pairs whose points are kept."
+        300,
+        ge=20,
+        le=5000,
+        description="Number of nodes in the graph, and of pairs whose points are kept.",
     )
     matching: ScanMatchingSettings = Field(
-        ScanMatchingSettings(), description="Pairs against the pairs before."
+        ScanMatchingSettings(), description="Matching of a pair to the pairs before it."
     )
     odometry: OdometryNoiseSettings = Field(
-        OdometryNoiseSettings(), description="What the state estimate is worth."
+        OdometryNoiseSettings(), description="Noise of the state estimate."
     )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _LastNode:
-    """What the next pair is compared with."""
+    """The newest node, which the next pair is compared with."""
 
     number: int
     stamp_s: float
@@ -72,7 +76,7 @@ class _LastNode:
 
 @dataclass(slots=True)
 class _Parts:
-    """What lives from start to close."""
+    """The objects that exist between `start` and `close`."""
 
     front_end: ScanFrontEnd
     host: GraphHost
@@ -82,10 +86,10 @@ class _Parts:
 
 
 class PoseGraph(Mapper):
-    """Each pair is matched to the ten before it; the graph weighs that against the state estimate.
+    """Matches each pair to the ten before it, and combines the matches with the state estimate.
 
-    Deviation from the paper: pairs at rest make no node, as there, but the first few still go into
-    the map.
+    Pairs at rest make no node, as in the paper. Deviation from the paper: the first few of them are
+    still inserted into the map.
     """
 
     Settings = PoseGraphSettings
@@ -103,9 +107,7 @@ class PoseGraph(Mapper):
         self._anchored_s = -np.inf
 
     def start(self) -> None:
-        """Prepare the shapes, compile the inner loops, and start the graph's process if
-        it has one.
-        """
+        """Prepare the shapes, compile the inner loops, and start the graph's process, if any."""
         s = self._settings
         VoxelGrid.compile()
         self._parts = _Parts(
@@ -117,13 +119,13 @@ class PoseGraph(Mapper):
         )
 
     def close(self) -> None:
-        """End the process, and give the map's memory back."""
+        """End the process, and release the map's memory."""
         if self._parts is not None:
             self._parts.host.close()
         self._parts = self._cloud = None
 
     def add_scan_pair(self, scans: Sequence[LidarScan], motion: Motion) -> int:
-        """Match a pair, put it into the graph and the map.
+        """Match a pair, and insert it into the graph and the map.
 
         Raises:
             DataError: If a scan's sensor is no lidar of the machine, or the motion lacks a joint.
@@ -188,7 +190,7 @@ class PoseGraph(Mapper):
             parts.store.move(parts.track.poses())
 
     def mask_held(self, radius_m: float) -> None:
-        """Drop returns within this distance of the grasp centre, from now on."""
+        """Drop returns within this distance of the grasp centre [m], from now on."""
         if radius_m < 0:
             raise DataError(
                 f"the radius around a held stone is {radius_m} m; it must not be negative"
@@ -196,7 +198,7 @@ class PoseGraph(Mapper):
         self._held_radius_m = float(radius_m)
 
     def remove_sphere(self, centre_map: Float, radius_m: float) -> int:
-        """Forget a sphere, in the stored pairs too: poses that move later do not bring it back."""
+        """Remove a sphere from the map and from the stored pairs."""
         parts = self._running()
         self._take_poses(parts)
         self._cloud = None
@@ -205,8 +207,9 @@ class PoseGraph(Mapper):
         )
 
     def add_surface(self, points_map: Float) -> None:
-        """Put points into the map as often as makes their voxels occupied; new returns are averaged
-        with them.
+        """Insert each point as often as is needed for an occupied voxel.
+
+        New returns are averaged with the points.
         """
         parts = self._running()
         points = checked("points_map", points_map, None, 3)
@@ -220,8 +223,9 @@ class PoseGraph(Mapper):
         return dense_share(self.cloud().points, sector, points_per_m2)
 
     def cloud(self) -> Cloud:
-        """Return one point for each occupied voxel; 100 ms for 300,000 voxels, kept until the map
-        changes.
+        """Return one point for each occupied voxel: 100 ms for 300,000 voxels.
+
+        The cloud is kept until the map changes.
         """
         parts = self._running()
         self._take_poses(parts)
@@ -231,5 +235,5 @@ class PoseGraph(Mapper):
 
     def _running(self) -> _Parts:
         if self._parts is None:
-            raise ConfigError("the map is not started: call `start` before its first use")
+            raise ConfigError("the map is not started: call `start` first")
         return self._parts

@@ -1,6 +1,4 @@
-"""From raw scans to points in the map: without the machine, and with its motion undone (Mascaro
-2020, Sec. 4.2).
-"""
+"""Scans to points in the map: self-filter and motion correction (Mascaro 2020, Sec. 4.2)."""
 
 from collections.abc import Mapping
 
@@ -44,13 +42,13 @@ class ScanFrontEnd:
         )
 
     def place(self, scan: LidarScan, motion: Motion, held_radius_m: float) -> Float:
-        """Return the returns that are not the machine's, in the map [m], shape (K, 3).
+        """Return the returns that are not of the machine, in the map [m], shape (K, 3).
 
         Args:
             scan: One revolution.
             motion: Cabin poses and joints during it.
-            held_radius_m: Returns this near to the space between the jaws are what the gripper
-                holds [m].
+            held_radius_m: Radius around the grasp centre within which returns are of a held object
+            [m].
 
         Raises:
             DataError: If the sensor is no lidar of the machine, or the motion lacks a joint.
@@ -74,7 +72,7 @@ class ScanFrontEnd:
         )
 
     def lidars_map(self, motion: Motion, stamp_s: float) -> Float:
-        """Return where the lidars are at a time, in the map [m], shape (L, 3)."""
+        """Return the positions of the lidars at a time, in the map [m], shape (L, 3)."""
         frames = self._frames(motion, stamp_s)
         T_map_base = motion.T_map_cabin_at(stamp_s) @ inverse(frames[self._machine.cabin_link])
         return np.array([(T_map_base @ frames[lidar])[:3, 3] for lidar in self._lidars])

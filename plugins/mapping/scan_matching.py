@@ -1,4 +1,4 @@
-"""A scan pair against a submap of those before it (Mascaro 2020, Sec. 4.2, step 3)."""
+"""Matching of a scan pair to a submap of earlier pairs (Mascaro 2020, Sec. 4.2, step 3)."""
 
 from collections import deque
 from collections.abc import Callable
@@ -16,25 +16,30 @@ from executive.geometry.rotation import angle_between
 
 
 class ScanMatchingSettings(Settings):
-    """The submap, the fit, and when a fit is believed."""
+    """Settings of the submap and the fit, and conditions for using a fit."""
 
     pairs: int = Field(10, ge=1, le=100, description="Scan pairs in the submap, m.")
     pair_voxel_m: Meters = Field(0.2, gt=0, le=2, description="Grid edge to thin a pair [m].")
     submap_voxel_m: Meters = Field(
         0.15, gt=0, le=2, description="Grid edge to thin the submap [m]."
     )
-    neighbours: int = Field(10, ge=5, le=100, description="Points for a point's covariance.")
+    neighbours: int = Field(
+        10,
+        ge=5,
+        le=100,
+        description="Number of neighbours from which a point's covariance is computed.",
+    )
     max_distance_m: Meters = Field(
         0.2, gt=0, le=5, description="Largest distance of a correspondence [m]."
     )
     least_inliers: float = Field(
-        0.6, gt=0, le=1, description="Share of a pair's points that must match."
+        0.6, gt=0, le=1, description="Smallest share of a pair's points that must match."
     )
     max_shift_m: Meters = Field(
-        0.15, gt=0, description="A larger correction of the odometry is not believed [m]."
+        0.15, gt=0, description="Largest correction of the odometry that is accepted [m]."
     )
     max_turn_rad: Radians = Field(
-        0.03, gt=0, description="A larger turn of it is not believed [rad]."
+        0.03, gt=0, description="Largest correction of its rotation that is accepted [rad]."
     )
     covariance_factor: float = Field(
         0.25,
@@ -43,7 +48,9 @@ class ScanMatchingSettings(Settings):
         description="True variance of a fit over its inverse Hessian, measured in the simulation.",
     )
     least_std_m: Meters = Field(
-        5e-4, gt=0, description="No match is surer than this [m], and as much in rad / m."
+        5e-4,
+        gt=0,
+        description="Lower bound on a match's standard deviation [m], and the same in [rad].",
     )
 
 
@@ -57,16 +64,15 @@ class ScanMatcher:
     def match(
         self, points_cabin: SinglePrecision, T_map_cabin: Float, pose_of: Callable[[int], Float]
     ) -> PoseConstraint | None:
-        """Return the pair's pose in the node before, or None where there is nothing to match or to
-        believe.
+        """Return the pair's pose in the previous node; None without a submap or a reliable match.
 
-        On open ground a pair tells height, roll and pitch well, and heading and place badly; the
-        covariance says so: it is the inverse Hessian of the fit, scaled by what errors against
-        known poses were.
+        On open ground a pair constrains height, roll and pitch well, and heading and horizontal
+        position badly. The covariance reflects this: it is the inverse Hessian of the fit, scaled
+        by a factor that was measured against known poses.
 
         Args:
             points_cabin: The pair's points [m], shape (N, 3).
-            T_map_cabin: Where odometry takes the pair to be, shape (4, 4).
+            T_map_cabin: Predicted pose of the pair, shape (4, 4).
             pose_of: T_map_cabin of earlier nodes by number.
         """
         s = self._settings
@@ -90,10 +96,10 @@ class ScanMatcher:
             num_threads=1,
             max_iterations=20,
         )
-        return self._believed(result, pair.size(), guess)
+        return self._accepted(result, pair.size(), guess)
 
     def add(self, node: int, points_cabin: SinglePrecision) -> None:
-        """Let a node's pair join the submap, and the oldest leave it."""
+        """Add a node's pair to the submap; the oldest pair leaves it."""
         if len(points_cabin):
             thinned = small_gicp.voxelgrid_sampling(
                 points_cabin.astype(np.float64), self._settings.pair_voxel_m, 1
@@ -101,10 +107,10 @@ class ScanMatcher:
             self._pairs.append((node, thinned.points()[:, :3]))
 
     def forget(self) -> None:
-        """Begin a new submap."""
+        """Start a new submap."""
         self._pairs.clear()
 
-    def _believed(
+    def _accepted(
         self, result: small_gicp.RegistrationResult, size: int, guess: Float
     ) -> PoseConstraint | None:
         s, T = self._settings, np.array(result.T_target_source)

@@ -1,4 +1,4 @@
-"""One scan of each lidar as one cloud about the cabin (Mascaro 2020, Sec. 4.2, step 2)."""
+"""One scan of each lidar, combined into one cloud in the cabin's frame (Mascaro 2020, 4.2)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,17 +18,17 @@ SinglePrecision = NDArray[np.float32]  # 1 µm at 10 m, half the memory
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScanPair:
-    """An assembled pair, without the machine and without its motion.
+    """A combined pair, without returns of the machine and corrected for its motion.
 
-    The paper's pairs are in the frame of the horizontal lidar; these are in the cabin's, whose
-    covariance the estimate tells.
+    The paper's pairs are in the frame of the horizontal lidar. These are in the frame of the cabin,
+    because the state estimate gives its covariance.
 
     Attributes:
         stamp_s: End of the newer scan [s].
-        points_cabin: Returns in the mapped cylinder, in the cabin's frame at that time [m], shape
-            (N, 3).
+        points_cabin: Returns in the mapped cylinder, in the cabin's frame at that time [m],
+            shape (N, 3).
         T_map_cabin: The state estimate's pose at that time, shape (4, 4).
-        kept: Number of returns that are not the machine's, of any distance.
+        kept: Number of returns that are not of the machine, at any distance.
     """
 
     stamp_s: float
@@ -44,7 +44,7 @@ def assemble(
     held_radius_m: float,
     cylinder: Cylinder,
 ) -> ScanPair | None:
-    """Return the pair, or None where no return is left.
+    """Return the pair; None if no return is left.
 
     Raises:
         DataError: If a scan's sensor is no lidar of the machine, or the motion lacks a joint.

@@ -1,9 +1,8 @@
-"""Range noise taken out of a voxel map: each voxel's mean moves to the weighted mean of its
-neighbourhood.
+"""Smoothing of a voxel map: each voxel's mean moves to the weighted mean of its neighbourhood.
 
-A lidar's range noise of 2 cm spreads one surface over two or three layers of 3 cm voxels, and no
-average inside a voxel brings them together. Averaged over 4.5 cm they fall on one another, and a
-second thinning makes them one layer. The price: sharp edges are rounded by about a centimetre.
+With a lidar's range noise of 2 cm, one surface covers two or three layers of 3 cm voxels, which
+averaging within voxels does not merge. Averaged over 4.5 cm, the layers coincide, and thinning
+leaves one. The cost: sharp edges are rounded by about a centimetre.
 """
 
 import numpy as np
@@ -19,9 +18,7 @@ _COLUMNS = np.array(
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _smooth(keys: Int, means: Float, weights: Float, columns: Int, reach_m: float) -> Float:
-    """Walk the sorted keys once, with one pointer for each of the nine neighbouring columns of
-    voxels.
-    """
+    """Smooth in one pass over the sorted keys, with a pointer for each of nine voxel columns."""
     n = len(keys)
     starts = np.zeros(len(columns), dtype=np.int64)
     moved = np.empty_like(means)
@@ -54,13 +51,12 @@ def _smooth(keys: Int, means: Float, weights: Float, columns: Int, reach_m: floa
 
 
 def smoothed(keys: Int, means: Float, counts: Int, reach_m: float) -> Float:
-    """Return each voxel's mean drawn towards its neighbours' within a reach, weighted by their
-    points.
+    """Return each voxel's mean, moved towards its neighbours' means, weighted by their points.
 
     Args:
-        keys: Rising keys of the voxels, shape (N,).
+        keys: Increasing keys of the voxels, shape (N,).
         means: Mean point of each [m], shape (N, 3).
-        counts: Number of points behind each, at least 1, shape (N,).
-        reach_m: Radius of the neighbourhood [m]; at most one voxel counts in each direction.
+        counts: Number of points in each, at least 1, shape (N,).
+        reach_m: Radius of the neighbourhood [m]; at most one voxel in each direction is used.
     """
     return np.asarray(_smooth(keys, means, counts.astype(np.float64), _COLUMNS, reach_m))

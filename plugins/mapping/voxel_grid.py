@@ -9,15 +9,13 @@ from executive.errors import DataError
 
 _HALF = 1 << (BITS - 1)
 _FREE = -1
-_LOAD = 0.6  # fuller tables collide too often
+_LOAD = 0.6  # above it, collisions become too frequent
 _FIRST_CAPACITY = 1 << 18
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _slot(keys: Int, key: np.int64) -> np.int64:  # pragma: no cover - compiled
-    """Return the row of a key, or the free row where it belongs: open addressing,
-    linear probing.
-    """
+    """Return the row of a key, or the free row for it: open addressing, linear probing."""
     mask = len(keys) - 1
     row = np.int64((np.uint64(key) * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(20)) & mask
     while keys[row] != _FREE and keys[row] != key:
@@ -29,7 +27,7 @@ def _slot(keys: Int, key: np.int64) -> np.int64:  # pragma: no cover - compiled
 def _insert(
     keys: Int, means: Float, counts: Int, points: Float, voxel_m: float, memory: int
 ) -> int:
-    """Fold points into their voxels' means; return how many voxels are new."""
+    """Add points to their voxels' means; return how many voxels are new."""
     # pragma: no cover - compiled
     added = 0
     for p in points:
@@ -60,16 +58,17 @@ def _refill(
 
 
 class VoxelGrid:
-    """Voxels in a hash table: 40 bytes each at most at a load of 0.6, a million points in about 50
-    ms.
+    """Voxels in a hash table of 40 bytes a row, with a load of at most 0.6.
+
+    Inserting a million points takes about 50 ms.
     """
 
     def __init__(self, voxel_m: float, memory: int) -> None:
-        """Begin empty.
+        """Start empty.
 
         Args:
             voxel_m: Edge of a voxel [m].
-            memory: Number of points over which a mean is taken; older ones fade.
+            memory: Number of points over which a mean is taken; the weight of older ones decays.
         """
         self._voxel_m = voxel_m
         self._memory = memory
@@ -79,16 +78,16 @@ class VoxelGrid:
     @classmethod
     def compile(cls) -> None:
         """Compile the inner loops."""
-        rehearsal = cls(1.0, 1)
-        rehearsal.insert(np.zeros((1, 3)))
-        rehearsal.keep(np.ones(1, dtype=bool))
-        rehearsal.surface(1.0)
+        warm_up = cls(1.0, 1)
+        warm_up.insert(np.zeros((1, 3)))
+        warm_up.keep(np.ones(1, dtype=bool))
+        warm_up.surface(1.0)
 
     def __len__(self) -> int:
         return self._size
 
     def insert(self, points: Float) -> None:
-        """Fold points into the grid, shape (N, 3).
+        """Add points to their voxels, shape (N, 3).
 
         Raises:
             DataError: If a point is farther than 2²⁰ voxels from the origin.
@@ -96,8 +95,7 @@ class VoxelGrid:
         if len(points) and np.abs(points).max() >= self._voxel_m * (_HALF - 1):
             raise DataError(
                 f"a point at {np.abs(points).max():.0f} m is beyond the map's "
-                f"{self._voxel_m * _HALF:.0f} m: "
-                "set the datum near the site"
+                f"{self._voxel_m * _HALF:.0f} m: set the estimator's datum near the site"
             )
         if (self._size + len(points)) > _LOAD * len(self._keys):
             self._rebuild(np.flatnonzero(self._keys != _FREE), self._size + len(points))
@@ -106,20 +104,18 @@ class VoxelGrid:
         )
 
     def points(self) -> tuple[Float, Int]:
-        """Return the means [m] (N, 3) and the number of points behind each (N,), in order of the
-        voxels.
-        """
+        """Return the means [m] (N, 3) and numbers of points (N,), in order of the voxels."""
         rows = self._rows()
         return self._means[rows], self._counts[rows]
 
     def surface(self, reach_m: float) -> tuple[Float, Int]:
-        """Return the same with range noise smoothed out over a reach [m]; see `smoothing`."""
+        """Return the same, smoothed over a distance [m]; see `smoothing`."""
         rows = self._rows()
         means, counts = self._means[rows], self._counts[rows]
         return smoothed(self._keys[rows], means, np.minimum(counts, self._memory), reach_m), counts
 
     def copy(self) -> "VoxelGrid":
-        """Return an independent grid of the same content."""
+        """Return an independent grid with the same content."""
         twin = VoxelGrid(self._voxel_m, self._memory)
         twin._keys, twin._means, twin._counts = (
             self._keys.copy(),
@@ -130,14 +126,14 @@ class VoxelGrid:
         return twin
 
     def forget_sphere(self, centre: Float, radius_m: float, least: int) -> int:
-        """Forget the voxels in a sphere; return how many of them had at least so many points."""
+        """Remove the voxels in a sphere; return how many of them had at least `least` points."""
         means, counts = self.points()
         kept = ((means - centre) ** 2).sum(axis=1) > radius_m**2
         self.keep(kept)
         return int((~kept & (counts >= least)).sum())
 
     def keep(self, kept: Bool) -> None:
-        """Forget the voxels that are False in the order of `points`."""
+        """Remove the voxels for which `kept` is False, in the order of `points`."""
         self._rebuild(self._rows()[kept], int(kept.sum()))
 
     def _rows(self) -> Int:
@@ -145,7 +141,7 @@ class VoxelGrid:
         return np.asarray(rows[np.argsort(self._keys[rows], kind="stable")])
 
     def _rebuild(self, rows: Int, expected: int) -> None:
-        """Move some rows into a table with room for an expected number of voxels."""
+        """Move some rows into a table for an expected number of voxels."""
         keys, means, counts = self._keys[rows], self._means[rows], self._counts[rows]
         capacity = _FIRST_CAPACITY
         while expected > 0.5 * _LOAD * capacity:

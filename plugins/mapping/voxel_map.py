@@ -1,9 +1,8 @@
-"""A map of voxels on the state estimate's word: filter, undistort, average (Mascaro 2020, Sec.
-4.2).
+"""A map of voxels at the poses of the state estimate (Mascaro 2020, Sec. 4.2).
 
-Deviation from the paper: no scan matching and no pose graph. The machine stands still while it
-works and its state estimate is good to a centimetre, so that the mean over many returns is sharper
-than a graph of noisy matches.
+Scans are filtered, undistorted and averaged. Deviation from the paper: there is no scan matching
+and no pose graph. The machine is at rest while it works, and its state estimate is accurate to a
+centimetre, so that the mean over many returns is sharper than a graph of noisy matches.
 """
 
 from collections.abc import Sequence
@@ -27,13 +26,11 @@ from executive.messages.sector import Sector
 
 
 class VoxelMapSettings(MapSettings):
-    """Extent and grain of the map."""
+    """Extent and resolution of the map."""
 
 
 class VoxelMap(Mapper):
-    """Averages returns of several lidars in a cylinder around the machine; one thread,
-    deterministic.
-    """
+    """Averages returns of several lidars in a cylinder around the machine; deterministic."""
 
     Settings = VoxelMapSettings
 
@@ -47,13 +44,13 @@ class VoxelMap(Mapper):
         self._cylinder = Cylinder(settings.radius_m)
 
     def start(self) -> None:
-        """Prepare the shapes and compile the inner loops, so that no scan has to wait for them."""
+        """Prepare the shapes and compile the inner loops, so that no scan waits for them."""
         self._front_end = ScanFrontEnd(self._machine, self._settings)
         VoxelGrid.compile()
         self._grid = VoxelGrid(self._settings.voxel_m, self._settings.memory)
 
     def close(self) -> None:
-        """Give the map's memory back."""
+        """Release the map's memory."""
         self._front_end = self._grid = self._cloud = None
 
     def add_scan_pair(self, scans: Sequence[LidarScan], motion: Motion) -> int:
@@ -72,7 +69,7 @@ class VoxelMap(Mapper):
         return len(pair_map)
 
     def mask_held(self, radius_m: float) -> None:
-        """Drop returns within this distance of the grasp centre, from now on."""
+        """Drop returns within this distance of the grasp centre [m], from now on."""
         if radius_m < 0:
             raise DataError(
                 f"the radius around a held stone is {radius_m} m; it must not be negative"
@@ -80,7 +77,7 @@ class VoxelMap(Mapper):
         self._held_radius_m = float(radius_m)
 
     def remove_sphere(self, centre_map: Float, radius_m: float) -> int:
-        """Forget all voxels in a sphere; they stay away until they are seen again."""
+        """Remove all voxels in a sphere, until new returns fill them."""
         _, grid = self._running()
         self._cloud = None
         return grid.forget_sphere(
@@ -88,8 +85,9 @@ class VoxelMap(Mapper):
         )
 
     def add_surface(self, points_map: Float) -> None:
-        """Put points into the map as often as makes their voxels occupied; new returns are averaged
-        with them.
+        """Insert each point as often as is needed for an occupied voxel.
+
+        New returns are averaged with the points.
         """
         _, grid = self._running()
         points = checked("points_map", points_map, None, 3)
@@ -103,8 +101,9 @@ class VoxelMap(Mapper):
         return dense_share(self.cloud().points, sector, points_per_m2)
 
     def cloud(self) -> Cloud:
-        """Return one point for each occupied voxel; 100 ms for 300,000 voxels, kept until the map
-        changes.
+        """Return one point for each occupied voxel: 100 ms for 300,000 voxels.
+
+        The cloud is kept until the map changes.
         """
         _, grid = self._running()
         if self._cloud is None:
@@ -113,5 +112,5 @@ class VoxelMap(Mapper):
 
     def _running(self) -> tuple[ScanFrontEnd, VoxelGrid]:
         if self._front_end is None or self._grid is None:
-            raise ConfigError("the map is not started: call `start` before its first use")
+            raise ConfigError("the map is not started: call `start` first")
         return self._front_end, self._grid

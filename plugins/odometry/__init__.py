@@ -1,1 +1,1 @@
-"""odometry plugins."""
+"""Lidar odometry: increments of the sensor's pose from scans."""

@@ -1,6 +1,4 @@
-"""How the lidar moved since the last scan, before that scan is matched: by gyroscope, turn joint
-and even travel.
-"""
+"""Dead reckoning of a lidar between scans by gyroscope, turn joint and constant velocity."""
 
 from collections import deque
 from itertools import pairwise
@@ -19,18 +17,19 @@ from executive.messages.odometry import LidarIncrement
 
 S = TypeVar("S")
 
-_KEPT_S = 3.0  # longer than the odometry goes on through refused scans
-_FRESH_S = 0.05  # older inertial samples than this say nothing about the scan
-_ACCELERATION_M_S2 = 0.5  # of the chassis: how soon an old speed is worth nothing
+_KEPT_S = 3.0  # longer than the odometry continues without an accepted scan
+_FRESH_S = 0.05  # inertial samples further than this from a scan are not used for it
+_ACCELERATION_M_S2 = 0.5  # of the chassis; the variance of its velocity grows with it
 _FIRST_SPEED_M_S = 0.5  # standard deviation of the speed before the first increment
 
 
 class DeadReckoning:
-    """Turns with the cabin's gyroscope about an axis that travels evenly with the chassis.
+    """Rotates with the cabin's gyroscope about an axis that moves at constant velocity.
 
-    A cabin that swings breaks the constant velocity that lidar odometry assumes: a lidar 1.3 m from
-    the axis changes its direction with every revolution. The point on the axis does not. Without a
-    gyroscope the sensor itself is taken to go on as it last did.
+    Lidar odometry commonly assumes a constant velocity of the sensor. On a cabin that swings this
+    does not hold: a lidar at 1.3 m from the axis changes its direction of motion all the time. The
+    point on the axis does not. Without a gyroscope the last motion of the sensor is assumed to
+    continue.
     """
 
     def __init__(self, machine: Rig, lidar: str) -> None:
@@ -46,12 +45,12 @@ class DeadReckoning:
             )
         self._rates: deque[tuple[float, Float]] = deque()
         self._turns: deque[tuple[float, float]] = deque()
-        self._v_chassis = np.zeros(3)  # of the axis' point, chassis axes [m/s]
+        self._v_chassis = np.zeros(3)  # velocity of the point on the axis, chassis axes [m/s]
         self._P_speed = _FIRST_SPEED_M_S**2 * np.eye(3)  # covariance of its error [m²/s²]
-        self._w_cabin = np.zeros(3)  # by the last increment [rad/s], where no gyroscope is heard
+        self._w_cabin = np.zeros(3)  # by the last increment [rad/s]; used without gyroscope
 
     def add_imu(self, sample: ImuSample) -> None:
-        """Take a sample if it is the cabin's; it stands for the time since the one before."""
+        """Take a sample if it is of the cabin; it covers the time since the one before."""
         if sample.frame == self._imu:
             _append(self._rates, sample.stamp_s, self._R_cabin_imu @ sample.angular_velocity_rad_s)
 
@@ -61,7 +60,7 @@ class DeadReckoning:
             _append(self._turns, sample.stamp_s, sample.of(self._turn_joint)[0])
 
     def path(self, from_s: float, to_s: float) -> SensorPath:
-        """Return the way of the lidar between two times."""
+        """Return the path of the lidar between two times [s]."""
         rates = [
             (stamp_s, rate) for stamp_s, rate in self._rates if from_s < stamp_s <= to_s + _FRESH_S
         ]
@@ -80,19 +79,16 @@ class DeadReckoning:
         )
 
     def _step(self, w_cabin: Float, middle_s: float, dt_s: float) -> Float:
-        """Return the cabin's motion over a short time, in its frame at the beginning,
-        shape (4, 4).
-        """
+        """Return the cabin's motion over a short time, in its frame at the start, shape (4, 4)."""
         half = exp_so3(0.5 * dt_s * w_cabin)
         v_cabin = self._R_chassis_cabin(middle_s).T @ self._v_chassis
         return pose(half @ half, dt_s * half @ v_cabin)
 
     def correct(self, increment: LidarIncrement) -> None:
-        """Learn from a matched increment how the chassis travels, as surely as the increment is (a
-        Kalman filter).
+        """Correct the chassis' velocity by a matched increment and its covariance (Kalman filter).
 
-        Where the scene holds a direction badly, the speed in it stays: a match that wanders must
-        not feed the next.
+        In a direction that the scene constrains badly, the velocity stays as it is, so that a
+        drifting match does not affect the next prediction.
         """
         T_cabin_lidar = self._T_cabin_lidar
         T = T_cabin_lidar @ increment.T_from_to @ inverse(T_cabin_lidar)
@@ -100,8 +96,7 @@ class DeadReckoning:
         R_chassis_middle = self._R_chassis_cabin(0.5 * (increment.from_s + increment.to_s))
         speed = R_chassis_middle @ exp_so3(-0.5 * rotation) @ T[:3, 3] / dt_s
         R_cabin_lidar, arm = T_cabin_lidar[:3, :3], T_cabin_lidar[:3, 3]
-        # the cabin's origin moves with the lidar's rotation errors, too: the lower half of the
-        # adjoint
+        # An error of the lidar's rotation moves the cabin's origin, too: lower half of the adjoint.
         J = R_chassis_middle @ np.hstack([skew(arm) @ R_cabin_lidar, R_cabin_lidar]) / dt_s
         P = self._P_speed + (_ACCELERATION_M_S2 * dt_s) ** 2 * np.eye(3)
         gain = np.linalg.solve(P + J @ increment.covariance @ J.T, P).T
@@ -117,7 +112,7 @@ class DeadReckoning:
 
 
 def _append(samples: deque[tuple[float, S]], stamp_s: float, value: S) -> None:
-    """Keep a sample if it is newer than all before, and those of the last seconds."""
+    """Append a sample if it is newer than all before, and drop samples older than `_KEPT_S`."""
     if samples and stamp_s <= samples[-1][0]:
         return
     samples.append((stamp_s, value))

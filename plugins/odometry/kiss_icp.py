@@ -1,6 +1,4 @@
-"""Lidar odometry by the KISS-ICP package: points to points, on one thread, guided by gyroscope and
-joints.
-"""
+"""Lidar odometry by the KISS-ICP package, predicted by gyroscope and joints."""
 
 from collections.abc import Mapping, Sequence
 
@@ -22,33 +20,35 @@ from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.odometry import LidarIncrement
 
-_REVOLUTION_S = 0.1  # what the first scan is undistorted over
-_FEWEST = 100  # points that a scan is matched by
+_REVOLUTION_S = 0.1  # time over which the first scan is undistorted
+_FEWEST = 100  # smallest number of points that are matched
 
 
 class KissIcpSettings(Settings):
     """Settings of the odometry."""
 
     frame: str = Field(
-        "lidar_horizontal", description="The lidar to follow; scans of others are left alone."
+        "lidar_horizontal", description="The lidar to use; scans of other lidars are ignored."
     )
     near_m: Meters = Field(
-        2.5, ge=0, description="Returns nearer than this are the machine's own [m]."
+        2.5,
+        ge=0,
+        description="Nearer returns are ignored, since most are of the machine itself [m].",
     )
-    far_m: Meters = Field(60.0, gt=0, description="Returns farther than this are left out [m].")
+    far_m: Meters = Field(60.0, gt=0, description="Farther returns are ignored [m].")
     voxel_m: Meters = Field(0.5, gt=0, le=5, description="Grid edge of the local map [m].")
     points_per_voxel: int = Field(20, ge=1, le=200, description="Most points in a cell of the map.")
     first_threshold_m: Meters = Field(
-        1.0, gt=0, le=10, description="First distance of correspondences [m]."
+        1.0, gt=0, le=10, description="Largest distance of correspondences at the start [m]."
     )
     longest_gap_s: Seconds = Field(
-        2.0, gt=0, le=2.5, description="Time without a scan, after which the map is begun anew [s]."
+        2.0, gt=0, le=2.5, description="Time without a scan after which a new map is started [s]."
     )
     max_speed_m_s: MetersPerSecond = Field(
-        15.0, gt=0, description="Fastest sensor motion that is believed [m/s]."
+        15.0, gt=0, description="Fastest plausible motion of the sensor [m/s]."
     )
     max_rate_rad_s: RadiansPerSecond = Field(
-        1.5, gt=0, description="Fastest turn that is believed [rad/s]."
+        1.5, gt=0, description="Fastest plausible rotation of the sensor [rad/s]."
     )
     rotation_std_rad: Radians = Field(
         0.02,
@@ -56,18 +56,18 @@ class KissIcpSettings(Settings):
         description="Error of an increment's rotation [rad]; measured on level ground, swinging.",
     )
     translation_std_m: Meters = Field(
-        0.05, gt=0, description="Error of its translation [m]; measured likewise."
+        0.05, gt=0, description="Error of an increment's translation [m]; measured likewise."
     )
 
 
 class KissIcp(LidarOdometry):
-    """KISS-ICP (Vizzo 2023, "KISS-ICP: In Defense of Point-to-Point ICP"), cleared of the machine's
-    own returns.
+    """KISS-ICP (Vizzo 2023, "KISS-ICP: In Defense of Point-to-Point ICP") with a better prediction.
 
-    Deviation: its own last motion would undistort and begin each match; a cabin that swings breaks
-    that, so that both come from dead reckoning. It gives no covariance: that of an increment is a
-    setting, whatever the scene holds. On level ground the rings of a 16-laser lidar hold points
-    where they were, and `scan_to_submap` knows more.
+    The machine's own returns are removed first. Deviation: the package predicts and undistorts by
+    its last motion, which does not hold on a cabin that swings; here both come from dead reckoning.
+    The package gives no covariance: that of an increment is a setting, independent of the scene. On
+    level ground, the rings of a 16-laser lidar hold points at their place; `scan_to_submap` is more
+    accurate there.
     """
 
     Settings = KissIcpSettings
@@ -90,7 +90,7 @@ class KissIcp(LidarOdometry):
 
     def _begin(self) -> None:
         settings = self._settings
-        # validated from a whole description: what is left out would be read from the environment
+        # A complete description: the package would read missing values from the environment.
         self._kiss = KissICP(
             KISSConfig.model_validate(
                 {
@@ -140,7 +140,7 @@ class KissIcp(LidarOdometry):
     def _increment(
         self, last: tuple[float, Float], now: tuple[float, Float]
     ) -> LidarIncrement | None:
-        """Return the motion between two scans; a leap is none, and what led to it is forgotten."""
+        """Return the motion between two scans; None and a new map if it is implausible."""
         T_from_to = inverse(last[1]) @ now[1]
         if self._reckoning is None or not self._is_plausible(T_from_to, now[0] - last[0]):
             self._begin()

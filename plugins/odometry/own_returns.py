@@ -1,5 +1,6 @@
-"""A lidar's returns from the machine itself: they move with the sensor, and would hold it where it
-is.
+"""A lidar's returns from the machine itself.
+
+They move with the sensor, so that a match that used them would find too little motion.
 """
 
 import numpy as np
@@ -13,13 +14,11 @@ from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 
 _PADDING_M = 0.2  # the arm moves by a third of this during a revolution
-_HELD_M = 1.2  # around the space between the jaws: a stone that they may hold
+_HELD_M = 1.2  # radius around the grasp centre, for a stone that may be held
 
 
 class OwnReturns:
-    """Finds them by the shapes of the links at the newest joint sample; a rig without links has
-    none.
-    """
+    """Finds returns of the machine by the shapes of its links; a rig without links has none."""
 
     def __init__(self, machine: Rig) -> None:
         self._machine = machine if isinstance(machine, Machine) else None
@@ -29,11 +28,11 @@ class OwnReturns:
             self._filter = SelfFilter(self._machine, _PADDING_M)
 
     def add_joints(self, sample: JointSample) -> None:
-        """Take where the arm is."""
+        """Take the newest joint sample."""
         self._joints = sample
 
     def among(self, scan: LidarScan) -> Bool:
-        """Tell which returns are the machine's, or a held stone's, shape (N,)."""
+        """Return which returns are of the machine or of a held stone, shape (N,)."""
         if self._machine is None or self._joints is None or not len(scan.points_lidar):
             return np.zeros(len(scan.points_lidar), dtype=bool)
         arm = np.array([self._joints.of(name)[0] for name in self._machine.arm_names])

@@ -1,4 +1,4 @@
-"""Lays a scan onto planes, and tells how surely: Gauss–Newton on point-to-plane distances."""
+"""Registration of a scan to planes by Gauss-Newton on point-to-plane distances."""
 
 from dataclasses import dataclass
 
@@ -10,22 +10,23 @@ from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import exp_so3
 
 _MOST_STEPS = 20
-_SMALL_STEP = 2e-4  # [rad] and [m]: a twentieth of the noise; finer, correspondences flicker
-_GATE = 0.4  # of the search's reach: a farther plane is another surface
-# Of a direction with the normals, on average. Range noise of 20 mm on level ground gives 1.3e-4
-# along the ground and 2e-5 in heading; a site with seven stones gives 7e-4 and more.
+# [rad] and [m]: a twentieth of the noise; below it, correspondences alternate between steps.
+_SMALL_STEP = 2e-4
+_GATE = 0.4  # of the search distance; a plane that is farther away is another surface
+# Mean squared cosine between a direction and the normals. Range noise of 20 mm on level ground
+# gives 1.3e-4 along the ground and 2e-5 in heading; a site with seven stones gives 7e-4 and more.
 _LEAST_SQUARED_COSINE = 2.5e-4
-_LEAST_STD_M = 0.005  # no distance is better than this, however well the scan fits
+_LEAST_STD_M = 0.005  # lower bound on the standard deviation of a distance
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Guess:
-    """Where the scan is thought to be.
+    """Predicted pose of a scan.
 
     Attributes:
         T_map_lidar: Pose, shape (4, 4).
-        std: Of its error as (rotation [rad], translation [m]), shape (6,): what a scene that leaves
-            a direction free is decided by.
+        std: Standard deviation of its error as (rotation [rad], translation [m]), shape (6,). It
+            decides the directions that the scene does not constrain.
     """
 
     T_map_lidar: Float
@@ -34,12 +35,12 @@ class Guess:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneFit:
-    """A fitted scan.
+    """A registered scan.
 
     Attributes:
         T_map_lidar: Pose, shape (4, 4).
         covariance: Of its error as (rotation, translation) in the lidar's frame, shape (6, 6).
-        share: Of the points that lie on a plane.
+        share: Share of the points that lie on a plane.
         has_converged: Whether the steps became small.
     """
 
@@ -52,10 +53,10 @@ class PlaneFit:
 def fit(
     points_lidar: Float, planes: PlaneMap, guess: Guess, first_m: float, last_m: float
 ) -> PlaneFit:
-    """Search for planes within a reach that is halved at each step, from the first to the last [m].
+    """Register a scan; the search distance is halved at each step, from `first_m` to `last_m` [m].
 
-    The covariance is that of the least squares, with the distances' own spread and the guess as a
-    prior: a direction that no plane holds stays at the guess and is as uncertain as that.
+    The covariance is that of the least squares, with the spread of the distances and the guess as
+    a prior. A direction that no plane constrains keeps the guess and its uncertainty.
     """
     T: Float = guess.T_map_lidar
     reach_m = first_m
@@ -88,9 +89,7 @@ def fit(
 def _distances(
     points_lidar: Float, planes: PlaneMap, T: Float, reach_m: float
 ) -> tuple[Float, Float]:
-    """Return the distances to the nearest planes and their derivative by a motion of the lidar, (n,
-    6) and (n,).
-    """
+    """Return the distances' derivatives by a motion of the lidar (n, 6), and the distances (n,)."""
     points_map = transform(T, points_lidar)
     found, index = planes.nearest(points_map, reach_m)
     normals = planes.planes.normals[index]
@@ -102,17 +101,16 @@ def _distances(
 
 
 def _held(information: Float, points_lidar: Float, weight: float) -> Float:
-    """Return the projection on the directions that the scene holds, shape (6, 6).
+    """Return the projection on the directions that the scene constrains, shape (6, 6).
 
-    Normals of level ground are tilted by noise, and by chance hold a little in every direction;
-    left in, they move the scan along the ground and claim to know (after Zhang 2016, "On degeneracy
-    of optimization-based state estimation problems"; the threshold is on the mean squared cosine,
-    which does not grow with the number of points).
+    Noise tilts the normals of level ground, so that they seem to constrain every direction a
+    little. Without the projection they move the scan along the ground and make the covariance too
+    small (after Zhang 2016, "On degeneracy of optimization-based state estimation problems"; the
+    threshold here is on the mean squared cosine, which does not grow with the number of points).
     """
     length_m = float(np.linalg.norm(points_lidar, axis=1).mean())
-    scale = np.diag(
-        [1 / length_m] * 3 + [1.0] * 3
-    )  # rotations count by what they move at a mean distance
+    # Rotations are weighted by the motion that they cause at the mean distance.
+    scale = np.diag([1 / length_m] * 3 + [1.0] * 3)
     values, vectors = np.linalg.eigh(scale @ information @ scale / max(weight, 1e-9))
     kept = vectors[:, values > _LEAST_SQUARED_COSINE]
     return np.asarray(np.linalg.inv(scale) @ kept @ kept.T @ scale)

@@ -1,4 +1,4 @@
-"""What was seen lately, as small planes: the map that a scan is matched to."""
+"""A map of recent scans as small planes, for the registration of new scans."""
 
 from dataclasses import dataclass
 
@@ -10,8 +10,8 @@ from executive.arrays import Bool, Float, Int
 from executive.geometry.pose import transform
 from executive.geometry.rotation import angle_between
 
-_FEWEST = 6  # points that make a plane
-_FLAT = 0.1  # of a plane's thickness variance, against that along its shorter side
+_FEWEST = 6  # smallest number of points in a plane
+_FLAT = 0.1  # largest ratio of a plane's variance across it to that along its shorter side
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,9 +31,9 @@ class _KeyScan:
 class PlaneMap:
     """The union of some scans, and the planes through its points.
 
-    A lidar of few lasers draws rings: along one ring every normal across it fits, and a map of such
-    normals moves with the sensor. A point counts only where its neighbours spread in two
-    directions.
+    A lidar with few lasers draws rings. Along a single ring every normal across it fits, and a map
+    of such normals moves with the sensor. A point is therefore used only if its neighbours spread
+    in two directions.
     """
 
     def __init__(self, voxel_m: float, radius_m: float, neighbours: int, most_scans: int) -> None:
@@ -44,7 +44,7 @@ class PlaneMap:
         self._tree: cKDTree | None = None
 
     def add(self, T_map_lidar: Float, points_lidar: Float) -> None:
-        """Add a scan; where there are too many, the one farthest from it goes."""
+        """Add a scan; if there are too many, the scan farthest from it is removed."""
         self._scans.append(_KeyScan(T_map_lidar, transform(T_map_lidar, points_lidar)))
         if len(self._scans) > self._most_scans:
             distances = [
@@ -59,8 +59,9 @@ class PlaneMap:
         self._tree = cKDTree(self.planes.points) if len(self.planes.points) else None
 
     def is_new(self, T_map_lidar: Float, distance_m: float, angle_rad: float) -> bool:
-        """Return whether no scan of the map was taken from near a pose: a swing back adds nothing,
-        and no drift.
+        """Return whether no scan of the map was taken near a pose.
+
+        Adding only such scans keeps the map free of drift while the cabin swings back and forth.
         """
         return not any(
             np.linalg.norm(scan.T_map_lidar[:3, 3] - T_map_lidar[:3, 3]) < distance_m
@@ -69,8 +70,12 @@ class PlaneMap:
         )
 
     def nearest(self, points_map: Float, within_m: float) -> tuple[Bool, Int]:
-        """Return for each point whether there is a plane near, and the index of the nearest for
-        those that have.
+        """Find the nearest plane of each point.
+
+        Returns:
+            Whether a point has a plane within reach, shape (N,), and the index of the nearest one
+            for
+            those that have.
         """
         if self._tree is None:
             return np.zeros(len(points_map), dtype=bool), np.zeros(0, dtype=np.int64)
@@ -80,9 +85,7 @@ class PlaneMap:
 
 
 def _planes(points: Float, radius_m: float, neighbours: int) -> Planes:
-    """Fit a plane to the neighbourhood of each point and keep those that are flat and wide in two
-    directions.
-    """
+    """Fit a plane to each point's neighbourhood; keep those that are flat and wide enough."""
     if len(points) < _FEWEST:
         return Planes(np.zeros((0, 3)), np.zeros((0, 3)))
     distance, index = cKDTree(points).query(points, k=neighbours, distance_upper_bound=radius_m)

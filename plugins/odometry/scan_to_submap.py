@@ -1,6 +1,4 @@
-"""Lidar odometry against a rolling map of what was seen lately, each scan undistorted by inertia
-and joints.
-"""
+"""Lidar odometry that registers each scan to a rolling map of recent scans."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -24,59 +22,64 @@ from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.odometry import LidarIncrement
 
-_REVOLUTION_S = 0.1  # what the first scan is undistorted over
+_REVOLUTION_S = 0.1  # time over which the first scan is undistorted
 
 
 class ScanToSubmapSettings(Settings):
     """Settings of the odometry."""
 
     frame: str = Field(
-        "lidar_horizontal", description="The lidar to follow; scans of others are left alone."
+        "lidar_horizontal", description="The lidar to use; scans of other lidars are ignored."
     )
     near_m: Meters = Field(
-        2.5, ge=0, description="Returns nearer than this are the machine's own [m]."
+        2.5,
+        ge=0,
+        description="Nearer returns are ignored, since most are of the machine itself [m].",
     )
-    far_m: Meters = Field(60.0, gt=0, description="Returns farther than this are left out [m].")
+    far_m: Meters = Field(60.0, gt=0, description="Farther returns are ignored [m].")
     scan_voxel_m: Meters = Field(0.15, gt=0, le=2, description="Grid edge to thin a scan [m].")
     map_voxel_m: Meters = Field(0.15, gt=0, le=2, description="Grid edge to thin the submap [m].")
     plane_radius_m: Meters = Field(
-        0.45, gt=0, le=5, description="Reach of a point's neighbours in its plane [m]."
+        0.45, gt=0, le=5, description="Radius of the neighbourhood that a plane is fitted to [m]."
     )
     neighbours: int = Field(16, ge=6, le=100, description="Most neighbours in a plane.")
     first_distance_m: Meters = Field(
-        1.0, gt=0, description="Largest distance of a correspondence, at first [m]."
+        1.0, gt=0, description="Largest distance of a correspondence in the first step [m]."
     )
     last_distance_m: Meters = Field(
-        0.3, gt=0, description="Largest distance of a correspondence, at last [m]."
+        0.3, gt=0, description="Largest distance of a correspondence in the last steps [m]."
     )
     least_share: float = Field(
         0.1,
         gt=0,
         le=1,
-        description="Share of a scan's points that must lie on planes; one scan alone holds few.",
+        description="Smallest share of a scan's points on planes; one scan gives few planes.",
     )
     key_distance_m: Meters = Field(
-        0.5, gt=0, description="Distance from the submap's scans that admits another [m]."
+        0.5, gt=0, description="Distance from all scans of the submap at which a scan is added [m]."
     )
     key_angle_rad: Radians = Field(
-        0.12, gt=0, description="Turn against them that admits another [rad]."
+        0.12,
+        gt=0,
+        description="Rotation from all scans of the submap at which a scan is added [rad].",
     )
     key_scans: int = Field(40, ge=1, le=500, description="Most scans in the submap.")
     longest_gap_s: Seconds = Field(
         2.0,
         gt=0,
         le=2.5,
-        description="Time without a scan that was matched, after which the submap is begun anew "
-        "[s].",
+        description="Time without a matched scan after which a new submap is started [s].",
     )
     restart_after: int = Field(
-        10, gt=0, description="Scans refused in a row until the submap is begun anew."
+        10,
+        gt=0,
+        description="Consecutive scans that do not match after which a new submap is started.",
     )
     guess_rotation_std_rad: Radians = Field(
         0.005,
         gt=0,
-        description="Error of a scan's dead reckoning [rad]; large, so that inertia is not told "
-        "twice.",
+        description="Error of a scan's dead reckoning [rad]; large, so that increments do not "
+        "depend on the gyroscope.",
     )
     guess_translation_std_m: Meters = Field(
         0.02, gt=0, description="Error of a scan's dead reckoning [m]."
@@ -85,13 +88,13 @@ class ScanToSubmapSettings(Settings):
         2.0,
         ge=1,
         le=10,
-        description="Factor on the fit's standard deviation: returns on one plane share its error.",
+        description="Factor on the fit's standard deviation: errors on one plane are correlated.",
     )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Track:
-    """The last trusted pose of the sensor in the submap, and the covariance of its fit."""
+    """The last accepted pose of the sensor in the submap, and the covariance of its fit."""
 
     stamp_s: float
     T_map_lidar: Float
@@ -101,13 +104,13 @@ class _Track:
 class ScanToSubmap(LidarOdometry):
     """The registration part of a lidar odometry and mapping system (Nubert 2022, Sec. IV-A4).
 
-    Each scan is cleared of the machine's own returns, undistorted by gyroscope and joints, laid
-    onto the planes of a map of earlier scans, and added to it if none was taken from near there.
-    Deviations from the paper: its front end, CompSLAM, matches edge and plane features of single
-    rings; and the covariance here is the fit's own.
+    Returns of the machine itself are removed from each scan. The scan is undistorted by gyroscope
+    and joints, registered to the planes of a map of earlier scans, and added to the map if none was
+    taken near its pose. Deviations from the paper: its front end, CompSLAM, matches edge and plane
+    features of single rings; and the covariance here is that of the fit.
 
-    Inertia serves as guess and for undistortion only: an increment that leans on the gyroscope
-    would tell an estimator, which has the gyroscope already, that its bias is zero.
+    Inertial measurements serve as a guess and for undistortion only. If an increment depended on
+    the gyroscope, an estimator that also uses the gyroscope would find its bias to be zero.
     """
 
     Settings = ScanToSubmapSettings
@@ -145,7 +148,7 @@ class ScanToSubmap(LidarOdometry):
         if track is not None and scan.stamp_s <= track.stamp_s:
             return None
         if track is not None and scan.stamp_s - track.stamp_s > self._settings.longest_gap_s:
-            track = None  # lidars were off, and nothing here knows what happened since
+            track = None  # the motion during the gap is unknown
         from_s = scan.stamp_s - _REVOLUTION_S
         path = self._reckoning.path(
             from_s if track is None else min(from_s, track.stamp_s), scan.stamp_s
@@ -161,7 +164,7 @@ class ScanToSubmap(LidarOdometry):
         return self._accept(track, scan.stamp_s, fitted, points)
 
     def _points(self, scan: LidarScan, path: SensorPath) -> Float:
-        """Return the surroundings' returns, undistorted and thinned, shape (N, 3)."""
+        """Return the returns of the surroundings, undistorted and thinned [m], shape (N, 3)."""
         distance = np.linalg.norm(scan.points_lidar, axis=1)
         kept = (
             (distance > self._settings.near_m)
@@ -176,7 +179,7 @@ class ScanToSubmap(LidarOdometry):
         )
 
     def _begin(self, stamp_s: float, points: Float) -> None:
-        """Found a new submap on one scan."""
+        """Start a new submap with one scan."""
         settings = self._settings
         if len(points) < settings.neighbours:
             return
@@ -188,7 +191,7 @@ class ScanToSubmap(LidarOdometry):
         self._track = _Track(stamp_s, np.eye(4), np.zeros((6, 6)))
 
     def _fitted(self, points: Float, T_map_lidar: Float) -> PlaneFit | None:
-        """Lay a scan onto the map; None where that is not to be trusted."""
+        """Register a scan to the map; None if the result is not reliable."""
         settings = self._settings
         if len(points) < settings.neighbours:
             return None
@@ -207,8 +210,7 @@ class ScanToSubmap(LidarOdometry):
         self._refusals = 0
         if self._map.is_new(T, settings.key_distance_m, settings.key_angle_rad):
             self._map.add(T, points)
-        # Both ends were fitted: the earlier one's error moves the increment as seen from the later
-        # frame.
+        # Both ends were fitted: the error of the earlier one is expressed in the later frame.
         J = adjoint(inverse(T_from_to))
         both = J @ track.covariance @ J.T + covariance
         increment = LidarIncrement(track.stamp_s, stamp_s, settings.frame, T_from_to, both)

@@ -1,4 +1,4 @@
-"""The way of a lidar during its last revolutions, seen from where it is now."""
+"""The path of a lidar during its last revolutions, relative to its newest pose."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ class SensorPath:
     """Poses of the sensor at some times, in its frame at the last of them.
 
     Attributes:
-        stamps_s: Rising times [s], shape (k,), k ≥ 2.
+        stamps_s: Increasing times [s], shape (k,), k ≥ 2.
         rotations: Rotation vectors of R_end_then [rad], shape (k, 3), the last zero.
         translations: Positions in the frame at the end [m], shape (k, 3), the last zero.
     """
@@ -25,7 +25,7 @@ class SensorPath:
 
     @classmethod
     def of(cls, stamps_s: Float, poses: Float) -> "SensorPath":
-        """Take poses (k, 4, 4) of the sensor in any one frame."""
+        """Make a path of the sensor's poses (k, 4, 4), in any one frame."""
         T_end = inverse(poses[-1])
         relative = [T_end @ T for T in poses]
         return cls(
@@ -35,8 +35,9 @@ class SensorPath:
         )
 
     def T_end_then(self, stamp_s: float) -> Float:
-        """Return the sensor's pose at a time in its frame at the end, shape (4, 4); the ends hold
-        beyond the path.
+        """Return the sensor's pose at a time in its frame at the end, shape (4, 4).
+
+        Before and after the path, it is that of the path's ends.
         """
         rotation, translation = self._at(np.array([stamp_s]))
         return pose(exp_so3(rotation[0]), translation[0])
@@ -56,8 +57,9 @@ class SensorPath:
         return np.asarray(turned + translation)
 
     def _at(self, stamps_s: Float) -> tuple[Float, Float]:
-        """Interpolate; rotation vectors of less than 0.1 rad a step bend by less than 0.1 mrad
-        between two.
+        """Interpolate linearly in rotation vector and translation.
+
+        For steps below 0.1 rad, the error of this interpolation is below 0.1 mrad.
         """
         rotation, translation = (
             np.column_stack([np.interp(stamps_s, self.stamps_s, values[:, i]) for i in range(3)])

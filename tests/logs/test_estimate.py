@@ -241,7 +241,7 @@ def test_the_command_answers_and_a_cut_log_ends_with_status_2(car_log, tmp_path)
     (tmp_path / "cut.mcap").write_bytes(car_log.read_bytes()[:5000])
     ended = executive("estimate", "cut.mcap", "--out", "way.tum", cwd=tmp_path)
     assert ended.returncode == 2
-    assert "cut.mcap: not a whole log" in ended.stderr
+    assert "cut.mcap: incomplete or damaged log" in ended.stderr
     assert "Traceback" not in ended.stderr
 
 

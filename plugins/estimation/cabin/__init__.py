@@ -1,1 +1,1 @@
-"""Estimation in the frame of the turning cabin: the sensors, their settings and the shared loop."""
+"""The part that all estimators share, in the frame of the turning cabin."""

@@ -29,7 +29,8 @@ from executive.messages.joints import JointSample
 from executive.messages.status_change import StatusChange
 
 INITIALISING = "INITIALISING"
-# an inertial stamp so far ahead is believed if the next one agrees; less is a gap, and bridged
+# An inertial stamp further ahead than this is accepted only if the next one is close to it. A
+# smaller step is a gap.
 _JUMP_S = 2.0
 _STANDING_PERIOD_S = 0.1
 # Spread of the angular velocity of a parked vehicle with its engine running [rad/s]; three times
@@ -38,12 +39,13 @@ _IDLING_RAD_S = 0.15
 # Largest squared Mahalanobis distance of a fix on an unknown body, whose fixes may scatter by 1.65
 # times their stated standard deviation: 60 = 22 · 1.65², with 22 the default of the gates.
 UNKNOWN_BODY_GATE = 60.0
-_REPORT_PERIOD_S = 5.0  # of what a start waits for
+_REPORT_PERIOD_S = 5.0  # between reports of what a start waits for
 
 
 class CabinEstimator(Estimator):
-    """Takes samples at the door, finds the first state, and reports the head; how it is corrected
-    is the heirs'.
+    """Checks samples, finds the first state and reports the propagated state.
+
+    Subclasses implement the correction by measurements.
     """
 
     def __init__(self, settings: CabinSettings, machine: Rig) -> None:
@@ -86,7 +88,7 @@ class CabinEstimator(Estimator):
         self._restart()
 
     def _shared_memory(self) -> Any:
-        """Return what the propagator is to lie in, if another process reads it."""
+        """Return memory for the propagator that another process reads; None if none does."""
         return None
 
     def _restart(self) -> None:
@@ -117,14 +119,14 @@ class CabinEstimator(Estimator):
             )
 
     def _is_in_range(self, sample: ImuSample) -> bool:
-        """Return whether a sensor can have measured that; count a sample that it cannot."""
+        """Return whether a sample is within a sensor's range; count it if it is not."""
         if is_beyond_range(sample.angular_velocity_rad_s, sample.specific_force_m_s2):
             self._stamp_gate.refuse(sample.frame, "out of range")
             return False
         return True
 
     def _add_cabin_sample(self, sample: ImuSample) -> None:
-        """Go on to a sample; what is here for each one is little, see `live_kernels`."""
+        """Propagate to a sample; this runs for each sample and must be fast, see `kernels`."""
         before_s = self._newest_s
         if not self._is_begun or before_s is None:
             self._begin(sample)
@@ -141,7 +143,7 @@ class CabinEstimator(Estimator):
             self._begin_again(sample)
 
     def _begin_again(self, sample: ImuSample) -> None:
-        """Forget all after too long a gap, and begin with the sample after it."""
+        """Discard the state after too long a gap, and restart with the sample after it."""
         self._stamp_gate.refuse(sample.frame, "gap, started again")
         self._propagator.forget_samples()
         self._restart()
@@ -173,17 +175,16 @@ class CabinEstimator(Estimator):
 
     @abstractmethod
     def _start_at(self, state: InertialState, covariance: Float) -> None:
-        """Begin at a state, and put it into the head; shape of the covariance (15, 15)."""
+        """Start from a first state with its covariance (15, 15), and set the propagator to it."""
 
     @abstractmethod
     def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
-        """Do what is to be done after the propagator has gone on to a sample;
-        see `SmootherHost.sampled`.
-        """
+        """Handle a sample after the propagator has taken it; see `SmootherHost.sampled`."""
 
     def _position_of(self, fix: GnssFix) -> tuple[Float, Float] | None:
-        """Return a fix in the map, shape (3,), and its covariance (3, 3); count one that is too
-        uncertain.
+        """Return a fix in the map [m], shape (3,), and its covariance [m²], shape (3, 3).
+
+        A fix that is too uncertain is counted; the answer is then None.
         """
         noise = self._cabin.gnss_scale**2 * fix.covariance_enu_m2
         if not fix.is_rtk_fixed or not 0 < np.diag(noise).max() < self._cabin.max_gnss_std_m**2:
@@ -206,39 +207,45 @@ class CabinEstimator(Estimator):
 
     @abstractmethod
     def _admits_fix(self, fix: GnssFix) -> bool:
-        """Return whether a fix's stamp is in order; count one that is not."""
+        """Return whether a fix's stamp is in order; count the fix if it is not."""
 
     @abstractmethod
     def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
-        """Correct by a fix: the antenna in the map [m], shape (3,), and its covariance [m²], shape
-        (3, 3).
+        """Correct by a fix.
+
+        Args:
+            fix: The fix.
+            p_map_antenna: Antenna in the map [m], shape (3,).
+            noise: Covariance of that position [m²], shape (3, 3).
         """
 
     def add_joints(self, sample: JointSample) -> None:
         if not self._stamp_gate.admits("joints", sample.stamp_s):
             return
         self._turn.update(sample)
-        self._propagator.turned()
+        self._propagator.set_turn()
         is_due = sample.stamp_s - self._standing_s >= _STANDING_PERIOD_S - 1e-6
-        if is_due and self._standing.stands(sample.stamp_s):
+        if is_due and self._standing.is_at_rest(sample.stamp_s):
             self._standing_s = sample.stamp_s
             self._use_standing(sample.stamp_s, self._turn.rate_cabin)
 
     @abstractmethod
     def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
-        """Correct by a chassis that stands, the cabin turning on it at a rate [rad/s], cabin axes,
-        shape (3,).
+        """Correct by a chassis at rest.
+
+        Args:
+            stamp_s: Time of the joint sample [s].
+            rate_cabin: Angular velocity of the cabin on the chassis [rad/s], cabin axes, shape
+            (3,).
         """
 
     def account(self) -> Sequence[StatusChange]:
-        """Return the changes that have a reason, and what each start waited for,
-        every few seconds.
-        """
+        """Return the changes of the status, and every few seconds what a start waits for."""
         return tuple(self._status_changes)
 
     @abstractmethod
     def _status(self) -> str:
-        """Return how the estimator stands."""
+        """Return the status that is reported with the state."""
 
     def state(self) -> BaseState:
         if self._is_begun and self._turn.is_known:

@@ -1,4 +1,4 @@
-"""The sensors on the cabin that an estimator needs, by the rig's description."""
+"""The sensors on the cabin that an estimator needs, from the rig's description."""
 
 from collections.abc import Mapping
 

@@ -1,4 +1,4 @@
-"""Settings that estimators of a cabin have in common."""
+"""Settings that all estimators of a cabin share."""
 
 from executive_plugins.estimation.start.at_rest import RestSettings
 from executive_plugins.estimation.start.chassis import StandstillSettings
@@ -9,9 +9,7 @@ from executive.config import Seconds, Settings
 
 
 class CabinSettings(Settings):
-    """Which sensors are used, and what they are worth; their noise comes from the machine's
-    description.
-    """
+    """Which sensors are used, and their accuracy beyond the machine's description."""
 
     datum: tuple[float, float, float] | None = Field(
         (47.4084, 8.5106, 440.0),
@@ -20,20 +18,23 @@ class CabinSettings(Settings):
     )
     imu: str = Field("imu_cabin", description="Inertial sensor on the cabin.")
     chassis_imu: str = Field(
-        "imu_base", description="Inertial sensor on the chassis; need not exist."
+        "imu_base", description="Inertial sensor on the chassis; may be missing."
     )
     gravity_m_s2: float = Field(9.81, gt=9.7, lt=9.9, description="Local gravity [m/s²].")
     noise_factor: float = Field(
-        2.0, ge=1, le=100, description="Inertial noise on the machine over the data sheet's."
+        2.0, ge=1, le=100, description="Factor on the data sheet's inertial noise, for vibration."
     )
     gnss_scale: float = Field(
         1.0, gt=0, le=10, description="Factor on the fixes' own standard deviation."
     )
     max_gnss_std_m: float = Field(
-        0.1, gt=0, le=10, description="A fix worse than this is not used [m]."
+        0.1, gt=0, le=10, description="Largest standard deviation of a fix that is used [m]."
     )
     restart_after_s: Seconds = Field(
-        5.0, gt=0, le=600, description="Gap of inertial samples that ends the estimate [s]."
+        5.0,
+        gt=0,
+        le=600,
+        description="Gap of inertial samples after which the estimate is started again [s].",
     )
     rest: RestSettings = Field(default_factory=RestSettings, description="Initialisation at rest.")
     moving_start: MovingStartSettings = Field(
@@ -41,5 +42,5 @@ class CabinSettings(Settings):
         description="Heading from the first motion, with one antenna.",
     )
     standing: StandstillSettings = Field(
-        default_factory=StandstillSettings, description="Correction by a standing chassis."
+        default_factory=StandstillSettings, description="Correction while the chassis is at rest."
     )

@@ -1,1 +1,1 @@
-"""Filters: an error-state Kalman filter with a lidar clone, and one of position and inertia."""
+"""Kalman filters: with inertial and satellite measurements, and with lidar in addition."""

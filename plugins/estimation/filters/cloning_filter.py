@@ -1,6 +1,4 @@
-"""An error-state filter that also remembers one earlier pose, with all that ties it to the present
-(a clone).
-"""
+"""An error-state filter with a clone of one earlier pose, for relative measurements."""
 
 import numpy as np
 from executive_plugins.estimation.filters.compiled_correction import corrected
@@ -27,27 +25,25 @@ _CLONE_ROTATION, _CLONE_POSITION = (
 
 
 class CloningFilter(ErrorStateFilter):
-    """Takes relative poses by stochastic cloning (Roumeliotis 2002), as the MSF filter does (Lynen
-    2013).
+    """Uses relative poses by stochastic cloning (Roumeliotis 2002), as MSF does (Lynen 2013).
 
-    A relative pose taken as an absolute one, from the estimate at its beginning, would count that
-    estimate's error as news at every step; with the clone it is known to be the same error at both
-    ends.
+    If a relative pose were used as an absolute one, starting from the estimate at its beginning,
+    the error of that estimate would count as independent at every step. The clone keeps its
+    correlation with the present state.
     """
 
     _clone_s = -np.inf
 
     def clone(self) -> None:
-        """Remember the pose now; an earlier one is forgotten."""
+        """Clone the present pose; an earlier clone is replaced."""
         self._clone_s = self.state.stamp_s
         self._R, self._p = self.state.R_map_imu, self.state.p_map_imu
-        self._cross = self.covariance[
-            :, _POSE
-        ].copy()  # of the state's error with the clone's, shape (15, 6)
-        self._own = self.covariance[np.ix_(_POSE, _POSE)]  # of the clone's, shape (6, 6)
+        # Covariances of the clone's error with the state's error, (15, 6), and of itself, (6, 6).
+        self._cross = self.covariance[:, _POSE].copy()
+        self._own = self.covariance[np.ix_(_POSE, _POSE)]
 
     def has_clone_at(self, stamp_s: float) -> bool:
-        """Return whether the remembered pose is that of a time [s]."""
+        """Return whether the clone is of a time [s]."""
         return abs(self._clone_s - stamp_s) < 1e-6
 
     def predict(self, sample: Inertial) -> None:
@@ -66,10 +62,10 @@ class CloningFilter(ErrorStateFilter):
         Args:
             T_from_to: The IMU now in the IMU at the clone, shape (4, 4).
             covariance: As (rotation, translation) in the later frame, shape (6, 6).
-            gate: Largest squared Mahalanobis distance that is believed.
+            gate: Largest squared Mahalanobis distance that is accepted.
 
         Returns:
-            Whether it passed the gate and was used.
+            Whether the measurement was within the gate and was used.
         """
         residual, H, R_from_to = self._increment_residual(T_from_to)
         J = np.eye(6)
@@ -78,7 +74,7 @@ class CloningFilter(ErrorStateFilter):
         return self._correct_both(residual, H, noise, gate)
 
     def _correct_both(self, residual: Float, H: Float, noise: Float, gate: float) -> bool:
-        """Correct the state and the clone, whose errors are one of 21 dimensions."""
+        """Correct the state and the clone by their joint error of 21 dimensions."""
         joint = np.empty((DIMENSION + 6, DIMENSION + 6))
         joint[:DIMENSION, :DIMENSION], joint[_CLONE, _CLONE] = self.covariance, self._own
         joint[:DIMENSION, _CLONE], joint[_CLONE, :DIMENSION] = self._cross, self._cross.T
@@ -96,11 +92,11 @@ class CloningFilter(ErrorStateFilter):
         return True
 
     def _increment_residual(self, T_from_to: Float) -> tuple[Float, Float, Float]:
-        """Return measured − predicted (6,), its derivative by both errors (6, 21), and the
-        predicted rotation.
+        """Return measured − predicted (6,), its derivative by both errors (6, 21), and a rotation.
 
         With R = R̂ exp(θ) at both ends, the motion's error is θ − Rᵀθ_c in rotation and, in the
-        earlier frame, R_cᵀ(δp − δp_c) + [p]× θ_c in translation.
+        earlier frame, R_cᵀ(δp − δp_c) + [p]× θ_c in translation. The rotation R is the predicted
+        one.
         """
         R = self._R.T @ self.state.R_map_imu
         p = self._R.T @ (self.state.p_map_imu - self._p)

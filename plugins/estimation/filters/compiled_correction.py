@@ -1,5 +1,6 @@
-"""The correction of a Kalman filter, compiled: several fall on one inertial sample, which must not
-wait for NumPy.
+"""The correction of a Kalman filter in compiled form.
+
+Several corrections may be due at one inertial sample, and the cost of NumPy calls would delay it.
 """
 
 import math
@@ -16,8 +17,10 @@ _NEW_VECTOR, _NEW_MATRIX = types.float64[::1], types.float64[:, ::1]
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _triangulate(S: Float) -> bool:
-    """Put the Cholesky factor of a symmetric matrix (m, m) into its lower triangle; return whether
-    there is one.
+    """Replace the lower triangle of a symmetric matrix (m, m) by its Cholesky factor.
+
+    Returns:
+        Whether the matrix is positive definite.
     """
     for i in range(S.shape[0]):
         for j in range(i + 1):
@@ -28,14 +31,14 @@ def _triangulate(S: Float) -> bool:
                 S[i, j] = rest / S[j, j]
             elif rest > 0.0:
                 S[i, i] = math.sqrt(rest)
-            else:  # not a number comes here as well
+            else:  # also for NaN
                 return False
     return True
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _forward(L: Float, b: Float) -> None:
-    """Put L⁻¹ b in the place of b, for the lower triangle of L, shapes (m, m), (m, k)."""
+    """Replace b by L⁻¹ b, with the lower triangle of L, shapes (m, m), (m, k)."""
     for i in range(L.shape[0]):
         for c in range(b.shape[1]):
             rest = b[i, c]
@@ -51,7 +54,7 @@ def _innovation(H: Float, P: Float, residual: Float, noise: Float) -> tuple[Floa
     right, S = np.zeros((m, n + 1)), np.empty((m, m))
     for i in range(m):
         for k in range(n):
-            if H[i, k] != 0.0:  # most are
+            if H[i, k] != 0.0:  # most entries are zero
                 for j in range(n):
                     right[i, j] += H[i, k] * P[k, j]
         right[i, n] = residual[i]
@@ -70,7 +73,7 @@ def _innovation(H: Float, P: Float, residual: Float, noise: Float) -> tuple[Floa
 def _correct(
     P: Float, H: Float, residual: Float, noise: Float, gate: float, after: Float, error: Float
 ) -> bool:
-    """Do what `corrected` does, into arrays of the caller: to hand one back costs a microsecond."""
+    """Do what `corrected` does, with results in arrays of the caller."""
     n = P.shape[0]
     W, L = _innovation(H, P, residual, noise)
     if not _triangulate(L):
@@ -98,17 +101,19 @@ def corrected(
 ) -> tuple[Float, Float] | None:
     """Correct by measured − predicted = H · error + noise.
 
+    With H P Hᵀ + noise = L Lᵀ and W = L⁻¹ H P, the results are P − Wᵀ W and Wᵀ L⁻¹ residual. The
+    covariance is exactly symmetric, and positive definite as long as the noise is above rounding.
+
     Args:
         P: Covariance of the error before, shape (n, n).
         H: Shape (m, n).
         residual: Shape (m,).
         noise: Covariance of the measurement, shape (m, m).
-        gate: Largest squared Mahalanobis distance that is believed.
+        gate: Largest squared Mahalanobis distance that is accepted.
 
     Returns:
-        The covariance after, shape (n, n), and the error, shape (n,); None if it is not believed.
-        With H P Hᵀ + noise = L Lᵀ and W = L⁻¹ H P they are P − Wᵀ W and Wᵀ L⁻¹ residual: exactly
-        symmetric, and positive definite as long as the noise is not below rounding.
+        The covariance after, shape (n, n), and the error, shape (n,); None if the measurement is
+        beyond the gate.
     """
     after, error = np.empty(P.shape), np.empty(len(P))
     return (after, error) if _correct(P, H, residual, noise, gate, after, error) else None

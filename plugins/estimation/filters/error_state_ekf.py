@@ -15,7 +15,7 @@ from executive.messages.odometry import LidarIncrement
 
 
 class ErrorStateEkfSettings(GnssImuSettings):
-    """Settings of the filter: those without lidar, and what lidar increments are worth."""
+    """Settings of `gnss_imu_filter`, and the accuracy of lidar increments."""
 
     odometry_scale: float = Field(
         1.0, gt=0, le=100, description="Factor on the increments' own standard deviation."
@@ -28,12 +28,12 @@ class ErrorStateEkfSettings(GnssImuSettings):
 
 
 class ErrorStateEkf(GnssImuFilter):
-    """The paper's other baseline, of the MSF kind (Nubert 2022, Sec. V; Lynen 2013).
+    """The paper's second baseline, similar to MSF (Nubert 2022, Sec. V; Lynen 2013).
 
-    It does what the inertial-satellite filter does, delays included: whatever is late by less than
-    `lag_s` is used at its own time. Lidar increments join as relative poses, so that an outage of
-    the satellites costs the odometry's drift and not the inertial sensor's. One frame only: a
-    correction steps the map pose.
+    It extends the inertial-satellite filter, including its handling of delays: a measurement that
+    is late by less than `lag_s` is used at its own time. Lidar increments are used as relative
+    poses, so that the drift in a satellite outage is that of the odometry, not that of the inertial
+    sensor. There is only one frame: a correction steps the map pose.
     """
 
     Settings = ErrorStateEkfSettings
@@ -54,8 +54,9 @@ class ErrorStateEkf(GnssImuFilter):
         return self._cloning
 
     def _correct_by_increment(self, stream: str, increment: LidarIncrement) -> None:
-        """Use the motion since the last increment's end, and remember the pose for the next; the
-        first begins.
+        """Correct by the motion since the last increment's end, and clone the pose again.
+
+        The first increment only clones the pose.
         """
         kalman = self._cloning
         if kalman.has_clone_at(increment.from_s):
@@ -70,5 +71,7 @@ class ErrorStateEkf(GnssImuFilter):
     def _T_imu_lidar(self, frame: str) -> Float:
         sensor = self._machine.sensors.get(frame)
         if sensor is None or sensor.link != self._machine.cabin_link:
-            raise ConfigError(f"estimation: odometry of '{frame}', which is no sensor on the cabin")
+            raise ConfigError(
+                f"estimation: there is odometry of '{frame}', but no such sensor on the cabin"
+            )
         return np.asarray(self._T_imu_cabin @ sensor.T_link_sensor)

@@ -24,17 +24,17 @@ from executive.messages.imu import ImuSample
 from executive.messages.odometry import LidarIncrement
 
 GLOBAL, FALLBACK = "GLOBAL", "FALLBACK"
-_DOUBT_S = 2.0  # time after which a chassis that was seen to move may be taken to stand
+_DOUBT_S = 2.0  # time after a motion of the chassis during which standstill is ignored
 
 
 class GnssImuSettings(CabinSettings):
-    """Settings of the filter: those of all, and what it believes when."""
+    """Settings of the filter, in addition to those of all cabin estimators."""
 
     lag_s: Seconds = Field(
         0.1,
         ge=0,
         le=2,
-        description="Corrections may come this late [s]; the state is predicted over it.",
+        description="Largest delay of measurements [s]; the state is predicted over it.",
     )
     gate: float = Field(
         22.0,
@@ -42,7 +42,9 @@ class GnssImuSettings(CabinSettings):
         description="Largest squared Mahalanobis distance of a fix (χ², 3: 1 in 15,000).",
     )
     reacquire_after: int = Field(
-        100, gt=0, description="Fixes refused in a row by the gate until the pose is doubted."
+        100,
+        gt=0,
+        description="Consecutive fixes beyond the gate after which the covariance is inflated.",
     )
     fallback_after_s: Seconds = Field(
         1.0, gt=0, le=60, description="Time without a used fix until FALLBACK [s]."
@@ -50,14 +52,14 @@ class GnssImuSettings(CabinSettings):
 
 
 class GnssImuFilter(CabinEstimator):
-    """An error-state Kalman filter on the cabin; heading comes with the antennas' lever arms.
+    """An error-state Kalman filter on the cabin; the antennas' lever arms give the heading.
 
-    With one antenna it begins after the first metres of motion, and heading is known as far as the
-    body accelerates.
+    With one antenna it starts after the first metres of motion, and the heading is observable only
+    while the body accelerates.
 
-    The role of the paper's baseline, the two-state implicit filter: inertial and satellite
-    measurements only (Nubert 2022, Sec. V). The filter itself trails by `lag_s`, so that
-    measurements of whatever latency are used at their own time and in order; the state at the
+    It takes the role of the paper's first baseline, the two-state implicit filter, which uses
+    inertial and satellite measurements only (Nubert 2022, Sec. V). The filter itself trails by
+    `lag_s`, so that delayed measurements are used at their own time and in order. The state at the
     newest inertial sample is predicted from it.
     """
 
@@ -103,7 +105,7 @@ class GnssImuFilter(CabinEstimator):
         )
 
     def add_odometry(self, increment: LidarIncrement) -> None:
-        """Take no notice: this filter is the one without lidar."""
+        """Do nothing: this filter does not use lidar."""
 
     def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
         self._queue("joints", stamp_s, lambda at: self._correct_by_standing(at, rate_cabin))
@@ -127,16 +129,17 @@ class GnssImuFilter(CabinEstimator):
             return
         self._stamp_gate.refuse(antenna, "outlier")
         self._gated += 1
-        if (
-            self._gated >= self._settings.reacquire_after
-        ):  # so many agree against the filter: it is the one to doubt
-            kalman.doubt(float(np.linalg.norm(residual)), 0.5, 0.1)
+        if self._gated >= self._settings.reacquire_after:
+            # The filter is more likely wrong than so many fixes.
+            kalman.inflate(float(np.linalg.norm(residual)), 0.5, 0.1)
             self._gated = 0
-            self._moving_s = kalman.state.stamp_s  # in doubt it would believe anything
+            self._moving_s = kalman.state.stamp_s  # an inflated state would accept any standstill
 
     def _correct_by_standing(self, kalman: ErrorStateFilter, rate_cabin: Float) -> None:
-        """A chassis that drives smoothly looks as if it stood: what the filter contradicts is not
-        believed soon.
+        """Correct by a chassis at rest, unless the filter contradicts that it is at rest.
+
+        A chassis that drives smoothly looks as if it were at rest. After a contradiction,
+        standstill is ignored for `_DOUBT_S`.
         """
         if kalman.state.stamp_s - self._moving_s < _DOUBT_S:
             return
@@ -145,9 +148,8 @@ class GnssImuFilter(CabinEstimator):
         if not kalman.correct(residual, H, settings.velocity_std_m_s**2 * np.eye(3), gate):
             self._moving_s = kalman.state.stamp_s
             return
-        if (
-            np.linalg.norm(rate_cabin) < settings.rate_std_rad_s
-        ):  # encoders differentiate well at rest only
+        if np.linalg.norm(rate_cabin) < settings.rate_std_rad_s:
+            # Differentiated encoder readings are accurate at rest only.
             residual, H = rate_residual(kalman.state, self._T_imu_cabin[:3, :3] @ rate_cabin)
             kalman.correct(residual, H, settings.rate_std_rad_s**2 * np.eye(3), gate)
 

@@ -1,4 +1,4 @@
-"""A filter that trails the newest inertial sample, for measurements that come late."""
+"""A filter that trails the newest inertial sample, for measurements that arrive late."""
 
 from bisect import insort
 from collections import deque
@@ -10,18 +10,16 @@ from executive_plugins.estimation.inertial.state import Inertial
 from executive_plugins.estimation.live.packing import packed
 from executive_plugins.estimation.live.propagator import LivePropagator
 
-_COVARIANCE_PERIOD_S = (
-    0.049  # without a correction the head's covariance is carried on from a newer one so often
-)
+_COVARIANCE_PERIOD_S = 0.049  # between updates of the propagator's covariance without correction
 
 
 @dataclass(order=True, frozen=True)
 class Correction:
-    """What to do when the filter stands at a time; corrections are ordered by it.
+    """A correction that waits until the filter reaches its time; ordered by time.
 
     Attributes:
         stamp_s: Time of the measurement [s].
-        apply: Corrects the filter, which stands at that time then.
+        apply: Corrects the filter, whose state is at that time.
     """
 
     stamp_s: float
@@ -29,7 +27,7 @@ class Correction:
 
 
 class TrailingFilter:
-    """Uses measurements at their own time and in order, whatever is late by less than the lag.
+    """Uses measurements at their own time and in order, if they are late by less than the lag.
 
     Attributes:
         kalman: The filter, `lag_s` behind the propagator.
@@ -46,8 +44,9 @@ class TrailingFilter:
         propagator.take(packed(kalman.state, kalman.covariance))
 
     def add(self, correction: Correction) -> bool:
-        """Take a correction; return whether it is in time. What is older than the first state, that
-        one has in it.
+        """Add a correction; return whether it is in time.
+
+        A correction before the first state is ignored, since that state includes it.
         """
         if correction.stamp_s > self._begin_s:
             if correction.stamp_s < self.kalman.state.stamp_s:
@@ -69,9 +68,7 @@ class TrailingFilter:
             self._propagator.anchor(estimate)
 
     def _advance(self, until_s: float) -> bool:
-        """Predict up to a time, correcting on the way by all that was measured until then; return
-        whether any was.
-        """
+        """Predict up to a time with all corrections until then; return whether there were any."""
         is_corrected = False
         while self._corrections and self._corrections[0].stamp_s <= until_s:
             correction = self._corrections.pop(0)

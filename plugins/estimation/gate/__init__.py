@@ -1,1 +1,1 @@
-"""Which measurements an estimator takes: order in time, and tests of position fixes."""
+"""Checks of measurements: order of stamps, and tests of position fixes."""

@@ -1,5 +1,7 @@
-"""Which fixes to believe: by innovation, by agreement with the odometry over a window, and by many
-in a row.
+"""Gate for position fixes.
+
+A fix is tested by its innovation, by agreement with the odometry over a window and, after an
+outage, by agreement of several fixes in a row.
 """
 
 from collections import deque
@@ -13,12 +15,12 @@ from pydantic import Field
 from executive.arrays import Float
 from executive.config import Meters, Seconds, Settings
 
-_SIGMAS = 3.0  # of what fixes and odometry may differ by from noise alone
-_FEWEST = 6  # fixes that a drift can be told from
+_SIGMAS = 3.0  # bound on the difference of fixes and odometry that noise explains
+_FEWEST = 6  # fixes needed to detect a drift
 
 
 class GnssGateSettings(Settings):
-    """When fixes are believed, doubted and believed again."""
+    """When fixes are used, refused, and used again after an outage."""
 
     innovation: float = Field(
         22.0, gt=0, description="Largest squared Mahalanobis distance (χ², 3: 1 in 15,000)."
@@ -27,56 +29,69 @@ class GnssGateSettings(Settings):
         3.0, gt=0, le=30, description="Time over which fixes must agree with the odometry [s]."
     )
     window_drift_m: Meters = Field(
-        0.1, gt=0, le=5, description="Largest drift of fixes against it over the window [m]."
+        0.1,
+        gt=0,
+        le=5,
+        description="Largest drift of fixes against the odometry over the window [m].",
     )
     recover_after: int = Field(
-        5, ge=1, le=1000, description="Fixes in a row that must agree to be believed again."
+        5,
+        ge=1,
+        le=1000,
+        description="Number of consecutive fixes that must agree before fixes are used again.",
     )
     recover_after_s: Seconds = Field(
-        0.8, ge=0, le=60, description="Time over which they must agree [s]."
+        0.8, ge=0, le=60, description="Time over which these fixes must agree [s]."
     )
-    recover_drift_m: Meters = Field(0.04, gt=0, le=5, description="Largest drift among them [m].")
-    jump_m: Meters = Field(0.3, gt=0, le=10, description="Largest jump between two of them [m].")
+    recover_drift_m: Meters = Field(
+        0.04, gt=0, le=5, description="Largest drift of these fixes against the odometry [m]."
+    )
+    jump_m: Meters = Field(
+        0.3, gt=0, le=10, description="Largest jump between two of these fixes [m]."
+    )
     odometry_drift: float = Field(
-        0.01, ge=0, le=0.5, description="Drift in fallback as a share of the way."
+        0.01,
+        ge=0,
+        le=0.5,
+        description="Drift of the estimate in fallback as a share of the distance travelled.",
     )
     odometry_drift_m_s: float = Field(
-        0.01, ge=0, le=1, description="Drift in fallback in a second [m/s]."
+        0.01, ge=0, le=1, description="Drift of the estimate in fallback per second [m/s]."
     )
     inertial_drift_m_s2: float = Field(
         0.5,
         ge=0,
         le=10,
-        description="Error of acceleration in fallback without lidar, 3° of tilt [m/s²].",
+        description="Error of acceleration in fallback without lidar [m/s²]; default: 3° of tilt.",
     )
     reanchor_after_s: Seconds = Field(
         10.0,
         gt=0,
         le=600,
-        description="Fixes that agree for so long are believed wherever they are [s].",
+        description="Fixes that agree for this time are used whatever their position [s].",
     )
     unlock_after_s: Seconds = Field(
         60.0,
         gt=0,
         le=3600,
-        description="Fixes refused for so long are believed whatever the odometry says [s].",
+        description="Fixes refused for this time are used whatever the odometry measures [s].",
     )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Compared:
-    """A fix beside what the estimate and the odometry say.
+    """A fix beside the predictions of estimate and odometry.
 
     Attributes:
         fix: The fix.
         residual: Fix minus predicted antenna [m], shape (3,).
         covariance: Of the residual [m²], shape (3, 3).
-        p_odometry_antenna: The antenna by odometry alone, in the odometry's own frame [m], shape
-            (3,).
+        p_odometry_antenna: The antenna by odometry alone, in the odometry's own frame [m],
+            shape (3,).
         R_map_odometry: Attitude of that frame, shape (3, 3).
-        has_odometry: Whether that is a lidar's; else it is the estimate itself, which drifts
-            without fixes.
-        slack_m: What it may be wrong by besides [m].
+        has_odometry: Whether lidar odometry is available. If not, the estimate itself takes its
+            place, which drifts without fixes.
+        slack_m: Additional error of the prediction [m].
     """
 
     fix: Fix
@@ -93,19 +108,18 @@ class Compared:
         return float(self.residual @ np.linalg.solve(self.covariance, self.residual))
 
     def moved_since(self, earlier: "Compared") -> Float:
-        """Return how much farther the fixes moved than the odometry, between two of them [m], shape
-        (3,).
-        """
+        """Return how far the fix moved beyond the odometry since an earlier one [m], shape (3,)."""
         by_odometry = self.R_map_odometry @ (self.p_odometry_antenna - earlier.p_odometry_antenna)
         return self.fix.p_map_antenna - earlier.fix.p_map_antenna - by_odometry
 
 
 class GnssGate:
-    """Judges fixes, and says why it refuses one.
+    """Decides which fixes are used, and gives the reason if it refuses one.
 
-    The paper's gate compares raw consecutive fixes with a fixed distance (Nubert 2022, Sec. IV-C1),
-    so that a wrong fix which holds for a second is believed, and a slow drift always. Here a fix is
-    compared with the estimate, and many with the odometry, which a wrong fix cannot bend.
+    The paper's gate compares consecutive raw fixes with a fixed distance (Nubert 2022,
+    Sec. IV-C1). Such a gate passes a wrong fix that stays wrong for a second, and any slow drift.
+    Here one fix is compared with the estimate, and several with the odometry, which is independent
+    of them.
     """
 
     def __init__(self, settings: GnssGateSettings) -> None:
@@ -115,12 +129,12 @@ class GnssGate:
         self._refused_since_s: float | None = None
 
     def forget_odometry(self) -> None:
-        """Begin anew, as the odometry has."""
+        """Drop the comparisons with the odometry, after it has started again."""
         self._window.clear()
         self._run.clear()
 
     def refusal(self, compared: Compared) -> str:
-        """Return why a fix is not to be believed while the estimate is global; empty if it is."""
+        """Return why a fix is not used while the estimate is global; empty if it is used."""
         if compared.distance2 > self._settings.innovation:
             return f"{_norm(compared.residual):.2f} m off the estimate"
         if not compared.has_odometry:
@@ -134,12 +148,12 @@ class GnssGate:
         return f"drifted by {drift_m:.2f} m against the odometry" if drift_m else ""
 
     def begin_recovery(self) -> None:
-        """Forget earlier agreement: the estimate has fallen back."""
+        """Drop earlier comparisons, after the estimate has fallen back."""
         self._run.clear()
         self._refused_since_s = None
 
     def is_in_line(self, compared: Compared) -> bool:
-        """Take a fix while fallen back; return whether it agrees with those before it."""
+        """Add a fix during fallback; return whether it agrees with the fixes before it."""
         if self._refused_since_s is None:
             self._refused_since_s = compared.fix.stamp_s
         if self._run and not self._agrees(compared):
@@ -156,11 +170,11 @@ class GnssGate:
         return True
 
     def verdict(self, way_m: float, lost_s: float) -> str:
-        """Return why the run of fixes is to be believed again; empty if it is not yet.
+        """Return why the sequence of agreeing fixes is used again; empty if it is not used yet.
 
         Args:
-            way_m: Way since the last good fix [m].
-            lost_s: Time of the last good fix [s].
+            way_m: Distance travelled since the last used fix [m].
+            lost_s: Time of the last used fix [s].
         """
         settings, last = self._settings, self._run[-1]
         now_s = last.fix.stamp_s
@@ -175,21 +189,19 @@ class GnssGate:
         if enough and off_m < spread_m + drift_m:
             return f"{len(self._run)} fixes in a row agree, {off_m:.2f} m off"
         if lasted_s > settings.reanchor_after_s:
-            return f"fixes agree for {lasted_s:.0f} s, {off_m:.2f} m off: anchored anew"
+            return f"fixes agree for {lasted_s:.0f} s, {off_m:.2f} m off: position reset to them"
         if (
             self._refused_since_s is not None
             and now_s - self._refused_since_s > settings.unlock_after_s
         ):
             return (
                 f"fixes refused for {settings.unlock_after_s:.0f} s, {off_m:.2f} m off: "
-                "anchored anew"
+                "position reset to them"
             )
         return ""
 
     def agreed(self, after_s: float) -> Sequence[Compared]:
-        """Return the fixes of the run from a time on, at most those of the time that recovery
-        takes.
-        """
+        """Return the agreeing fixes from a time on, at most of the time that recovery takes."""
         since_s = self._run[-1].fix.stamp_s - self._settings.recover_after_s
         return self._since(max(after_s, since_s))
 
@@ -205,8 +217,9 @@ class GnssGate:
 
 
 def _drift(compared: Sequence[Compared], limit_m: float, least_s: float) -> float:
-    """Return how far fixes and odometry came apart from the first to the last third [m]; 0 within
-    limit and noise.
+    """Return how far fixes and odometry drifted apart between the first and last third [m].
+
+    It is 0 if the drift is within the limit and the noise.
     """
     if len(compared) < _FEWEST or compared[-1].fix.stamp_s - compared[0].fix.stamp_s < least_s:
         return 0.0

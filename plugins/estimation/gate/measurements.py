@@ -1,5 +1,6 @@
-"""What crosses the border to the smoother besides inertial samples: plain values, so that they can
-be sent.
+"""The measurements that a smoother uses besides inertial samples.
+
+They are plain values, so that they can be sent to another process.
 """
 
 from dataclasses import dataclass, field
@@ -28,7 +29,7 @@ class Fix:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Increment:
-    """How the IMU moved by lidar odometry.
+    """Motion of the IMU by lidar odometry.
 
     Attributes:
         from_s: Time of the earlier pose [s].
@@ -45,13 +46,13 @@ class Increment:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Standstill:
-    """The chassis is seen to stand while the cabin may turn on it.
+    """The chassis is at rest, while the cabin may turn on it.
 
     Attributes:
         stamp_s: Time of the joint sample [s].
         arm_imu: A point on the turn axis in IMU axes [m], shape (3,).
-        rate_imu: Angular velocity by the turn joint, IMU axes [rad/s], shape (3,); None while it
-            turns, for encoders differentiate well at rest only.
+        rate_imu: Angular velocity by the turn joint, IMU axes [rad/s], shape (3,); None while the
+            cabin turns, since differentiated encoder readings are accurate at rest only.
     """
 
     stamp_s: float
@@ -64,7 +65,7 @@ Measurement = Fix | Increment | Standstill
 
 @dataclass(order=True, frozen=True, slots=True)
 class PendingMeasurement:
-    """A measurement that the inertial samples have not reached; in order of time."""
+    """A measurement that is newer than the newest inertial sample; ordered by time."""
 
     stamp_s: float
     measurement: Measurement = field(compare=False)

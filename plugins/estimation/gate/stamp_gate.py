@@ -1,36 +1,31 @@
-"""The door of an estimator: samples that cannot be right are refused and counted,
-never repaired.
-"""
+"""Check that stamps are in order; wrong samples are refused and counted, never repaired."""
 
 import math
 from collections import Counter
 
-_JUMP_S = 5.0  # more than lies between two samples of any stream
-_SET_BACK_S = (
-    1.0  # stamps that are behind, but rise for so long, are those of a clock that was set back
-)
+_JUMP_S = 5.0  # longer than the period of any stream
+_SET_BACK_S = 1.0  # stamps that are behind but increase for so long: the clock was set back
 
 
 class StampGate:
-    """Admits samples whose stamps rise, one stream at a time.
+    """Accepts samples whose stamps increase, separately for each stream.
 
-    A stamp far ahead is admitted only if the next one agrees with it: by itself it would shut the
-    door on all that is right after it. Where it is the very first, the second may therefore go far
-    back. A clock that goes back for good is followed once its stamps have risen for a second with
-    none of the old clock between them.
+    A stamp far ahead is accepted only if the next one is close to it: a single wrong stamp would
+    otherwise cause all later samples to be refused. The first stamp of a stream may be wrong as
+    well; the second may therefore be far earlier. A clock that was set back is followed once its
+    stamps have increased for a second with no stamp of the old clock among them.
 
     Attributes:
-        refused: Number of refused samples by reason, such as `imu_cabin: back in time`.
+        refused: Number of refused samples by stream and reason, such as `imu_cabin: back in time`.
     """
 
     def __init__(self) -> None:
         self.refused: Counter[str] = Counter()
         self._newest_s: dict[str, float] = {}
         self._ahead_s: dict[str, float] = {}
-        self._behind_s: dict[
-            str, tuple[float, float, float]
-        ] = {}  # newest of the old clock, first and last of the new
-        self._alone: set[str] = set()  # streams whose newest stamp no other has followed yet
+        # For each stream: newest stamp of the old clock, first and last stamp of the new one.
+        self._behind_s: dict[str, tuple[float, float, float]] = {}
+        self._alone: set[str] = set()  # streams with one stamp only since the start or a jump
 
     def admits(self, stream: str, stamp_s: float, jump_s: float = _JUMP_S) -> bool:
         """Return whether a stamp is finite and newer than the stream's newest, and remember it.
@@ -38,12 +33,12 @@ class StampGate:
         Args:
             stream: Name of the stream.
             stamp_s: Time of measurement [s].
-            jump_s: A stamp that is so much newer must be followed by another before it is believed
-                [s].
+            jump_s: A stamp that is newer by more than this is accepted only after a second one
+                near it [s].
         """
         is_usual = stream not in self._alone and stream not in self._ahead_s
         if is_usual and 0 < stamp_s - self._newest_s.get(stream, math.inf) <= jump_s:
-            self._newest_s[stream] = stamp_s  # as nearly all are: little is spent on them
+            self._newest_s[stream] = stamp_s  # fast path: most samples arrive in order
             return True
         reason = self._reason(stream, stamp_s, jump_s)
         if reason:
@@ -55,7 +50,7 @@ class StampGate:
         return True
 
     def refuse(self, stream: str, reason: str) -> None:
-        """Count a sample that somebody else found wrong."""
+        """Count a sample that was found wrong by another check."""
         self.refused[f"{stream}: {reason}"] += 1
 
     def _reason(self, stream: str, stamp_s: float, jump_s: float) -> str:
@@ -78,7 +73,7 @@ class StampGate:
         return "" if 0 < stamp_s - before_s <= jump_s else "ahead of time"
 
     def _is_set_back(self, stream: str, stamp_s: float, newest_s: float, jump_s: float) -> bool:
-        """Return whether the clock itself has gone back for good; count it."""
+        """Return whether the clock was set back for good, and count that."""
         against_s, first_s, last_s = self._behind_s.get(stream, (math.nan, stamp_s, stamp_s))
         if against_s != newest_s or not 0 < stamp_s - last_s <= jump_s:
             first_s = stamp_s

@@ -1,27 +1,26 @@
-"""The door for streams whose samples may come late and out of order."""
+"""Check of stamps for streams whose samples may arrive late and out of order."""
 
 import math
 from collections import deque
 
 from executive_plugins.estimation.gate.stamp_gate import StampGate
 
-_REMEMBERED = 1000  # stamps a stream: 50 s of fixes
-_AHEAD_S = 1.0  # no sensor is so much earlier than the inertial one
+_REMEMBERED = 1000  # stamps in each stream: 50 s of fixes at 20 Hz
+_AHEAD_S = 1.0  # the inertial samples lag behind other sensors by less than this
 
 
 class UnorderedStampGate:
-    """Admits each stamp once, and none that the inertial samples cannot reach; refusals are the
-    doorkeeper's.
+    """Accepts each stamp once, unless it is in the future of the newest inertial sample.
+
+    Refusals are counted by the `StampGate` that it is made with.
     """
 
-    def __init__(self, door: StampGate) -> None:
-        self._stamp_gate = door
+    def __init__(self, stamp_gate: StampGate) -> None:
+        self._stamp_gate = stamp_gate
         self._seen: dict[str, deque[float]] = {}
 
     def admits(self, stream: str, stamp_s: float, now_s: float) -> bool:
-        """Return whether a stamp is new, finite and not in the future of the newest inertial
-        sample.
-        """
+        """Return whether a stamp is new, finite and not later than `now_s` by a second."""
         seen = self._seen.setdefault(stream, deque(maxlen=_REMEMBERED))
         if not math.isfinite(stamp_s):
             reason = "stamp not finite"

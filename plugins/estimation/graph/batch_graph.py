@@ -1,4 +1,4 @@
-"""A whole recording smoothed at once: the reference that an online trajectory is held against."""
+"""Batch smoothing of a whole recording, as a reference for online trajectories."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
@@ -29,8 +29,8 @@ from executive.messages.odometry import LidarIncrement
 SMOOTHED = "SMOOTHED"
 
 
-class _RecordingHost(InlineSmoother):
-    """Smooths inline, and keeps what it was given and what it answered, from each start on."""
+class _RecordingSmoother(InlineSmoother):
+    """Smooths inline, and records measurements and estimates since each start."""
 
     def __init__(self, settings: SmootherSettings, noise: InertialNoise) -> None:
         super().__init__(settings, noise)
@@ -56,19 +56,18 @@ class _RecordingHost(InlineSmoother):
 
 
 class _RecordingGraph(DualGraph):
-    """The online estimator, for its door, its first state and where the search begins."""
+    """The online estimator, for its checks, its first state and initial values."""
 
     def _made_host(self) -> SmootherHost:
-        self.host = _RecordingHost(self._settings.smoother, self._noise)
+        self.host = _RecordingSmoother(self._settings.smoother, self._noise)
         return self.host
 
 
 class BatchGraph(TrajectorySmoother):
-    """The dual graph's main graph without its lag and without its gate: all nodes, all fixes,
-    solved together.
+    """The dual graph's main graph over a whole recording, without lag and without gate.
 
-    There is one graph, for with the whole recording at hand an outage is bridged from both of its
-    ends. What a fix is worth is judged by the solution itself.
+    There is only one graph, since with the whole recording an outage is bridged from both of its
+    ends. Outliers among the fixes are found from the solution itself.
     """
 
     Settings = DualGraphSettings
@@ -107,7 +106,7 @@ class BatchGraph(TrajectorySmoother):
             while k < len(joints) and joints[k].stamp_s <= state.stamp_s:
                 turn.update(joints[k])
                 k += 1
-            propagator.turned()
+            propagator.set_turn()
             if not propagator.take(packed(state, P), is_alone=True):
                 raise DataError(f"the smoothed state at {state.stamp_s:.2f} s is not finite")
             answers.append(propagator.state(SMOOTHED))
@@ -117,7 +116,7 @@ class BatchGraph(TrajectorySmoother):
 def _fed(
     online: DualGraph, observations: Iterable[Observation | LidarIncrement]
 ) -> Iterator[JointSample]:
-    """Feed everything; yield the joints on the way."""
+    """Feed all observations to the estimator; yield the joint samples among them."""
     for observation in observations:
         online.add(observation)
         if isinstance(observation, JointSample):
@@ -125,7 +124,7 @@ def _fed(
 
 
 def _smoothed(graph: WholeGraph) -> Iterator[tuple[InertialState, Float]]:
-    """Yield the states at the samples of one graph, and the covariance of the node before each."""
+    """Yield the states at the samples of one graph, each with the covariance of the node before."""
     if len(graph) < 2 or not graph.has_fix:
         return
     nodes = graph.solve()

@@ -1,6 +1,4 @@
-"""Triangulation of a chain of nodes by QR, from the oldest on, that remembers what nothing new has
-touched.
-"""
+"""Elimination of a chain of nodes by QR, oldest first, that reuses earlier results."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -8,7 +6,7 @@ from dataclasses import dataclass
 import gtsam
 from executive_plugins.estimation.graph.factors import keys
 
-_INDEX = (1 << 56) - 1  # a key's last 56 bits number its node; the first 8 are the letter
+_INDEX = (1 << 56) - 1  # the last 56 bits of a key number its node; the first 8 are its letter
 
 
 def node_of(key: int) -> int:
@@ -18,33 +16,33 @@ def node_of(key: int) -> int:
 
 def nodes_of(factor: gtsam.NonlinearFactor | gtsam.GaussianFactor) -> frozenset[int]:
     """Return the nodes that a factor touches."""
-    return frozenset(key & _INDEX for key in factor.keys())  # noqa: SIM118 - GTSAM's, no mapping's
+    return frozenset(key & _INDEX for key in factor.keys())  # noqa: SIM118 - a factor is not a mapping
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Eliminated:
-    """A node that is expressed by later ones.
+    """A node that was eliminated.
 
     Attributes:
         node: The node.
-        conditional: The node given those that it is tied to.
-        rest: What the node's factors say of later nodes.
-        heirs: The nodes that the rest touches; none after the last.
+        conditional: Density of the node given its parents.
+        remainder: Factor on the parents that the elimination leaves.
+        parents: The later nodes that the node depends on; none for the last.
     """
 
     node: int
     conditional: gtsam.GaussianConditional
-    rest: gtsam.JacobianFactor
-    heirs: frozenset[int]
+    remainder: gtsam.JacobianFactor
+    parents: frozenset[int]
 
 
 class GraphChain:
     """The nodes eliminated so far, oldest first.
 
-    Measurements fall on the newest few of sixty nodes, and what was eliminated before them stays as
-    it was: an update costs what is new, not what is in the window. The idea is iSAM2's (Kaess
-    2012), whose tree is a chain here, so that a list will do; unlike there a node may be put in
-    anywhere.
+    New measurements concern the newest few of some sixty nodes, and the elimination of the nodes
+    before them stays valid. An update hence costs as much as its new measurements, not as much as
+    the window. The idea is that of iSAM2 (Kaess 2012), whose tree is a chain here, so that a list
+    suffices. Unlike there, a node may be inserted anywhere.
     """
 
     def __init__(self) -> None:
@@ -54,34 +52,35 @@ class GraphChain:
         return len(self._done)
 
     def copy(self) -> "GraphChain":
-        """Return an independent chain of the same content."""
+        """Return an independent chain with the same content."""
         twin = GraphChain()
         twin._done = self._done.copy()
         return twin
 
     def void_from(self, rank: int) -> None:
-        """Forget the elimination of a node and of all that are newer."""
+        """Undo the elimination of the node at a rank and of all newer nodes."""
         del self._done[max(rank, 0) :]
 
     def drop(self, count: int) -> list[gtsam.JacobianFactor]:
-        """Forget the oldest nodes; return what they say of those that stay (their marginal)."""
+        """Remove the oldest nodes; return their marginal, as factors on the nodes that stay."""
         leaving, self._done = self._done[:count], self._done[count:]
-        return [e.rest for e in self._inherited(leaving, {e.node for e in leaving})]
+        return [e.remainder for e in self._outstanding(leaving, {e.node for e in leaving})]
 
     def separator(self) -> set[int]:
-        """Return the nodes that are not eliminated, but touched by what is: they may not be
-        linearised anew.
+        """Return the nodes that are not eliminated but are parents of eliminated ones.
+
+        They must not be linearised at another point.
         """
         done = {e.node for e in self._done}
-        return set().union(*(e.heirs for e in self._inherited(self._done, done))) - done
+        return set().union(*(e.parents for e in self._outstanding(self._done, done))) - done
 
     @staticmethod
-    def _inherited(done: Sequence[Eliminated], gone: set[int]) -> list[Eliminated]:
-        """Return those whose rest has not been eliminated in its turn."""
-        return [e for e in done if e.heirs and gone.isdisjoint(e.heirs)]
+    def _outstanding(done: Sequence[Eliminated], gone: set[int]) -> list[Eliminated]:
+        """Return those whose remainder was not part of a later elimination."""
+        return [e for e in done if e.parents and gone.isdisjoint(e.parents)]
 
     def eliminate(self, nodes: Sequence[int], factors: Iterable[gtsam.GaussianFactor]) -> None:
-        """Eliminate the nodes that are not yet.
+        """Eliminate the nodes that are not eliminated yet.
 
         Args:
             nodes: All nodes, oldest first.
@@ -95,17 +94,17 @@ class GraphChain:
         buckets = [gtsam.GaussianFactorGraph() for _ in ranks]
         for factor in factors:
             buckets[_oldest(ranks, nodes_of(factor))].push_back(factor)
-        for e in self._inherited(self._done, set(nodes[:first])):
-            buckets[_oldest(ranks, e.heirs)].push_back(e.rest)
+        for e in self._outstanding(self._done, set(nodes[:first])):
+            buckets[_oldest(ranks, e.parents)].push_back(e.remainder)
         for node, bucket in zip(nodes[first:], buckets, strict=True):
-            conditional, rest = gtsam.EliminateQR(bucket, _ordering(node))
-            heirs = nodes_of(rest)
-            self._done.append(Eliminated(node, conditional, rest, heirs))
-            if heirs:
-                buckets[_oldest(ranks, heirs)].push_back(rest)
+            conditional, remainder = gtsam.EliminateQR(bucket, _ordering(node))
+            parents = nodes_of(remainder)
+            self._done.append(Eliminated(node, conditional, remainder, parents))
+            if parents:
+                buckets[_oldest(ranks, parents)].push_back(remainder)
 
     def newest(self) -> gtsam.GaussianConditional:
-        """Return the newest node's conditional, which depends on no other."""
+        """Return the newest node's conditional, which has no parents."""
         return self._done[-1].conditional
 
     def backwards(self) -> Iterable[Eliminated]:

@@ -1,6 +1,4 @@
-"""Estimation by two factor graphs over inertial, satellite and lidar measurements, propagated at
-each sample.
-"""
+"""Estimation by two factor graphs over inertial, satellite and lidar measurements."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -33,18 +31,18 @@ from executive.messages.status_change import StatusChange
 
 
 class DualGraphSettings(CabinSettings):
-    """Settings of the estimator: those of all, and where and how it smooths."""
+    """Settings of the estimator, in addition to those of all cabin estimators."""
 
     process: bool = Field(
         False,
-        description="Whether to smooth in a process of its own; false gives the same result on "
-        "each run.",
+        description="Whether to smooth in a separate process; false gives the same result on each "
+        "run.",
     )
     answer_within_s: Seconds = Field(
         1.0,
         gt=0.05,
         le=60,
-        description="A smoother's process that is silent for so long is replaced [s].",
+        description="Time without an answer after which the smoother's process is replaced [s].",
     )
     smoother: SmootherSettings = Field(
         default_factory=SmootherSettings, description="The graphs and the gate."
@@ -52,9 +50,11 @@ class DualGraphSettings(CabinSettings):
 
 
 class DualGraph(CabinEstimator):
-    """The paper's estimator (Nubert 2022, Sec. IV): each inertial sample is propagated at once, and
-    whenever a fix or a lidar increment comes, the smoother's answer takes the propagation's place
-    and is carried on to the newest sample.
+    """The paper's estimator (Nubert 2022, Sec. IV).
+
+    Each inertial sample is propagated at once. Whenever a fix or a lidar increment arrives, the
+    smoother computes a new estimate, which is propagated to the newest sample and replaces the
+    state there.
 
     Attributes:
         changes: Changes of the mode since the start, with their reasons.

@@ -1,6 +1,4 @@
-"""From measurements and states to GTSAM's factors and back; the orders of its blocks stay in this
-file.
-"""
+"""Conversion of measurements and states to GTSAM factors and back, with GTSAM's orders."""
 
 from collections.abc import Sequence
 
@@ -24,15 +22,12 @@ from gtsam.symbol_shorthand import B, V, X
 from executive.arrays import Float
 from executive.geometry.pose import pose
 
-_HUBER = (
-    1.345  # 95 % efficient on Gaussian noise; kernels that descend (Tukey, Geman-McClure) diverged
-)
-_INTEGRATION_VARIANCE = (
-    1e-10  # of position within a sample [m²/s]: what the rectangle rule leaves out
-)
-GAP_ACCELERATION_M_S2 = 1.0  # what the machine may do unseen in a gap of inertial samples
+# 95 % efficient on Gaussian noise; redescending kernels (Tukey, Geman-McClure) diverged.
+_HUBER = 1.345
+_INTEGRATION_VARIANCE = 1e-10  # error of the position's integration within a sample [m²/s]
+GAP_ACCELERATION_M_S2 = 1.0  # possible motion of the machine during a gap of inertial samples
 GAP_RATE_RAD_S = 0.8
-_LEAST_VARIANCE = 1e-12  # so that a first state that is known perfectly has an inverse
+_LEAST_VARIANCE = 1e-12  # so that the covariance of an exactly known first state has an inverse
 # GTSAM orders a node as pose (rotation, position in body axes), velocity, bias (accelerometer,
 # gyro).
 _ORDER = np.r_[ROTATION, POSITION, VELOCITY, ACCEL_BIAS, GYRO_BIAS]
@@ -44,8 +39,11 @@ def keys(node: int) -> tuple[int, int, int]:
 
 
 def preintegration(noise: InertialNoise, gap_s: float = 0.0) -> gtsam.PreintegrationCombinedParams:
-    """Return the parameters of preintegration (Forster 2017); a gap of the samples is paid for with
-    covariance.
+    """Return the parameters of preintegration (Forster 2017).
+
+    Args:
+        noise: Noise of the inertial sensor.
+        gap_s: Length of a gap in the samples, which increases the covariance [s].
     """
     params = gtsam.PreintegrationCombinedParams.MakeSharedU(noise.gravity_m_s2)
     eye = np.eye(3)
@@ -65,7 +63,7 @@ def bias_of(state: InertialState) -> gtsam.imuBias.ConstantBias:
 
 
 def insert(values: gtsam.Values, node: int, state: InertialState) -> None:
-    """Enter a state as a node's values."""
+    """Insert a state as the values of a node."""
     x, v, b = keys(node)
     values.insert(x, gtsam.Pose3(pose(state.R_map_imu, state.p_map_imu)))
     values.insert(v, state.v_map_imu)
@@ -75,7 +73,7 @@ def insert(values: gtsam.Values, node: int, state: InertialState) -> None:
 def extract(
     values: gtsam.Values, node: int, sample: Inertial, step: gtsam.VectorValues | None = None
 ) -> InertialState:
-    """Read a node's values, moved by a step if there is one, as a state at the end of a sample."""
+    """Return a node's values as a state at the end of a sample, after a step if there is one."""
     x, v, b = keys(node)
     T, velocity, bias = values.atPose3(x), values.atVector(v), values.atConstantBias(b).vector()
     if step is not None:
@@ -91,8 +89,11 @@ def extract(
 
 
 def covariance_of(R_node: Float, R_map_imu: Float) -> Float:
-    """Return the error's covariance in our order and axes from the root's square-root information,
-    (15, 15) each.
+    """Return the covariance of the error in our order and axes, shape (15, 15).
+
+    Args:
+        R_node: Square-root information of the newest node, in GTSAM's order, shape (15, 15).
+        R_map_imu: Attitude of that node, shape (3, 3).
     """
     root = np.linalg.solve(R_node, np.eye(DIMENSION))
     J = np.zeros((DIMENSION, DIMENSION))
@@ -103,7 +104,7 @@ def covariance_of(R_node: Float, R_map_imu: Float) -> Float:
 
 
 def prior(node: int, state: InertialState, covariance: Float) -> list[gtsam.NonlinearFactor]:
-    """Return one factor on all of a node with a full covariance, linear about the state."""
+    """Return one factor on a whole node with a full covariance, linear about the state."""
     J = np.eye(DIMENSION)[_ORDER]
     J[3:6] = J[3:6] @ _rotated(state.R_map_imu)
     P = J @ covariance @ J.T + _LEAST_VARIANCE * np.eye(DIMENSION)
@@ -119,7 +120,7 @@ def prior(node: int, state: InertialState, covariance: Float) -> list[gtsam.Nonl
 
 
 def _rotated(R_map_imu: Float) -> Float:
-    """Return the map from our error to the same with its position in IMU axes, shape (15, 15)."""
+    """Return the matrix that takes our error to one with the position in IMU axes, (15, 15)."""
     J = np.eye(DIMENSION)
     J[POSITION, POSITION] = R_map_imu.T
     return J
@@ -128,14 +129,15 @@ def _rotated(R_map_imu: Float) -> Float:
 def inertial_factor(
     nodes: tuple[int, int], first: InertialState, samples: Sequence[Inertial], noise: InertialNoise
 ) -> gtsam.NonlinearFactor:
-    """Preintegrate samples between two nodes; forces act in the attitude of a sample's middle, as
-    in `propagate`.
+    """Preintegrate the samples between two nodes.
+
+    Forces act in the attitude at the middle of a sample, as in `propagate`.
 
     Args:
         nodes: The earlier node and the later one.
         first: The state at the earlier node, for its time and its biases.
-        samples: Those after it, the last one ending at the later node; at least one.
-        noise: Of the inertial sensor.
+        samples: The samples after it, the last one ending at the later node; at least one.
+        noise: Noise of the inertial sensor.
     """
     gap_s = max(sample.since_last_s for sample in samples)
     sums = gtsam.PreintegratedCombinedMeasurements(
@@ -153,10 +155,10 @@ def inertial_factor(
 
 
 def fix_factor(node: int, fix: Fix) -> gtsam.NonlinearFactor:
-    """Return |p + R l − z| with the lever arm inside.
+    """Return a factor on |p + R l − z|, which includes the lever arm l.
 
-    The paper moves the antenna to the IMU beforehand (Nubert 2022, Eq. (8)–(9)), which turns an
-    error of heading into one of position; here it corrects the heading.
+    The paper moves the antenna to the IMU beforehand (Nubert 2022, Eq. (8)–(9)). There, an error of
+    heading causes an error of position; here it corrects the heading.
     """
     gaussian = gtsam.noiseModel.Gaussian.Covariance(fix.covariance)
     robust = gtsam.noiseModel.Robust.Create(
@@ -177,8 +179,9 @@ def between_factor(
 
 
 def pose_factor(node: int, T_map_imu: Float, covariance: Float) -> gtsam.NonlinearFactor:
-    """Return a pseudo-global lidar pose (Sec. IV-A4b); covariance of (rotation, translation) in IMU
-    axes, (6, 6).
+    """Return a pseudo-global lidar pose (Nubert 2022, Sec. IV-A4b).
+
+    The covariance is that of (rotation, translation) in IMU axes, shape (6, 6).
     """
     gaussian = gtsam.noiseModel.Gaussian.Covariance(covariance)
     robust = gtsam.noiseModel.Robust.Create(
@@ -188,13 +191,14 @@ def pose_factor(node: int, T_map_imu: Float, covariance: Float) -> gtsam.Nonline
 
 
 def velocity_factor(node: int, v_map_imu: Float, std_m_s: float) -> gtsam.NonlinearFactor:
-    """Return a velocity that is known otherwise [m/s]."""
+    """Return a factor on a velocity that was measured otherwise [m/s]."""
     return gtsam.PriorFactorVector(V(node), v_map_imu, gtsam.noiseModel.Isotropic.Sigma(3, std_m_s))
 
 
 def gyro_bias_factor(node: int, gyro_bias: Float, std_rad_s: float) -> gtsam.NonlinearFactor:
-    """Return a gyro bias that is known otherwise [rad/s]; the accelerometer's is left as good as
-    free.
+    """Return a factor on a gyro bias that was measured otherwise [rad/s].
+
+    The accelerometer's bias is constrained by 10 m/s² only, that is, practically not.
     """
     sigmas = np.concatenate([np.full(3, 10.0), np.full(3, std_rad_s)])
     bias = gtsam.imuBias.ConstantBias(np.zeros(3), gyro_bias)

@@ -1,6 +1,4 @@
-"""Lidar odometry as one chain of poses: where the IMU is in the frame that the odometry
-began in.
-"""
+"""Lidar odometry as one chain of poses, in the frame in which the odometry started."""
 
 from collections import deque
 
@@ -14,10 +12,10 @@ _KEPT_S = 5.0
 
 
 class LidarChain:
-    """Increments end to end; one that does not begin where the last ended begins a new chain.
+    """Composes increments; one that does not start where the last ended starts a new chain.
 
     Attributes:
-        way_m: Way along the chain [m], never reset.
+        way_m: Distance travelled [m], never reset.
         begun: Number of chains so far.
     """
 
@@ -27,7 +25,7 @@ class LidarChain:
         self.begun = 0
 
     def add(self, increment: Increment) -> None:
-        """Take an increment, in order of time."""
+        """Append an increment; increments come in order of time."""
         if not self._poses or abs(self._poses[-1][0] - increment.from_s) > _SAME_S:
             self._poses.clear()
             self._poses.append((increment.from_s, np.eye(4)))
@@ -38,13 +36,11 @@ class LidarChain:
             self._poses.popleft()
 
     def newest(self) -> tuple[float, Float] | None:
-        """Return time [s] and pose of the newest scan, shape (4, 4); None before the first
-        increment.
-        """
+        """Return time [s] and pose (4, 4) of the newest scan; None before the first increment."""
         return self._poses[-1] if self._poses else None
 
     def before(self, stamp_s: float, within_s: float) -> tuple[float, Float] | None:
-        """Return time [s] and pose of the last scan before a time, if it is not long ago."""
+        """Return time [s] and pose of the last scan before a time; None if it is too old."""
         for scan_s, T_chain_imu in reversed(self._poses):
             if scan_s <= stamp_s:
                 return (scan_s, T_chain_imu) if stamp_s - scan_s <= within_s else None

@@ -1,6 +1,4 @@
-"""The two factor graphs and who leads: raw samples and measurements in, estimates out (Nubert 2022,
-Sec. IV-C).
-"""
+"""The two factor graphs, from measurements to estimates (Nubert 2022, Sec. IV-C)."""
 
 from bisect import insort
 from collections import Counter
@@ -36,20 +34,19 @@ from executive_plugins.estimation.live.modes import Mode, Modes
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose, transform
 
-_SCAN_S = 0.3  # a fix is compared with the odometry of a scan at most so long before it
+_SCAN_S = 0.3  # longest time between a fix and the scan whose odometry it is compared with
 _FIX, _STANDING = "fix", "standing"
-_BREAK_S = 0.3  # a gap of samples over which the graph is cut
+_BREAK_S = 0.3  # a longer gap of samples is not integrated
 
 
 class GraphSmoother:
-    """Main graph with satellites and relative lidar; fallback graph with the lidar's poses as if
-    they were global.
+    """The main graph with fixes and relative lidar poses, and a fallback graph with global ones.
 
-    The paper lets the second lead in an outage (Nubert 2022, Sec. IV-A4b, IV-C). Its anchor keeps
-    the tilt and heading that were believed at the loss, and counts each pose as independent of the
-    last: over ten simulated outages the worst error was a third larger than by the main graph
-    alone. So that goes on to lead unless `fallback` says otherwise, and the covariance is its own
-    in any case.
+    In the paper the fallback graph gives the estimate in an outage (Nubert 2022, Sec. IV-A4b,
+    IV-C). It keeps the tilt and heading from the beginning of the outage, and treats each lidar
+    pose as independent of the last. Over ten simulated outages its worst error was a third larger
+    than that of the main graph alone. The main graph is therefore used throughout unless the
+    setting `fallback` says otherwise, and the covariance is always that of the main graph.
     """
 
     def __init__(
@@ -77,36 +74,35 @@ class GraphSmoother:
         return self._main if self._fallback is None else self._fallback
 
     def add_sample(self, sample: Inertial) -> None:
-        """Take an inertial sample that is newer than all before."""
+        """Add an inertial sample that is newer than all before."""
         before_s = self._samples.newest_s
         self._samples.append(sample)
         if sample.stamp_s - before_s > _BREAK_S:
             self._bridge(before_s, sample.stamp_s)
 
     def _bridge(self, before_s: float, after_s: float) -> None:
-        """Begin anew after a gap of samples that is too long to integrate,
-        at a guess and in doubt.
+        """Start a new graph after a gap in the samples that is too long to integrate.
+
+        Its first state is the propagated one, with its covariance inflated.
         """
         gap_s = after_s - before_s
-        doubted = ErrorStateFilter(
+        widened = ErrorStateFilter(
             self._leading.state_at(after_s), self._leading.covariance, self._noise
         )
-        doubted.doubt(
+        widened.inflate(
             0.5 * GAP_ACCELERATION_M_S2 * gap_s**2,
             GAP_ACCELERATION_M_S2 * gap_s,
             GAP_RATE_RAD_S * gap_s,
         )
-        self._main = GraphWindow(self._noise, self._samples, doubted.state, doubted.covariance)
-        self._last_good = (doubted.state, doubted.covariance)
-        self._used_fix_s = max(self._used_fix_s, after_s)  # nothing could be used in the gap
+        self._main = GraphWindow(self._noise, self._samples, widened.state, widened.covariance)
+        self._last_good = (widened.state, widened.covariance)
+        self._used_fix_s = max(self._used_fix_s, after_s)  # no fix could be used during the gap
         if self._fallback is not None:
             self._fallback = self._main.copy()
             self._anchor = None
 
     def add(self, measurement: Measurement) -> None:
-        """Take a measurement, late or not; it is used in the next update that the samples have
-        reached.
-        """
+        """Add a measurement, late or not; the next update that the samples have reached uses it."""
         insort(self._waiting, PendingMeasurement(measurement.stamp_s, measurement))
 
     @property
@@ -123,16 +119,14 @@ class GraphSmoother:
         return newest_s - self._leading.newest_s >= self._settings.node_after_s
 
     def update(self) -> Estimate:
-        """Use what has arrived, solve, and forget what is older than the lag."""
+        """Use the new measurements, solve, and marginalise what is older than the lag."""
         try:
             self._advance(self._samples.newest_s)
             self._solve()
         except UnsolvableError:
             self._rebuild()
-        state, P = self._last_good = (
-            self._leading.newest(),
-            self._main.covariance,
-        )  # the other's hides its anchor's
+        # The fallback graph's own covariance does not include the error of its anchor.
+        state, P = self._last_good = self._leading.newest(), self._main.covariance
         estimate = Estimate(
             state, P, self._modes.current, tuple(self._modes.changes), dict(self._refused)
         )
@@ -158,8 +152,9 @@ class GraphSmoother:
         self._samples.forget_before(min(window.oldest_s for window in self._windows()))
 
     def _rebuild(self) -> None:
-        """Begin anew at the last good estimate: one graph, its window lost but not its
-        knowledge.
+        """Start one new graph at the last good estimate.
+
+        The measurements in the window are lost.
         """
         self._refused["smoother: rebuilt"] += 1
         state, P = self._last_good
@@ -184,12 +179,15 @@ class GraphSmoother:
             self._take_standing(measurement)
 
     def _take_standing(self, standing: Standstill) -> None:
-        """Where the estimate knows better, what was said of standing lately was wrong as well."""
+        """Use a standstill, unless the estimate contradicts it.
+
+        After a contradiction, the standstills shortly before it are removed as well.
+        """
         state, P = self._predicted(standing.stamp_s)
         if self._standing.contradicts(standing, state, P):
             for window in self._windows():
                 window.take_back(_STANDING, standing.stamp_s - self._settings.standing_doubt_s)
-        if self._standing.is_believed(standing.stamp_s):
+        if self._standing.is_accepted(standing.stamp_s):
             for window in self._windows():
                 node = window.node_at(standing.stamp_s)
                 window.add(
@@ -210,8 +208,9 @@ class GraphSmoother:
             self._add_pseudo_global(self._fallback, increment)
 
     def _add_pseudo_global(self, fallback: GraphWindow, increment: Increment) -> None:
-        """Add T_map_chain · T_chain_imu (Eq. 10), the chain anchored where it was when the
-        satellites were lost.
+        """Add T_map_chain · T_chain_imu (Nubert 2022, Eq. 10).
+
+        The chain is anchored at its pose at the loss of the satellites.
         """
         newest = self._chain.newest()
         if newest is None or increment.from_s <= fallback.oldest_s:
@@ -249,7 +248,7 @@ class GraphSmoother:
 
     def _refuse(self, fix: Fix, refusal: str) -> None:
         self._refused[f"{fix.antenna}: outlier"] += 1
-        if "drifted" in refusal:  # those of the window drifted with it
+        if "drifted" in refusal:  # the other fixes of the window have drifted as well
             self._main.take_back(_FIX, fix.stamp_s - self._settings.gate.window_s)
         self._modes.change(fix.stamp_s, Mode.SUSPECT, f"{fix.antenna} {refusal}")
         if fix.stamp_s - self._used_fix_s > self._settings.fallback_after_s:
@@ -268,14 +267,15 @@ class GraphSmoother:
             self._fall_back(now_s, f"no good fix for {silent_s:.1f} s")
 
     def _fall_back(self, stamp_s: float, reason: str) -> None:
-        """Do without satellites. If the fallback graph is to lead:
-        at this point both are the same.
+        """Continue without satellites, and start the fallback graph if it shall give the estimate.
+
+        The fallback graph starts as a copy of the main graph.
         """
         self._modes.change(stamp_s, Mode.FALLBACK, reason)
         self._gate.begin_recovery()
         if self._settings.fallback == "relative":
             return
-        self._solve()  # without the fixes that were taken back
+        self._solve()  # without the fixes that were removed
         self._fallback = self._main.copy()
         self._anchor = None
         newest = self._chain.newest()
@@ -285,7 +285,7 @@ class GraphSmoother:
 
     def _recover(self, compared: Compared) -> None:
         fix = compared.fix
-        self._refused[f"{fix.antenna}: not yet believed"] += 1
+        self._refused[f"{fix.antenna}: during recovery"] += 1
         if not self._gate.is_in_line(compared):
             self._modes.change(
                 fix.stamp_s, Mode.FALLBACK, f"{fix.antenna} disagrees with those before it"
@@ -304,8 +304,10 @@ class GraphSmoother:
         self._modes.change(fix.stamp_s, Mode.GLOBAL, reason)
 
     def _return_to_main(self, first: Compared) -> None:
-        """Let the main graph lead again; where it has drifted more than it knows, it begins anew in
-        doubt.
+        """Use the main graph again after an outage.
+
+        If it has drifted by more than its covariance allows, it is started again at the leading
+        estimate with an inflated covariance.
         """
         leading, self._fallback = self._leading, None
         stamp_s = first.fix.stamp_s
@@ -314,12 +316,12 @@ class GraphSmoother:
         if own.distance2 < self._settings.gate.innovation:
             return
         state = leading.state_at(stamp_s)
-        doubted = ErrorStateFilter(state, leading.covariance, self._noise)
-        doubted.doubt(float(np.linalg.norm(first.residual)) + 0.1, 0.5, 0.1)
-        self._main = GraphWindow(self._noise, self._samples, state, doubted.covariance)
+        widened = ErrorStateFilter(state, leading.covariance, self._noise)
+        widened.inflate(float(np.linalg.norm(first.residual)) + 0.1, 0.5, 0.1)
+        self._main = GraphWindow(self._noise, self._samples, state, widened.covariance)
 
     def _compared(self, fix: Fix) -> Compared:
-        """Hold a fix against the leading estimate, and against the odometry alone."""
+        """Compare a fix with the leading estimate, and with the odometry alone."""
         window = self._leading
         state, P = self._predicted(fix.stamp_s)
         residual, H = antenna_residual(state, fix.arm_imu, fix.p_map_antenna)
@@ -334,8 +336,9 @@ class GraphSmoother:
         return Compared(fix, residual, S, transform(T_chain_imu, fix.arm_imu), R_map_chain, True)
 
     def _predicted(self, stamp_s: float) -> tuple[InertialState, Float]:
-        """Return what leads, at a time, and its covariance: the newest node's, grown by the time
-        since.
+        """Return the leading estimate at a time, and its covariance.
+
+        The covariance is that of the newest node, propagated over the time since.
         """
         window = self._leading
         state, ahead_s = window.state_at(stamp_s), stamp_s - window.newest_s
@@ -348,8 +351,9 @@ class GraphSmoother:
     def _reckoned(
         self, state: InertialState, scan_s: float, T_chain_scan: Float
     ) -> tuple[Float, Float]:
-        """Return the IMU by the lidar chain, carried on from the last scan, and the chain's
-        attitude in the map.
+        """Return the IMU in the lidar chain by odometry, and the chain's attitude in the map.
+
+        The pose is propagated from the last scan. The shapes are (4, 4) and (3, 3).
         """
         at_scan = self._leading.state_at(scan_s)
         T_map_scan = pose(at_scan.R_map_imu, at_scan.p_map_imu)

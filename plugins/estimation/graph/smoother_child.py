@@ -1,5 +1,6 @@
-"""One process that smooths: measurements go in by a pipe; samples and estimates lie in memory that
-both have.
+"""The child process that smooths.
+
+Measurements are sent to it by a pipe. Samples and estimates are exchanged by shared memory.
 """
 
 import multiprocessing
@@ -24,21 +25,21 @@ from executive_plugins.estimation.live.packing import is_finite, pack_into, samp
 
 from executive.arrays import Float
 
-_LEAVE_S = 1.0  # time that a child is given to end by itself
-_SPAWN_S = 60.0  # time that a child may take to import what it needs, on a machine that is busy
-_IDLE_S = 0.05  # without measurements it looks so often whether samples have come
-_SOON_S = 0.001  # and so often while a measurement waits for its sample
+_LEAVE_S = 1.0  # time for a child to end by itself
+_SPAWN_S = 60.0  # time for a child to import its modules, on a busy computer
+_IDLE_S = 0.05  # period of looking for samples while there are no measurements
+_SOON_S = 0.001  # the same while a measurement waits for its sample
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
-    """Where to begin.
+    """A state to start from.
 
     Attributes:
-        epoch: Number of the beginning; estimates carry it.
+        epoch: Number of the start; estimates carry it.
         state: The state.
         covariance: Of its error, shape (15, 15).
-        first_sample: Number of the first sample to go on with.
+        first_sample: Number of the first sample after it.
     """
 
     epoch: int
@@ -52,7 +53,7 @@ Batch = list[Start | Measurement]
 
 
 class SmootherChild:
-    """A child process; it says once that it is ready.
+    """A child process, which reports once that it is ready.
 
     Attributes:
         process: The process.
@@ -71,36 +72,36 @@ class SmootherChild:
 
     @property
     def is_ready(self) -> bool:
-        """Whether it takes batches.
+        """Whether it accepts batches.
 
         Raises:
-            EOFError, OSError: If it has died, or takes too long to begin.
+            EOFError, OSError: If the process has died, or takes too long to start.
         """
         if not self._is_ready and self._connection.poll(0):
             self._is_ready = self._connection.recv()
         if not self._is_ready and time.monotonic() > self._ready_by_s:
-            raise OSError("the smoother's process does not begin")
+            raise OSError("the smoother's process does not start")
         return self._is_ready
 
     def send(self, batch: Batch) -> None:
-        """Hand over a batch.
+        """Send a batch.
 
         Raises:
-            OSError: If it has died.
+            OSError: If the process has died.
         """
         self._connection.send(batch)
 
     def messages(self) -> Messages:
-        """Return the next words that it has sent; only to be called when there are any.
+        """Receive the next message of mode changes and refusals; call it only if one was sent.
 
         Raises:
-            EOFError, OSError: If it has died.
+            EOFError, OSError: If the process has died.
         """
         messages: Messages = self._connection.recv()
         return messages
 
     def close(self) -> None:
-        """Ask it to leave, and end it if it does not."""
+        """Ask the process to end, and kill it if it does not."""
         if self._is_ready and self.process.is_alive():
             with suppress(OSError):  # it may have died just now
                 self._connection.send(None)
@@ -108,7 +109,7 @@ class SmootherChild:
         self.kill()
 
     def kill(self) -> None:
-        """End it at once."""
+        """Kill the process."""
         self._connection.close()
         self.process.kill()
         self.process.join()
@@ -117,24 +118,24 @@ class SmootherChild:
 def _serve(
     connection: Connection, memory: Any, settings: SmootherSettings, noise: InertialNoise
 ) -> None:
-    """Answer measurements with estimates; end with the parent."""
+    """Answer measurements with estimates until the parent ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
     work = _Work(connection, memory, settings, noise)
     try:
         connection.send(True)
         while True:
-            if connection.poll(work.patience_s):
+            if connection.poll(work.timeout_s):
                 batch: Batch | None = connection.recv()
                 if batch is None:
                     return
                 work.take(batch)
             work.update()
-    except (EOFError, OSError):  # nobody is there any more
+    except (EOFError, OSError):  # the parent has ended
         return
 
 
 class _Work:
-    """The smoother, and what it has read and written of the shared block."""
+    """The smoother in the child, and its state of reading and writing the shared block."""
 
     def __init__(
         self, connection: Connection, memory: Any, settings: SmootherSettings, noise: InertialNoise
@@ -146,8 +147,8 @@ class _Work:
         self._epoch, self._read, self._messages, self._batches = 0, 0, 0, 0
 
     @property
-    def patience_s(self) -> float:
-        """Time to wait for a batch before looking for samples [s]."""
+    def timeout_s(self) -> float:
+        """Time to wait for a batch before the next look for samples [s]."""
         return _SOON_S if self._smoother is not None and self._smoother.is_waiting else _IDLE_S
 
     def take(self, batch: Batch) -> None:
@@ -160,7 +161,7 @@ class _Work:
                 self._smoother.add(item)
 
     def update(self) -> None:
-        """Read the samples that have come, and answer if they have brought anything new."""
+        """Read the new samples, and write an estimate if there is anything new."""
         if self._smoother is not None:
             end = int(self._block["published"][0])
             for sample in samples_from(self._block, self._read, end):
@@ -168,14 +169,11 @@ class _Work:
             self._read = max(end, self._read)
             if self._smoother.is_due:
                 self._answer(self._smoother.update())
-            self._block["handled"][0] = (
-                self._batches
-            )  # one in reserve, which has no smoother, writes nothing
+            # A spare process has no smoother and must not write.
+            self._block["handled"][0] = self._batches
 
     def _answer(self, estimate: Estimate) -> None:
-        """Write the estimate, then say so; what has no room in the block goes first,
-        by the pipe.
-        """
+        """Write the estimate, then count it; messages that do not fit are sent first."""
         number = int(self._block["answered"][0]) + 1
         row = self._block["answers"][0][number % ANSWERS : number % ANSWERS + 1]
         pack_into(row, estimate)

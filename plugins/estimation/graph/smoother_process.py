@@ -1,4 +1,4 @@
-"""Where the smoother runs: beside the inertial path in a process of its own, or in line with it."""
+"""Hosts of the smoother: in a separate process, or inline with the inertial samples."""
 
 import logging
 import time
@@ -26,18 +26,18 @@ from executive.arrays import Float
 from executive.messages.imu import ImuSample
 
 _log = logging.getLogger(__name__)
-# under way at a time: so many fit into the pipe, and a child that hangs never blocks the sender
+# Batches under way at a time: they fit into the pipe, so that a child that hangs does not block.
 _MOST_BATCHES = 16
-_MEASUREMENT_S = 0.01  # what one may cost on a busy machine
+_MEASUREMENT_S = 0.01  # time that one measurement may take on a busy computer
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SmootherUpdate:
-    """What an estimate brought besides the state.
+    """The part of an estimate besides the state.
 
     Attributes:
-        mode: How the estimator stands.
-        changes: Changes of the mode since the last news.
+        mode: Mode of the estimator.
+        changes: Changes of the mode since the last update.
         refused: Number of measurements refused since then, by stream and reason.
     """
 
@@ -46,15 +46,14 @@ class SmootherUpdate:
     refused: Mapping[str, int]
 
 
-_NOTHING_BESIDES = tuple(SmootherUpdate(mode, (), {}) for mode in MODES)
+_MODE_ONLY = tuple(SmootherUpdate(mode, (), {}) for mode in MODES)
 
 
 class SmootherHost(ABC):
-    """Takes raw samples, gives estimates whenever there is a new one; never blocks for long.
+    """Runs a smoother on samples and measurements, without blocking for long.
 
     Attributes:
-        memory: What the head's block is to lie in, for another process to read; None if there is no
-            other.
+        memory: Shared memory for the propagator's block; None if no other process reads it.
     """
 
     memory: Any = None
@@ -77,17 +76,18 @@ class SmootherHost(ABC):
             propagator: The propagator.
             sample: The sample.
             since_last_s: Time since the one before [s].
-            answered: What the propagator has said to it.
+            answered: The propagator's answer to the sample.
         """
 
     @abstractmethod
     def close(self) -> None:
-        """Release what the host owns."""
+        """Release all resources."""
 
 
 class InlineSmoother(SmootherHost):
-    """Updates at the sample that reaches a measurement: the same samples always give the same
-    estimates.
+    """Updates at the sample that reaches a measurement, in the caller's thread.
+
+    The result is deterministic: the same samples give the same estimates.
     """
 
     def __init__(self, settings: SmootherSettings, noise: InertialNoise) -> None:
@@ -115,24 +115,24 @@ class InlineSmoother(SmootherHost):
         return SmootherUpdate(estimate.mode, estimate.changes, estimate.refused)
 
     def _updated(self, sample: Inertial) -> Estimate | None:
-        """Hand over a sample; return a new estimate, if there is one."""
+        """Hand over a sample; return the new estimate, if there is one."""
         self._smoother.add_sample(sample)
         return self._smoother.update() if self._smoother.is_due else None
 
     def close(self) -> None:
-        """Own nothing."""
+        """Do nothing: this host holds no resources."""
 
 
 class ProcessSmoother(SmootherHost):
-    """Updates in a child process, for GTSAM holds the interpreter's lock through a whole update.
+    """Updates in a child process, since GTSAM holds the interpreter's lock during a whole update.
 
-    An inertial sample costs no system call: the child finds it in the block, and leaves its
-    estimates there. Only measurements are sent. A child that died, or does not answer in time, is
-    replaced by one that begins at the last estimate. It stands by: to begin with a new process
-    would cost the seconds that its imports take.
+    An inertial sample needs no system call: the child reads it from the shared block, and writes
+    its estimates there. Only measurements are sent. A child that has died or does not answer in
+    time is replaced by a spare child, which starts at the last estimate. The spare is started in
+    advance, because the imports of a new process take seconds.
 
     Attributes:
-        restarts: Number of children that had to be replaced.
+        restarts: Number of children that were replaced.
     """
 
     def __init__(
@@ -174,18 +174,18 @@ class ProcessSmoother(SmootherHost):
     ) -> SmootherUpdate | None:
         self._published[0] = propagator.samples  # not before the sample is written
         if self._deadline_s is not None and time.monotonic() > self._deadline_s:
-            self._look_after()
+            self._check_progress()
         if answered == self._taken:
             return None
         self._taken = answered
         return self._news(*propagator.take_answer(answered))
 
     def _news(self, mode: int, messages: int) -> SmootherUpdate | None:
-        """Return what came with an estimate; None if it goes back to an earlier beginning."""
+        """Return what came with an estimate; None if it belongs to an earlier start."""
         if mode < 0:
             return None
         if messages == self._messages:
-            return _NOTHING_BESIDES[mode]
+            return _MODE_ONLY[mode]
         changes: list[ModeChange] = []
         refused: Counter[str] = Counter()
         try:
@@ -199,7 +199,7 @@ class ProcessSmoother(SmootherHost):
         return SmootherUpdate(MODES[mode], changes, refused)
 
     def _send(self) -> None:
-        """Send what waits, if the child is ready; see that there is another one in reserve."""
+        """Send the waiting measurements if the child is ready; start a spare child."""
         try:
             if not self.child.is_ready or self._sent - self._handled[0] >= _MOST_BATCHES:
                 return
@@ -211,19 +211,18 @@ class ProcessSmoother(SmootherHost):
         if self._deadline_s is None:
             self._wait_for_answer(len(self._outbox))
         self._outbox = []
-        if self.spare is None:  # not before, for the two would import side by side
+        if self.spare is None:  # not earlier, or both children would import at the same time
             self.spare = self._spawned()
 
     def _wait_for_answer(self, measurements: int = 0) -> None:
-        """Give the child its time from now on, by the wall clock, the only one that a hung child
-        obeys.
+        """Set the child's deadline by the wall clock, which runs on while a child hangs.
 
-        It is given more if many measurements have gathered, as when it takes over from another.
+        The time is extended for many measurements, as after the replacement of a child.
         """
         self._seen = self._handled[0]
         self._deadline_s = time.monotonic() + self._answer_within_s + _MEASUREMENT_S * measurements
 
-    def _look_after(self) -> None:
+    def _check_progress(self) -> None:
         handled = self._handled[0]
         if handled == self._sent:
             self._deadline_s = None
@@ -234,7 +233,7 @@ class ProcessSmoother(SmootherHost):
 
     def _replace(self, reason: str) -> None:
         _log.warning(
-            "the smoother's process %s; another one goes on from the last estimate", reason
+            "the smoother's process %s; another one continues from the last estimate", reason
         )
         self.restarts += 1
         self.child.kill()
@@ -246,9 +245,7 @@ class ProcessSmoother(SmootherHost):
         self._send()
 
     def _last_start(self) -> list[Start]:
-        """Return the last estimate as a beginning, or the beginning itself if there is
-        none since.
-        """
+        """Return the last estimate as a start; if there is none, the last start itself."""
         if self._begun is None:
             return []
         number = int(self._block["answered"][0]) % ANSWERS
@@ -259,7 +256,7 @@ class ProcessSmoother(SmootherHost):
         return [Start(self._begun.epoch, state, covariance, self._first_after(state.stamp_s))]
 
     def _first_after(self, stamp_s: float) -> int:
-        """Return the number of the first sample that is newer."""
+        """Return the number of the first sample that is newer than a time."""
         first = self._published[0]
         samples = self._block["samples"][0]
         while (
@@ -269,11 +266,9 @@ class ProcessSmoother(SmootherHost):
             first -= 1
         return int(first)
 
-    def wait(self, patience_s: float) -> None:
-        """Wait until all that was sent is answered; for what has no clock to keep, such as a replay
-        or a test.
-        """
-        until_s = time.monotonic() + patience_s
+    def wait(self, timeout_s: float) -> None:
+        """Wait until everything sent is handled, at most `timeout_s`; for replays and tests."""
+        until_s = time.monotonic() + timeout_s
         while (self._outbox or self._handled[0] < self._sent) and time.monotonic() < until_s:
             if self._outbox:
                 self._send()
@@ -286,8 +281,9 @@ class ProcessSmoother(SmootherHost):
 
 
 def _counter(memory: Any, name: str) -> memoryview:
-    """Return one number of the block, which Python reads and writes at once, and in the order of
-    its lines.
+    """Return one number of the block as a memory view.
+
+    Python reads and writes it in one access, in program order.
     """
     offset = LIVE.fields[name][1]  # type: ignore[index]
     return memoryview(np.frombuffer(memory, np.uint8)[offset : offset + 8]).cast("q")  # type: ignore[arg-type]

@@ -12,10 +12,13 @@ class SmootherSettings(Settings):
     """Settings of the two graphs."""
 
     lag_s: Seconds = Field(
-        3.0, ge=0.5, le=30, description="Time that is smoothed; later measurements are refused [s]."
+        3.0,
+        ge=0.5,
+        le=30,
+        description="Length of the window; measurements that are later than this are refused [s].",
     )
     node_after_s: Seconds = Field(
-        0.5, gt=0, le=5, description="A node is made after so long without one [s]."
+        0.5, gt=0, le=5, description="Longest time between two nodes [s]."
     )
     suspect_after_s: Seconds = Field(
         0.6, gt=0, le=60, description="Time without a used fix until SUSPECT [s]."
@@ -24,37 +27,42 @@ class SmootherSettings(Settings):
         1.0, gt=0, le=60, description="Time without a used fix until FALLBACK [s]."
     )
     gate: GnssGateSettings = Field(
-        default_factory=GnssGateSettings, description="Which fixes are believed."
+        default_factory=GnssGateSettings, description="Which fixes are used."
     )
     fallback: Literal["relative", "pseudo_global"] = Field(
         "relative",
-        description="What leads without satellites: the main graph by relative poses, or the "
-        "paper's second one.",
+        description="Source of the estimate without satellites: 'relative' is the main graph with "
+        "relative lidar poses, 'pseudo_global' is the paper's second graph.",
     )
     fallback_position_std_m: Meters = Field(
         0.02, gt=0, le=5, description="Standard deviation of a pseudo-global lidar position [m]."
     )
-    fallback_yaw_std_rad: Radians = Field(0.005, gt=0, le=1, description="Of its heading [rad].")
+    fallback_yaw_std_rad: Radians = Field(
+        0.005, gt=0, le=1, description="Standard deviation of its heading [rad]."
+    )
     fallback_level_std_rad: Radians = Field(
         0.05,
         gt=0,
         le=1,
-        description="Of its roll and pitch [rad]; large, for gravity tells them better.",
+        description="Standard deviation of its roll and pitch [rad]; gravity gives them better.",
     )
     standing_velocity_std_m_s: MetersPerSecond = Field(
-        0.01, gt=0, le=1, description="Speed that a standing chassis may have [m/s]."
+        0.01, gt=0, le=1, description="Standard deviation of the speed of a chassis at rest [m/s]."
     )
     standing_rate_std_rad_s: RadiansPerSecond = Field(
-        0.005, gt=0, le=1, description="Turn that it may have [rad/s]."
+        0.005,
+        gt=0,
+        le=1,
+        description="Standard deviation of the angular velocity of a chassis at rest [rad/s].",
     )
     standing_gate: float = Field(
         11.3,
         gt=0,
-        description="Largest squared Mahalanobis distance of a standing chassis (χ², 3: 1 in 100).",
+        description="Largest squared Mahalanobis distance of a chassis at rest (χ², 3: 1 in 100).",
     )
     standing_doubt_s: Seconds = Field(
         1.0,
         ge=0,
         le=30,
-        description="Time around one that is farther off in which it is not believed [s].",
+        description="Time before and after a contradiction during which standstill is ignored [s].",
     )

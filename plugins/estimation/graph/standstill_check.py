@@ -1,4 +1,4 @@
-"""What a chassis that is seen to stand is worth to the graphs, and when it is not believed."""
+"""Measurements of a chassis at rest: when they are used, and their factors."""
 
 import gtsam
 import numpy as np
@@ -13,11 +13,11 @@ from executive.geometry.rotation import skew
 
 
 class StandstillCheck:
-    """Holds the measurements against the estimate: a chassis that drives smoothly looks as if it
-    stood.
+    """Compares measurements of a chassis at rest with the estimate.
 
-    On a simulated drive of 0.1 m/s² the detector was fooled for seconds, and the graph, whose fixes
-    its own gate then refused, stayed behind by metres.
+    A chassis that drives smoothly looks as if it were at rest. On a simulated drive with 0.1 m/s²
+    the detector was wrong for seconds, and the graph, whose fixes were then refused by its own
+    gate, stayed behind by metres.
     """
 
     def __init__(self, settings: SmootherSettings) -> None:
@@ -25,7 +25,7 @@ class StandstillCheck:
         self._contradicted_s = -np.inf
 
     def contradicts(self, standing: Standstill, state: InertialState, P: Float) -> bool:
-        """Return whether the estimate, with its covariance (15, 15), says that it moves."""
+        """Return whether the estimate, with its covariance (15, 15), shows motion."""
         residual, H = standstill_residual(state, standing.arm_imu)
         S = H @ P @ H.T + self._settings.standing_velocity_std_m_s**2 * np.eye(3)
         if residual @ np.linalg.solve(S, residual) <= self._settings.standing_gate:
@@ -33,15 +33,17 @@ class StandstillCheck:
         self._contradicted_s = standing.stamp_s
         return True
 
-    def is_believed(self, stamp_s: float) -> bool:
+    def is_accepted(self, stamp_s: float) -> bool:
         """Return whether the last contradiction is long enough ago."""
         return stamp_s - self._contradicted_s >= self._settings.standing_doubt_s
 
     def factors(
         self, node: int, standing: Standstill, state: InertialState
     ) -> list[gtsam.NonlinearFactor]:
-        """The speed of a point on the turn axis, v + R (ω × l), is zero; R and ω are taken as
-        estimated now.
+        """Return the factors of a chassis at rest.
+
+        The velocity of a point on the turn axis, v + R (ω × l), is zero; R and ω are taken from the
+        present estimate.
         """
         speed = state.R_map_imu @ skew(state.rate) @ standing.arm_imu
         made = [velocity_factor(node, -speed, self._settings.standing_velocity_std_m_s)]

@@ -1,6 +1,4 @@
-"""One factor graph over a whole recording: the factors of the window, solved at once by Levenberg
-and Marquardt.
-"""
+"""One factor graph over a whole recording, solved by Levenberg-Marquardt."""
 
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
@@ -38,21 +36,20 @@ from executive.geometry.rotation import log_so3
 
 _SAME_S = 5e-4  # as in the window
 _MOST_ITERATIONS = 30
-_ENOUGH = 1e-6  # relative decrease of the cost that ends the search
-_STANDING_SIGMAS = 5.0  # a chassis that is estimated to be so much faster does not stand
+_ENOUGH = 1e-6  # relative decrease of the cost at which the iteration ends
+_STANDING_SIGMAS = 5.0  # a chassis that is estimated to be faster than this is not at rest
 
 
 @dataclass(slots=True)
 class Recording:
-    """What an estimator worked with from one start on: the first state, and all that its door let
-    in.
+    """The input of an estimator since one start: the first state and all accepted measurements.
 
     Attributes:
         first: The first state and its error's covariance (15, 15).
         samples: Inertial samples after it.
-        measurements: Of whatever time, in order of arrival.
-        estimates: The newest states of the online smoother, in order of time: where the search
-            begins.
+        measurements: Measurements of any time, in order of arrival.
+        estimates: The newest states of the online smoother, in order of time; they give the
+            initial values.
     """
 
     first: tuple[InertialState, Float]
@@ -62,9 +59,7 @@ class Recording:
 
 
 class WholeGraph:
-    """Solves one recording; fixes that the solution contradicts are left out, and it is solved
-    again.
-    """
+    """Solves one recording, removes the fixes that the solution contradicts, and repeats."""
 
     def __init__(
         self, recording: Recording, settings: SmootherSettings, noise: InertialNoise
@@ -86,8 +81,9 @@ class WholeGraph:
         self.left_out = 0
 
     def _node_stamps(self, end_s: float) -> list[float]:
-        """Return times of nodes: where something is measured, and so often that no inertial factor
-        gets long.
+        """Return the times of the nodes [s].
+
+        There is a node at each measurement, and often enough that inertial factors stay short.
         """
         wanted = {
             end_s,
@@ -103,7 +99,7 @@ class WholeGraph:
         return stamps_s
 
     def _guessed(self, estimates: Sequence[InertialState]) -> Iterator[InertialState]:
-        """Yield a state for each node: the newest online estimate before it, carried on."""
+        """Yield an initial state for each node: the online estimate before it, propagated."""
         known_s = [state.stamp_s for state in estimates]
         for stamp_s in self._stamps_s:
             i = max(bisect_left(known_s, stamp_s + _SAME_S) - 1, 0)
@@ -119,7 +115,7 @@ class WholeGraph:
 
     @property
     def has_fix(self) -> bool:
-        """Whether anything ties the recording to the map."""
+        """Whether the recording holds a fix, which ties it to the map."""
         return any(isinstance(m, Fix) for m in self._measurements)
 
     def solve(self) -> list[InertialState]:
@@ -166,7 +162,7 @@ class WholeGraph:
         for node in range(1, len(states)):
             samples = self._samples.between(self._stamps_s[node - 1], self._stamps_s[node])
             yield inertial_factor((node - 1, node), states[node - 1], samples, self._noise)
-        belief = StandstillCheck(self._settings)
+        standstill = StandstillCheck(self._settings)
         for measurement in measurements:
             node = self._node(measurement.stamp_s)
             if isinstance(measurement, Fix):
@@ -175,7 +171,7 @@ class WholeGraph:
                 first = self._node(measurement.from_s)
                 yield between_factor(first, node, measurement.T_from_to, measurement.covariance)
             elif not self._moves(states[node], measurement.arm_imu):
-                yield from belief.factors(node, measurement, states[node])
+                yield from standstill.factors(node, measurement, states[node])
 
     def _moves(self, state: InertialState, arm_imu: Float) -> bool:
         speed = state.v_map_imu + state.R_map_imu @ np.cross(state.rate, arm_imu)
@@ -184,8 +180,9 @@ class WholeGraph:
         )
 
     def covariances(self) -> Iterator[Float]:
-        """Yield the covariance of each node's error, as far as its pose, the rest zero, shape (15,
-        15).
+        """Yield the covariance of each node's error, shape (15, 15).
+
+        Only the blocks of the pose are computed; all others are zero.
         """
         marginals = gtsam.Marginals(self._graph, self._values)
         for node in range(len(self._stamps_s)):
@@ -196,8 +193,10 @@ class WholeGraph:
             yield J @ marginals.marginalCovariance(x) @ J.T
 
     def between(self, states: Sequence[InertialState], node: int) -> Iterator[InertialState]:
-        """Yield the states at the samples after a node up to the next, which they lead to without a
-        step.
+        """Yield the states at the samples between a node and the next.
+
+        They are propagated from the node. The misfit at the next node is distributed linearly in
+        time, so that there is no step.
         """
         begin, end = states[node], states[node + 1]
         path = [begin]
@@ -213,7 +212,7 @@ class WholeGraph:
             yield retract(state, share * miss)
 
     def is_sample(self, stamp_s: float) -> bool:
-        """Return whether a sample ends at a time; nodes may stand within one."""
+        """Return whether a sample ends at a time; nodes may lie within a sample."""
         return self._samples.ends_at(stamp_s)
 
     def __len__(self) -> int:

@@ -1,6 +1,4 @@
-"""One factor graph over the last seconds: nodes at measurements, inertial factors between, what is
-older as a prior.
-"""
+"""A fixed-lag factor graph: nodes at measurements, inertial factors, a prior for older nodes."""
 
 from bisect import bisect_left
 from collections.abc import Iterable, Sequence
@@ -26,22 +24,22 @@ from executive.errors import DataError
 
 _SAME_S = 5e-4  # measurements nearer in time share a node: at 1 m/s that is half a millimetre
 _MOST_ITERATIONS = 6
-# How far a node may be from where its factors are linearised, in GTSAM's order of a step: biases of
-# the accelerometer and the gyro, velocity, rotation, position. What that neglects is of second
-# order, and a share of a kernel's weight.
+# Largest distance of a node from the linearisation point of its factors, in GTSAM's order of a
+# step: biases of accelerometer and gyro, velocity, rotation, position. The neglected terms are of
+# second order, besides a change in the weight of robust kernels.
 _LINEAR = np.repeat([0.02, 2e-3, 0.03, 6e-4, 1.5e-3], 3)
-# Changes of a node that are not handed on to older ones, in the order of _LINEAR: none of those is
-# given out.
+# Changes of a node below these values, in the order of _LINEAR, are not propagated to older nodes,
+# whose states are not reported.
 _UNMOVED = np.repeat([5e-4, 2e-5, 2e-4, 5e-5, 2e-4], 3)
 
 
 class UnsolvableError(DataError):
-    """The window's equations have no unique solution: build it anew."""
+    """The window's equations have no unique solution, so that it must be built again."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Measured:
-    """A factor that can be taken back by its kind and time [s], and the nodes that it touches."""
+    """A factor that can be removed by its kind and time [s], and the nodes that it touches."""
 
     kind: str
     stamp_s: float
@@ -50,13 +48,14 @@ class _Measured:
 
 
 class GraphWindow:
-    """A fixed-lag smoother that is solved whole, by QR along the chain of its nodes.
+    """A fixed-lag smoother that is solved by QR along the chain of its nodes.
 
-    The paper makes a node of every inertial sample (Nubert 2022, Sec. IV-A2); here nodes stand
-    where something was measured, and the sample that a node falls into is split there: the same
-    estimate from a quarter of the states. Only what a measurement touches is eliminated and
-    linearised again, yet a node may be put in anywhere, and the newest covariance is the last
-    triangle. Cholesky is no option: its squared condition throws on tight inertial noise.
+    The paper makes a node of every inertial sample (Nubert 2022, Sec. IV-A2). Here there is a node
+    at each measurement, and the sample that contains it is split there: the same estimate from a
+    quarter of the states. Only nodes that a measurement touches are eliminated and linearised
+    again, yet a node may be inserted anywhere. The newest covariance follows from the last triangle
+    of the elimination. Cholesky is not suitable: with tight inertial noise, the squared condition
+    number makes it fail.
     """
 
     def __init__(
@@ -67,10 +66,12 @@ class GraphWindow:
         self._stamps_s = [first.stamp_s]
         self._nodes = [0]
         self._next_node = 1
-        self._points = gtsam.Values()  # where the factors are linearised, close to the estimate
+        self._points = gtsam.Values()  # linearisation points, close to the estimate
         insert(self._points, 0, first)
         self._chain = GraphChain()
-        self._steps: dict[int, gtsam.VectorValues] = {}  # from the points to the estimate, by node
+        self._steps: dict[
+            int, gtsam.VectorValues
+        ] = {}  # from linearisation point to estimate, by node
         self._prior = [
             _Measured("prior", -np.inf, f, nodes_of(f)) for f in prior(0, first, covariance)
         ]
@@ -79,9 +80,7 @@ class GraphWindow:
         self.covariance = covariance
 
     def copy(self) -> "GraphWindow":
-        """Return an independent window of the same content; factors are shared, for they never
-        change.
-        """
+        """Return an independent window with the same content; factors are immutable and shared."""
         twin = object.__new__(GraphWindow)
         twin.__dict__.update(self.__dict__)
         twin._points, twin._steps = gtsam.Values(self._points), self._steps.copy()
@@ -112,7 +111,7 @@ class GraphWindow:
         return self._state(len(self._nodes) - 1)
 
     def state_at(self, stamp_s: float) -> InertialState:
-        """Return the state at a time within the samples, carried on from the node before it."""
+        """Return the state at a time within the samples, propagated from the node before it."""
         i = max(bisect_left(self._stamps_s, stamp_s + _SAME_S) - 1, 0)
         state = self._state(i)
         return propagate_through(
@@ -126,9 +125,7 @@ class GraphWindow:
         )
 
     def node_at(self, stamp_s: float) -> int:
-        """Return the node at a time within the window and the samples,
-        making it if there is none.
-        """
+        """Return the node at a time within window and samples; create it if there is none."""
         i = bisect_left(self._stamps_s, stamp_s - _SAME_S)
         if i < len(self._stamps_s) and self._stamps_s[i] - stamp_s <= _SAME_S:
             return self._nodes[i]
@@ -148,7 +145,7 @@ class GraphWindow:
         return node
 
     def add(self, kind: str, stamp_s: float, factors: Iterable[gtsam.NonlinearFactor]) -> None:
-        """Add factors between nodes; kind and time are what they can be taken back by."""
+        """Add factors between nodes; `take_back` removes them by kind and time."""
         added = [_Measured(kind, stamp_s, factor, nodes_of(factor)) for factor in factors]
         self._measured.extend(added)
         self._void(added)
@@ -160,21 +157,20 @@ class GraphWindow:
         self._void(wrong)
 
     def _void(self, changed: Iterable[_Measured]) -> None:
-        """Forget the elimination of all that these factors touch."""
+        """Undo the elimination of all nodes from the oldest that these factors touch."""
         touched = frozenset().union(*(m.nodes for m in changed))
         rank = next((i for i, node in enumerate(self._nodes) if node in touched), len(self._nodes))
         self._chain.void_from(rank)
 
     def _inertial_factor(self, i: int) -> gtsam.NonlinearFactor:
-        """Tie a node to the one before it."""
+        """Return the inertial factor between a node and the one before it."""
         samples = self._samples.between(self._stamps_s[i - 1], self._stamps_s[i])
         return inertial_factor(
             (self._nodes[i - 1], self._nodes[i]), self._state(i - 1), samples, self._noise
         )
 
     def solve(self) -> None:
-        """Bring all nodes to the most probable values (Gauss–Newton), and the newest's covariance
-        with them.
+        """Compute the most probable values (Gauss-Newton) and the covariance of the newest node.
 
         Raises:
             UnsolvableError: If the equations have no unique solution or it is not finite.
@@ -187,7 +183,7 @@ class GraphWindow:
             self._void(m for m in self._factors() if not far.isdisjoint(m.nodes))
 
     def _factors(self, rank: int = 0) -> list[_Measured]:
-        """Return all factors whose oldest node is of a rank or newer."""
+        """Return all factors whose oldest node has a rank or a newer one."""
         wanted = frozenset(self._nodes[rank:])
         pairs = zip(self._nodes[rank:], self._nodes[rank + 1 :], strict=False)
         inertial = [
@@ -209,7 +205,7 @@ class GraphWindow:
             linear = graph.linearize(self._points)
             self._chain.eliminate(self._nodes, (linear.at(k) for k in range(linear.size())))
             moved = self._substitute(set(self._nodes[first:]))
-        except RuntimeError as error:  # what GTSAM throws on a singular system
+        except RuntimeError as error:  # GTSAM raises it on a singular system
             raise UnsolvableError(str(error).strip().splitlines()[0]) from error
         newest = self._nodes[-1]
         self.covariance = covariance_of(self._chain.newest().R(), self.newest().R_map_imu)
@@ -220,7 +216,7 @@ class GraphWindow:
         return moved
 
     def _move_points(self, nodes: Iterable[int]) -> None:
-        """Linearise nodes at the estimate from now on."""
+        """Move the linearisation points of nodes to the estimate."""
         steps = gtsam.VectorValues()
         for node in nodes:
             if node in self._steps:
@@ -228,14 +224,14 @@ class GraphWindow:
         self._points = self._points.retract(steps)
 
     def _substitute(self, fresh: set[int]) -> set[int]:
-        """Solve from the newest node back, as far as anything moves; return what does."""
+        """Solve from the newest node back, as long as values change; return the changed nodes."""
         moved: set[int] = set()
         for done in self._chain.backwards():
-            if done.node not in fresh and moved.isdisjoint(done.heirs):
+            if done.node not in fresh and moved.isdisjoint(done.parents):
                 continue
             later = gtsam.VectorValues()
-            for heir in done.heirs:
-                later.insert(self._steps[heir])
+            for parent in done.parents:
+                later.insert(self._steps[parent])
             step = done.conditional.solve(later)
             if done.node in fresh or _differs(self._steps[done.node], step):
                 moved.add(done.node)
@@ -243,18 +239,16 @@ class GraphWindow:
         return moved
 
     def forget_before(self, stamp_s: float) -> None:
-        """Turn the nodes older than a time into a prior on those that they are tied to
-        (marginalisation).
-        """
+        """Marginalise the nodes older than a time: they become a prior on their neighbours."""
         count = min(bisect_left(self._stamps_s, stamp_s), len(self._nodes) - 1)
         if count <= 0:
             return
         if len(self._chain) < count:
             self._iterate()
         leaving = self._nodes[:count]
-        rests = self._chain.drop(count)
+        remainders = self._chain.drop(count)
         stayed = [p for p in self._prior if p.nodes.isdisjoint(leaving)]
-        self._prior = [*stayed, *(self._prior_of(rest) for rest in rests)]
+        self._prior = [*stayed, *map(self._prior_of, remainders)]
         self._measured = [m for m in self._measured if m.nodes.isdisjoint(leaving)]
         for after in self._nodes[1 : count + 1]:
             del self._inertial[after]
@@ -264,8 +258,8 @@ class GraphWindow:
                 self._points.erase(key)
         del self._nodes[:count], self._stamps_s[:count]
 
-    def _prior_of(self, rest: gtsam.JacobianFactor) -> _Measured:
-        factor = gtsam.LinearContainerFactor(rest, self._points_of(rest.keys()))
+    def _prior_of(self, remainder: gtsam.JacobianFactor) -> _Measured:
+        factor = gtsam.LinearContainerFactor(remainder, self._points_of(remainder.keys()))
         return _Measured("prior", -np.inf, factor, nodes_of(factor))
 
     def _points_of(self, wanted: Sequence[int]) -> gtsam.Values:

@@ -1,6 +1,4 @@
-"""What the filter's measurements should read, and how the state's error changes it (Solà 2017,
-error on the right).
-"""
+"""Residuals and Jacobians of the filter's measurements (Solà 2017, error on the right)."""
 
 import numpy as np
 from executive_plugins.estimation.inertial.state import (
@@ -16,15 +14,16 @@ from executive_plugins.estimation.inertial.state import (
 from executive.arrays import Float
 from executive.geometry.rotation import skew
 
-# Each returns measured − predicted, shape (3,), and its derivative by the state's error, negated,
-# shape (3, 15).
+# Each function returns measured − predicted, shape (3,), and H, the derivative of the prediction by
+# the error of the state, shape (3, 15).
 
 
 def antenna_residual(
     state: InertialState, arm_imu: Float, p_map_antenna: Float
 ) -> tuple[Float, Float]:
-    """Compare a fix with p_imu + R l, where l is the antenna's lever arm in IMU axes [m]: ∂/∂θ = −R
-    [l]×.
+    """Compare a position fix with the predicted antenna, p_imu + R l: ∂/∂θ = −R [l]×.
+
+    Here l is the antenna's lever arm in IMU axes [m].
     """
     H = np.zeros((3, DIMENSION))
     H[:, ROTATION] = -state.R_map_imu @ skew(arm_imu)
@@ -33,8 +32,10 @@ def antenna_residual(
 
 
 def standstill_residual(state: InertialState, arm_imu: Float) -> tuple[Float, Float]:
-    """Compare the speed of a point of the cabin that is on the turn axis, v_imu + R (ω × l), with
-    zero.
+    """Compare the velocity of a point on the turn axis, v_imu + R (ω × l), with zero.
+
+    Here l is the point in IMU axes [m]. A point on the turn axis does not move while the chassis
+    is at rest, even if the cabin turns.
     """
     speed = skew(state.rate) @ arm_imu
     H = np.zeros((3, DIMENSION))
@@ -45,9 +46,7 @@ def standstill_residual(state: InertialState, arm_imu: Float) -> tuple[Float, Fl
 
 
 def rate_residual(state: InertialState, rate_imu: Float) -> tuple[Float, Float]:
-    """Compare the angular velocity, bias removed, with one that is known otherwise [rad/s], both in
-    IMU axes.
-    """
+    """Compare the bias-free angular velocity with one measured otherwise [rad/s], IMU axes."""
     H = np.zeros((3, DIMENSION))
     H[:, GYRO_BIAS] = -IDENTITY_3
     return rate_imu - state.rate, H

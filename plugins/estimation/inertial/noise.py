@@ -1,4 +1,4 @@
-"""How an inertial sensor errs, as densities of white noise and random walks."""
+"""Noise of an inertial sensor as densities of white noise and random walks."""
 
 from dataclasses import dataclass, field
 
@@ -41,10 +41,14 @@ class InertialNoise:
 
     @classmethod
     def of(cls, imu: Imu, factor: float, gravity_m_s2: float) -> "InertialNoise":
-        """Take a sensor's data sheet, its white noise scaled by a factor for what a sheet leaves
-        out.
+        """Return the noise of a sensor's data sheet.
+
+        Args:
+            imu: The sensor.
+            factor: Factor on the white noise, for vibration that a data sheet does not include.
+            gravity_m_s2: Local gravity [m/s²].
         """
-        seconds = imu.rate_hz**-0.5  # a sample's standard deviation to a density
+        seconds = imu.rate_hz**-0.5  # from the standard deviation of a sample to a density
         return cls(
             max(factor * imu.gyro_noise_rad_s * seconds, 1e-5),
             max(factor * imu.accel_noise_m_s2 * seconds, 1e-4),

@@ -1,14 +1,14 @@
-"""The inertial samples of the last seconds, to be integrated between any two times."""
+"""Buffer of recent inertial samples, for integration between any two times."""
 
 from bisect import bisect_left, bisect_right
 
 from executive_plugins.estimation.inertial.state import Inertial
 
-LONG_GAP_S = 0.1  # samples further apart than this say little about what happened between them
+LONG_GAP_S = 0.1  # over a longer gap, the samples do not describe the motion
 
 
 class SampleBuffer:
-    """Samples in order of time, each the mean since the one before."""
+    """Samples in order of time; each is the mean over the time since the one before."""
 
     def __init__(self) -> None:
         self._stamps_s: list[float] = []
@@ -20,19 +20,20 @@ class SampleBuffer:
         return self._stamps_s[-1]
 
     def append(self, sample: Inertial) -> None:
-        """Take a sample that is newer than all."""
+        """Add a sample that is newer than all others."""
         self._stamps_s.append(sample.stamp_s)
         self._samples.append(sample)
 
     def at(self, stamp_s: float) -> Inertial:
-        """Return the part that ends at a time, of the sample that it falls into; the newest one
-        goes on beyond.
+        """Return the sample that contains a time, cut off at that time.
+
+        A time after the newest sample extends the newest one.
         """
         i = min(bisect_left(self._stamps_s, stamp_s), len(self._samples) - 1)
         return self._samples[i].until(stamp_s)
 
     def between(self, begin_s: float, end_s: float) -> list[Inertial]:
-        """Return the samples from one time to another, the last one split exactly there."""
+        """Return the samples between two times, the last one cut off at the later time."""
         if end_s <= begin_s:
             return []
         first, last = bisect_right(self._stamps_s, begin_s), bisect_left(self._stamps_s, end_s)

@@ -1,4 +1,4 @@
-"""The strapdown state of one inertial sensor, and how a pair of its samples carries it on."""
+"""The strapdown state of one inertial sensor, and its propagation by samples."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ from executive_plugins.estimation.inertial.strapdown import (
 from executive.arrays import Float
 from executive.geometry.rotation import skew
 
-# Blocks of the error state: rotation [rad] in IMU axes, velocity, position in map axes, gyro bias,
-# accelerometer bias.
+# Blocks of the error state: rotation [rad] in IMU axes, velocity and position in map axes, biases
+# of gyroscope and accelerometer in IMU axes.
 ROTATION, VELOCITY, POSITION, GYRO_BIAS, ACCEL_BIAS = (slice(i, i + 3) for i in range(0, 15, 3))
 DIMENSION = 15
 IDENTITY_3, _IDENTITY = np.eye(3), np.eye(DIMENSION)
@@ -26,15 +26,15 @@ IDENTITY_3, _IDENTITY = np.eye(3), np.eye(DIMENSION)
 class Inertial:
     """One inertial measurement as the filter keeps it: bias not removed, IMU axes.
 
-    It stands for the mean since the sample before, as sensors give it behind their anti-aliasing
-    filter; read as the value at its instant, a turn of 0.8 rad/s would lag by half a sample, 4
-    mrad.
+    It is the mean over the time since the previous sample, since sensors sample behind an
+    anti-aliasing filter. If it were taken as the value at its stamp, a turn of 0.8 rad/s would lag
+    by half a sample, 4 mrad.
 
     Attributes:
-        stamp_s: End of the time that it stands for [s].
+        stamp_s: End of the interval that it covers [s].
         rate: Angular velocity [rad/s], shape (3,).
         force: Specific force [m/s²], shape (3,).
-        since_last_s: Time since the sample before [s]; long in a gap.
+        since_last_s: Time since the sample before [s]; long after a gap.
     """
 
     stamp_s: float
@@ -43,19 +43,19 @@ class Inertial:
     since_last_s: float = 0.0
 
     def until(self, stamp_s: float) -> "Inertial":
-        """Return the part of this measurement that ends earlier."""
+        """Return this measurement, cut off at an earlier time [s]."""
         return Inertial(stamp_s, self.rate, self.force, self.since_last_s)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InertialState:
-    """Where an IMU is, how fast, and how wrong it measures, at the end of its newest sample.
+    """Pose, velocity and sensor biases of an IMU at the end of its newest sample.
 
     Attributes:
-        sample: The measurement that led here.
+        sample: The newest sample that was integrated.
         R_map_imu: Orientation, shape (3, 3).
         p_map_imu: Position in the map [m], shape (3,).
-        v_map_imu: Velocity against the map, map axes [m/s], shape (3,).
+        v_map_imu: Velocity relative to the map, map axes [m/s], shape (3,).
         gyro_bias: [rad/s], IMU axes, shape (3,).
         accel_bias: [m/s²], IMU axes, shape (3,).
     """
@@ -79,8 +79,10 @@ class InertialState:
 
 
 def propagate(state: InertialState, sample: Inertial, gravity_m_s2: float) -> InertialState:
-    """Carry the state on to a later sample; the force acts in the attitude of the middle, the earth
-    does not turn.
+    """Propagate the state to the end of a later sample.
+
+    The force acts in the attitude at the middle of the sample. The rotation of the earth is
+    neglected.
     """
     return propagate_through(state, (sample,), gravity_m_s2)
 
@@ -88,7 +90,10 @@ def propagate(state: InertialState, sample: Inertial, gravity_m_s2: float) -> In
 def propagate_through(
     state: InertialState, samples: Iterable[Inertial], gravity_m_s2: float
 ) -> InertialState:
-    """Carry the state on through samples one after the other; a state is made of the last only."""
+    """Propagate the state through several samples, oldest first.
+
+    It is faster than repeated calls of `propagate`, for only the last state is constructed.
+    """
     last, R, p, v = state.sample, state.R_map_imu, state.p_map_imu, state.v_map_imu
     gyro_bias, accel_bias = state.gyro_bias, state.accel_bias
     for sample in samples:
@@ -105,9 +110,7 @@ def propagate_through(
 def carry_covariance(
     state: InertialState, covariance: Float, noise: InertialNoise, dt_s: float
 ) -> Float:
-    """Return the covariance of the state's error a step later, by its present rate and force, shape
-    (15, 15).
-    """
+    """Propagate the covariance of the state's error over a step, shape (15, 15)."""
     force = state.sample.force - state.accel_bias
     after = np.empty((DIMENSION, DIMENSION))
     carry_covariance_by(
@@ -117,8 +120,15 @@ def carry_covariance(
 
 
 def carry_cross(state: InertialState, cross: Float, dt_s: float) -> Float:
-    """Return the covariance of the state's error with another's a step later, shape (15, k) → (15,
-    k).
+    """Propagate the cross-covariance of the state's error with another error.
+
+    Args:
+        state: The state before the step.
+        cross: Cross-covariance, shape (15, k).
+        dt_s: Length of the step [s].
+
+    Returns:
+        Cross-covariance after the step, shape (15, k).
     """
     force = state.sample.force - state.accel_bias
     after = np.empty(cross.shape)
@@ -127,10 +137,10 @@ def carry_cross(state: InertialState, cross: Float, dt_s: float) -> Float:
 
 
 def error_transition(state: InertialState, dt_s: float) -> Float:
-    """Return ∂(error after)/∂(error before) over a step, to first order in it, shape (15, 15).
+    """Return ∂(error after)/∂(error before) over a step, to first order, shape (15, 15).
 
-    The rotation's error is on the right, R = R̂ exp(θ), so that θ̇ = −ω×θ − b_g and v̇ = −R [f]× θ
-    − R b_a.
+    The rotation's error is on the right, R = R̂ exp(θ), so that θ̇ = −ω×θ − b_g and
+    v̇ = −R [f]× θ − R b_a.
     """
     R, force = state.R_map_imu, state.sample.force - state.accel_bias
     F = _IDENTITY.copy()

@@ -1,10 +1,9 @@
-"""The strapdown equations, compiled: what runs at each inertial sample, where NumPy's cost a call
-would add up.
+"""The strapdown equations in compiled form, for the work at each inertial sample.
 
-Signatures are fixed, so that all is compiled when this file is imported (once, then it is read from
-a cache), and no sample waits for a compiler. Read-only arrays of any layout are taken: that is what
-messages hold. What is found is written into arrays of the caller: to hand one back costs a
-microsecond.
+NumPy calls on arrays of this size cost more than their arithmetic. Signatures are fixed, so that
+everything is compiled when this file is imported (once; afterwards it is read from a cache) and no
+sample waits for a compiler. Read-only arrays of any layout are accepted, since messages hold such
+arrays. Results are written into arrays of the caller: returning an array costs a microsecond.
 """
 
 import math
@@ -18,8 +17,7 @@ _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 _MATRIX = types.Array(types.float64, 2, "A", readonly=True)
 _NEW_VECTOR, _NEW_MATRIX = types.float64[::1], types.float64[:, ::1]
 _REAL = types.float64
-# the error of rotation, velocity, position, gyro bias, accelerometer bias, as in inertial_state
-_N = 15
+_N = 15  # errors of rotation, velocity, position, gyro bias, accelerometer bias, as in `state`
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -46,7 +44,7 @@ def _turn(v: Float, factor: float) -> Float:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def multiply(A: Float, B: Float, C: Float) -> None:
-    """Find C = A B, shapes (3, 3)."""
+    """Compute C = A B, shapes (3, 3)."""
     for i in range(3):
         for j in range(3):
             C[i, j] = A[i, 0] * B[0, j] + A[i, 1] * B[1, j] + A[i, 2] * B[2, j]
@@ -63,7 +61,7 @@ def _rotated(R: Float, v: Float) -> Float:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def chain(A: Float, B: Float, C: Float) -> None:
-    """Find C = A B for poses, shapes (4, 4)."""
+    """Compute C = A B for poses, shapes (4, 4)."""
     for i in range(3):
         for j in range(4):
             C[i, j] = A[i, 0] * B[0, j] + A[i, 1] * B[1, j] + A[i, 2] * B[2, j]
@@ -79,7 +77,7 @@ def chain(A: Float, B: Float, C: Float) -> None:
     ),
     cache=True,
 )
-def advance(  # noqa: PLR0913 - the numbers of a state, which the compiler wants one by one
+def advance(  # noqa: PLR0913 - compiled code takes the arrays of a state one by one
     R: Float,
     p: Float,
     v: Float,
@@ -93,16 +91,17 @@ def advance(  # noqa: PLR0913 - the numbers of a state, which the compiler wants
     p_after: Float,
     v_after: Float,
 ) -> None:
-    """Find orientation, position and velocity a step later; the force acts in the attitude of the
-    middle.
+    """Compute orientation, position and velocity after a step.
+
+    The force acts in the attitude at the middle of the step.
 
     Args:
-        R, p, v: In the map, shapes (3, 3), (3,) [m], (3,) [m/s].
+        R, p, v: Before the step, in the map, shapes (3, 3), (3,) [m], (3,) [m/s].
         gyro_bias, accel_bias: [rad/s], [m/s²], IMU axes, shape (3,) each.
         rate, force: As measured [rad/s], [m/s²], IMU axes, shape (3,) each.
         dt_s: Length of the step [s].
         gravity_m_s2: Along the map's −z.
-        R_after, p_after, v_after: What is found; of the shapes before.
+        R_after, p_after, v_after: Results, of the same shapes.
     """
     half_turn = _turn(rate - gyro_bias, 0.5 * dt_s)
     R_middle = np.empty((3, 3))
@@ -119,7 +118,7 @@ def advance(  # noqa: PLR0913 - the numbers of a state, which the compiler wants
 def _carry_rows(
     P: Float, turned_back: Float, R: Float, by_rotation: Float, dt_s: float, after: Float
 ) -> None:
-    """Find F P; F is the identity but for a few blocks, see `inertial_state.error_transition`."""
+    """Compute F P, with F the error transition of `state.error_transition`."""
     for j in range(P.shape[1]):
         for i in range(3):
             t = (
@@ -155,8 +154,7 @@ def _turned_force(R: Float, force: Float) -> Float:
 def carry_cross_by(
     C: Float, R: Float, rate: Float, force: Float, dt_s: float, after: Float
 ) -> None:
-    """Find F C, the covariance of the state's error with another's a step later, shape (15, k) →
-    (15, k).
+    """Compute F C, the cross-covariance of the state's error with another, shape (15, k) → (15, k).
 
     The other arguments are those of `carry_covariance_by`.
     """
@@ -167,15 +165,12 @@ def carry_cross_by(
 def carry_covariance_into(
     P: Float, R: Float, rate: Float, force: Float, densities: Float, dt_s: float, after: Float
 ) -> None:
-    """Find F P Fᵀ + Q, see `carry_covariance_by`; for arrays of any kind that compiled code may
-    hold.
-    """
+    """Compute F P Fᵀ + Q as `carry_covariance_by` does, for callers in compiled code."""
     turned_back, by_rotation = _turn(rate, -dt_s), _turned_force(R, force)
     half = np.empty((_N, _N))
     _carry_rows(P, turned_back, R, by_rotation, dt_s, half)
-    _carry_rows(
-        half.T, turned_back, R, by_rotation, dt_s, after
-    )  # F (F P)ᵀ = F P Fᵀ, for P is symmetric
+    # F (F P)ᵀ = F P Fᵀ, for P is symmetric.
+    _carry_rows(half.T, turned_back, R, by_rotation, dt_s, after)
     for i in range(3):
         after[i, i] += densities[0] ** 2 * dt_s
         after[3 + i, 3 + i] += densities[1] ** 2 * dt_s
@@ -190,15 +185,15 @@ def carry_covariance_into(
 def carry_covariance_by(
     P: Float, R: Float, rate: Float, force: Float, densities: Float, dt_s: float, after: Float
 ) -> None:
-    """Find F P Fᵀ + Q, the covariance of the state's error a step later, shape (15, 15).
+    """Compute F P Fᵀ + Q, the covariance of the state's error after a step, shape (15, 15).
 
     Args:
         P: Before, shape (15, 15).
         R: Orientation before, shape (3, 3).
         rate, force: Biases removed [rad/s], [m/s²], IMU axes, shape (3,) each.
-        densities: White noise of gyro and accelerometer, then the walks of their biases, shape
-            (4,).
+        densities: White noise of gyro and accelerometer, then the walks of their biases,
+            shape (4,).
         dt_s: Length of the step [s].
-        after: What is found, shape (15, 15).
+        after: Result, shape (15, 15).
     """
     carry_covariance_into(P, R, rate, force, densities, dt_s, after)

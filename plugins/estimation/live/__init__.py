@@ -1,1 +1,1 @@
-"""The estimate of this moment: the smoothed state, propagated by compiled inertial steps."""
+"""The estimate at the newest inertial sample: the smoothed state, propagated in compiled code."""

@@ -1,4 +1,4 @@
-"""The smoother's answer, a plain value that crosses the border between processes."""
+"""The result of the smoother, a plain value that can be sent between processes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,12 +11,12 @@ from executive.arrays import Float
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimate:
-    """What one update gives.
+    """The result of one update of the smoother.
 
     Attributes:
-        state: At the newest measurement.
-        covariance: Of its error, shape (15, 15).
-        mode: How the estimator stands.
+        state: State at the newest measurement.
+        covariance: Covariance of its error, shape (15, 15).
+        mode: Mode of the estimator.
         changes: Changes of the mode since the last update.
         refused: Number of measurements refused since the last update, by stream and reason.
     """

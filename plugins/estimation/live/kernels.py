@@ -1,9 +1,10 @@
-"""The inertial path, compiled: one call a sample.
+"""Propagation and reporting at each inertial sample, compiled into one call.
 
-Between two samples of 100 Hz the caches, and on many computers the branch predictor as well, are
-filled by others. What counts is then not the arithmetic, which takes a microsecond, but how much
-code and memory a sample touches: calls into NumPy of half a microsecond each take twenty. Hence one
-block, no array made on the way, and one function.
+Between two samples at 100 Hz, other code evicts this code from the processor's caches, and on many
+processors from the branch predictor. The time of a call is then determined by the amount of code
+and memory that it touches, not by the arithmetic, which takes a microsecond; NumPy calls of half a
+microsecond each take twenty. Hence all data is in one block, no array is allocated, and one
+function does everything.
 """
 
 import math
@@ -25,15 +26,15 @@ from executive.arrays import Float
 OUT_OF_RANGE, GAP = -1, -2
 _MAX_RATE_RAD_S = 35.0  # 2000 deg/s: the range of a MEMS sensor
 _MAX_FORCE_M_S2 = 160.0  # 16 g
-_COVARIANCE_PERIOD_S = 0.049  # it grows so slowly that one of up to 50 ms ago is good enough
-_TURN_AHEAD_S = 0.1  # for so long the turn joint is taken to go on as it went
+_COVARIANCE_PERIOD_S = 0.049  # the covariance grows slowly: one of up to 50 ms ago is reported
+_TURN_AHEAD_S = 0.1  # the turn joint's angle is extrapolated by at most this time
 
 Block = np.ndarray[Any, Any]
 _LIVE, _ROW = from_dtype(LIVE)[::1], from_dtype(ROW)[::1]
 _ESTIMATE = from_dtype(ESTIMATE)[::1]
 _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 _N = 15
-MODES = 8  # more than there are
+MODES = 8  # more than there are modes
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -43,7 +44,7 @@ def _is_beyond(v: Float, bound: float) -> bool:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _propagate(s: Any, stamp_s: float, rate: Float, force: Float) -> None:
-    """Carry the state on to a sample, as `strapdown.advance` does."""
+    """Propagate the state to a sample, as `strapdown.advance` does."""
     dt_s = stamp_s - s.stamp_s
     half_s = 0.5 * dt_s
     b = s.gyro_bias
@@ -66,9 +67,7 @@ def _propagate(s: Any, stamp_s: float, rate: Float, force: Float) -> None:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _carry_covariance(s: Any) -> None:
-    """Find the covariance of the cabin's pose at the newest sample, in its axes, from that of the
-    last estimate.
-    """
+    """Compute the covariance of the cabin's pose, in its axes, from that of the last estimate."""
     dt_s = s.stamp_s - s.from_s
     carry_covariance_into(s.from_P, s.from_R, s.from_rate, s.from_force, s.densities, dt_s, s.P)
     T, R = s.T_imu_cabin, s.R
@@ -91,9 +90,7 @@ def _carry_covariance(s: Any) -> None:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _pose_index(i: int) -> int:
-    """Return where rotation and position stand among the errors of the state,
-    see `inertial_state`.
-    """
+    """Return the index of a rotation or position error in the error state, see `state`."""
     return i if i < 3 else i + 3
 
 
@@ -108,7 +105,7 @@ def _place(s: Any, T: Float) -> None:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _report(s: Any, row: Any) -> None:
-    """Write what a report holds, see `BaseState`."""
+    """Write the fields of a report, see `BaseState`."""
     if not abs(s.stamp_s - s.carried_s) <= _COVARIANCE_PERIOD_S:
         _carry_covariance(s)
     ahead_s = min(_TURN_AHEAD_S, max(-_TURN_AHEAD_S, s.stamp_s - s.turn_s))
@@ -142,32 +139,30 @@ def report(live: Block, row: Block) -> None:
 
     Args:
         live: The block, shape (1,), dtype `LIVE`.
-        row: What is found, shape (1,), dtype `ROW`.
+        row: Result, shape (1,), dtype `ROW`.
     """
     _report(live[0], row[0])
 
 
 @njit(types.boolean(_VECTOR, _VECTOR), cache=True)  # type: ignore[untyped-decorator]
 def is_beyond_range(rate: Float, force: Float) -> bool:
-    """Return whether a sensor of this kind cannot have measured that [rad/s], [m/s²], shape (3,)
-    each.
-    """
+    """Return whether values are beyond a MEMS sensor's range [rad/s], [m/s²], shape (3,) each."""
     return bool(_is_beyond(rate, _MAX_RATE_RAD_S) or _is_beyond(force, _MAX_FORCE_M_S2))
 
 
 @njit(types.int64(_LIVE, types.float64, _VECTOR, _VECTOR, _ROW), cache=True)  # type: ignore[untyped-decorator]
 def step(live: Block, stamp_s: float, rate: Float, force: Float, row: Block) -> int:
-    """Propagate to a sample, keep it, and write the report.
+    """Propagate to a sample, store it, and write the report.
 
     Args:
         live: The block, shape (1,), dtype `LIVE`.
-        stamp_s: End of the time that the sample stands for [s].
+        stamp_s: End of the interval that the sample covers [s].
         rate, force: As measured [rad/s], [m/s²], IMU axes, shape (3,) each; finite.
-        row: What is found, shape (1,), dtype `ROW`.
+        row: Result, shape (1,), dtype `ROW`.
 
     Returns:
-        The number of estimates that the smoother's process has answered; or, with nothing done,
-        `OUT_OF_RANGE`, or `GAP` where so much time has passed that the state is worth nothing.
+        The number of estimates that the smoother's process has written so far. If nothing was done:
+        `OUT_OF_RANGE`, or `GAP` if the time since the last sample is too long or negative.
     """
     s = live[0]
     if is_beyond_range(rate, force):
@@ -189,11 +184,10 @@ def step(live: Block, stamp_s: float, rate: Float, force: Float, row: Block) -> 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _correct_odometry(s: Any) -> None:
-    """Move the map under the odometry by what a correction moved the sensor (Nubert 2022, Eq.
-    (11)).
+    """Move the map under the odometry by the sensor's motion in a correction (Nubert 2022, Eq. 11).
 
-    The paper does so when the satellites come back; here each correction does, large or small:
-    T_odom_map ← T_odom_map · T_before · T_after⁻¹.
+    T_odom_map ← T_odom_map · T_before · T_after⁻¹. The paper does this when the satellites come
+    back; here it is done at each correction, large or small.
     """
     after, to_before = s.T_map_imu, np.empty((4, 4))
     _place(s, after)
@@ -215,7 +209,7 @@ def _correct_odometry(s: Any) -> None:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _anchor(s: Any, e: Any) -> None:
-    """Carry the covariance on from an estimate from now on."""
+    """Store an estimate as the origin from which the covariance is propagated."""
     s.from_s = e.sample.stamp_s
     for i in range(3):
         s.from_rate[i] = e.sample.rate[i] - e.gyro_bias[i]
@@ -230,21 +224,22 @@ def _anchor(s: Any, e: Any) -> None:
 
 @njit(types.void(_LIVE, _ESTIMATE), cache=True)  # type: ignore[untyped-decorator]
 def anchor(live: Block, estimate: Block) -> None:
-    """Carry the covariance on from an estimate, shape (1,), dtype `ESTIMATE`, and leave the state
-    as it is.
+    """Propagate the covariance from an estimate and keep the state.
+
+    The estimate has shape (1,) and dtype `ESTIMATE`.
     """
     _anchor(live[0], estimate[0])
 
 
 @njit(types.void(_LIVE, _ESTIMATE, types.boolean), cache=True)  # type: ignore[untyped-decorator]
 def take(live: Block, estimate: Block, moves_map: bool) -> None:
-    """Put an estimate in the state's place, and carry it on through the samples that are newer.
+    """Replace the state by an estimate, propagated through the newer samples.
 
     Args:
         live: The block, shape (1,), dtype `LIVE`.
-        estimate: What is taken, shape (1,), dtype `ESTIMATE`; finite.
-        moves_map: Whether it corrects a state before, so that the odometry frame goes on from that
-            and the map moves.
+        estimate: The estimate, shape (1,), dtype `ESTIMATE`; finite.
+        moves_map: Whether it corrects the state before, so that the pose in the odometry frame
+            stays and the map moves.
     """
     s, e = live[0], estimate[0]
     _place(s, s.T_before)
@@ -269,11 +264,11 @@ def take(live: Block, estimate: Block, moves_map: bool) -> None:
 
 @njit(types.int64(_LIVE, types.int64), cache=True)  # type: ignore[untyped-decorator]
 def take_answer(live: Block, number: int) -> int:
-    """Do what `take` does with an estimate that the smoother's process has left in the block.
+    """Do what `take` does with an estimate that the smoother's process has written into the block.
 
     Returns:
-        Its mode plus `MODES` times the number of words that were sent until then; −1, with nothing
-        done, if it goes back to an earlier beginning.
+        Its mode plus `MODES` times the number of messages that were sent before it; −1 if the
+        estimate belongs to an earlier start and nothing was done.
     """
     k = number % ANSWERS
     answers = live[0].answers

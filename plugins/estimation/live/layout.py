@@ -1,7 +1,6 @@
-"""What the inertial path keeps, in one block of memory, so that a sample is one call of compiled
-code.
+"""Memory layout of the inertial path: one block, so that a sample is one call of compiled code.
 
-The block may be shared with the smoother's process: samples go there and estimates come back
+The block may be shared with the smoother's process. Samples and estimates are then exchanged
 without a system call.
 """
 
@@ -10,7 +9,7 @@ import numpy as np
 SAMPLE = np.dtype(
     [("stamp_s", "f8"), ("since_last_s", "f8"), ("rate", "f8", (3,)), ("force", "f8", (3,))]
 )
-"""An inertial sample, see `inertial_state.Inertial`."""
+"""An inertial sample, see `state.Inertial`."""
 
 ESTIMATE = np.dtype(
     [
@@ -22,17 +21,18 @@ ESTIMATE = np.dtype(
         ("accel_bias", "f8", (3,)),
         ("P", "f8", (15, 15)),
         ("mode", "i8"),
-        ("epoch", "i8"),  # which beginning it goes back to
-        ("messages", "i8"),  # how many messages of changes and refusals have been sent until then
+        ("epoch", "i8"),  # number of the start that it belongs to
+        ("messages", "i8"),  # messages of changes and refusals that were sent before it
     ]
 )
-"""A state of the inertial sensor with its covariance, and how the estimator stands."""
+"""A state of the inertial sensor with its covariance, and the mode of the estimator."""
 
-SAMPLES, ANSWERS = 4096, 8  # ten seconds at 400 Hz; estimates that may be written while one is read
+SAMPLES = 4096  # ring of samples: ten seconds at 400 Hz
+ANSWERS = 8  # ring of estimates, so that none is overwritten while it is read
 
 LIVE = np.dtype(
     [
-        # the state at the newest sample
+        # The state at the newest sample.
         ("stamp_s", "f8"),
         ("rate", "f8", (3,)),
         ("R", "f8", (3, 3)),
@@ -40,8 +40,7 @@ LIVE = np.dtype(
         ("v", "f8", (3,)),
         ("gyro_bias", "f8", (3,)),
         ("accel_bias", "f8", (3,)),
-        # what was estimated last, from which the covariance is carried on: rate and force without
-        # their biases
+        # The last estimate, from which the covariance is propagated; rate and force without biases.
         ("from_s", "f8"),
         ("from_R", "f8", (3, 3)),
         ("from_rate", "f8", (3,)),
@@ -50,7 +49,7 @@ LIVE = np.dtype(
         ("carried_s", "f8"),
         ("P", "f8", (15, 15)),
         ("covariance", "f8", (6, 6)),
-        # what stays, and the turn joint
+        # Constants, and the turn joint.
         ("gravity_m_s2", "f8"),
         ("gap_s", "f8"),
         ("densities", "f8", (4,)),
@@ -61,22 +60,19 @@ LIVE = np.dtype(
         ("turn_rad", "f8"),
         ("turn_rad_s", "f8"),
         ("T_odom_map", "f8", (4, 4)),
-        # scratch
+        # Scratch memory.
         ("half_turn", "f8", (3, 3)),
         ("R_middle", "f8", (3, 3)),
         ("T_map_imu", "f8", (4, 4)),
         ("T_cabin_base", "f8", (4, 4)),
         ("T_before", "f8", (4, 4)),
-        # what crosses to the smoother's process and back
-        ("written", "i8"),  # samples that are there
-        (
-            "forgotten",
-            "i8",
-        ),  # samples that no estimate is carried on through: of before a new beginning
-        ("published", "i8"),  # samples that the other side may read
-        ("handled", "i8"),  # batches that the other side has worked through
-        ("answered", "i8"),  # estimates that this side may read
-        ("epoch", "i8"),  # of which beginning they must be
+        # Exchange with the smoother's process.
+        ("written", "i8"),  # number of samples that were written
+        ("forgotten", "i8"),  # number of samples before a restart, which are not integrated
+        ("published", "i8"),  # number of samples that the smoother's process may read
+        ("handled", "i8"),  # number of batches that the smoother's process has handled
+        ("answered", "i8"),  # number of estimates that the propagator may read
+        ("epoch", "i8"),  # number of the start that estimates must belong to
         ("samples", SAMPLE, (SAMPLES,)),
         ("answers", ESTIMATE, (ANSWERS,)),
     ],

@@ -1,4 +1,4 @@
-"""How the dual graph stands towards the satellites, and why."""
+"""Modes of the dual graph with respect to satellite fixes, and their changes."""
 
 import logging
 from dataclasses import dataclass
@@ -8,11 +8,11 @@ _log = logging.getLogger(__name__)
 
 
 class Mode(StrEnum):
-    """State of the estimator.
+    """Mode of the estimator.
 
-    GLOBAL: fixes correct the estimate. SUSPECT: none has lately, or one was refused.
-    FALLBACK: lidar and inertia carry it. RECOVERING: fixes agree again with the odometry, but not
-    for long.
+    GLOBAL: fixes correct the estimate. SUSPECT: no fix came lately, or one was refused.
+    FALLBACK: the estimate relies on lidar and inertial sensor. RECOVERING: fixes agree again with
+    the odometry, but not yet for long enough.
     """
 
     GLOBAL = "GLOBAL"
@@ -29,7 +29,7 @@ class ModeChange:
         stamp_s: Time of the measurement, or of its absence, that caused it [s].
         before: The mode that ended.
         after: The mode that began.
-        reason: In words.
+        reason: The cause, in words.
     """
 
     stamp_s: float
@@ -39,7 +39,7 @@ class ModeChange:
 
 
 class Modes:
-    """The current mode and how it came about."""
+    """The current mode and the changes that led to it."""
 
     def __init__(self) -> None:
         self.current = Mode.GLOBAL
@@ -47,11 +47,11 @@ class Modes:
 
     @property
     def is_fallen_back(self) -> bool:
-        """Whether the estimate does without satellites."""
+        """Whether the estimate is computed without fixes."""
         return self.current in (Mode.FALLBACK, Mode.RECOVERING)
 
     def change(self, stamp_s: float, after: Mode, reason: str) -> None:
-        """Change the mode, and log it; the mode that is, is no change."""
+        """Change the mode and log the change; do nothing if the mode is the current one."""
         if after == self.current:
             return
         self.changes.append(ModeChange(stamp_s, self.current, after, reason))

@@ -1,6 +1,4 @@
-"""A state of the machine that costs little to make: its arrays are views, made when they are asked
-for.
-"""
+"""A state of the machine over one row of memory, whose arrays are made on access."""
 
 from typing import Any
 
@@ -23,18 +21,17 @@ ROW = np.dtype(
 
 
 class PackedState(BaseState):
-    """What `BaseState` is, over one row of memory, for an estimator that reports at each inertial
-    sample.
+    """A `BaseState` over one row of memory, for an estimator that reports at each inertial sample.
 
-    To make and to check six arrays costs more than to propagate a state. Whoever makes the row
-    answers for it: it is finite, locked, and nobody writes to it any more.
+    Making and checking six arrays would take longer than propagating a state. The caller must
+    ensure that the row is finite, read-only and not written to any more.
     """
 
     __slots__ = ("_row",)
     _row: np.ndarray[Any, Any]
 
     def __init__(self, stamp_s: float, row: np.ndarray[Any, Any], status: str) -> None:
-        """Make a state of a locked row, shape (1,), dtype `ROW`."""
+        """Make a state of a read-only row, shape (1,), dtype `ROW`."""
         put = object.__setattr__
         put(self, "stamp_s", stamp_s)
         put(self, "_row", row)

@@ -1,6 +1,4 @@
-"""Samples and estimates in the block that the inertial path shares with the smoother, and out of
-it.
-"""
+"""Conversion of samples and estimates to and from rows of the shared memory block."""
 
 import numpy as np
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
@@ -15,7 +13,7 @@ MODES = tuple(Mode)
 
 
 def samples_from(block: Block, first: int, end: int) -> list[Inertial]:
-    """Return copies of the samples of some numbers, of those that the block still holds.
+    """Return copies of samples, as far as the block still holds them.
 
     Args:
         block: Shape (1,), dtype `LIVE`.
@@ -27,29 +25,28 @@ def samples_from(block: Block, first: int, end: int) -> list[Inertial]:
 
 
 def sample_of(row: Block) -> Inertial:
-    """Return the sample of a row, dtype `SAMPLE`, which is copied."""
+    """Return a copy of the sample in a row, dtype `SAMPLE`."""
     return Inertial(
         float(row["stamp_s"]), row["rate"].copy(), row["force"].copy(), float(row["since_last_s"])
     )
 
 
 def packed(state: InertialState, covariance: Float) -> Block:
-    """Return a state with its covariance (15, 15) as an estimate of the mode GLOBAL, shape (1,),
-    dtype `ESTIMATE`.
-    """
+    """Return a state and its covariance (15, 15) as a row of mode GLOBAL, shape (1,)."""
     return packed_estimate(Estimate(state, covariance, Mode.GLOBAL, (), {}))
 
 
 def packed_estimate(estimate: Estimate) -> Block:
-    """Return an estimate without its messages, shape (1,), dtype `ESTIMATE`."""
+    """Return an estimate as a row, shape (1,), dtype `ESTIMATE`; see `pack_into`."""
     row = np.zeros(1, ESTIMATE)
     pack_into(row, estimate)
     return row
 
 
 def pack_into(row: Block, estimate: Estimate) -> None:
-    """Write an estimate into a row, shape (1,), dtype `ESTIMATE`; its changes and refusals do not
-    fit.
+    """Write an estimate into a row, shape (1,), dtype `ESTIMATE`.
+
+    Its changes of mode and its refusals are not part of a row.
     """
     state, to = estimate.state, row[0]
     sample = to["sample"]
@@ -61,9 +58,7 @@ def pack_into(row: Block, estimate: Estimate) -> None:
 
 
 def unpacked(row: Block) -> tuple[InertialState, Float]:
-    """Return copies of the state and the covariance (15, 15) of a row, shape (1,), dtype
-    `ESTIMATE`.
-    """
+    """Return copies of the state and covariance (15, 15) of a row, shape (1,), dtype `ESTIMATE`."""
     one = row[0]
     names = ("R", "p", "v", "gyro_bias", "accel_bias")
     return InertialState(sample_of(one["sample"]), *(one[name].copy() for name in names)), one[
@@ -72,7 +67,7 @@ def unpacked(row: Block) -> tuple[InertialState, Float]:
 
 
 def is_finite(row: Block) -> bool:
-    """Return whether an estimate, shape (1,), dtype `ESTIMATE`, holds numbers only."""
+    """Return whether all values of an estimate are finite, shape (1,), dtype `ESTIMATE`."""
     return all(
         bool(np.isfinite(row[name]).all())
         for name in ("R", "p", "v", "gyro_bias", "accel_bias", "P")

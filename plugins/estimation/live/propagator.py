@@ -1,6 +1,4 @@
-"""The state at the newest inertial sample, and the report of it: what an inertial sample is served
-from.
-"""
+"""The state at the newest inertial sample, propagated from the last estimate."""
 
 from typing import Any
 
@@ -26,11 +24,14 @@ from executive.arrays import Float
 from executive.messages.base_state import BaseState
 
 __all__ = ["GAP", "OUT_OF_RANGE", "LivePropagator"]
-_ROWS = 32  # reports that are made room for at once, which costs as much as for one
+_ROWS = 32  # reports allocated at once, which takes as long as allocating one
 
 
 class LivePropagator:
-    """Carries a state on from sample to sample; estimates take its place. The odometry frame never
+    """Propagates a state at each inertial sample, and replaces it when a new estimate arrives.
+
+    An estimate of an earlier time is propagated through the samples since then. Corrections move
+    the map frame relative to the odometry frame, so that the pose in the odometry frame has no
     steps (REP-105).
 
     Attributes:
@@ -49,17 +50,17 @@ class LivePropagator:
         """Make a propagator without a state.
 
         Args:
-            T_imu_cabin: Shape (4, 4).
-            turn: Of the chassis under the cabin.
-            noise: Of the inertial sensor.
-            gap_s: Time between two samples after which a state is worth nothing [s].
-            memory: A buffer of `LIVE.itemsize` bytes that another process reads and writes as well.
+            T_imu_cabin: Cabin in the IMU's frame, shape (4, 4).
+            turn: Joint between chassis and cabin.
+            noise: Noise of the inertial sensor.
+            gap_s: Longest time between two samples over which a state is propagated [s].
+            memory: A buffer of `LIVE.itemsize` bytes that is shared with another process.
         """
         self.block: Block = np.zeros(1, LIVE) if memory is None else np.frombuffer(memory, LIVE, 1)
         self._turn = turn
         self._has_state = False
         self._rows: list[tuple[Block, Block]] = []
-        self._row: Block | None = None  # the report of the newest sample, if nothing has come since
+        self._row: Block | None = None  # report of the newest sample, if nothing has changed since
         self.stamp_s, self.samples = -np.inf, 0
         fixed = self.block[0]
         fixed["T_imu_cabin"], fixed["T_joint_base"], fixed["axis"] = (
@@ -73,10 +74,10 @@ class LivePropagator:
             gap_s,
         )
         fixed["T_odom_map"] = np.eye(4)
-        self.turned()
+        self.set_turn()
 
     def step(self, stamp_s: float, rate: Float, force: Float) -> int:
-        """Go on to a sample; see `live_kernels.step`."""
+        """Propagate to a sample; see `kernels.step`."""
         if not self._rows:
             self._rows = _new_rows()
         row, locked = self._rows.pop()
@@ -86,10 +87,8 @@ class LivePropagator:
             self.samples += 1
         return answered
 
-    def turned(self) -> None:
-        """Take notice of what the turn joint has measured, and make room for reports while nobody
-        waits.
-        """
+    def set_turn(self) -> None:
+        """Take over the newest sample of the turn joint, and allocate rows for reports."""
         turn, block = self._turn, self.block
         block["turn_s"], block["turn_rad"], block["turn_rad_s"] = (
             turn.stamp_s,
@@ -101,21 +100,22 @@ class LivePropagator:
             self._rows = _new_rows() + self._rows
 
     def forget_samples(self) -> None:
-        """Carry no estimate on through the samples so far: a clock that was set back has put them
-        in its future.
+        """Exclude all samples so far from propagation.
+
+        After a clock was set back, they would lie in the future of new estimates.
         """
         self.block["forgotten"] = self.block["written"]
 
     def take(self, estimate: Block, is_alone: bool = False) -> bool:
-        """Put an estimate in the state's place, shape (1,), dtype `ESTIMATE`; not one that is not
-        finite.
+        """Replace the state by an estimate, propagated to the newest sample.
 
         Args:
-            estimate: The estimate; the propagator goes on from it to the newest sample.
-            is_alone: Whether it corrects nothing: map and odometry stay as they lie to one another.
+            estimate: The estimate, shape (1,), dtype `ESTIMATE`.
+            is_alone: Whether it is unrelated to the state before, so that the odometry frame stays
+                where it is in the map.
 
         Returns:
-            Whether it was finite, and taken.
+            Whether the estimate was finite; if not, it is ignored.
         """
         if not is_finite(estimate):
             return False
@@ -124,18 +124,22 @@ class LivePropagator:
         return True
 
     def anchor(self, estimate: Block) -> None:
-        """Carry the covariance on from an estimate, shape (1,), dtype `ESTIMATE`, and leave the
-        state as it is.
+        """Propagate the covariance from an estimate and keep the state.
+
+        The estimate has shape (1,) and dtype `ESTIMATE`.
         """
         anchor(self.block, estimate)
         self._row = None
 
     def take_answer(self, number: int) -> tuple[int, int]:
-        """Put an estimate that lies in the block in the state's place.
+        """Replace the state by an estimate that the smoother's process has written into the block.
+
+        Args:
+            number: Number of the estimate, counted from 1.
 
         Returns:
-            Its mode's number, negative if it is of another epoch and not taken; and the number of
-            messages until then.
+            The number of its mode, negative if the estimate belongs to an earlier start and was
+            ignored; and the number of messages that were sent before it.
         """
         answer = take_answer(self.block, number)
         if answer < 0:
@@ -146,7 +150,7 @@ class LivePropagator:
 
     @property
     def epoch(self) -> int:
-        """Number of the beginning that answers must go back to."""
+        """Number of the current start; estimates of other starts are ignored."""
         return int(self.block["epoch"][0])
 
     @epoch.setter
@@ -154,7 +158,7 @@ class LivePropagator:
         self.block["epoch"] = epoch
 
     def state(self, status: str) -> BaseState:
-        """Report the newest sample."""
+        """Return the state at the newest sample."""
         if self._row is None:
             row, self._row = (self._rows or _new_rows()).pop()
             report(self.block, row)
@@ -162,7 +166,7 @@ class LivePropagator:
 
 
 def _new_rows() -> list[tuple[Block, Block]]:
-    """Return rows to be written, each with a locked view of itself to be handed out."""
+    """Return writable rows, each with a read-only view of itself to be handed out."""
     rows = np.zeros(_ROWS, ROW)
     locked = rows.view()
     locked.flags.writeable = False

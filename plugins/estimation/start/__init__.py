@@ -1,1 +1,1 @@
-"""The first state: from a machine at rest or in motion, and the level of the chassis."""
+"""The first state of an estimator: at rest or from motion, with gravity and antennas."""

@@ -22,19 +22,20 @@ from executive.arrays import Float
 from executive.config import RadiansPerSecond, Seconds, Settings
 from executive.geometry.rotation import skew
 
-_DECLARED = 2.0  # a spread of so many of the fixes' own standard deviations is no motion
-# standard deviations by which two level sensors may differ; more, and one is mounted otherwise
-_OTHERWISE = 4.0
+# A spread of the fixes below this multiple of their stated standard deviation is noise, not motion.
+_DECLARED = 2.0
+# Two level sensors that differ by more standard deviations than this are not mounted as described.
+_MOUNTING_SIGMAS = 4.0
 
 
 class RestSettings(Settings):
-    """What counts as rest."""
+    """Conditions under which the machine counts as being at rest."""
 
     duration_s: Seconds = Field(
-        2.0, gt=0, le=60, description="Rest that is needed before the first state [s]."
+        2.0, gt=0, le=60, description="Time at rest that is needed before the first state [s]."
     )
     max_rate_rad_s: RadiansPerSecond = Field(
-        0.02, gt=0, le=0.2, description="Fastest mean turn that may be a bias [rad/s]."
+        0.02, gt=0, le=0.2, description="Largest mean angular velocity that may be a bias [rad/s]."
     )
     max_rate_std_rad_s: RadiansPerSecond = Field(
         0.02, gt=0, le=0.2, description="Largest spread of the angular velocity [rad/s]."
@@ -46,17 +47,16 @@ class RestSettings(Settings):
         0.06,
         gt=0,
         le=1,
-        description="Largest spread of an antenna's fixes [m]; more, if they say so.",
+        description="Largest spread of an antenna's fixes [m]; larger where the fixes state so.",
     )
 
 
 class RestInitialisation:
-    """Collects samples, forgets old ones, and gives a state as soon as the newest few seconds were
-    at rest.
+    """Finds a first state once the machine was at rest over the newest few seconds.
 
     Attributes:
-        waits_for: Why there was no state when one was asked for last; empty if there was, or too
-            little is known yet.
+        waits_for: Why the last call of `state` gave no state; empty if it gave one, or if there
+            were too few samples to tell.
     """
 
     def __init__(
@@ -74,18 +74,23 @@ class RestInitialisation:
         self._fixes: dict[str, deque[tuple[float, Float]]] = {
             name: deque() for name in antennas_imu
         }
-        self._fix_std_m = 0.0  # as the newest fix says
+        self._fix_std_m = 0.0  # of the newest fix
         self.waits_for = ""
 
     def add_sample(self, sample: Inertial) -> None:
-        """Take one inertial sample."""
+        """Add one inertial sample."""
         self._samples.append(sample)
         while self._samples[0].stamp_s < sample.stamp_s - self._settings.duration_s - 1e-6:
             self._samples.popleft()
 
     def add_fix(self, stamp_s: float, antenna: str, p_map_antenna: Float, std_m: float) -> None:
-        """Take the measured position of an antenna in the map, and its largest standard deviation
-        [m].
+        """Add a fix.
+
+        Args:
+            stamp_s: Time of measurement [s].
+            antenna: Name of the antenna.
+            p_map_antenna: Its measured position in the map [m], shape (3,).
+            std_m: Largest standard deviation of the position [m].
         """
         fixes = self._fixes[antenna]
         self._fix_std_m = std_m
@@ -94,8 +99,9 @@ class RestInitialisation:
             fixes.popleft()
 
     def state(self) -> tuple[InertialState, Float] | None:
-        """Return the state at the newest sample and its error's covariance (15, 15), or None:
-        moving, or not yet.
+        """Return the state at the newest sample and its error's covariance (15, 15).
+
+        None if the machine moves, or if there are too few samples.
         """
         if not self._samples or not self._is_long_enough():
             return None
@@ -110,7 +116,7 @@ class RestInitialisation:
         up_imu, level_rad = self._level(force)
         R = self._attitude(up_imu, means)
         position = np.mean([p - R @ self._antennas_imu[name] for name, p in means.items()], axis=0)
-        # Across gravity bias and tilt look the same: what is not taken for one is the other.
+        # Perpendicular to gravity, bias and tilt cannot be told apart: the rest is taken as bias.
         accel_bias = force - self._noise.gravity_m_s2 * up_imu
         state = InertialState(
             self._samples[-1], R, position, np.zeros(3), rates.mean(axis=0), accel_bias
@@ -126,11 +132,11 @@ class RestInitialisation:
             name for name, fixes in self._fixes.items() if len(fixes) < 5 or fixes[-1][0] <= start_s
         ]
         if few:
-            self.waits_for = f"fixes of {' and '.join(few)}: fewer than five of late"
+            self.waits_for = f"fixes of {' and '.join(few)}: fewer than five so far"
         return not few
 
     def _motion(self, rates: Float, forces: Float, positions: Mapping[str, Float]) -> str:
-        """Return what says that the machine moves; empty if nothing does."""
+        """Return a sign of motion in words; empty if there is none."""
         settings = self._settings
         turn, shake, jolt = (
             np.linalg.norm(rates.mean(axis=0)),
@@ -149,10 +155,10 @@ class RestInitialisation:
         return ""
 
     def _level(self, force: Float) -> tuple[Float, float]:
-        """Return what is up in IMU axes, and how well that is known [rad].
+        """Return the upward direction in IMU axes, and its standard deviation [rad].
 
-        Two accelerometers, of cabin and chassis, err independently: their mean is better than
-        either.
+        The accelerometers of cabin and chassis have independent errors, so that their weighted
+        mean is more accurate than either.
         """
         cabin_rad = self._noise.accel_bias_m_s2 / self._noise.gravity_m_s2
         up_imu = force / np.linalg.norm(force)
@@ -162,15 +168,16 @@ class RestInitialisation:
         if self._chassis is None or other is None:
             return up_imu, cabin_rad
         chassis_rad = self._chassis.accel_bias_m_s2 / self._noise.gravity_m_s2
-        if np.linalg.norm(other - up_imu) > _OTHERWISE * np.hypot(cabin_rad, chassis_rad):
+        if np.linalg.norm(other - up_imu) > _MOUNTING_SIGMAS * np.hypot(cabin_rad, chassis_rad):
             return up_imu, cabin_rad
         mean = up_imu / cabin_rad**2 + other / chassis_rad**2
         return mean / np.linalg.norm(mean), (cabin_rad**-2 + chassis_rad**-2) ** -0.5
 
     def _attitude(self, up_imu: Float, means: Mapping[str, Float]) -> Float:
-        """Level by gravity, then turn by the baseline of the two antennas (TRIAD, gravity first).
+        """Level by gravity, then find the heading from the baseline of two antennas.
 
-        One antenna tells no heading at rest: any axis across gravity is then taken to look east.
+        This is TRIAD with gravity first. With one antenna the heading cannot be observed at rest:
+        an arbitrary axis across gravity is then assumed to point east.
         """
         up = np.array([0.0, 0.0, 1.0])
         if len(means) == 1:
@@ -189,9 +196,9 @@ class RestInitialisation:
         noise = self._noise
         arms = tuple(self._antennas_imu[name] for name in positions)[:2]
         spread_m = max(p.std(axis=0).max() for p in positions.values())
-        # Twice the standard error of a mean, for neighbouring fixes err alike.
+        # Twice the standard error of a mean, for the errors of neighbouring fixes are correlated.
         fix_m = 2 * max(p.std(axis=0).max() / np.sqrt(len(p)) for p in positions.values())
-        # As good as the fixes over their baseline; one antenna has none.
+        # From the error of the fixes and the length of the baseline; one antenna has no baseline.
         heading = (
             np.sqrt(2) * fix_m / np.linalg.norm(arms[1] - arms[0]) if len(arms) == 2 else np.pi
         )
@@ -206,12 +213,12 @@ class RestInitialisation:
 
 
 def _tie_bias_to_tilt(P: Float, R: Float, noise: InertialNoise, mean_std_m_s2: float) -> None:
-    """Enter the accelerometer's bias b and its correlation with the tilt θ, in place: f = Rᵀ g + b
-    was measured.
+    """Enter the variance of the accelerometer bias b and its correlation with the tilt θ, in place.
 
-    An error of one is an error of the other, δb = −[Rᵀ g]× δθ. Taken as independent, they would
-    seem better known by √2 as soon as the machine is seen not to fall, and be learnt at half the
-    pace. `mean_std_m_s2` is that of f.
+    At rest f = Rᵀ g + b was measured, so that δb = −[Rᵀ g]× δθ. If bias and tilt were entered as
+    independent, their variances would fall too low by a factor of two once the velocity is
+    observed, and the bias would be learnt at half the pace. `mean_std_m_s2` is the standard
+    deviation of f.
     """
     up_imu = R.T @ np.array([0.0, 0.0, 1.0])
     J = -skew(noise.gravity_m_s2 * up_imu)
@@ -223,8 +230,9 @@ def _tie_bias_to_tilt(P: Float, R: Float, noise: InertialNoise, mean_std_m_s2: f
 
 
 def _triad(first: Float, second: Float) -> Float:
-    """Return the orthonormal frame with z along the first vector and x along the second's part
-    across it, (3, 3).
+    """Return the orthonormal frame with z along the first vector, shape (3, 3).
+
+    Its x axis is along the component of the second vector that is perpendicular to the first.
     """
     z = first / np.linalg.norm(first)
     x = second - (second @ z) * z

@@ -1,4 +1,4 @@
-"""The chassis below the cabin: where the turn joint puts it, and whether it stands."""
+"""The chassis below the cabin: its pose by the turn joint, and whether it is at rest."""
 
 from collections import deque
 
@@ -14,14 +14,15 @@ from executive.messages.joints import JointSample
 
 
 class TurnJoint:
-    """The joint that ties the cabin to the chassis, at its newest sample; where there is none, they
-    are one body.
+    """The joint between chassis and cabin, at its newest sample.
+
+    A machine without such a joint is one rigid body.
 
     Attributes:
-        axis: Of the turn, cabin axes, shape (3,).
-        T_joint_base: The chassis in the cabin at an angle of zero, shape (4, 4).
+        axis: Axis of the turn in cabin axes, shape (3,).
+        T_joint_base: Chassis in the cabin at a joint angle of zero, shape (4, 4).
         stamp_s: Time of the newest sample [s]; −∞ before the first.
-        position_rad, velocity_rad_s: Angle and rate of that sample [rad], [rad/s]; zero before the
+        position_rad, velocity_rad_s: Angle [rad] and rate [rad/s] of that sample; zero before the
             first.
     """
 
@@ -41,7 +42,7 @@ class TurnJoint:
 
     @property
     def rate_cabin(self) -> Float:
-        """Angular velocity of the cabin against the chassis, cabin axes [rad/s], shape (3,)."""
+        """Angular velocity of the cabin relative to the chassis [rad/s], cabin axes, shape (3,)."""
         return self.axis * self.velocity_rad_s
 
     def update(self, sample: JointSample) -> None:
@@ -52,8 +53,9 @@ class TurnJoint:
         self.stamp_s, self.is_known = sample.stamp_s, True
 
     def T_cabin_base(self, stamp_s: float) -> Float:
-        """Return the chassis in the cabin at a time near the sample's, by its measured speed, shape
-        (4, 4).
+        """Return the chassis in the cabin at a time near the newest sample's, shape (4, 4).
+
+        The angle is extrapolated with the measured rate, by at most 0.1 s.
         """
         ahead_s = max(-0.1, min(0.1, stamp_s - self.stamp_s))
         angle_rad = self.position_rad + ahead_s * self.velocity_rad_s
@@ -61,30 +63,39 @@ class TurnJoint:
 
 
 class StandstillSettings(Settings):
-    """When the chassis counts as standing, and what that is worth.
+    """When the chassis counts as being at rest, and how accurate that information is.
 
-    A chassis that no inertial sensor watches never counts as standing.
+    A chassis without an inertial sensor never counts as being at rest.
     """
 
     is_used: bool = Field(
-        True, description="Whether to correct by a standing chassis; nothing else assumes one."
+        True, description="Whether to correct the estimate while the chassis is at rest."
     )
     max_rate_std_rad_s: RadiansPerSecond = Field(
-        0.01, gt=0, le=0.2, description="Largest spread of the chassis' angular velocity [rad/s]."
+        0.01,
+        gt=0,
+        le=0.2,
+        description="Largest standard deviation of the chassis' angular velocity [rad/s].",
     )
     max_force_std_m_s2: float = Field(
-        0.1, gt=0, le=5, description="Largest spread of its specific force [m/s²]."
+        0.1,
+        gt=0,
+        le=5,
+        description="Largest standard deviation of the chassis' specific force [m/s²].",
     )
     velocity_std_m_s: float = Field(
-        0.01, gt=0, le=1, description="Speed that a standing chassis may have [m/s]."
+        0.01, gt=0, le=1, description="Standard deviation of the speed of a chassis at rest [m/s]."
     )
     rate_std_rad_s: RadiansPerSecond = Field(
-        0.005, gt=0, le=1, description="Turn that it may have [rad/s]."
+        0.005,
+        gt=0,
+        le=1,
+        description="Standard deviation of the angular velocity of a chassis at rest [rad/s].",
     )
 
 
 class StandstillDetector:
-    """Judges from the chassis' own inertial sensor over half a second whether it stands."""
+    """Detects whether the chassis is at rest, from half a second of its inertial samples."""
 
     _WINDOW = 50
 
@@ -94,21 +105,20 @@ class StandstillDetector:
         self._newest_s = -np.inf
 
     def add(self, stamp_s: float, rate: Float, force: Float) -> None:
-        """Take one inertial sample of the chassis."""
+        """Add one inertial sample of the chassis."""
         if stamp_s - self._newest_s > 0.1:
             self._window.clear()
         self._newest_s = stamp_s
         self._window.append(np.concatenate([rate, force]))
 
-    def stands(self, stamp_s: float) -> bool:
-        """Return whether the chassis is seen to stand around a time,
-        and that is to be made use of.
-        """
+    def is_at_rest(self, stamp_s: float) -> bool:
+        """Return whether the chassis is at rest around a time and that shall be used."""
         return self._settings.is_used and self._is_quiet(stamp_s)
 
     def force(self, stamp_s: float) -> Float | None:
-        """Return the mean specific force of a chassis that stands, its sensor's axes [m/s²], shape
-        (3,); else None.
+        """Return the mean specific force of a chassis at rest, sensor axes [m/s²], shape (3,).
+
+        None if it is not at rest.
         """
         return np.mean(self._window, axis=0)[3:] if self._is_quiet(stamp_s) else None
 

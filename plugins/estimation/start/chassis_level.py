@@ -1,6 +1,4 @@
-"""What is up, by the accelerometer of the chassis: a second opinion for a cabin that
-rests on it.
-"""
+"""The upward direction by the accelerometer of a chassis at rest."""
 
 from executive_plugins.estimation.start.chassis import StandstillDetector, TurnJoint
 
@@ -10,10 +8,10 @@ from executive.machine.sensor import Imu
 
 
 class ChassisLevel:
-    """The chassis' inertial sensor as a level, through the turn joint.
+    """The chassis' inertial sensor as a level for the cabin, through the turn joint.
 
     Attributes:
-        accel_bias_m_s2: Bias of its accelerometer at switch-on, standard deviation [m/s²].
+        accel_bias_m_s2: Standard deviation of its accelerometer's bias at switch-on [m/s²].
     """
 
     def __init__(
@@ -29,17 +27,16 @@ class ChassisLevel:
     def of(
         cls, rig: Rig, name: str, T_imu_cabin: Float, turn: TurnJoint, standing: StandstillDetector
     ) -> "ChassisLevel | None":
-        """Return the level of a rig whose chassis carries an inertial sensor of that name; None of
-        another.
-        """
+        """Return the level of a rig; None if its chassis has no inertial sensor of that name."""
         sensor = rig.sensors.get(name)
         if not isinstance(sensor, Imu) or sensor.link == rig.cabin_link:
             return None
         return cls(sensor, T_imu_cabin, turn, standing)
 
     def up_imu(self, stamp_s: float) -> Float | None:
-        """Return what is up in axes of the cabin's sensor, shape (3,); None unless the chassis is
-        seen to stand.
+        """Return the upward direction in axes of the cabin's sensor, shape (3,).
+
+        None unless the chassis is at rest and the turn joint's angle is known.
         """
         force = self._standing.force(stamp_s)
         if force is None or not self._turn.is_known:

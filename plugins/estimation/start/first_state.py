@@ -12,15 +12,16 @@ from executive_plugins.estimation.start.in_motion import MovingStart, MovingStar
 
 from executive.arrays import Float
 
-# between looks for rest, which cost milliseconds, where a long rest is followed for its end
+# Between two attempts to find rest: each takes milliseconds.
 _PERIOD_S = 0.1
 
 
 class FirstState:
-    """Collects samples and fixes until a state is known.
+    """Collects samples and fixes until a first state is found.
 
     Attributes:
-        waits_for: What is missing, as far as it is known; empty before the first look.
+        waits_for: What is missing for a first state, if that is known; empty before the first
+            attempt.
     """
 
     def __init__(
@@ -41,8 +42,13 @@ class FirstState:
     def add_fix(
         self, stamp_s: float, antenna: str, p_map_antenna: Float, covariance: Float
     ) -> None:
-        """Take the measured position of an antenna in the map [m], and its covariance [m²], shape
-        (3, 3).
+        """Add a fix.
+
+        Args:
+            stamp_s: Time of measurement [s].
+            antenna: Name of the antenna.
+            p_map_antenna: Its measured position in the map [m], shape (3,).
+            covariance: Of the position [m²], shape (3, 3).
         """
         self._rest.add_fix(
             stamp_s, antenna, p_map_antenna, float(np.sqrt(np.diag(covariance).max()))
@@ -52,11 +58,15 @@ class FirstState:
     def add_sample(
         self, sample: Inertial, turn_rate_rad_s: float
     ) -> tuple[InertialState, Float] | None:
-        """Take an inertial sample; return the state at it and its error's covariance (15, 15), once
-        there is one.
+        """Add an inertial sample; return the first state if it is found.
 
-        A cabin that turns steadily would look at rest to its own sensor, but for the turn joint's
-        rate.
+        Args:
+            sample: The sample.
+            turn_rate_rad_s: Rate of the turn joint [rad/s]. A cabin that turns steadily could look
+            at rest to its own sensor.
+
+        Returns:
+            The state at the sample and its error's covariance (15, 15), or None.
         """
         self._rest.add_sample(sample)
         at_rest = None

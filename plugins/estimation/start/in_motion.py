@@ -21,26 +21,25 @@ from executive.geometry.rotation import from_rpy
 
 
 class MovingStartSettings(Settings):
-    """How much motion tells the heading; used where there is one antenna only."""
+    """Amount of motion that gives the heading; for rigs with one antenna."""
 
     distance_m: Meters = Field(
-        8.0, gt=0, le=1000, description="Way from the rest position that is needed [m]."
+        8.0, gt=0, le=1000, description="Distance from the rest position that is needed [m]."
     )
     duration_s: Seconds = Field(
-        20.0, gt=0, le=300, description="Time since rest after which it is given up [s]."
+        20.0, gt=0, le=300, description="Time since rest after which the attempt ends [s]."
     )
     max_misfit: float = Field(
-        0.15, gt=0, lt=1, description="Largest misfit of the two paths, as a share of the way."
+        0.15, gt=0, lt=1, description="Largest misfit of the two paths, as a share of the distance."
     )
 
 
 class MovingStart:
-    """Dead-reckons from rest with an unknown heading, and turns that path until it lies on the
-    fixes' path.
+    """Dead-reckons from rest with an unknown heading, and fits that path to the path of the fixes.
 
-    The inertial path is right up to one turn about the vertical, as gravity has levelled it, so the
-    turn that fits best is the heading. Nothing is assumed of how the body moves: sideways or
-    backwards will do.
+    The inertial path is correct up to one rotation about the vertical, since gravity has levelled
+    it. The rotation that fits best is the heading. The direction of motion does not matter: the
+    body may move sideways or backwards.
     """
 
     def __init__(
@@ -52,7 +51,10 @@ class MovingStart:
         self._state: InertialState | None = None
 
     def begin(self, state: InertialState, covariance: Float) -> None:
-        """Begin anew at rest, with any heading; the newest fixes lie where the antenna rests."""
+        """Restart from a state at rest with an arbitrary heading.
+
+        The fixes that follow are compared with the antenna's position at rest.
+        """
         self._state, self._covariance = state, covariance
         self._rest_s = state.stamp_s
         self._origin = state.p_map_imu + state.R_map_imu @ self._antenna_imu
@@ -60,7 +62,7 @@ class MovingStart:
         self._fixes: deque[tuple[float, Float]] = deque()
 
     def add_sample(self, sample: Inertial) -> None:
-        """Carry the dead reckoning on; after too long without an answer it is dropped."""
+        """Dead-reckon by a sample; stop after `duration_s` without a result."""
         if self._state is None:
             return
         if sample.stamp_s - self._rest_s > self._settings.duration_s:
@@ -72,13 +74,14 @@ class MovingStart:
         )
 
     def add_fix(self, stamp_s: float, p_map_antenna: Float) -> None:
-        """Take the measured position of the antenna in the map."""
+        """Add the measured position of the antenna in the map [m], shape (3,)."""
         if self._state is not None and stamp_s > self._rest_s:
             self._fixes.append((stamp_s, p_map_antenna))
 
     def state(self) -> tuple[InertialState, Float] | None:
-        """Return the state at the newest sample and its error's covariance (15, 15), or None: not
-        far enough.
+        """Return the state at the newest sample and its error's covariance (15, 15).
+
+        None while the path is too short or the two paths do not fit.
         """
         if self._state is None or not self._is_far():
             return None
@@ -87,10 +90,12 @@ class MovingStart:
         misfit = misfit_m / float(np.linalg.norm(measured[-1]))
         if max(misfit, abs(np.hypot(cosine, sine) - 1)) > self._settings.max_misfit:
             if np.linalg.norm(measured[-1]) > 3 * self._settings.distance_m:
-                self._state = None  # more way will not help: wait for the next rest
+                self._state = (
+                    None  # a longer path would not improve the fit: wait for the next rest
+                )
             return None
         R = from_rpy(0.0, 0.0, float(np.arctan2(sine, cosine)))
-        return self._turned(R, velocity), self._doubted(misfit)
+        return self._turned(R, velocity), self._widened(misfit)
 
     def _is_far(self) -> bool:
         if len(self._fixes) < 8 or not self._path or self._path[-1][0] < self._fixes[-1][0]:
@@ -98,8 +103,11 @@ class MovingStart:
         return bool(np.linalg.norm(self._fixes[-1][1] - self._origin) > self._settings.distance_m)
 
     def _paths(self) -> tuple[Float, Float, Float]:
-        """Return times since rest (n,) [s], and fixes and reckoned positions from the rest position
-        (n, 3) [m].
+        """Return the fixes and the dead-reckoned path, relative to the position at rest.
+
+        Returns:
+            Times since rest [s], shape (n,); positions of the fixes and of the dead reckoning at
+            these times [m], shape (n, 3) each.
         """
         stamps = np.array([stamp_s for stamp_s, _ in self._fixes])
         path_s, path = (
@@ -110,7 +118,7 @@ class MovingStart:
         return stamps - self._rest_s, np.array([p for _, p in self._fixes]) - self._origin, reckoned
 
     def _turned(self, R: Float, velocity: Float) -> InertialState:
-        """Turn the reckoned state about the rest position, and lay its end on the last fix."""
+        """Rotate the dead-reckoned state about the rest position, and end it at the last fix."""
         state = self._state
         if state is None:
             raise RuntimeError("the moving start has not begun")
@@ -121,18 +129,15 @@ class MovingStart:
             state.sample, R @ state.R_map_imu, p, v, state.gyro_bias, state.accel_bias
         )
 
-    def _doubted(self, misfit: float) -> Float:
-        """Widen the covariance at rest by what dead reckoning has added: as much as the two paths
-        disagree.
-        """
+    def _widened(self, misfit: float) -> Float:
+        """Widen the covariance at rest by the misfit of the two paths."""
         P = self._covariance.copy()
         R_imu_map = self._state.R_map_imu.T if self._state is not None else np.eye(3)
         level = float(np.sqrt(np.linalg.eigvalsh(P[ROTATION, ROTATION])[0])) + 0.01
         heading = misfit + 0.02
         P[ROTATION, ROTATION] = R_imu_map @ np.diag([level**2, level**2, heading**2]) @ R_imu_map.T
-        P[ROTATION, ACCEL_BIAS] = P[ACCEL_BIAS, ROTATION] = (
-            0.0  # the tie of rest, which dead reckoning has loosened
-        )
+        # Dead reckoning has weakened the correlation of bias and tilt that held at rest.
+        P[ROTATION, ACCEL_BIAS] = P[ACCEL_BIAS, ROTATION] = 0.0
         P[VELOCITY, VELOCITY] = 0.5**2 * np.eye(3)
         P[POSITION, POSITION] = 0.1**2 * np.eye(3)
         return P
@@ -141,11 +146,12 @@ class MovingStart:
 def _fit(elapsed_s: Float, measured: Float, reckoned: Float) -> tuple[Float, Float, float]:
     """Fit measured = turn · reckoned + v t + constant in the horizontal, by linear least squares.
 
-    The speed v is there because rest ends some tenths of a second before it is noticed.
+    The velocity v is part of the model because rest ends some tenths of a second before the end is
+    detected.
 
     Returns:
-        (cosine, sine) of the turn, not normalised: a length of 1 speaks for the fit; v [m/s], shape
-        (3,), horizontal; largest misfit [m].
+        (cosine, sine) of the turn, not normalised, where a length of 1 indicates a good fit;
+        v [m/s], shape (3,), horizontal; largest misfit [m].
     """
     n = len(elapsed_s)
     (x, y), one, none = reckoned[:, :2].T, np.ones(n), np.zeros(n)

@@ -107,5 +107,5 @@ def test_a_change_of_datum_is_believed_in_the_end_and_flagged(
     np.testing.assert_allclose(
         state.T_map_cabin[:3, 3] - cabin.T_map_cabin(state.stamp_s)[:3, 3], [3, 4, 0], atol=0.03
     )
-    assert "anchored anew" in reasons(estimator, Mode.GLOBAL)[-1]
+    assert "position reset" in reasons(estimator, Mode.GLOBAL)[-1]
     assert estimator.changes[-1].stamp_s < 21.0

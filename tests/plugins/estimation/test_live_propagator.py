@@ -157,7 +157,7 @@ def test_what_the_turn_joint_says_after_a_sample_counts_in_its_report(
     before = propagator.state("")
     names, zeros = machine.joint_names, np.zeros(len(machine.joint_names))
     turn.update(JointSample(1.02, names, zeros + 0.9, zeros, zeros))
-    propagator.turned()
+    propagator.set_turn()
     np.testing.assert_allclose(
         propagator.state("").T_map_base, before.T_map_cabin @ turn.T_cabin_base(1.02), atol=1e-12
     )

@@ -31,13 +31,13 @@ def belief() -> StandstillCheck:
 def test_a_drive_that_is_known_to_the_estimate_is_not_taken_for_standing(belief) -> None:
     standing = Standstill(1.0, ARM, None)
     assert belief.contradicts(standing, moving([0.2, 0, 0]), known(0.01))
-    assert not belief.is_believed(1.9)
-    assert belief.is_believed(2.0)
+    assert not belief.is_accepted(1.9)
+    assert belief.is_accepted(2.0)
 
 
 def test_an_estimate_that_does_not_know_its_speed_is_told_by_a_standing_chassis(belief) -> None:
     assert not belief.contradicts(Standstill(1.0, ARM, None), moving([0.2, 0, 0]), known(0.2))
-    assert belief.is_believed(1.0)
+    assert belief.is_accepted(1.0)
 
 
 def test_a_sensor_that_swings_about_the_turn_axis_stands(belief) -> None:
