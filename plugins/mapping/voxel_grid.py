@@ -95,7 +95,7 @@ class VoxelGrid:
         if len(points) and np.abs(points).max() >= self._voxel_m * (_HALF - 1):
             raise DataError(
                 f"a point at {np.abs(points).max():.0f} m is beyond the map's "
-                f"{self._voxel_m * _HALF:.0f} m: set the estimator's datum near the site"
+                f"{self._voxel_m * _HALF:.0f} m: set the datum near the site"
             )
         if (self._size + len(points)) > _LOAD * len(self._keys):
             self._rebuild(np.flatnonzero(self._keys != _FREE), self._size + len(points))

@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 from executive_plugins.odometry.dead_reckoning import DeadReckoning
 
+from executive.geometry.pose import inverse, pose
+from executive.geometry.rotation import exp_so3
+from executive.messages.imu import ImuSample
 from executive.messages.odometry import LidarIncrement
 
 
@@ -60,3 +63,19 @@ def test_an_unsure_increment_moves_the_speed_little(yard) -> None:
         reckoning.correct(increment(driving, 0.0, std_m))
         reckoned_m.append(np.linalg.norm(reckoning.path(0.1, 0.2).T_end_then(0.1)[:3, 3]))
     np.testing.assert_allclose(reckoned_m, [0.1, 0.1 * 0.5**2 / (0.5**2 + 5.0**2)], rtol=0.05)
+
+
+def test_turns_about_different_axes_are_composed_in_order_of_time(yard) -> None:
+    machine = yard().machine
+    cabin_imu, lidar = machine.sensors["imu_cabin"], machine.sensors["lidar_horizontal"]
+    rates_cabin = [*[np.array([0.9, 0, 0])] * 5, *[np.array([0, 0, 1.2])] * 5]  # roll, then yaw
+    reckoning = DeadReckoning(machine, "lidar_horizontal")
+    truth = [np.eye(4)]
+    for k, rate_cabin in enumerate(rates_cabin):
+        rate_imu = cabin_imu.T_link_sensor[:3, :3].T @ rate_cabin
+        reckoning.add_imu(ImuSample(0.01 * (k + 1), "imu_cabin", rate_imu, np.array([0, 0, 9.81])))
+        truth.append(truth[-1] @ pose(exp_so3(0.01 * rate_cabin)))
+    path = reckoning.path(0.0, 0.1)
+    for k in (0, 5, 8, 10):
+        T_end_then = inverse(truth[-1] @ lidar.T_link_sensor) @ truth[k] @ lidar.T_link_sensor
+        np.testing.assert_allclose(path.T_end_then(0.01 * k), T_end_then, atol=1e-9)
