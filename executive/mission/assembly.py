@@ -39,7 +39,7 @@ class Assembly:
         for plugin in reversed(self.order):
             try:
                 plugin.close()
-            except (OSError, RuntimeError, ValueError) as error:
+            except Exception as error:  # the others are closed all the same
                 errors.append(error)
         if errors:
             raise errors[0]
@@ -78,7 +78,11 @@ def assemble(selections: Selections, model: str, seed: int) -> Assembly:
             name: services[name] if name in services else make(name, (*path, capability))
             for name in registry.dependencies_of(plugin_class)
         }
-        plugin: Plugin = plugin_class(chosen.settings, **given)
+        try:
+            plugin: Plugin = plugin_class(chosen.settings, **given)
+        except Exception as error:
+            error.add_note(f"while the {capability} plugin '{chosen.name}' was made")
+            raise
         order.append(plugin)
         return plugin
 

@@ -2,6 +2,7 @@
 
 import traceback
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any
@@ -11,9 +12,9 @@ from executive.interfaces.plugin import Plugin
 from executive.leaf.action import Leaf
 from executive.mission.assembly import selected_plugins
 
-# Attribute of an exception that was raised in a worker process: (place, traceback) from there, for
-# an exception loses its frames on the way.
-REMOTE = "executive_raised_at"
+# Attribute of an exception that was raised in a worker process: the fault as it was found there,
+# because an exception loses its frames on the way.
+REMOTE = "executive_fault"
 
 
 def fault_of(error: Exception, plugins: Mapping[str, Any], node: str = "", leaf: str = "") -> Fault:
@@ -29,9 +30,11 @@ def fault_of(error: Exception, plugins: Mapping[str, Any], node: str = "", leaf:
         node: Path of the node that waited for the call; empty outside of the tree.
         leaf: Name of that node's behaviour.
     """
+    remote: Fault | None = getattr(error, REMOTE, None)
+    if remote is not None:
+        return replace(remote, node=node)
     frames = list(_frames(error.__traceback__))
     owner = _owner(frames, plugins)
-    place, text = getattr(error, REMOTE, ("", ""))
     if owner is not None:
         capability, name, plugin, verb = owner
         component, package = f"{capability} plugin '{name}'", type(plugin).__module__
@@ -47,16 +50,9 @@ def fault_of(error: Exception, plugins: Mapping[str, Any], node: str = "", leaf:
         verb=verb,
         node=node,
         error=f"{type(error).__name__}: {error}",
-        place=place or place_of(frames, package),
-        traceback=text or "".join(traceback.format_exception(error)),
+        place=place_of(frames, package),
+        traceback="".join(traceback.format_exception(error)),
     )
-
-
-def raised_at(error: BaseException, plugin: Plugin) -> tuple[str, str]:
-    """Return the place in the plugin's own code and the whole traceback of an error."""
-    frames = list(_frames(error.__traceback__))
-    text = "".join(traceback.format_exception(error))
-    return place_of(frames, type(plugin).__module__), text
 
 
 def place_of(frames: list[tuple[FrameType, int]], module: str) -> str:

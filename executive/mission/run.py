@@ -1,5 +1,6 @@
 """One run from description to report."""
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,11 +8,13 @@ from typing import Any
 
 from executive.clock import SimulatedClock, WallClock, wall_s
 from executive.clouds.ply_writer import write_ply
-from executive.errors import ConfigError, RobotError
+from executive.errors import ConfigError, ExecutiveError, RobotError
+from executive.events.mission import Faulted
 from executive.interfaces.robot import RobotSettings
 from executive.journal import Journal
 from executive.logs.recorder import Recorder
 from executive.mission.assembly import Assembly, Selections, assemble
+from executive.mission.fault import fault_of
 from executive.mission.interrupts import Aborted, stop_on_interrupt
 from executive.mission.jobs import InlineRunner, Jobs, ProcessRunner, Runner, ThreadRunner
 from executive.mission.mission import Mission, Setup
@@ -66,7 +69,7 @@ class Run:
         self._options = options
         self._selections = _selections(description, options)
         self._model = _model(description)
-        self._assembly: Assembly = assemble(self._selections, self._model, options.seed)
+        self._assembly = _assembled(self._selections, self._model, options.seed)
         self.folder = RunFolder.create(options.run_dir, description.name)
         self.folder.mission.write_text(resolved_yaml(description), encoding="utf-8")
         clock = WallClock() if options.real_time else SimulatedClock()
@@ -95,27 +98,24 @@ class Run:
         with run_log(self.folder.log):
             try:
                 ending = self._run(after_tick)
-                report = self._report(ending, wall_s() - started_s)
-                write_report(self.folder.report, report)
-                self._save_map()
-                report |= self._truth()
+                wall = wall_s() - started_s
+                write_report(self.folder.report, self._report(ending, wall))
+                truth: dict[str, Any] = {}
+                ending = self._afterwards(ending, self._save_map)
+                ending = self._afterwards(ending, lambda: truth.update(self._truth()))
+                ending = self._afterwards(ending, self._assembly.close)
+                report = self._report(ending, wall) | truth
                 write_report(self.folder.report, report)
             finally:
                 if self._setup.recorder is not None:
                     self._setup.recorder.close()
                 self._setup.journal.close()
                 self._setup.jobs.close()
-                self._assembly.close()
         return Result(report, self.folder, ending.exit_status)
 
     def _run(self, after_tick: Callable[[Mission], None]) -> Ending:
-        self._assembly.start()
-        plugins = self._assembly.plugins
-        if "objects" in plugins:
-            plugins["objects"].open(str(self.folder.objects))
-        if "viewing" in plugins:
-            plugins["viewing"].open(str(self.folder.recording))
         try:
+            self._start()
             self._mission = Mission(
                 self._setup, lambda runtime: build_tree(self._description, runtime), halt
             )
@@ -123,8 +123,36 @@ class Run:
                 return self._mission.run(after_tick)
         except Aborted as error:
             return Ending("stopped", str(error))
-        except RobotError as error:
-            return Ending("fault", str(error))
+        except ConfigError:
+            self._assembly.close()
+            raise
+        except Exception as error:  # an error of a plugin before or after the loop
+            return self._faulted(error)
+
+    def _start(self) -> None:
+        self._assembly.start()
+        plugins = self._assembly.plugins
+        if "objects" in plugins:
+            plugins["objects"].open(str(self.folder.objects))
+        if "viewing" in plugins:
+            plugins["viewing"].open(str(self.folder.recording))
+
+    def _afterwards(self, ending: Ending, step: Callable[[], None]) -> Ending:
+        """Do a step after the loop; an error of a plugin there is a fault, and loses nothing."""
+        try:
+            step()
+        except Exception as error:  # whatever escapes a plugin
+            fault = self._faulted(error)
+            return ending if ending.outcome == "fault" else fault
+        return ending
+
+    def _faulted(self, error: Exception) -> Ending:
+        fault = fault_of(error, self._assembly.plugins)
+        logging.getLogger(__name__).error("%s\n%s", fault.summary, fault.traceback)
+        entries = self._setup.journal.entries
+        tick, time_s = (entries[-1].tick, entries[-1].time_s) if entries else (0, 0.0)
+        self._setup.journal.append(tick, time_s, "", Faulted(fault))
+        return Ending("fault", fault.summary, fault)
 
     def _recorder(self) -> Recorder | None:
         path = self._options.record_log
@@ -174,6 +202,23 @@ class Run:
         if "mapping" in self._assembly.plugins:
             cloud = self._assembly.plugins["mapping"].cloud()
             write_ply(self.folder.map, cloud.points, cloud.frame)
+
+
+def _assembled(selections: Selections, model: str, seed: int) -> Assembly:
+    """Make the plugins.
+
+    Raises:
+        ConfigError: If a plugin refuses its settings or lacks what it needs.
+        RobotError: If the constructor of a plugin raises something else; it names the line.
+    """
+    try:
+        return assemble(selections, model, seed)
+    except ExecutiveError:
+        raise
+    except Exception as error:  # whatever a constructor raises
+        fault = fault_of(error, {})
+        making = "; ".join(getattr(error, "__notes__", ()))
+        raise RobotError(f"{fault.error} {making} ({fault.place})") from error
 
 
 def _can_fail(description: MissionFile) -> frozenset[tuple[str, str]]:

@@ -12,8 +12,8 @@ from typing import Any
 
 from executive.errors import RobotError
 from executive.interfaces.plugin import Plugin
-from executive.mission.assembly import Selections, assemble, needed_for
-from executive.mission.fault import REMOTE, raised_at
+from executive.mission.assembly import Assembly, Selections, assemble, needed_for
+from executive.mission.fault import REMOTE, fault_of
 
 _DEADLINE_S = 2.0  # for a worker that is told to end, or to give a call up, before it is killed
 
@@ -135,18 +135,18 @@ def _work(
             try:
                 answer: tuple[bool, Any] = (False, call.of(plugin))
             except Exception as error:
-                answer = (True, _portable(error, plugin))
+                answer = (True, _portable(error, assembly))
             connection.send(answer)
     except (EOFError, OSError, KeyboardInterrupt):
         assembly.close()
 
 
-def _portable(error: Exception, plugin: Plugin) -> Exception:
-    """Return an error that can be sent, with the place where it was raised; frames cannot."""
-    raised = raised_at(error, plugin)
+def _portable(error: Exception, assembly: Assembly) -> Exception:
+    """Return an error that can be sent, with the fault that it is: its frames cannot be sent."""
+    fault = fault_of(error, assembly.plugins)
     try:
         pickle.loads(pickle.dumps(error))
     except Exception:  # whatever an exception class of a plugin does when it is copied
         error = RobotError(f"{type(error).__name__}: {error}")
-    setattr(error, REMOTE, raised)
+    setattr(error, REMOTE, fault)
     return error
