@@ -6,8 +6,9 @@ lane. A fault is killed if a test fails or does not end; otherwise it survives, 
 says that no test even reaches the statement. Listed equivalent mutants are left out. A fault in a
 minute on an idle core; some take ten.
 
-Left alone are docstrings, log texts, error messages, annotations and lines with `pragma: no cover`.
-Compiled functions are changed like all others: there is no second copy of any of them.
+Left alone are docstrings, log texts, error messages, annotations, lines with `pragma: no cover`,
+and the tests that ship in executive/testing. Compiled functions are changed like all others: none
+of them has a second copy.
 """
 
 import argparse

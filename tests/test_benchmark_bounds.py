@@ -188,3 +188,15 @@ def test_the_scenarios_that_a_command_line_knows_are_those_that_there_are(load) 
 def test_what_the_benchmarks_import_is_there(load) -> None:
     for path in sorted((BENCHMARKS / "trials").glob("*.py")):
         load(f"trials.{path.stem}")
+
+
+def test_a_wrong_setting_of_a_mission_ends_with_2(load, capsys) -> None:
+    assert ended(load("missions"), ["1", "--set", "robot.sight=2"]) == 2
+    assert "sight" in capsys.readouterr().err
+
+
+def test_what_is_no_log_ends_with_2(load, tmp_path, capsys) -> None:
+    assert ended(load("drive_log"), [str(tmp_path / "none.mcap")]) == 2
+    (tmp_path / "broken.mcap").write_bytes(b"no log")
+    assert ended(load("drive_log"), [str(tmp_path / "broken.mcap")]) == 2
+    assert "broken.mcap" in capsys.readouterr().err

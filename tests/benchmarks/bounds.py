@@ -6,7 +6,8 @@ table on standard output, the misses on standard error, and the exit status.
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 HOLDS, MISSED = 0, 1  # argparse ends with 2 on wrong input
@@ -128,6 +129,17 @@ def command_line(doc: str | None, usage: str = "") -> argparse.ArgumentParser:
         epilog=f"Examples:\n{examples}\n{STATUSES}" if examples else STATUSES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+
+
+@contextmanager
+def refused(parser: argparse.ArgumentParser) -> Iterator[None]:
+    """Tell what is wrong with a mission's settings, a log or a file, and end with status 2."""
+    from executive.errors import ConfigError, DataError
+
+    try:
+        yield
+    except (ConfigError, DataError) as error:
+        parser.error(str(error))
 
 
 def numbers(text: str) -> list[int]:

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from bounds import add_seeds, add_settings, command_line, seeds_of, verdict
+from bounds import add_seeds, add_settings, command_line, refused, seeds_of, verdict
 
 USAGE = """
 python tests/benchmarks/database_poses.py 2 3               run `relocate`, then measure
@@ -37,7 +37,8 @@ def main(words: Sequence[str] | None = None) -> int:
 
     print(HEADER)
     runs = kept(given.read) if given.read else made(seeds_of(given), given.keep, given.settings)
-    return verdict(figures(list(runs)))
+    with refused(parser):
+        return verdict(figures(list(runs)))
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from bounds import command_line, count, verdict
+from bounds import command_line, count, refused, verdict
 
 USAGE = """
 python tests/benchmarks/drive_log.py
@@ -41,13 +41,9 @@ def main(words: Sequence[str] | None = None) -> int:
 
     from trials.drive_log import Drive, column, figures, table
 
-    from executive.errors import ExecutiveError
-
-    try:
+    with refused(parser):
         drive = Drive(given.log, tuple(given.offset))
-    except ExecutiveError as error:
-        parser.error(str(error))
-    columns = {name: column(drive, name, given.shifts) for name in given.estimators}
+        columns = {name: column(drive, name, given.shifts) for name in given.estimators}
     print(table(columns))
     return verdict(figures(columns))
 

@@ -8,7 +8,7 @@ seed.
 import sys
 from collections.abc import Sequence
 
-from bounds import add_seeds, add_settings, command_line, seeds_of, verdict
+from bounds import add_seeds, add_settings, command_line, refused, seeds_of, verdict
 
 USAGE = """
 python tests/benchmarks/first_success.py 101:120
@@ -25,7 +25,8 @@ def main(words: Sequence[str] | None = None) -> int:
     from trials.first_success import HEADER, figures, measured
 
     print(HEADER, flush=True)
-    return verdict(figures(*measured(seeds_of(given), given.settings)))
+    with refused(parser):
+        return verdict(figures(*measured(seeds_of(given), given.settings)))
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from bounds import command_line, count, verdict
+from bounds import command_line, count, refused, verdict
 
 USAGE = "python tests/benchmarks/grasp_classifier.py --stones 60 --scans SCANS"
 WEIGHTS = ("two_stream", "four_layer")
@@ -30,7 +30,8 @@ def main(words: Sequence[str] | None = None) -> int:
 
     from trials.grasp_classifier import measured
 
-    return verdict(measured(given.stones, given.scans, given.weights))
+    with refused(parser):
+        return verdict(measured(given.stones, given.scans, given.weights))
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ OMP_NUM_THREADS=1. Half a minute a seed.
 import sys
 from collections.abc import Sequence
 
-from bounds import add_seeds, add_settings, command_line, seeds_of, verdict
+from bounds import add_seeds, add_settings, command_line, refused, seeds_of, verdict
 
 USAGE = """
 python tests/benchmarks/ground_under_stones.py 7 8 21:23
@@ -27,9 +27,10 @@ def main(words: Sequence[str] | None = None) -> int:
 
     print(HEADER, flush=True)
     sites = []
-    for seed in seeds_of(given):
-        sites.append(measured(seed, given.settings))
-        print(sites[-1], flush=True)
+    with refused(parser):
+        for seed in seeds_of(given):
+            sites.append(measured(seed, given.settings))
+            print(sites[-1], flush=True)
     has_waves = any(one.startswith("robot.site.terrain.") for one in given.settings)
     return verdict(figures(sites, has_waves))
 

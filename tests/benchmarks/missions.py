@@ -7,7 +7,7 @@ bounded on two idle cores; a busy computer misses it. Two minutes a seed on an i
 import sys
 from collections.abc import Sequence
 
-from bounds import add_seeds, add_settings, command_line, seeds_of, verdict
+from bounds import add_seeds, add_settings, command_line, refused, seeds_of, verdict
 
 USAGE = """
 python tests/benchmarks/missions.py 1:5
@@ -28,9 +28,10 @@ def main(words: Sequence[str] | None = None) -> int:
 
     print(HEADER, flush=True)
     outcomes = []
-    for outcome in run(given.mission, seeds_of(given), given.settings):
-        outcomes.append(outcome)
-        print(outcome.line(), flush=True)
+    with refused(parser):
+        for outcome in run(given.mission, seeds_of(given), given.settings):
+            outcomes.append(outcome)
+            print(outcome.line(), flush=True)
     are_scanned = any(one.startswith("robot.site.stones.folder=") for one in given.settings)
     return verdict(figures(outcomes, are_scanned))
 

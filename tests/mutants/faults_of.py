@@ -11,6 +11,7 @@ from mutants.fault import Fault, Span
 from mutants.operators import mistakes
 
 FOLDERS = ("executive", "plugins")
+TESTS_THAT_SHIP = "executive/testing/"  # a fault in a test is no fault of the product
 _LOGGED = {"debug", "info", "warning", "warn", "error", "exception", "critical", "log", "print"}
 _LOGGED |= {"echo", "secho"}
 _WORDS = {"description", "help", "title", "reason", "name"}
@@ -145,6 +146,7 @@ def files_of(root: Path, only: Sequence[str]) -> list[str]:
         for folder in FOLDERS
         for path in (root / folder).rglob("*.py")
     )
+    found = [file for file in found if not file.startswith(TESTS_THAT_SHIP)]
     wanted = [Path(path).as_posix() for path in only]
     return [f for f in found if not wanted or any(f == w or f.startswith(f"{w}/") for w in wanted)]
 

@@ -37,9 +37,11 @@ class Ran:
 
     @property
     def first_failure(self) -> str:
-        """The line of the first test that failed, or of the error that kept tests from running."""
+        """The line of the first test that failed; else how the tests ended, such as by a crash."""
+        if self.is_green or self.status is None:
+            return ""
         lines = [one for one in self.output.splitlines() if one.startswith(("FAILED", "ERROR"))]
-        return lines[0].split(" - ")[0] if lines else ""
+        return lines[0].split(" - ")[0] if lines else f"pytest ended with status {self.status}"
 
 
 class TreeCopy:
