@@ -179,6 +179,22 @@ def test_a_map_is_held_to_its_distance_from_the_surface(load, bounds) -> None:
         assert bounds.verdict(list(figures(1, {"watched": clouds}, surface))) == status
 
 
+@pytest.mark.parametrize(
+    ("drift_m", "worse_m", "late_ms", "status"),
+    [(0.009, 0.1, 50, 0), (0.011, 0.0, 50, 1), (0.009, 0.0, 61, 1)],
+)
+def test_maps_are_held_to_drift_and_time(
+    load, bounds, monkeypatch, drift_m: float, worse_m: float, late_ms: float, status: int
+) -> None:
+    """Drift has no bound where measurements were made worse."""
+    trial = load("trials.mapping")
+    told = {("filter", "map"): (drift_m, 30.0, late_ms), ("filter, outage", "map"): (worse_m, 1, 1)}
+    monkeypatch.setattr(trial, "recorded", lambda seed: (seed, None))
+    monkeypatch.setattr(trial, "replayed", lambda ticks, track, seed: (seed, None))
+    monkeypatch.setattr(trial, "measured", lambda everyone, true: told.items())
+    assert bounds.verdict(trial.swings([1, 2])) == status
+
+
 def test_the_scenarios_that_a_command_line_knows_are_those_that_there_are(load) -> None:
     assert set(load("estimation_faults").SCENARIOS) == set(load("scenarios.scenario").SCENARIOS)
     assert set(load("grasp_sites").RANKINGS) == set(load("trials.grasp_lifts").RANKINGS)
