@@ -80,7 +80,7 @@ def column(drive: Drive, name: str, shifts: int) -> Cells:
     refused = sum(
         n
         for reason, n in report["refused"].items()
-        if reason.endswith(("outlier", "not yet believed"))
+        if reason.endswith(("outlier", "during recovery"))
     )
     last_fix_s = first.errors.stamps_s[-1]
     values = {
