@@ -19,7 +19,7 @@ class FindSlotsSettings(Settings):
 
 
 @dataclass(frozen=True, slots=True)
-class Slots:
+class SlotList:
     """Slots of the mission.
 
     Attributes:
@@ -34,7 +34,7 @@ class FindSlots(Action[FindSlotsSettings]):
 
     needs = (PlacementPlanner,)
 
-    def run(self, segmentation: Segmentation) -> Steps[Slots]:
+    def run(self, segmentation: Segmentation) -> Steps[SlotList]:
         """Ask the placement planner.
 
         Args:
@@ -53,4 +53,4 @@ class FindSlots(Action[FindSlotsSettings]):
                 f"there is free ground for {len(slots)} stones, and {self.settings.at_least} "
                 "are wanted"
             )
-        return succeeded(Slots(list(slots)), f"{len(slots)} slots")
+        return succeeded(SlotList(list(slots)), f"{len(slots)} slots")

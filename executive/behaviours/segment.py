@@ -28,7 +28,7 @@ class SiteSegments:
     stones: list[Stone]
 
 
-class Segment(Action):
+class SegmentMap(Action):
     """Segment the map, merged with the drone's map where there is one.
 
     Source: Mascaro et al. 2020, Sec. 4.3 and Sec. 4.4, step 6. Deviation from the paper, which

@@ -14,7 +14,7 @@ from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
 from executive.leaf.job import Job
 from executive.mission.assembly import Selections, selected_plugins
-from executive.mission.worker import Call, Worker
+from executive.mission.worker import VerbCall, Worker
 
 _EPSILON_S = 1e-9
 
@@ -26,7 +26,7 @@ class Runner(ABC):
     """Decides where a verb is computed."""
 
     @abstractmethod
-    def submit(self, capability: str, plugin: Plugin, call: Call) -> Future[Any]:
+    def submit(self, capability: str, plugin: Plugin, call: VerbCall) -> Future[Any]:
         """Begin a computation."""
 
     def abandon(self, capability: str, future: Future[Any]) -> None:  # noqa: B027 - optional
@@ -41,7 +41,7 @@ class Runner(ABC):
 class InlineRunner(Runner):
     """Computes at once, in the tick."""
 
-    def submit(self, capability: str, plugin: Plugin, call: Call) -> Future[Any]:
+    def submit(self, capability: str, plugin: Plugin, call: VerbCall) -> Future[Any]:
         future: Future[Any] = Future()
         try:
             future.set_result(call.of(plugin))
@@ -61,7 +61,7 @@ class ThreadRunner(InlineRunner):
     def __init__(self) -> None:
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="jobs")
 
-    def submit(self, capability: str, plugin: Plugin, call: Call) -> Future[Any]:
+    def submit(self, capability: str, plugin: Plugin, call: VerbCall) -> Future[Any]:
         if not plugin.is_stateless:
             return super().submit(capability, plugin, call)
         return self._pool.submit(call.of, plugin)
@@ -79,7 +79,7 @@ class ProcessRunner(InlineRunner):
             capability, selections, model, seed
         )
 
-    def submit(self, capability: str, plugin: Plugin, call: Call) -> Future[Any]:
+    def submit(self, capability: str, plugin: Plugin, call: VerbCall) -> Future[Any]:
         if not plugin.is_stateless:
             return super().submit(capability, plugin, call)
         if capability not in self._workers:
@@ -147,7 +147,7 @@ class Jobs:
             ConfigError: If the verb is no method of one of the mission's plugins.
         """
         capability, plugin = self._plugin_of(verb)
-        call = Call(verb.__name__, args, dict(kwargs))
+        call = VerbCall(verb.__name__, args, dict(kwargs))
         started_s = wall_s()
         future = self._runner.submit(capability, plugin, call)
         future.add_done_callback(lambda _: self._measure(f"{capability}.{call.verb}", started_s))

@@ -19,7 +19,7 @@ _DEADLINE_S = 2.0  # for a worker that is told to end, or to give a call up, bef
 
 
 @dataclass(frozen=True, slots=True)
-class Call:
+class VerbCall:
     """One call of a plugin's verb: its name and arguments."""
 
     verb: str
@@ -27,7 +27,7 @@ class Call:
     kwargs: Mapping[str, Any]
 
     def of(self, plugin: Plugin) -> Any:
-        """Call the verb of a plugin."""
+        """VerbCall the verb of a plugin."""
         return getattr(plugin, self.verb)(*self.args, **self.kwargs)
 
 
@@ -43,7 +43,7 @@ class Worker:
     def __init__(self, capability: str, selections: Selections, model: str, seed: int) -> None:
         self._capability = capability
         self._arguments = (capability, needed_for(selections, capability), model, seed)
-        self._calls: SimpleQueue[tuple[Call, Future[Any]] | None] = SimpleQueue()
+        self._calls: SimpleQueue[tuple[VerbCall, Future[Any]] | None] = SimpleQueue()
         self._computing: Future[Any] | None = None
         self._process: Any = None
         self._connection: Connection | None = None
@@ -52,7 +52,7 @@ class Worker:
         )
         self._thread.start()
 
-    def submit(self, call: Call) -> Future[Any]:
+    def submit(self, call: VerbCall) -> Future[Any]:
         """Queue a call."""
         future: Future[Any] = Future()
         self._calls.put((call, future))
@@ -90,7 +90,7 @@ class Worker:
         if self._process is not None:
             self._process.join(_DEADLINE_S)
 
-    def _compute(self, call: Call, future: Future[Any]) -> None:
+    def _compute(self, call: VerbCall, future: Future[Any]) -> None:
         try:
             connection = self._connected()
             connection.send(call)
@@ -131,7 +131,7 @@ def _work(
     plugin = assembly.plugins[capability]
     try:
         while True:
-            call: Call = connection.recv()
+            call: VerbCall = connection.recv()
             try:
                 answer: tuple[bool, Any] = (False, call.of(plugin))
             except Exception as error:

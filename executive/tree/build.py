@@ -17,7 +17,7 @@ from executive.tree.conditions import Answer, build_condition, condition_text
 from executive.tree.language import (
     Ask,
     Call,
-    Check,
+    CheckLeaf,
     Composite,
     Condition,
     ForEach,
@@ -26,7 +26,7 @@ from executive.tree.language import (
     Loop,
     MissionFile,
     Node,
-    Run,
+    RunLeaf,
     Set,
     Wait,
 )
@@ -115,9 +115,9 @@ class _Builder:
                 return ForEachNode(
                     kind, name, path, runtime, self._child(body, 0, path, scope), scope
                 )
-            case Run(use=use):
+            case RunLeaf(use=use):
                 return RunNode(use, name, path, runtime, scope)
-            case Check(use=use):
+            case CheckLeaf(use=use):
                 return CheckNode(name, path, runtime, Asked(use, path, runtime, scope))
             case Wait(duration_s=duration_s):
                 return WaitNode(name, path, runtime, duration_s)

@@ -16,7 +16,7 @@ from executive.tree.problem import Mark, Problems, one_line
 from executive.tree.reading import Reading
 from executive.tree.settings import check_settings
 from executive.tree.sources import shipped_folder
-from executive.tree.value import Entry, Listing, Scalar, Table, Value, merged, without
+from executive.tree.value import Listing, Scalar, Table, TableEntry, Value, merged, without
 
 BASE = "base.yaml"  # the default plugin of each capability, for missions and commands alike
 
@@ -179,7 +179,9 @@ def _shipped(reading: Reading) -> Table:
 
 
 def _table(values: Mapping[str, Any], mark: Mark) -> Table:
-    return Table({key: Entry(mark, _value(value, mark)) for key, value in values.items()}, mark)
+    return Table(
+        {key: TableEntry(mark, _value(value, mark)) for key, value in values.items()}, mark
+    )
 
 
 def _value(value: Any, mark: Mark) -> Value:

@@ -7,7 +7,7 @@ from typing import Any
 
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.runtime import Runtime
-from executive.tree.language import Combined, Condition, Holds, LeafUse
+from executive.tree.language import Combined, Condition, KeyHolds, LeafUse
 from executive.tree.leaf_nodes import Asked
 from executive.tree.wiring import Scope
 
@@ -18,7 +18,7 @@ def build_condition(condition: Condition, path: str, runtime: Runtime, scope: Sc
     """Return a function that answers a condition; its leaves' paths begin with `path`."""
     if isinstance(condition, LeafUse):
         return Asked(condition, f"{path}:{condition.name}", runtime, scope)
-    if isinstance(condition, Holds):
+    if isinstance(condition, KeyHolds):
         return lambda: _holds(condition, scope)
     parts = [
         build_condition(part, f"{path}/{index}", runtime, scope)
@@ -32,7 +32,7 @@ def condition_text(condition: Condition) -> str:
     """Return a condition as a person reads it."""
     if isinstance(condition, LeafUse):
         return condition.name
-    if isinstance(condition, Holds):
+    if isinstance(condition, KeyHolds):
         return f"{{{condition.key}}}"
     return _combined_text(condition)
 
@@ -44,7 +44,7 @@ def _combined_text(condition: Combined) -> str:
     return "(" + {"all": " and ", "any": " or "}[condition.how].join(parts) + ")"
 
 
-def _holds(condition: Holds, scope: Scope) -> Outcome[Any]:
+def _holds(condition: KeyHolds, scope: Scope) -> Outcome[Any]:
     if scope.store.get(condition.key) is True:
         return succeeded(reason=f"{condition.key} is true")
     return failed(f"{condition.key} is not true")

@@ -21,7 +21,7 @@ from executive.tree.language import (
     Condition,
     ForEach,
     Group,
-    Holds,
+    KeyHolds,
     Kind,
     LeafUse,
     Loop,
@@ -207,7 +207,7 @@ class Dataflow:
             return keys
         return self._truth(condition, keys)
 
-    def _truth(self, condition: Holds, keys: Keys) -> Keys:
+    def _truth(self, condition: KeyHolds, keys: Keys) -> Keys:
         types = self._types(Ref(condition.key, condition.mark), keys, "the condition")
         if types and not any(fits(one, bool) for one in types):
             told = f"a condition needs true or false, and {{{condition.key}}} holds {names(types)}"

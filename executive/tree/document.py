@@ -15,7 +15,7 @@ import yaml
 
 from executive.tree.problem import Mark, Problems
 from executive.tree.scalar import SurpriseError, resolve
-from executive.tree.value import Broken, Entry, Listing, Scalar, Table, Value
+from executive.tree.value import Broken, Listing, Scalar, Table, TableEntry, Value
 
 _MAX_BYTES = 1_000_000
 _MAX_DEPTH = 60
@@ -54,7 +54,7 @@ class _Open:
     mark: Mark
     is_table: bool
     items: list[Value] = field(default_factory=list)
-    entries: dict[str, Entry] = field(default_factory=dict)
+    entries: dict[str, TableEntry] = field(default_factory=dict)
     key: tuple[str, Mark] | None = None
 
 
@@ -215,7 +215,7 @@ class _Reader:
                 mark, f"key '{key}' is given twice; the first is at line {first.line}"
             )
         else:
-            parent.entries[key] = Entry(mark, value)
+            parent.entries[key] = TableEntry(mark, value)
 
     def _refuse_extras(self, event: Any) -> bool:
         """Note an anchor or a tag; a tag leaves no value to go on with."""

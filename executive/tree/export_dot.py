@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from itertools import count
 
-from executive.tree.language import Call, Check, Composite, MissionFile, Node, Run
+from executive.tree.language import Call, CheckLeaf, Composite, MissionFile, Node, RunLeaf
 from executive.tree.outline import headline, modifier_words
 
 _SHAPES = (
     (Composite, "box", "#d6e4f0"),
-    (Run, "ellipse", "#dff0d8"),
-    (Check, "hexagon", "#fcf3cf"),
+    (RunLeaf, "ellipse", "#dff0d8"),
+    (CheckLeaf, "hexagon", "#fcf3cf"),
     (Call, "folder", "#eadcf4"),
 )
 _OTHER = ("box", "#eeeeee")

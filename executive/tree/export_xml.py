@@ -15,20 +15,20 @@ from executive.tree.language import (
     Ask,
     Attempts,
     Call,
-    Check,
+    CheckLeaf,
     Combined,
     Composite,
     Condition,
     ForEach,
     Group,
-    Holds,
+    KeyHolds,
     Kind,
     LeafUse,
     Loop,
     MissionFile,
     Modifiers,
     Node,
-    Run,
+    RunLeaf,
     Set,
     Source,
     Wait,
@@ -107,9 +107,9 @@ def _kind(kind: Kind) -> Element:
                 item=item,
                 items=_text(source_value(source)),
             )
-        case Run(use=use):
+        case RunLeaf(use=use):
             return _leaf("Action", use)
-        case Check(use=use):
+        case CheckLeaf(use=use):
             return _leaf("Condition", use)
         case Call():
             return Element(
@@ -157,7 +157,7 @@ def _loop(kind: Loop) -> Element:
 def _condition(condition: Condition) -> Element:
     if isinstance(condition, LeafUse):
         return _leaf("Condition", condition)
-    if isinstance(condition, Holds):
+    if isinstance(condition, KeyHolds):
         return Element("ScriptCondition", code=f"{condition.key} == true")
     return _combined(condition)
 

@@ -87,7 +87,7 @@ class LeafUse:
 
 
 @dataclass(frozen=True, slots=True)
-class Holds:
+class KeyHolds:
     """A condition: a key of the store holds true."""
 
     key: str
@@ -102,7 +102,7 @@ class Combined:
     parts: tuple["Condition", ...]
 
 
-Condition = LeafUse | Holds | Combined
+Condition = LeafUse | KeyHolds | Combined
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +175,7 @@ class ForEach:
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class RunLeaf:
     """`run`: an action."""
 
     use: LeafUse
@@ -186,7 +186,7 @@ class Run:
 
 
 @dataclass(frozen=True, slots=True)
-class Check:
+class CheckLeaf:
     """`check`: a condition as a node."""
 
     use: LeafUse
@@ -235,7 +235,7 @@ class Call:
         return self.tree
 
 
-Kind = Composite | Group | Loop | ForEach | Run | Check | Wait | Set | Ask | Call
+Kind = Composite | Group | Loop | ForEach | RunLeaf | CheckLeaf | Wait | Set | Ask | Call
 
 
 @dataclass(frozen=True, slots=True)

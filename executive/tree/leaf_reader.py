@@ -7,11 +7,11 @@ from executive.errors import ConfigError, did_you_mean
 from executive.leaf.action import Action, Leaf
 from executive.leaf.action import Condition as ConditionLeaf
 from executive.leaf.port import Port
-from executive.tree.language import Combined, Condition, Holds, LeafUse, Ref
+from executive.tree.language import Combined, Condition, KeyHolds, LeafUse, Ref
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading, is_text
 from executive.tree.settings import check_settings
-from executive.tree.value import Entry, Table, Value, describe
+from executive.tree.value import Table, TableEntry, Value, describe
 
 LEAF_KEYS = ("with", "in", "out")
 _CONDITION_FORMS = 'a check\'s name, "{key}", or a mapping with one of check, not, all, any'
@@ -53,9 +53,9 @@ class LeafReader:
             text = value.value  # type: ignore[union-attr]
             if "{" in text:  # type: ignore[operator]
                 ref = self._reading.reference(value, what)
-                return Holds(ref.key, ref.mark) if ref else None
+                return KeyHolds(ref.key, ref.mark) if ref else None
             return self.use(
-                "check", Table({"check": Entry(value.mark, value)}, value.mark), as_node=False
+                "check", Table({"check": TableEntry(value.mark, value)}, value.mark), as_node=False
             )
         if not isinstance(value, Table):
             self._reading.fail(value, f"{what} takes {_CONDITION_FORMS}; not {describe(value)}")

@@ -13,7 +13,7 @@ from executive.tree.settings import check_settings
 from executive.tree.sources import Layer, layers, libraries
 from executive.tree.traversal import uses_of
 from executive.tree.tree_reader import read_trees
-from executive.tree.value import Entry, Table, merged
+from executive.tree.value import Table, TableEntry, merged
 
 
 def load_mission(
@@ -88,7 +88,7 @@ def _trees(found: Sequence[Layer], reading: Reading) -> Table | None:
     if not any("trees" in layer.table.entries for layer in found):
         reading.fail(found[-1].table, "'trees' is missing")
     given = [table for layer in found if (table := _section(layer, "trees", reading)) is not None]
-    entries: dict[str, Entry] = {}
+    entries: dict[str, TableEntry] = {}
     for table in given:
         entries.update(table.entries)
     return Table(entries, given[-1].mark) if given else None

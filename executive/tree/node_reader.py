@@ -9,7 +9,7 @@ from executive.tree.language import (
     Ask,
     Attempts,
     Call,
-    Check,
+    CheckLeaf,
     Composite,
     ForEach,
     Group,
@@ -18,7 +18,7 @@ from executive.tree.language import (
     Modifiers,
     Node,
     Ref,
-    Run,
+    RunLeaf,
     Set,
     Source,
     TypeName,
@@ -225,11 +225,11 @@ class NodeReader:
 
     def _run(self, table: Table) -> Kind | None:
         use = self._leaves.use("run", table)
-        return Run(use) if use else None
+        return RunLeaf(use) if use else None
 
     def _check(self, table: Table) -> Kind | None:
         use = self._leaves.use("check", table)
-        return Check(use) if use else None
+        return CheckLeaf(use) if use else None
 
     def _wait(self, table: Table) -> Kind | None:
         duration_s = self._reading.seconds(table.entries["wait"].value, "'wait'")

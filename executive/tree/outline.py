@@ -12,7 +12,7 @@ from executive.tree.language import (
     Loop,
     Modifiers,
     Node,
-    Run,
+    RunLeaf,
     Set,
     Source,
     Wait,
@@ -44,8 +44,8 @@ def _kind_words(node: Node) -> str:
             return f"loop {', '.join(part for part in parts if part)}"
         case ForEach(item=item, source=source):
             return f"for_each {item} in {source_value(source)}"
-        case Run() | Call():
-            return f"{'run' if isinstance(node.kind, Run) else 'call'} {node.kind.label}"
+        case RunLeaf() | Call():
+            return f"{'run' if isinstance(node.kind, RunLeaf) else 'call'} {node.kind.label}"
         case Wait(duration_s=duration_s):
             return f"wait {duration_s:g} s"
         case Set(values=values):

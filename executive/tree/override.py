@@ -7,7 +7,7 @@ from executive.tree.document import read_text
 from executive.tree.plugin_reader import normal
 from executive.tree.problem import Mark, Problems, one_line
 from executive.tree.reading import Reading
-from executive.tree.value import Entry, Listing, Scalar, Table, Value, merged
+from executive.tree.value import Listing, Scalar, Table, TableEntry, Value, merged
 
 LOOP = "loop"
 
@@ -48,7 +48,7 @@ def _moved(value: Value, mark: Mark) -> Value:
     """Return the value with the option as the place of every part."""
     if isinstance(value, Table):
         return Table(
-            {k: Entry(mark, _moved(e.value, mark)) for k, e in value.entries.items()}, mark
+            {k: TableEntry(mark, _moved(e.value, mark)) for k, e in value.entries.items()}, mark
         )
     if isinstance(value, Listing):
         return Listing(tuple(_moved(item, mark) for item in value.items), mark)
@@ -66,18 +66,18 @@ def _in_plugins(
     elif isinstance(known, Listing):
         new = _in_list(known, rest, value, mark, reading)
     elif rest == ["plugin"] and isinstance(known, Table) and _differs(known, value):
-        new = Table({"plugin": Entry(mark, value)}, mark)
+        new = Table({"plugin": TableEntry(mark, value)}, mark)
     elif known is not None:
         new = _laid(known, rest, value, mark, reading)
     elif rest == ["plugin"]:
-        new = Table({"plugin": Entry(mark, value)}, mark)
+        new = Table({"plugin": TableEntry(mark, value)}, mark)
     else:
         reading.problems.error(
             mark, f"the mission selects no {capability} plugin; set {capability}.plugin first"
         )
         return plugins
     key_mark = entry.key_mark if entry else mark
-    return Table({**plugins.entries, capability: Entry(key_mark, new)}, plugins.mark)
+    return Table({**plugins.entries, capability: TableEntry(key_mark, new)}, plugins.mark)
 
 
 def _differs(known: Table, value: Value) -> bool:
@@ -116,6 +116,6 @@ def _laid(base: Value, path: list[str], value: Value, mark: Mark, reading: Readi
     else:
         new = value
         for step in reversed(path):
-            new = Table({step: Entry(mark, new)}, mark)
+            new = Table({step: TableEntry(mark, new)}, mark)
     laid = merged(base, new)
     return Table(laid.entries, base.mark) if isinstance(laid, Table) else base

@@ -12,7 +12,7 @@ from executive.tree.language import ON_ERROR, ON_ERROR_WORDS, LeafUse, Selection
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading
 from executive.tree.settings import check_settings
-from executive.tree.value import Entry, Listing, Scalar, Table, Value, merged, without
+from executive.tree.value import Listing, Scalar, Table, TableEntry, Value, merged, without
 
 
 def layered(base: Table, over: Table) -> Table:
@@ -24,14 +24,14 @@ def layered(base: Table, over: Table) -> Table:
         known = entries.get(capability)
         new = normal(entry.value)
         value = _laid(normal(known.value), new) if known else new
-        entries[capability] = Entry(entry.key_mark, value)
+        entries[capability] = TableEntry(entry.key_mark, value)
     return Table(entries, over.mark)
 
 
 def normal(value: Value) -> Value:
     """Write the short forms out: `gicp` is `{plugin: gicp}`, also within a list."""
     if isinstance(value, Scalar):
-        return Table({"plugin": Entry(value.mark, value)}, value.mark)
+        return Table({"plugin": TableEntry(value.mark, value)}, value.mark)
     if isinstance(value, Listing):
         return Listing(tuple(normal(item) for item in value.items), value.mark)
     return value

@@ -13,12 +13,12 @@ from executive.tree.language import (
     Ask,
     Attempts,
     Call,
-    Check,
+    CheckLeaf,
     Composite,
     Condition,
     ForEach,
     Group,
-    Holds,
+    KeyHolds,
     Kind,
     LeafUse,
     Literally,
@@ -27,7 +27,7 @@ from executive.tree.language import (
     Modifiers,
     Node,
     Ref,
-    Run,
+    RunLeaf,
     Selection,
     Set,
     Source,
@@ -113,9 +113,9 @@ def _kind(kind: Kind) -> dict[str, Any]:  # noqa: C901 - one case a kind
             return {"loop": {k: v for k, v in head.items() if v is not None}, "do": node_dict(body)}
         case ForEach(item=item, source=source, body=body):
             return {"for_each": {"item": item, "in": source_value(source)}, "do": node_dict(body)}
-        case Run(use=use):
+        case RunLeaf(use=use):
             return {"run": use.name, **_use(use)}
-        case Check(use=use):
+        case CheckLeaf(use=use):
             return {"check": use.name, **_use(use)}
         case Wait(duration_s=duration_s):
             return {"wait": duration_s}
@@ -157,7 +157,7 @@ def condition_value(condition: Condition) -> Any:
     """Return a condition as the mission language writes it."""
     if isinstance(condition, LeafUse):
         return {"check": condition.name, **_use(condition)}
-    if isinstance(condition, Holds):
+    if isinstance(condition, KeyHolds):
         return f"{{{condition.key}}}"
     parts = [condition_value(part) for part in condition.parts]
     return {condition.how: parts[0] if condition.how == "not" else parts}

@@ -11,7 +11,7 @@ from executive.errors import did_you_mean
 from executive.tree.document import read_file
 from executive.tree.problem import Mark, MissionFileError, Problem
 from executive.tree.reading import Reading
-from executive.tree.value import Entry, Scalar, Table, Value
+from executive.tree.value import Scalar, Table, TableEntry, Value
 
 _SUFFIXES = (".yaml", ".yml")
 API = 1
@@ -141,7 +141,7 @@ def libraries(mission: Path, reading: Reading) -> Iterator[Table]:
 
 
 def _joined(tables: Sequence[Table], reading: Reading) -> Table:
-    entries: dict[str, Entry] = {}
+    entries: dict[str, TableEntry] = {}
     for table in tables:
         for name, entry in table.entries.items():
             if name in entries:

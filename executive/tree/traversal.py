@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from executive.tree.language import (
-    Check,
+    CheckLeaf,
     Combined,
     Composite,
     Condition,
@@ -11,7 +11,7 @@ from executive.tree.language import (
     LeafUse,
     Loop,
     Node,
-    Run,
+    RunLeaf,
     Set,
 )
 
@@ -25,7 +25,7 @@ def is_instant(node: Node) -> bool:
         return False
     if isinstance(node.kind, Composite | Group):
         return all(is_instant(child) for child in node.children())
-    return isinstance(node.kind, Check | Set)
+    return isinstance(node.kind, CheckLeaf | Set)
 
 
 def conditions_of(node: Node) -> tuple[Condition, ...]:
@@ -47,5 +47,5 @@ def uses_of(node: Node) -> Iterator[LeafUse]:
     """Yield the leaves at a node itself, those of its conditions included."""
     for condition in conditions_of(node):
         yield from leaves_of(condition)
-    if isinstance(node.kind, Run | Check):
+    if isinstance(node.kind, RunLeaf | CheckLeaf):
         yield node.kind.use

@@ -32,7 +32,7 @@ class Listing:
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class TableEntry:
     """A key's place, and its value."""
 
     key_mark: Mark
@@ -43,7 +43,7 @@ class Entry:
 class Table:
     """A mapping with text keys, in the order of the file."""
 
-    entries: Mapping[str, Entry]
+    entries: Mapping[str, TableEntry]
     mark: Mark
 
     def get(self, key: str) -> "Value | None":
@@ -94,7 +94,9 @@ def merged(base: Value, over: Value) -> Value:
     entries = dict(base.entries)
     for key, entry in over.entries.items():
         known = entries.get(key)
-        entries[key] = Entry(entry.key_mark, merged(known.value, entry.value)) if known else entry
+        entries[key] = (
+            TableEntry(entry.key_mark, merged(known.value, entry.value)) if known else entry
+        )
     return Table(entries, over.mark)
 
 

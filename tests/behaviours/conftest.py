@@ -23,14 +23,14 @@ from executive.messages.joints import JointSample
 from executive.messages.segment import Segment
 from executive.tree.build import build_tree, halt
 from executive.tree.language import (
-    Check,
+    CheckLeaf,
     LeafUse,
     LoopSettings,
     MissionFile,
     Modifiers,
     Node,
     Ref,
-    Run,
+    RunLeaf,
     Tree,
 )
 from executive.tree.problem import Mark
@@ -247,7 +247,7 @@ class Stage(Runtime):
         mark = Mark("test")
         ports = {port: Ref(port, mark) for port in (*leaf.inputs, *leaf.outputs)}
         use = LeafUse(leaf.__name__, leaf, leaf.Settings(**(settings or {})), ports, ports, mark)
-        node = Node(Run(use) if issubclass(leaf, Action) else Check(use), Modifiers(), mark)
+        node = Node(RunLeaf(use) if issubclass(leaf, Action) else CheckLeaf(use), Modifiers(), mark)
         tree = Tree("main", node, {}, {}, mark)
         root = build_tree(MissionFile("t", "", LoopSettings(), {}, {"main": tree}), self)
         began, until_s = len(self.leaf_context.events), self.leaf_context.time_s + limit_s

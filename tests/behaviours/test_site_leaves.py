@@ -9,7 +9,7 @@ from executive.behaviours.find_slots import FindSlots
 from executive.behaviours.localise import Localise
 from executive.behaviours.register_drone_map import RegisterDroneMap
 from executive.behaviours.scan_swing import ScanSwing
-from executive.behaviours.segment import Segment
+from executive.behaviours.segment import SegmentMap
 from executive.behaviours.survey_site import SurveySite
 from executive.behaviours.wait_for_density import WaitForDensity
 from executive.errors import DataError
@@ -177,7 +177,7 @@ def test_a_registration_that_is_refused_is_recorded_and_a_failure(stage):
     assert [event.accepted for event in ended.events] == [False]
 
 
-@pytest.mark.parametrize("leaf", [RegisterDroneMap, Segment])
+@pytest.mark.parametrize("leaf", [RegisterDroneMap, SegmentMap])
 def test_an_empty_map_is_not_worked_on(stage, database, leaf):
     registrar, segmenter = stage.Scripted(Registrar), stage.Scripted(Segmenter, merge=merged)
     stand = stage.Stage(
@@ -199,7 +199,7 @@ def test_the_merged_map_is_segmented_and_the_stones_are_entered(stage, database,
     segmenter = stage.Scripted(Segmenter, segment=found, merge=merged)
     stand = stage.Stage(mapping=stage.PointMap(lidar), segmentation=segmenter, objects=database)
     given = {"drone_map": Cloud("map", np.vstack([drone, far]))} if has_drone_map else {}
-    ended = stand.tick(Segment, **given)
+    ended = stand.tick(SegmentMap, **given)
     assert (ended.status, ended.reason) == ("SUCCESS", "2 stones")
     assert ended.outputs["segmentation"] is found
     assert [stone.id for stone in ended.outputs["stones"]] == [1, 3]
@@ -215,7 +215,7 @@ def test_a_site_without_stones_is_a_failure(stage, database):
     segmenter = stage.Scripted(Segmenter, segment=segmentation(), merge=merged)
     mapper = stage.PointMap(np.ones((9, 3)))
     stand = stage.Stage(mapping=mapper, segmentation=segmenter, objects=database)
-    ended = stand.tick(Segment)
+    ended = stand.tick(SegmentMap)
     assert (ended.status, ended.reason) == ("FAILURE", "no stone was found on the site")
 
 

@@ -92,9 +92,9 @@ def plugin_of(jobs):
 
 
 def segment(cloud):
-    from executive.mission.worker import Call
+    from executive.mission.worker import VerbCall
 
-    return Call("segment", (cloud,), {})
+    return VerbCall("segment", (cloud,), {})
 
 
 def segmentation():
