@@ -1,1 +1,1 @@
-"""motion plugins."""
+"""Plugins that plan motions of the arm."""

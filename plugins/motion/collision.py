@@ -1,4 +1,4 @@
-"""Whether postures of the arm hit the machine, the surroundings, or both with what is held."""
+"""Collisions of the arm and a held stone with the machine and with the surroundings."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,25 +13,25 @@ from scipy.spatial import cKDTree
 from executive.arrays import Bool, Float, Int
 from executive.geometry.pose import inverse, transform
 
-_THIN = 0.5  # share of a body's half thickness that counts as deep: points never lie deeper in it
-_NOISE_M = 0.02
+_THIN = 0.5  # share of a thin body's depth at which a point in it counts as a collision
+_NOISE_M = 0.02  # allowance for noise of the ground at the start
 
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    """A collision: at which of the postures, and of what with what."""
+    """A collision: index of the posture, and names of the colliding bodies."""
 
     posture: int
     what: str
 
 
 class CollisionCheck:
-    """One arm, one opening of the jaws, one held stone or none, one set of obstacles.
+    """Collision check for one jaw angle, one held stone or none, and one set of obstacles.
 
-    The chassis and the cabin are not tested against the surroundings: the former stands in them and
-    the latter turns above them. A body may go into stones and ground by a tolerance: a map is
-    noisy, and a stone rests on the ground. Points that are inside a body in the first posture of
-    all (`start`) are excused: the machine is there already.
+    Chassis and cabin are not checked against the surroundings: the chassis is in contact with them
+    and the cabin turns above them. A body may penetrate stones and ground by a tolerance, since
+    maps are noisy and a stone rests on the ground. Points that are inside a body in the first
+    posture (`start`) are ignored, since the machine is there already.
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class CollisionCheck:
         frames = link_frames(self._machine, start[None], jaw_rad)
         low, sunk_m = self._survey(frames)
         self._excused = self._inside(frames, low)
-        self._allowed_sinking_m = np.maximum(tolerance_m, sunk_m[0] + _NOISE_M)  # of each body
+        self._allowed_sinking_m = np.maximum(tolerance_m, sunk_m[0] + _NOISE_M)
 
     def first_hit(self, q: Float) -> Hit | None:
         """Return the first collision along postures (K, n), or None."""
@@ -63,8 +63,10 @@ class CollisionCheck:
         return outside
 
     def machine_hit(self, q: Float) -> Hit | None:
-        """Return the first collision along postures (K, n) of the machine with itself or its load,
-        or None.
+        """Return the first collision of the machine with itself or its load, or None.
+
+        Args:
+            q: Postures, shape (K, n).
         """
         hit = self._machine_check.first_hit(link_frames(self._machine, q, self._jaw_rad))
         return None if hit is None else Hit(hit[0], f"{hit[1]} with {hit[2]}")
@@ -89,8 +91,9 @@ class CollisionCheck:
     def _depths(
         self, frames: dict[str, Float], low: Bool
     ) -> Iterator[tuple[int, ConvexBody, Int, Float]]:
-        """Yield posture, body, indices of points near it and their depths in it, where the height
-        map is not clear.
+        """Yield posture, body, indices of nearby points and their depths in the body.
+
+        Only bodies below the height map are considered.
         """
         close = np.argwhere(low)
         if not len(close):
@@ -116,8 +119,9 @@ class CollisionCheck:
             )
 
     def _survey(self, frames: dict[str, Float]) -> tuple[Bool, Float]:
-        """Return which body is below the height map in which posture, and its depth in the ground,
-        (K, bodies) each.
+        """Return which bodies are below the height map, and their depths in the ground [m].
+
+        Both have the shape (K, bodies).
         """
         shape = (len(frames[self._machine.base_link]), len(self._bodies))
         is_low, sunk_m = np.zeros(shape, dtype=bool), np.full(shape, -np.inf)

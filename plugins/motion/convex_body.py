@@ -1,6 +1,4 @@
-"""Convex bodies of the machine and of a held stone: corners, faces, a sphere around them, samples
-of their surface.
-"""
+"""Convex bodies of the machine and of a held stone, for collision checks."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,17 +12,17 @@ from scipy.spatial import ConvexHull, QhullError
 from executive.arrays import Float, Int
 from executive.errors import ShapeError
 
-_SPACING_M = 0.12  # of the samples on a surface
+_SPACING_M = 0.12  # largest distance between samples of a surface
 
 
 @dataclass(frozen=True, eq=False)
 class ConvexBody:
-    """The hull of points, fixed to a link.
+    """The convex hull of points that are fixed to a link.
 
     Attributes:
         link: Name of the link that carries it.
-        points: Points in the link's frame [m], shape (V, 3), not all in one plane.
-        name: What messages call it.
+        points: Points in the frame of the link [m], shape (V, 3), not all in one plane.
+        name: Name used in messages.
     """
 
     link: str
@@ -56,7 +54,7 @@ class ConvexBody:
 
     @cached_property
     def sphere(self) -> tuple[Float, float]:
-        """Centre (3,) and radius [m] of a sphere around it."""
+        """Centre (3,) and radius [m] of an enclosing sphere."""
         centre = (self.corners.min(axis=0) + self.corners.max(axis=0)) / 2
         return centre, float(np.linalg.norm(self.corners - centre, axis=1).max())
 
@@ -67,8 +65,9 @@ class ConvexBody:
 
     @cached_property
     def half_spaces(self) -> Float:
-        """Rows (n, d): a point p is inside where n·p + d ≤ 0 for all, shape (F, 4); coplanar
-        triangles once.
+        """Faces (n, d), shape (F, 4); a point p is inside if n·p + d ≤ 0 for all of them.
+
+        Coplanar triangles give one face.
         """
         return np.unique(np.round(self._hull.equations, 9), axis=0)
 
@@ -78,7 +77,7 @@ class ConvexBody:
         return fcl_convex(*self._mesh)
 
     def depths(self, points_link: Float) -> Float:
-        """Return how deep points lie inside, negative outside [m], shape (N,)."""
+        """Return how deep points (N, 3) are inside, negative outside [m], shape (N,)."""
         H = self.half_spaces
         return np.asarray(-(points_link @ H[:, :3].T + H[:, 3]).max(axis=1))
 
@@ -97,8 +96,6 @@ class ConvexBody:
 
 
 def _weights(splits: int) -> Float:
-    """Return barycentric weights of the grid that splits each side of a triangle evenly, shape (W,
-    3).
-    """
+    """Return barycentric weights of a grid that splits each triangle side evenly, shape (W, 3)."""
     i, j = np.mgrid[: splits + 1, : splits + 1]
     return np.asarray(np.stack([i, j, splits - i - j], axis=-1)[i + j <= splits] / splits)

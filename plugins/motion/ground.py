@@ -1,4 +1,4 @@
-"""The ground under a place: a plane through the lowest points around it."""
+"""The ground at a place: a plane through the lowest points around it."""
 
 import numpy as np
 
@@ -7,20 +7,19 @@ from executive.arrays import Float
 _RADIUS_M = 2.5
 _CELL_M = 0.3
 _LEAST_CELLS = 12
-_STEEPEST_RAD = 0.6  # beyond it the fit is not ground
+_STEEPEST_RAD = 0.6  # a steeper plane is not taken for ground
 _UP = np.array([0.0, 0.0, 1.0])
 
 
 def ground_normal(points: Float, place: Float) -> Float:
-    """Return the unit normal, pointing up, of the ground around a place; straight up where the
-    points do not tell.
+    """Return the upward unit normal of the ground around a place, shape (3,).
 
-    The lowest point of each cell is fitted by a plane; cells that lie above it (stones) are left
-    out, three times over.
+    It is vertical where there are too few points. A plane is fitted to the lowest point of each
+    cell; cells above the plane (stones) are removed, three times.
 
     Args:
-        points: Ground and what stands on it, z up [m], shape (N, 3).
-        place: Where, shape (3,).
+        points: Ground and objects on it, z up [m], shape (N, 3).
+        place: Position, shape (3,).
     """
     x, y = points[:, 0] - place[0], points[:, 1] - place[1]
     low = _lowest(points[(np.abs(x) < _RADIUS_M) & (np.abs(y) < _RADIUS_M)])

@@ -1,6 +1,4 @@
-"""The ground's height over an area, under stones and in their shadows too: local planes through
-what lies lowest.
-"""
+"""Heights of the ground over an area, also under stones: local planes through the lowest points."""
 
 from dataclasses import dataclass
 
@@ -9,45 +7,39 @@ from scipy.ndimage import gaussian_filter, map_coordinates
 
 from executive.arrays import Float
 
-_CELL_M = 0.3  # the lowest point of each cell may be ground
-_WIDTHS_M = (
-    2.0,
-    2.0,
-    1.0,
-    1.0,
-    0.6,
-    0.6,
-)  # of the neighbourhoods, pass by pass: wide ones see past a stone
-# a cell so far above the surface counts a quarter in the next pass, higher ones hardly at all
-_ABOVE_M = 0.08
-_LEAST_SUPPORT = 0.03  # share of a neighbourhood that must be seen, by weight
-_LEAST_SPREAD_M = 0.1  # of what a plane is fitted to: narrower, its slope is not to be believed
+_CELL_M = 0.3  # edge of the cells whose lowest points are used
+# Widths of the neighbourhoods, pass by pass; wide ones reach beyond a stone.
+_WIDTHS_M = (2.0, 2.0, 1.0, 1.0, 0.6, 0.6)
+_ABOVE_M = 0.08  # height above the surface at which the weight of a cell is a quarter
+_LEAST_SUPPORT = 0.03  # least weighted share of a neighbourhood that must be seen
+_LEAST_SPREAD_M = 0.1  # regularises the slope of planes through points that are close together
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Lowest:
-    """The lowest point of each cell of a square grid, (n, n) each; where there is none, `is_seen`
-    is 0.
+    """The lowest point of each cell of a square grid, arrays of shape (n, n).
+
+    Where a cell has no point, `is_seen` is 0.
     """
 
     is_seen: Float
     x: Float
     y: Float
     z: Float
-    centres_m: Float  # of the cells along an axis, (n,)
+    centres_m: Float  # cell centres along an axis, shape (n,)
 
 
 def ground_heights(points: Float, centres_m: Float) -> Float:
-    """Return the ground's height at (centres[i], centres[j]) [m], shape (n, n); NaN where too
-    little is seen around.
+    """Return the ground height at (centres[i], centres[j]) [m], shape (n, n); NaN if unknown.
 
-    A plane is fitted about each cell to the lowest points of the cells around it; those above it
-    (stones) then count less, six times over, first in wide neighbourhoods. A stone is so no ground,
-    though nothing lower be seen in its shadow; slopes stay slopes. At a step of the ground the
-    upper side counts as a stone for a metre or so.
+    A plane is fitted around each cell to the lowest points of the cells around it. Points above it
+    (stones) get a smaller weight in the next of six passes; the first passes use wide
+    neighbourhoods. A stone is therefore not taken for ground even if nothing lower is seen in its
+    shadow, and slopes are kept. At a step of the ground, the upper side counts as a stone for about
+    a metre.
 
     Args:
-        points: Ground and what stands on it, z up [m], shape (N, 3).
+        points: Ground and objects on it, z up [m], shape (N, 3).
         centres_m: Rising, evenly spaced coordinates, the same along x and y, shape (n,).
     """
     if not len(points):
@@ -66,8 +58,9 @@ def ground_heights(points: Float, centres_m: Float) -> Float:
 
 
 def _local_planes(low: _Lowest, weight: Float, width_cells: float) -> Float:
-    """Return the height of a weighted plane about each cell, at its centre, (n, n); NaN with too
-    little support.
+    """Return the height of a weighted plane around each cell, at its centre, (n, n).
+
+    It is NaN where the support is too small.
     """
 
     def mean(values: Float) -> Float:

@@ -1,6 +1,4 @@
-"""The paper's heuristic planner: way points that rise and fall along the ground's normal, Hermite
-curves between.
-"""
+"""The paper's heuristic planner: waypoints along the ground normal, Hermite curves between."""
 
 from collections.abc import Mapping
 from typing import ClassVar
@@ -29,12 +27,12 @@ from executive.messages.cloud import Cloud
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.trajectory import JointTrajectory
 
-_BEYOND_REACH_M = 2.0  # obstacles farther out do not matter
-_PATH_POINTS = 100  # of the path that is shown
+_BEYOND_REACH_M = 2.0  # obstacles farther beyond the reach are ignored
+_PATH_POINTS = 100  # number of points of the path that is displayed
 
 
 class HermiteSettings(Settings):
-    """How the arm moves."""
+    """Speed, clearances and tolerances of planned motions."""
 
     speed: float = Field(
         0.9, gt=0, le=1, description="Share of the joints' velocity and acceleration limits to use."
@@ -46,13 +44,13 @@ class HermiteSettings(Settings):
         0.05,
         ge=0,
         le=0.3,
-        description="Depth of map points inside the arm or stone that is not yet a collision [m].",
+        description="Depth of map points inside arm or stone that is tolerated [m].",
     )
     machine_clearance: Meters = Field(
         0.05, ge=0, le=0.5, description="Distance kept between parts of the machine [m]."
     )
     least_arrival: float = Field(
-        0.5, gt=0, le=1, description="Share of the straight arrival that must be in reach."
+        0.5, gt=0, le=1, description="Least share of the straight arrival that must be in reach."
     )
     inverse_kinematics: InverseKinematicsSettings = Field(
         InverseKinematicsSettings(), description="How positions for a pose are found."
@@ -60,9 +58,7 @@ class HermiteSettings(Settings):
 
 
 class Hermite(MotionPlanner):
-    """Plans moves and sweeps (Mascaro 2020, Sec. 6.1). Deterministic; it keeps nothing from call to
-    call.
-    """
+    """Plans moves and sweeps (Mascaro 2020, Sec. 6.1); deterministic and stateless."""
 
     Settings = HermiteSettings
     latency_s: ClassVar[Mapping[str, float]] = {"move": 0.3, "swing": 0.1}
@@ -111,8 +107,8 @@ class Hermite(MotionPlanner):
         lower, upper = self._machine.lower[turn], self._machine.upper[turn]
         if not lower <= start[turn] - angle_rad / 2 <= start[turn] + angle_rad / 2 <= upper:
             return _refused(
-                f"sweeping: {self._machine.turn_joint} turns from {lower:.2f} to "
-                f"{upper:.2f} rad only"
+                f"sweeping: the range of {self._machine.turn_joint} is {lower:.2f} to "
+                f"{upper:.2f} rad"
             )
         trajectory = sweep(
             self._machine, self._limits(False), self._fold(start), angle_rad, duration_s
@@ -148,8 +144,9 @@ class Hermite(MotionPlanner):
         )
 
     def _machine_check_for(self, request: MoveRequest, held: ConvexBody | None) -> SelfCollision:
-        """Return a check that keeps the clearance; one that forbids contact only, where the start
-        is closer already.
+        """Return a check that keeps the clearance between parts of the machine.
+
+        If the start is closer already, the check forbids contact only.
         """
         check = SelfCollision(self._machine, self._bodies, self._settings.machine_clearance, held)
         if (
@@ -184,8 +181,9 @@ class Hermite(MotionPlanner):
         )
 
     def _fold(self, start: Float) -> list[Float]:
-        """Return postures from the present one to `scan`, over `carry` where that is higher than
-        the present one.
+        """Return postures from the present one to `scan`, without turning the cabin.
+
+        They pass through `carry` if that is higher than the present posture.
         """
         turn = self._machine.arm_names.index(self._machine.turn_joint)
         postures = [start]

@@ -1,6 +1,4 @@
-"""Inverse kinematics: damped least squares on Pinocchio's Jacobian, from several seeds, within
-joint limits.
-"""
+"""Inverse kinematics by damped least squares, from several seeds, within joint limits."""
 
 from collections.abc import Callable, Iterator
 
@@ -14,41 +12,42 @@ from executive.geometry.rotation import log_so3
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 
-# Rows of the residual are divided by these, so that a millimetre and 5 mrad weigh alike.
+# Rows of the residual are divided by these, so 1 mm and 5 mrad have the same weight.
 _SCALE = np.array([1e-3] * 3 + [5e-3] * 3)
-_CONVERGED = 0.1  # scaled residual: 0.1 mm
-_DAMPING = 1e-3  # against the scaled Jacobian, whose entries are of the order of 1,000
-_COMFORT = 2.0  # pull towards the middle of each range, in the scaled residual's units
-_FADE = 0.25  # of the pull, each iteration
-_PATIENCE = 5  # iterations without a twentieth of progress
-_SAME = 0.02  # [rad] or [m]
-_MAX_STEP = 0.4  # [rad] or [m] an iteration: the linearisation holds about so far
+_CONVERGED = 0.1  # scaled residual, equivalent to 0.1 mm
+_DAMPING = 1e-3  # relative to the scaled Jacobian, whose entries are of the order of 1,000
+_COMFORT = 2.0  # pull towards the middle of each range, in units of the scaled residual
+_FADE = 0.25  # factor on the pull in each iteration
+_PATIENCE = 5  # iterations without an improvement of 5 % before giving up
+_SAME = 0.02  # solutions closer than this are the same [rad] or [m]
+_MAX_STEP = 0.4  # largest step, within which the linearisation is valid [rad] or [m]
 
 
 class InverseKinematicsSettings(Settings):
-    """When a posture counts as reaching a pose."""
+    """Tolerances and iterations."""
 
     position_tolerance_m: Meters = Field(
-        0.005, gt=0, le=0.1, description="Largest distance from the wanted place [m]."
+        0.005, gt=0, le=0.1, description="Largest deviation of position [m]."
     )
     orientation_tolerance_rad: Radians = Field(
         0.06,
         gt=0,
         le=0.5,
-        description="Largest turn from the wanted orientation, for arms that lack a joint [rad].",
+        description="Largest deviation of orientation, for arms with few joints [rad].",
     )
-    iterations: int = Field(30, ge=5, le=500, description="Steps from each seed.")
+    iterations: int = Field(30, ge=5, le=500, description="Largest number of iterations per seed.")
     margin: float = Field(
-        0.005, ge=0, le=0.1, description="Distance kept from the joints' ends [rad] or [m]."
+        0.005, ge=0, le=0.1, description="Distance kept from the joint limits [rad] or [m]."
     )
 
 
 class InverseKinematics:
-    """Joint positions for poses of the gripper; deterministic, about a millisecond.
+    """Joint positions for poses of the gripper; deterministic, about a millisecond per pose.
 
-    Arms of more than six joints have freedom left: a pull towards the middle of the ranges, which
-    fades as the pose is reached, spends it. Arms of fewer reach only some orientations: the
-    least-squares solution is accepted if what it misses is within the tolerance.
+    Arms with more than six joints have redundant freedom. It is resolved by a pull towards the
+    middle of the joint ranges, which fades as the pose is reached. Arms with fewer joints reach
+    only some orientations; the least-squares solution is accepted if its residual is within the
+    tolerance.
     """
 
     def __init__(
@@ -74,16 +73,16 @@ class InverseKinematics:
     ) -> Float | None:
         """Return positions (n,) that reach a pose, near a seed where possible, or None.
 
-        Continuous joints are returned on the turn that is nearest to the seed's.
+        Continuous joints are returned on the turn nearest to that of the seed.
 
         Args:
             T_base_gripper: The wanted pose, shape (4, 4).
             seed: Positions to start from first, shape (n,).
-            accept: A further demand, such as freedom from collision; a refused solution leads to
-                the next seed.
+            accept: A further condition, such as freedom from collision; if it refuses a solution,
+                the next seed is tried.
         """
         if np.hypot(*T_base_gripper[:2, 3]) > self._machine.reach_m + 1.0:
-            return None  # hopeless by far: spare the iterations
+            return None  # far out of reach
         stuck: list[Float] = []
         for start in self._seeds(T_base_gripper, seed):
             q, is_there = self._iterate(
@@ -93,14 +92,12 @@ class InverseKinematics:
             if is_there and (accept is None or accept(q)):
                 return q
             if any(np.abs(q - other).max() < _SAME for other in stuck):
-                return None  # two seeds end in the same place: more would, too
+                return None  # two seeds end at the same posture: assume that others would, too
             stuck.append(q)
         return None
 
     def track(self, T_base_gripper: Float, q: Float) -> Float | None:
-        """Return the solution next to a posture that is almost there, by the smallest step; None if
-        there is none.
-        """
+        """Return the solution next to a posture that nearly reaches the pose, or None."""
         found, is_there = self._iterate(T_base_gripper, q, 8, pull=np.zeros_like(q))
         return found if is_there and np.abs(found - q).max() <= _MAX_STEP else None
 
@@ -110,8 +107,9 @@ class InverseKinematics:
         return np.asarray(q + 2 * np.pi * turns)
 
     def _seeds(self, T_base_gripper: Float, seed: Float) -> Iterator[Float]:
-        """Yield the seed and the named postures, cabin turned to the place, the last joint to the
-        orientation.
+        """Yield the seed, the named postures and the middle of the ranges.
+
+        In each the cabin is turned to the place, and the last joint to the orientation.
         """
         for posture in (
             seed,
@@ -125,8 +123,8 @@ class InverseKinematics:
 
     def _azimuth_error(self, T_base_gripper: Float, q: Float) -> float:
         p, p_wanted = self._kinematics.gripper(q)[:2, 3], T_base_gripper[:2, 3]
-        # The arm's plane passes beside the turning axis by an offset d: asin(d / radius) differs
-        # with the radius.
+        # The plane of the arm has an offset d from the turning axis, so the azimuth of the gripper
+        # deviates by asin(d / radius).
         turn = q[self._turn]
         d = float(-np.sin(turn) * p[0] + np.cos(turn) * p[1])
         radius = float(np.hypot(*p_wanted))
@@ -139,7 +137,7 @@ class InverseKinematics:
             return 0.0
         R_now = self._kinematics.gripper(q)[:3, :3]
         M = R_now.T @ T_base_gripper[:3, :3]
-        a = np.array(self._machine.joints[-1].axis)  # the gripper's frame is the last joint's
+        a = np.array(self._machine.joints[-1].axis)  # the gripper frame is that of the last joint
         sine = float(a @ [M[2, 1] - M[1, 2], M[0, 2] - M[2, 0], M[1, 0] - M[0, 1]])
         cosine = float(np.trace(M) - a @ M @ a)
         return float(np.arctan2(sine, cosine))
@@ -147,10 +145,10 @@ class InverseKinematics:
     def _iterate(
         self, T_wanted: Float, q: Float, iterations: int, pull: Float
     ) -> tuple[Float, bool]:
-        """Return where Levenberg's method ends, with the joints' ends as active set, and whether
-        that is the pose.
+        """Return the result of Levenberg's method, and whether it reaches the pose.
 
-        The pull fades with each step, so that it decides about spare freedom only.
+        Joints at their limits form the active set. The pull fades with each step, so it only
+        resolves redundant freedom.
         """
         q, best, stale = q.copy(), np.inf, 0
         r = self._residual(T_wanted, q)

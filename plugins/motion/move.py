@@ -1,4 +1,4 @@
-"""One move: its straight ends, its travel, and what stands in their way."""
+"""One move: a straight start, a travel, a straight arrival, and their collision checks."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,20 +10,22 @@ from executive_plugins.motion.inverse_kinematics import InverseKinematics
 from executive_plugins.motion.obstacles import Obstacles
 from executive_plugins.motion.path import HermitePath, path_through
 from executive_plugins.motion.timing import Limits
-from executive_plugins.motion.waypoints import Line, Waypoints, hang_m, join
+from executive_plugins.motion.waypoints import Line, Waypoints, join, reach_below_m
 
 from executive.arrays import Float
 from executive.geometry.pose import pose
 from executive.machine.machine import Machine
 
-_FINE = 0.02  # of the path's parameter
-_CHECK_M = 0.12  # between checked postures: steps of the palm,
-_CHECK = 0.1  # and of the joints [rad] or [m]; both together
-_HIGHER_M = (0.0, 0.6, 1.2)  # added to the travelling height when the way is not free
-_BESIDE_EACH_OTHER_M = 0.6  # tops so close need no lift between them
-_BESIDE_M = 1.5  # of the gripper's radii: what the sector to be cleared is wider than them
-_BESIDE_RAD = 0.2
-_ALIKE_COS = 0.9994  # 2 deg: directions that need no second try
+_FINE = 0.02  # step of the path parameter at which motion is measured
+# Between checked postures the motion of the palm over the first and of the joints over the second
+# add up to at most 1.
+_CHECK_M = 0.12
+_CHECK = 0.1  # [rad] or [m]
+_HIGHER_M = (0.0, 0.6, 1.2)  # added to the travelling height while the path is not free
+_BESIDE_EACH_OTHER_M = 0.6  # tops closer than this need no lift between them
+_BESIDE_M = 1.5  # margin of the cleared sector beyond the radii of the gripper
+_BESIDE_RAD = 0.2  # margin of the cleared sector beyond its azimuths
+_ALIKE_COS = 0.9994  # directions within 2 deg count as the same
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,16 +40,16 @@ class Move:
     """The parts of one move, in the base frame.
 
     Attributes:
-        machine: Whose arm.
-        waypoints: Finds straight lines and lifts.
-        inverse_kinematics: Finds the goal's posture.
-        check: Tells collisions.
+        machine: Machine that moves.
+        waypoints: Computes straight lines and lifts.
+        inverse_kinematics: Computes the posture at the goal.
+        check: Collision check.
         obstacles: The surroundings.
-        reaching_gripper: Corners of the gripper and points of what it holds, in its frame, shape
+        reaching_gripper: Corners of the gripper and points of the held stone in its frame, shape
             (N, 3).
-        limits: Of the joints.
+        limits: Limits of the joints.
         clearance_m: Height kept above obstacles while travelling.
-        least_arrival: Share of the arrival that must be within reach.
+        least_arrival: Share of the arrival that must be in reach.
     """
 
     machine: Machine
@@ -61,7 +63,7 @@ class Move:
     least_arrival: float
 
     def leave(self, start: Float, normal: Float, length_m: float) -> Line | NoPath:
-        """Go up from the start as far as the arm reaches; only a collision forbids it."""
+        """Move up from the start as far as the arm reaches; it fails only by a collision."""
         first: NoPath | None = None
         for direction in self._directions(self._frame(start), normal):
             line = self.waypoints.line_up(start, direction, length_m)
@@ -72,12 +74,12 @@ class Move:
                 f"leaving: collision of {hit.what} at "
                 f"{hit.posture / len(line.nodes):.0%} of the way up"
             )
-        return first or NoPath("leaving: no direction")
+        return first or NoPath("leaving: no upward direction")
 
     def arrive(
         self, T_base_goal: Float, seed: Float, normal: Float, length_m: float
     ) -> Line | NoPath:
-        """Come straight down to the goal."""
+        """Move straight down to the goal."""
         first: NoPath | None = None
         for direction in self._directions(T_base_goal, normal):
             for line in self._arrivals(T_base_goal, seed, direction, length_m):
@@ -88,7 +90,7 @@ class Move:
         return first or NoPath("goal out of reach")
 
     def travel(self, leave: Line, arrive: Line) -> HermitePath | NoPath:
-        """Connect the two tops: at the least height, the shorter way round first."""
+        """Connect the two tops, with the least height and the shorter turn first."""
         first: NoPath | None = None
         for path in self._paths(leave, arrive):
             dense = self._dense(path)
@@ -97,14 +99,14 @@ class Move:
                 return path
             share = hit.posture / (len(dense) - 1)
             first = first or NoPath(f"travelling: collision of {hit.what} at fraction {share:.2f}")
-        return first or NoPath("travelling: no way")
+        return first or NoPath("travelling: no path")
 
     def _paths(self, leave: Line, arrive: Line) -> Iterator[HermitePath]:
         a, b = leave.nodes[-1], arrive.nodes[-1]
         if np.linalg.norm((self._frame(a) - self._frame(b))[:3, 3]) < _BESIDE_EACH_OTHER_M:
             yield self._path(leave, [], arrive)
         for higher_m in _HIGHER_M:
-            for shift_rad in self.waypoints.ways_round(a, b):
+            for shift_rad in self.waypoints.turn_shifts(a, b):
                 turned = Line(self.waypoints.shifted(arrive.nodes, shift_rad), arrive.length_m)
                 top_m = self._highest_between(a, turned.nodes[-1]) + self.clearance_m + higher_m
                 yield self._path(
@@ -112,7 +114,9 @@ class Move:
                 )
 
     def _lift(self, q: Float, lowest_m: float) -> Float | None:
-        return self.waypoints.lift(q, lowest_m + hang_m(self._frame(q), self.reaching_gripper))
+        return self.waypoints.lift(
+            q, lowest_m + reach_below_m(self._frame(q), self.reaching_gripper)
+        )
 
     def _path(self, leave: Line, lifts: list[Float | None], arrive: Line) -> HermitePath:
         nodes, is_dense = join(leave, [q for q in lifts if q is not None], arrive)
@@ -130,8 +134,9 @@ class Move:
         return self.obstacles.highest(sector, (min(radii) - _BESIDE_M, max(radii) + _BESIDE_M))
 
     def _directions(self, T_base_gripper: Float, normal: Float) -> Iterator[Float]:
-        """Yield the ground's normal (Mascaro 2020, Sec. 6.1); then, our own, back off the grasp and
-        straight up.
+        """Yield the ground normal (Mascaro 2020, Sec. 6.1).
+
+        Our additions follow: against the approach of the grasp, and vertically up.
         """
         given: list[Float] = []
         for direction in (normal, -T_base_gripper[:3, 0], np.array([0.0, 0.0, 1.0])):
@@ -142,11 +147,10 @@ class Move:
     def _arrivals(
         self, T_base_goal: Float, seed: Float, direction: Float, length_m: float
     ) -> Iterator[Line]:
-        """Yield lines from the goal upwards, then from the top downwards: the arm's spare freedom
-        differs.
+        """Yield lines from the goal upwards, then from the top downwards.
 
-        Where the arm stands at the top or at the goal already, that comes first: it need not fold
-        anew.
+        They differ in the redundant freedom of the arm. Postures near the present one come first,
+        so that the arm need not fold differently.
         """
         ik, T_top = self.inverse_kinematics, pose(t=direction * length_m) @ T_base_goal
         for find in (ik.track, lambda T, q: ik.solve(T, q, self._is_free)):
@@ -173,9 +177,7 @@ class Move:
         return NoPath(f"arriving: collision of {hit.what}, {above:.2f} m above the goal")
 
     def _dense(self, path: HermitePath) -> Float:
-        """Return postures along a path, close enough that nothing slips through between them, shape
-        (K, n).
-        """
+        """Return postures along a path, dense enough for the collision check, shape (K, n)."""
         u = np.linspace(0.0, path.length, max(2, int(np.ceil(path.length / _FINE)) + 1))
         q = path.position(u)
         palm = link_frames(self.machine, q, 0.0)[self.machine.gripper_link][:, :3, 3]

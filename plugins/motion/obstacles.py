@@ -1,6 +1,4 @@
-"""The surroundings: a map of the highest points for the quick answer, one of the ground, and the
-points themselves.
-"""
+"""The surroundings: a map of the highest points, a map of the ground, and the points."""
 
 from functools import cached_property
 
@@ -11,14 +9,14 @@ from scipy.ndimage import maximum_filter, minimum_filter
 from executive.arrays import Bool, Float, Int
 
 _CELL_M = 0.1
-_GROUND_CELLS = 5  # window of the lowest point: half a metre
-_ROUGH_M = 0.06  # how far that point may lie above the ground farther around and still be ground
-_GROUND_M = 0.12  # up to this height above the ground a point counts as ground, not as a stone
+_GROUND_CELLS = 5  # window of the lowest point, half a metre
+_ROUGH_M = 0.06  # largest height of that point above the ground farther around, if it is ground
+_GROUND_M = 0.12  # points up to this height above the ground belong to the ground
 _FREE = -1e3  # height of a cell without points [m]
 
 
 class Obstacles:
-    """Points around the machine, in the base frame; those farther than the radius do not matter."""
+    """Points around the machine in the base frame; those beyond a radius are dropped."""
 
     def __init__(self, points_base: Float, radius_m: float) -> None:
         is_near = (np.abs(points_base[:, 0]) < radius_m) & (np.abs(points_base[:, 1]) < radius_m)
@@ -30,29 +28,26 @@ class Obstacles:
         )
         self._heights = self._extremes(np.maximum, _FREE)
         self._floor = self._ground()
-        # Samples of a body's surface are a cell and a half apart; the ground of a shadow is as
-        # solid as that beside it.
+        # Samples of a body's surface are up to 1.5 cells apart, hence the maximum over neighbouring
+        # cells. Ground in a shadow counts like the ground beside it.
         self._wide = np.maximum(maximum_filter(self._heights, size=3), self._floor)
 
     def clearances(self, points_base: Float) -> Float:
-        """Return heights above the highest obstacle in the surrounding cells [m], of points (...,
-        3).
-        """
+        """Return heights of points (..., 3) above the highest obstacle nearby [m], shape (...)."""
         column, row = np.moveaxis(self._index(points_base[..., :2]), -1, 0)
         return np.asarray(points_base[..., 2] - self._wide[column, row])
 
     def depths_in_ground(self, points_base: Float) -> Float:
-        """Return depths below the ground [m], negative above it, of points (..., 3).
+        """Return depths of points (..., 3) below the ground [m], negative above it, shape (...).
 
-        The ground is solid all the way down, while its points are a sheet that thin bodies pass
+        The ground is solid at all depths, while its points form a sheet that thin bodies pass
         through.
         """
         column, row = np.moveaxis(self._index(points_base[..., :2]), -1, 0)
         return np.asarray(self._floor[column, row] - points_base[..., 2])
 
     def highest(self, azimuths_rad: tuple[float, float], radii_m: tuple[float, float]) -> float:
-        """Return the height of the highest obstacle in a sector of a ring about the base's z axis
-        [m].
+        """Return the height of the highest obstacle in a ring sector around the base's z axis [m].
 
         Args:
             azimuths_rad: First and last azimuth; the sector runs from the smaller number to the
@@ -68,11 +63,11 @@ class Obstacles:
 
     @cached_property
     def is_ground(self) -> Bool:
-        """Which points lie hardly above the ground, shape (N,)."""
+        """Mask of the points that are at most slightly above the ground, shape (N,)."""
         return np.asarray(self.depths_in_ground(self.points) > -_GROUND_M)
 
     def in_box(self, low: Float, high: Float) -> Int:
-        """Return the indices of the points in a box that stand above the ground, rising."""
+        """Return the indices of the points in a box that are above the ground, rising."""
         x, y, z = self.points.T
         is_in = (x >= low[0]) & (x <= high[0])
         is_in &= (y >= low[1]) & (y <= high[1])
@@ -84,11 +79,11 @@ class Obstacles:
         return np.clip(cells, 0, self._cells - 1)
 
     def _ground(self) -> Float:
-        """Return the ground's height in each cell, free where it is unknown.
+        """Return the ground height in each cell, `_FREE` where it is unknown.
 
-        It is the lowest point of the cell and those around it, on the slope there. Where that is a
-        stone's, because the ground beside it lies in its shadow, and where there is none, it is
-        what the ground farther around tells.
+        It is the lowest point of the cell and its neighbours, moved along the local slope. Where
+        that point belongs to a stone, since the ground beside it is in its shadow, or where there
+        is none, the height follows from the ground farther around.
         """
         lowest = self._extremes(np.minimum, -_FREE)
         surface = ground_heights(self.points, self._centres)

@@ -1,26 +1,24 @@
-"""A path through joint space: cubic Hermite curves through nodes, over a parameter that is close to
-time.
-"""
+"""A path in joint space: cubic Hermite curves through nodes, with a parameter close to time."""
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from executive.arrays import Bool, Float
 
-# Straight lines are laid longer than their joints' speed limits ask: their ends turn into the
-# travel, which bends less then, and the timing runs faster along them. Of 1 … 7, five halves the
-# time lost there; more gains little.
+# Factor on the parameter length of straight lines. With longer lines the path bends less where they
+# join the travel, and the timing is faster there. Of the values 1 … 7, five halves the time that is
+# lost there; larger ones gain little.
 _EASE = 5.0
-_LEAST = 1e-3  # shortest interval of the parameter: nodes that coincide are no problem
+_LEAST = 1e-3  # shortest interval of the parameter, for nodes that coincide
 
 
 class HermitePath:
     """Passes all nodes with a continuous tangent and without overshoot between them.
 
     The tangents are those of monotone Hermite interpolation (Fritsch and Carlson 1980): a joint
-    that turns round at a node stands still there, and no joint leaves the range that its nodes
-    span. The paper interpolates waypoints with Hermite splines and does not say how tangents are
-    chosen (Mascaro 2020, Sec. 6.1).
+    that reverses at a node has zero velocity there, and no joint leaves the range of its nodes. The
+    paper interpolates waypoints with Hermite splines and does not state the tangents (Mascaro 2020,
+    Sec. 6.1).
     """
 
     def __init__(self, nodes: Float, parameters: Float) -> None:
@@ -42,21 +40,21 @@ class HermitePath:
         return np.asarray(self._derivatives[0](u))
 
     def curvature(self, u: Float) -> Float:
-        """Return d²q/du² at parameters (m,), shape (m, n); it steps at nodes."""
+        """Return d²q/du² at parameters (m,), shape (m, n); it is discontinuous at nodes."""
         return np.asarray(self._derivatives[1](u))
 
 
 def path_through(
     nodes: Float, is_dense: Bool, max_velocity: Float, max_acceleration: Float
 ) -> HermitePath:
-    """Lay a path through nodes, each interval about as long as the slowest joint needs for it.
+    """Return a path through nodes; each interval is about as long as its slowest joint needs.
 
     Args:
         nodes: Joint positions, shape (K, n), K ≥ 2.
-        is_dense: For each interval whether it is a piece of a longer curve, passed at speed, shape
-            (K − 1,).
-        max_velocity: Of the joints, shape (n,).
-        max_acceleration: Of the joints, shape (n,).
+        is_dense: For each interval whether it is a piece of a longer curve, passed at speed,
+            shape (K − 1,).
+        max_velocity: Velocity limits of the joints, shape (n,).
+        max_acceleration: Acceleration limits of the joints, shape (n,).
     """
     steps = np.abs(np.diff(nodes, axis=0))
     passing = _EASE * (steps / max_velocity).max(axis=1)

@@ -1,4 +1,4 @@
-"""Collision of the machine with itself, and of a held stone with the machine, on FCL."""
+"""Collisions of the machine with itself, and of a held stone with the machine, by FCL."""
 
 from collections.abc import Mapping, Sequence
 
@@ -15,10 +15,10 @@ _DIRECTIONS = even_directions(200)
 
 
 class SelfCollision:
-    """All pairs of convex bodies that must keep a clearance; spheres around them sort out most.
+    """All pairs of convex bodies that must keep a clearance; bounding spheres exclude most of them.
 
     Attributes:
-        machine: Whose bodies.
+        machine: Machine whose bodies are checked.
         bodies: The convex parts of all links, and the held stone if there is one.
     """
 
@@ -47,8 +47,7 @@ class SelfCollision:
         self._objects = [fcl.CollisionObject(body.geometry) for body in self.bodies]
 
     def first_hit(self, frames: Mapping[str, Float]) -> tuple[int, str, str] | None:
-        """Return the first posture with two bodies closer than the clearance, and the names of the
-        two, or None.
+        """Return the first posture in which two bodies are too close, and their names, or None.
 
         Args:
             frames: T_base_link of every link for each posture, shape (K, 4, 4) each.
@@ -80,7 +79,7 @@ class SelfCollision:
 
 
 def machine_bodies(machine: Machine) -> list[ConvexBody]:
-    """Return the convex parts of all links, in the machine's order."""
+    """Return the convex parts of all links, in the order of the machine."""
     return [
         ConvexBody(name, shape.vertices, name)
         for name, link in machine.links.items()
@@ -89,10 +88,10 @@ def machine_bodies(machine: Machine) -> list[ConvexBody]:
 
 
 def held_body(machine: Machine, held_gripper: Float) -> ConvexBody:
-    """Return the hull of a held stone's surface points (N, 3) in the gripper's frame [m].
+    """Return the hull of a held stone's surface points (N, 3) in the gripper frame [m].
 
-    The outermost points along 200 directions stand for all: a stone's hull loses a centimetre and
-    most of its facets.
+    Only the outermost points along 200 directions are used: the hull shrinks by about a centimetre
+    and loses most of its facets.
 
     Raises:
         ShapeError: If the points span no volume.

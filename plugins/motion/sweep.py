@@ -1,4 +1,4 @@
-"""Sweeps of the cabin for scanning: arm folded, to +angle/2, to −angle/2 and back."""
+"""Sweeps of the cabin for scanning: fold the arm, turn to +angle/2, to −angle/2 and back."""
 
 import numpy as np
 from executive_plugins.motion.path import path_through
@@ -8,20 +8,21 @@ from executive.arrays import Float
 from executive.machine.machine import Machine
 from executive.messages.trajectory import JointTrajectory
 
-_STILL = 1e-3  # [rad] or [m]: no need to move for less
+_STILL = 1e-3  # smaller motions are left out [rad] or [m]
 
 
 def sweep(
     machine: Machine, limits: Limits, fold: list[Float], angle_rad: float, duration_s: float
 ) -> JointTrajectory:
-    """Fold the arm, then sweep the cabin about where it stands; the sweep alone lasts the duration,
-    or longer.
+    """Fold the arm, then sweep the cabin around its present direction.
+
+    The sweep alone takes the given duration, or longer where the limits require it.
 
     Args:
-        machine: Whose arm.
-        limits: Of the joints.
+        machine: Machine that sweeps.
+        limits: Limits of the joints.
         fold: Postures from the present one to the folded one, without turning the cabin, each (n,).
-        angle_rad: Whole angle of the sweep.
+        angle_rad: Total angle of the sweep.
         duration_s: Wanted duration of the sweep [s].
     """
     turn = np.zeros(len(machine.joints))
@@ -36,7 +37,7 @@ def sweep(
 
 
 def chain(parts: list[JointTrajectory]) -> JointTrajectory:
-    """Run trajectories one after the other; each starts at rest where the one before ends."""
+    """Concatenate trajectories; each starts at rest where the previous one ends."""
     starts = np.cumsum([0.0, *(part.duration_s for part in parts)])
     return JointTrajectory(
         parts[0].names,
@@ -52,7 +53,7 @@ def chain(parts: list[JointTrajectory]) -> JointTrajectory:
 
 
 def slowed(trajectory: JointTrajectory, factor: float) -> JointTrajectory:
-    """Run along the same path, slower by a factor."""
+    """Return the same path, slower by a factor."""
     t = trajectory
     return JointTrajectory(t.names, t.times_s * factor, t.position, t.velocity / factor)
 

@@ -1,4 +1,4 @@
-"""Timing: how fast to run along a path, jerk-limited by Ruckig, within every joint's limits."""
+"""Timing of a path: jerk-limited profiles by Ruckig, within the limits of all joints."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -11,19 +11,17 @@ from executive.arrays import Float
 from executive.errors import DataError
 from executive.messages.trajectory import JointTrajectory
 
-_GRID = 0.02  # of the parameter, about 20 ms
-_CURVED = (
-    0.5  # share of the acceleration that may go into curvature; the rest speeds up and slows down
-)
-_ALIKE = 1.35  # neighbouring stretches whose speed limits differ by less are one
+_GRID = 0.02  # step of the parameter, about 20 ms
+_CURVED = 0.5  # share of the acceleration limit for curvature; the rest changes the speed
+_ALIKE = 1.35  # windows whose speed limits differ by a smaller factor form one stretch
 _STRETCH = 0.4  # shortest stretch, in the parameter
-_STILL = 1e-3
-_PERIOD_S = 0.03
+_STILL = 1e-3  # least slope and curvature
+_PERIOD_S = 0.03  # between samples of the trajectory
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Limits:
-    """What each joint may do: velocity, acceleration and jerk, shape (n,) each."""
+    """Velocity, acceleration and jerk limits of the joints, shape (n,) each."""
 
     velocity: Float
     acceleration: Float
@@ -32,7 +30,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class _Stretch:
-    """A part of the path with one limit on the parameter's velocity, acceleration and jerk."""
+    """An interval of the path with one limit on the parameter's velocity, acceleration and jerk."""
 
     begin: float
     end: float
@@ -42,13 +40,13 @@ class _Stretch:
 
 
 def time_path(names: tuple[str, ...], path: HermitePath, limits: Limits) -> JointTrajectory:
-    """Run along a path from rest to rest.
+    """Return a trajectory along a path, from rest to rest.
 
-    The parameter's speed follows a chain of one-dimensional Ruckig profiles, one a stretch; the
-    chained end speeds are lowered until each stretch is long enough to change between them (a pass
-    backward and one forward). Last, time is scaled evenly, so that the joint that comes nearest to
-    its limit meets it: velocity and acceleration limits hold whatever was estimated before. The
-    jerk limit shapes the profiles; it is not enforced on the joints.
+    The speed of the parameter follows a chain of one-dimensional Ruckig profiles, one per stretch.
+    The speeds between stretches are lowered until each stretch is long enough for its change of
+    speed (a backward and a forward pass). Finally time is scaled evenly so that the joint closest
+    to its limit reaches it exactly: velocity and acceleration limits hold regardless of the
+    approximations before. The jerk limit shapes the profiles; it is not enforced on the joints.
     """
     stretches = _stretches(path, limits)
     times, u, rates = _profile(stretches, _end_speeds(stretches))
@@ -59,9 +57,7 @@ def time_path(names: tuple[str, ...], path: HermitePath, limits: Limits) -> Join
 
 
 def accelerations(times_s: Float, position: Float, velocity: Float) -> Float:
-    """Return the accelerations of the cubic Hermite curve at both ends of each interval, shape (m −
-    1, 2, n).
-    """
+    """Return accelerations of the cubic curve at both ends of each interval, (m − 1, 2, n)."""
     h = np.diff(times_s)[:, None]
     secant = np.diff(position, axis=0) / h
     before, after = velocity[:-1], velocity[1:]
@@ -70,7 +66,7 @@ def accelerations(times_s: Float, position: Float, velocity: Float) -> Float:
 
 
 def _excess(times_s: Float, position: Float, velocity: Float, limits: Limits) -> float:
-    """Return the factor on time that brings the joint nearest to its limit exactly to it."""
+    """Return the factor on time with which the joint closest to its limit reaches it exactly."""
     too_fast = float((np.abs(velocity) / limits.velocity).max())
     too_hard = float(
         (np.abs(accelerations(times_s, position, velocity)) / limits.acceleration).max()
@@ -80,7 +76,7 @@ def _excess(times_s: Float, position: Float, velocity: Float, limits: Limits) ->
 
 def _stretches(path: HermitePath, limits: Limits) -> list[_Stretch]:
     u = np.linspace(0.0, path.length, max(8, int(path.length / _GRID)))
-    # The smallest slope and bend caps the parameter's speed where hardly any joint moves.
+    # The least slope and curvature bound the parameter speed where hardly any joint moves.
     slope, bend = np.abs(path.tangent(u)) + _STILL, np.abs(path.curvature(u)) + _STILL
     speed = np.minimum(
         (limits.velocity / slope).min(axis=1),
@@ -98,7 +94,7 @@ def _stretches(path: HermitePath, limits: Limits) -> list[_Stretch]:
 
 
 def _cuts(speed: Float, window: int) -> list[int]:
-    """Return grid indices that part windows whose least speeds are unlike."""
+    """Return grid indices that separate windows with different speed limits."""
     last = len(speed) - 1
     starts = [*range(0, max(last - window, 0) + 1, window)]
     least = [speed[i : j + 1].min() for i, j in zip(starts, [*starts[1:], last], strict=True)]
@@ -123,9 +119,7 @@ def _end_speeds(stretches: list[_Stretch]) -> list[float]:
 
 
 def _fastest(speed: float, stretch: _Stretch) -> float:
-    """Return the highest speed that a stretch's length allows to reach from a speed, no
-    acceleration at either end.
-    """
+    """Return the highest speed reachable within a stretch, without acceleration at its ends."""
     low, high = speed, max(speed, stretch.velocity)
     for _ in range(30):
         middle = (low + high) / 2
@@ -143,7 +137,7 @@ def _distance(speed: float, faster: float, stretch: _Stretch) -> float:
 
 
 def _profile(stretches: list[_Stretch], speeds: list[float]) -> tuple[Float, Float, Float]:
-    """Return times (m,), parameters (m,) and the parameter's rates (m,) of the chained profiles."""
+    """Return times (m,), parameters (m,) and their rates (m,) of the chained profiles."""
     profiles = [_ruckig(s, speeds[i], speeds[i + 1]) for i, s in enumerate(stretches)]
     starts = np.concatenate([[0.0], np.cumsum([profile.duration for profile in profiles])])
     times = np.linspace(0.0, starts[-1], max(2, int(np.ceil(starts[-1] / _PERIOD_S)) + 1))

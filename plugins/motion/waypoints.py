@@ -1,6 +1,4 @@
-"""Way points of a move: straight up from the start, over what stands between, straight down to the
-goal.
-"""
+"""Waypoints of a move: straight up from the start, over obstacles, straight down to the goal."""
 
 from dataclasses import dataclass
 
@@ -12,18 +10,19 @@ from executive.geometry.pose import pose, transform
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 
-_STEP_M = 0.05  # of a straight line's nodes
-_STRAIGHT = (
-    0.75  # share of a line, from the low end, that has nodes; the rest bends into the travel
-)
-_CLIMB_M = 0.2  # of a lift's steps
-_CLIMBED_M = 0.05  # less is no lift
+_STEP_M = 0.05  # between nodes of a straight line
+_STRAIGHT = 0.75  # share of a line, from the low end, with nodes; the rest bends into the travel
+_CLIMB_M = 0.2  # step of a lift
+_CLIMBED_M = 0.05  # smaller lifts are left out
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Line:
-    """A straight motion between a low end and a top: joint positions, low end first, shape (K,
-    n).
+    """A straight motion between a low end and a top.
+
+    Attributes:
+        nodes: Joint positions, low end first, shape (K, n).
+        length_m: Length of the line.
     """
 
     nodes: Float
@@ -31,7 +30,7 @@ class Line:
 
 
 class Waypoints:
-    """Finds joint positions for the parts of a move."""
+    """Computes joint positions for the parts of a move."""
 
     def __init__(
         self, machine: Machine, kinematics: Kinematics, inverse_kinematics: InverseKinematics
@@ -44,9 +43,7 @@ class Waypoints:
         self._carry_radius_m = float(np.hypot(*carry[:2, 3]))
 
     def line_up(self, q_low: Float, direction: Float, length_m: float) -> Line:
-        """Go straight along a unit direction with the orientation kept,
-        as far as the arm reaches.
-        """
+        """Move along a unit direction with constant orientation, as far as the arm reaches."""
         T_low = self._kinematics.gripper(q_low)
         q, nodes = q_low, [q_low]
         count = int(np.ceil(length_m / _STEP_M))
@@ -65,12 +62,11 @@ class Waypoints:
         )
 
     def lift(self, q_top: Float, height_m: float) -> Float | None:
-        """Return positions with the gripper at a height (of its origin, base frame), on the same
-        azimuth.
+        """Return positions with the gripper at a height, on the same azimuth.
 
-        The gripper climbs in steps; where one is out of reach, it is drawn towards the carrying
-        radius instead. It ends as high as it gets. None if it is high enough already, or cannot
-        climb at all.
+        The height is that of the gripper's origin in the base frame. The gripper climbs in steps;
+        where a step is out of reach, it moves towards the carrying radius instead. It ends as high
+        as it gets. None if it is high enough already, or cannot climb at all.
         """
         T, q = self._kinematics.gripper(q_top), q_top
         start_m = T[2, 3]
@@ -83,9 +79,10 @@ class Waypoints:
             T, q = tried
         return q if T[2, 3] > start_m + _CLIMBED_M else None
 
-    def ways_round(self, q_from: Float, q_to: Float) -> list[float]:
-        """Return shifts of the turning joint at the far end, the shorter way first [rad]; one if it
-        has ends.
+    def turn_shifts(self, q_from: Float, q_to: Float) -> list[float]:
+        """Return shifts of the turning joint at the far end, shorter turn first [rad].
+
+        There is only one if the joint has limits.
         """
         if np.isfinite(self._machine.lower[self._turn]):
             return [0.0]
@@ -93,7 +90,7 @@ class Waypoints:
         return [0.0, -2 * np.pi if turn > 0 else 2 * np.pi]
 
     def shifted(self, nodes: Float, shift_rad: float) -> Float:
-        """Shift the turning joint of nodes (K, n)."""
+        """Return nodes (K, n) with the turning joint shifted."""
         nodes = nodes.copy()
         nodes[:, self._turn] += shift_rad
         return nodes
@@ -107,7 +104,7 @@ class Waypoints:
 
 
 def join(leave: Line, travel: list[Float], arrive: Line) -> tuple[Float, Bool]:
-    """Return all nodes in order, and for each interval whether it is a piece of a straight line."""
+    """Return all nodes in order, and for each interval whether it belongs to a straight line."""
     nodes = [*leave.nodes, *travel, *arrive.nodes[::-1]]
     is_dense = np.zeros(len(nodes) - 1, dtype=bool)
     is_dense[: max(len(leave.nodes) - 2, 0)] = True
@@ -115,6 +112,6 @@ def join(leave: Line, travel: list[Float], arrive: Line) -> tuple[Float, Bool]:
     return np.array(nodes), is_dense
 
 
-def hang_m(T_base_gripper: Float, points_gripper: Float) -> float:
+def reach_below_m(T_base_gripper: Float, points_gripper: Float) -> float:
     """Return how far points (N, 3), fixed to the gripper, reach below its origin [m]."""
     return float(T_base_gripper[2, 3] - transform(T_base_gripper, points_gripper)[:, 2].min())

@@ -1,1 +1,1 @@
-"""robot plugins."""
+"""Plugins that are robots."""

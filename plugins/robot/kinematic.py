@@ -1,5 +1,6 @@
-"""A machine without a world: joints follow exactly, sensors are ideal, lidars see nothing. For dry
-runs of trees.
+"""A robot without physics, for dry runs of trees.
+
+Joints follow exactly, sensors are ideal, and lidars measure nothing.
 """
 
 from collections.abc import Sequence
@@ -29,13 +30,13 @@ _GNSS_EVERY = 5  # steps: 20 Hz
 
 
 class KinematicSettings(RobotSettings):
-    """Settings of the machine without a world."""
+    """Settings of the robot without physics."""
 
     jaws_stop_at: Radians = Field(
-        0.4, ge=0, le=2, description="Angle at which closing jaws meet a stone [rad]."
+        0.4, ge=0, le=2, description="Angle at which closing jaws stop at a stone [rad]."
     )
     fails_at_s: float | None = Field(
-        None, ge=0, description="Mission time at which the machine stops answering [s]."
+        None, ge=0, description="Mission time at which the machine stops responding [s]."
     )
     datum: tuple[float, float, float] = Field(
         (47.4084, 8.5106, 440.0),
@@ -44,7 +45,7 @@ class KinematicSettings(RobotSettings):
 
 
 class KinematicRobot(Robot):
-    """Moves exactly as commanded; its base stands at the map's origin."""
+    """Moves exactly as commanded; its base is at the origin of the map."""
 
     Settings = KinematicSettings
 
@@ -59,9 +60,8 @@ class KinematicRobot(Robot):
         self._steps = 0
         self._T_map_base = pose(t=np.array([0.0, 0.0, machine.stance.base_height_m]))
         self._sensors = {n: s for n, s in machine.sensors.items() if s.kind in ("imu", "gnss")}
-        self._poses = [
-            self._sensor_poses()
-        ] * 3  # of the last three steps: second differences give accelerations
+        # Poses of the last three steps, whose second differences give accelerations.
+        self._poses = [self._sensor_poses()] * 3
 
     def read(self, until_s: float) -> Sequence[Observation]:
         fails_at_s = self._settings.fails_at_s
@@ -92,8 +92,8 @@ class KinematicRobot(Robot):
     def _step(self) -> list[Observation]:
         self._steps += 1
         self._q, self._dq = self._follower.advance(_STEP_S)
-        way = self._machine.jaw.max_velocity * _STEP_S
-        jaw_step = float(np.clip(self._jaw_goal - self._jaw, -way, way))
+        most = self._machine.jaw.max_velocity * _STEP_S
+        jaw_step = float(np.clip(self._jaw_goal - self._jaw, -most, most))
         self._jaw += jaw_step
         self._poses = [*self._poses[1:], self._sensor_poses()]
         stamp_s = self._steps * _STEP_S

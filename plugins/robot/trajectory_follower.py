@@ -1,4 +1,4 @@
-"""Follows a trajectory in time, and stops along its path: by slowing the path's own clock."""
+"""Follows a trajectory, and stops along its path by slowing down the time of the path."""
 
 import numpy as np
 
@@ -8,19 +8,19 @@ from executive.machine.machine import Machine
 from executive.messages.command import START_TOLERANCE
 from executive.messages.trajectory import JointTrajectory
 
-_POSITION_TOLERANCE = 1e-3  # beyond a range [rad] or [m]: below what an encoder resolves
-_SPEED_TOLERANCE = 1.05  # cubic pieces overshoot the samples of a good timing a little
-_PROBE_S = 1e-3  # step of the difference that gives the path's acceleration [s]
-_QUICKEST_STOP_S = 0.1  # where joints hardly move, the clock still takes this long to stop [s]
+_POSITION_TOLERANCE = 1e-3  # tolerated excess over a range, below encoder resolution [rad] or [m]
+_SPEED_TOLERANCE = 1.05  # cubic pieces slightly exceed the speeds at the samples
+_PROBE_S = 1e-3  # step of the difference quotient for the acceleration of the path
+_QUICKEST_STOP_S = 0.1  # shortest time in which ds/dt falls from 1 to 0
 
 
 class Follower:
-    """Gives the arm's reference at each step.
+    """Computes the reference of the arm at each step.
 
-    The reference is a point s of a trajectory's own time. While following, ds/dt = 1. While
+    The reference is a point s in the trajectory's own time. While following, ds/dt = 1. While
     stopping, ds/dt falls to 0 as fast as the acceleration limits of all joints allow, so that the
-    arm stays on the path that was checked for collisions: with q(s), the joints' acceleration is q″
-    (ds/dt)² + q′ d²s/dt².
+    arm stays on the path that was checked for collisions: with q(s), the acceleration of the joints
+    is q″ (ds/dt)² + q′ d²s/dt².
     """
 
     def __init__(self, machine: Machine, position: Float) -> None:
@@ -40,12 +40,12 @@ class Follower:
         """Follow a trajectory from now on.
 
         Args:
-            trajectory: Of some or all of the arm's joints; the others hold.
-            position: The arm's present positions, shape (n,).
+            trajectory: Trajectory of some or all arm joints; the others keep their positions.
+            position: Present positions of the arm, shape (n,).
 
         Raises:
-            RobotError: If it names an unknown joint, starts elsewhere, or leaves a joint's range or
-                speed.
+            RobotError: If it names an unknown joint, starts elsewhere, or exceeds the range or the
+                speed of a joint.
         """
         unknown = [name for name in trajectory.names if name not in self._index]
         if unknown:
@@ -64,13 +64,11 @@ class Follower:
         self._is_stopping = True
 
     def resume(self) -> None:
-        """Take up speed again along a path that `stop` has interrupted."""
+        """Accelerate again along a path that `stop` has interrupted."""
         self._is_stopping = False
 
     def advance(self, dt_s: float) -> tuple[Float, Float]:
-        """Move on by one step and return the arm's reference: position and velocity, each shape
-        (n,).
-        """
+        """Advance by one step; return reference position and velocity, each shape (n,)."""
         if self._trajectory is None:
             return self._held, np.zeros_like(self._held)
         if self._is_stopping:
@@ -92,8 +90,9 @@ class Follower:
         return position, velocity
 
     def _room(self, direction: float) -> float:
-        """Return the largest |d²s/dt²|, speeding up (1) or slowing down (-1), within each joint's
-        acceleration.
+        """Return the largest |d²s/dt²| within the acceleration limits of all joints.
+
+        The direction is 1 for speeding up and −1 for slowing down.
         """
         if self._trajectory is None:
             return 0.0

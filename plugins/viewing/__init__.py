@@ -1,1 +1,1 @@
-"""viewing plugins."""
+"""Plugins that show a mission."""

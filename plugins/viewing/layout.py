@@ -1,6 +1,4 @@
-"""How a recording opens: the site in space, the tree's states below,
-documents and plots beside it.
-"""
+"""The layout in which a recording opens: site, tree states, documents and plots."""
 
 import rerun.blueprint as rrb
 
@@ -8,7 +6,7 @@ TIMELINE = "mission"
 
 
 def layout() -> rrb.Blueprint:
-    """Return the blueprint that travels with a recording."""
+    """Return the blueprint that is stored in a recording."""
     site = rrb.Spatial3DView(
         origin="/world",
         name="Site",

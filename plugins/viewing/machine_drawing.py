@@ -15,7 +15,7 @@ _ROOT = "world/machine"
 
 
 class MachineDrawing:
-    """Draws links, and plots joints against their limits."""
+    """Draws the links, and plots the joints relative to their limits."""
 
     def __init__(self, machine: Machine, recording: rr.RecordingStream) -> None:
         self._machine = machine
@@ -29,18 +29,18 @@ class MachineDrawing:
                 recording.log(f"{_ROOT}/{name}", solid, static=True)
 
     def set_state(self, state: BaseState) -> None:
-        """Take the newest estimate; the machine is drawn with the next joints."""
+        """Store the newest estimate; the machine is drawn with the next joint sample."""
         self._state = state if state.is_ready else None
 
     def draw(self, sample: JointSample) -> None:
-        """Pose every link by the joints and the newest estimate, and plot the joints."""
+        """Draw every link at its pose by joints and newest estimate, and plot the joints."""
         arm = np.array([sample.of(name)[0] for name in self._machine.arm_names])
         jaw_rad = sample.of(self._machine.jaw.name)[0]
         self._plot(sample, jaw_rad)
         if self._state is None:
             return
         frames = self._kinematics.frames(arm, jaw_rad)
-        # The cabin is what is measured; the chassis follows from the turn joint at this sample.
+        # The estimate is that of the cabin; the chassis follows from the turn joint of this sample.
         T_map_base = self._state.T_map_cabin @ inverse(frames[self._machine.cabin_link])
         if abs(sample.stamp_s - self._state.stamp_s) > 0.02:
             T_map_base = self._state.T_map_base

@@ -1,4 +1,4 @@
-"""Messages as what a recording holds: one function a kind, chosen by type."""
+"""Messages as entities of a recording: one function per type."""
 
 from collections.abc import Iterator, Mapping
 from functools import singledispatch
@@ -29,7 +29,7 @@ from executive.messages.status_change import StatusChange
 from executive.messages.stone import Stone, StoneState
 from executive.messages.verdict import Verdict
 
-# What is to be logged: an entity path, as text or in parts, and its components.
+# Entries to log: an entity path, as text or in parts, and its components.
 Drawing = Iterator[tuple[str | list[object], rr.AsComponents]]
 
 _POINT_M = 0.015
@@ -38,15 +38,13 @@ _FRAME = "map"
 
 @singledispatch
 def draw(value: object, entity: str, gripper: Gripper, max_points: int) -> Drawing:
-    """Draw one message under an entity; nothing for kinds that are not known."""
+    """Draw one message under an entity; unknown types draw nothing."""
     yield from ()
 
 
 @draw.register
 def _cloud(value: Cloud, entity: str, gripper: Gripper, max_points: int) -> Drawing:
-    """A cloud in the map is drawn in the world; one in a frame of its own stands apart, for its
-    pose is not known.
-    """
+    """Draw a cloud: in the world if it is in the map, else apart, since its pose is not known."""
     points = value.points[:: 1 + len(value) // max_points]
     colours = np.array(DRONE) if "drone" in entity else of_heights(points[:, 2])
     root = "world" if value.frame == _FRAME else "survey"
@@ -85,7 +83,7 @@ def _stone(value: Stone, entity: str, gripper: Gripper, max_points: int) -> Draw
 
 @draw.register
 def _grasp(value: Grasp, entity: str, gripper: Gripper, max_points: int) -> Drawing:
-    """Draw the open gripper around the stone, and the way it comes."""
+    """Draw the open gripper around the stone, and its approach."""
     opening_m = float(np.clip(value.opening_m, gripper.opening_m(0.0), gripper.max_opening_m))
     hulls = [hull for part in gripper.hulls(gripper.jaw_rad(opening_m)).values() for hull in part]
     T = value.T_map_gripper
@@ -132,9 +130,7 @@ def _verdict(value: Verdict, entity: str, gripper: Gripper, max_points: int) -> 
 
 @draw.register
 def _status_change(value: StatusChange, entity: str, gripper: Gripper, max_points: int) -> Drawing:
-    """Draw how the estimator stands as a lane beside the tree's, and each change with its reason in
-    the log.
-    """
+    """Draw the status of the estimator as a lane, and log each change with its reason."""
     yield (
         f"states/{entity}",
         rr.StateConfiguration(values=list(ESTIMATES), colors=list(ESTIMATES.values())),
@@ -147,9 +143,7 @@ def _status_change(value: StatusChange, entity: str, gripper: Gripper, max_point
 
 
 def draw_tree(states: Mapping[str, object], changed: Mapping[str, object]) -> Drawing:
-    """Draw the tree as a document, what runs on a lane of its own, and each changed node on its
-    lane.
-    """
+    """Draw the tree as a document, and lanes of the running leaves and of changed nodes."""
     lines = [
         f"{'  ' * path.count('/')}{path.rsplit('/', 1)[-1]}: {status}"
         for path, status in states.items()
@@ -157,10 +151,8 @@ def draw_tree(states: Mapping[str, object], changed: Mapping[str, object]) -> Dr
     yield "tree", rr.TextDocument("\n".join(lines))
     yield "states/leaf", rr.StateChange(state=_running_leaves(states))
     for path, status in changed.items():
-        lane: list[object] = [
-            "states",
-            *path.split("/"),
-        ]  # as a list: a path's parts may hold any character
+        # A list, since the parts of a path may contain any character.
+        lane: list[object] = ["states", *path.split("/")]
         yield lane, rr.StateConfiguration(values=list(STATES), colors=list(STATES.values()))
         yield lane, rr.StateChange(state=str(status))
 

@@ -5,13 +5,13 @@ from executive.interfaces.viewing import Viewer
 
 
 class NoViewer(Viewer):
-    """Takes every value and forgets it."""
+    """Ignores every value."""
 
     def __init__(self, settings: NoSettings) -> None:
-        """Keep nothing: there is nothing to set."""
+        """Do nothing: there are no settings."""
 
     def open(self, path: str) -> None:
-        """Write nothing."""
+        """Do nothing: no recording is written."""
 
     def show(self, stamp_s: float, entity: str, value: object) -> None:
-        """Show nothing."""
+        """Do nothing: nothing is shown."""

@@ -1,4 +1,4 @@
-"""Colours that stay with what they stand for."""
+"""Colours by meaning, the same in all views."""
 
 import colorsys
 
@@ -17,7 +17,7 @@ STATES = {
     "FAILURE": (220, 70, 60),
     "INVALID": (110, 110, 110),
 }
-ESTIMATES = {  # how an estimator stands
+ESTIMATES = {  # status of an estimator
     "INITIALISING": (110, 110, 110),
     "GLOBAL": (70, 180, 90),
     "SUSPECT": (240, 180, 40),
@@ -25,13 +25,13 @@ ESTIMATES = {  # how an estimator stands
     "RECOVERING": (90, 90, 230),
 }
 
-_LOW = np.array([115.0, 100.0, 82.0])  # earth
-_HIGH = np.array([235.0, 225.0, 205.0])  # limestone in the sun
-_GOLDEN = 0.6180339887  # neighbouring numbers land far apart on the circle of hues
+_LOW = np.array([115.0, 100.0, 82.0])  # dark brown
+_HIGH = np.array([235.0, 225.0, 205.0])  # light beige
+_GOLDEN = 0.6180339887  # golden ratio: consecutive numbers get very different hues
 
 
 def of_number(number: int) -> tuple[int, int, int]:
-    """Return a vivid colour that is always the same for a number."""
+    """Return a vivid colour that depends on a number only."""
     r, g, b = colorsys.hsv_to_rgb((0.1 + number * _GOLDEN) % 1.0, 0.75, 0.95)
     return round(255 * r), round(255 * g), round(255 * b)
 

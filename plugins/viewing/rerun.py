@@ -1,4 +1,4 @@
-"""Record a mission for the rerun viewer: one file that can be scrubbed in time."""
+"""Recording of a mission for the rerun viewer, in one file that can be scrubbed in time."""
 
 from collections.abc import Mapping
 
@@ -29,8 +29,8 @@ class RerunSettings(Settings):
 class RerunViewer(Viewer):
     """Writes a recording with its own layout; it opens no window, no port and no connection.
 
-    Entities: `world/…` what is in the map, `survey/…` clouds in frames of their own, `tree` and
-    `states/…` the tree, `plots/…` scalars, `log/…` sentences. The timeline is `mission`, in
+    Entities: `world/…` is in the map, `survey/…` are clouds in frames of their own, `tree` and
+    `states/…` show the tree, `plots/…` scalars, `log/…` messages. The timeline is `mission`, in
     seconds.
     """
 

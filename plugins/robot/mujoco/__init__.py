@@ -1,1 +1,1 @@
-"""The simulated world: MuJoCo physics, ray-cast lidars, noisy sensors."""
+"""The simulated robot: MuJoCo physics, ray-cast lidars, noisy sensors."""

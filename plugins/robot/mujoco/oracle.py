@@ -1,6 +1,4 @@
-"""The truth about a simulated run: where stones really are, what was hit,
-how far beliefs were off.
-"""
+"""The truth about a simulated run: poses of stones, collisions, and errors of estimates."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -19,11 +17,13 @@ from executive.interfaces.robot import Robot
 from executive.messages.base_state import BaseState
 from executive.messages.stone import Stone
 
-_SAME_STONE_M = 0.7  # a believed centroid within this of a true one at the start belongs to it
-_LIFTED_M = 0.15  # higher than before: off the ground
-_DROPPED_M = 0.15  # a longer fall than a release right above the ground
-_HELD_M, _LET_GO_M = 0.05, 0.2  # farther from the palm than at the top of its way
-_AFTERMATH_S = 2.0  # a fall may begin shortly after the mission has noticed it
+_SAME_STONE_M = 0.7  # largest distance of an estimated centroid from the true one of its stone
+_LIFTED_M = 0.15  # rise from which a stone counts as lifted
+_DROPPED_M = 0.15  # fall from which a stone counts as dropped; releases are lower
+# Distance from the palm beyond that at the top: below the first a stone is held, above the second
+# it is released.
+_HELD_M, _RELEASED_M = 0.05, 0.2
+_AFTERMATH_S = 2.0  # a fall may begin shortly after the mission has reported it
 _NONE: Float = np.zeros(0)
 
 
@@ -39,8 +39,8 @@ class MujocoOracle(Oracle):
     def truth(self, view: MissionView) -> dict[str, Any]:
         """Return `stones`, `grasps`, `collisions`, `ground_contacts`, `estimate`.
 
-        `ground_contacts` counts touches of gripper or jaws with the ground, which are no
-        collisions: jaws close around a stone that lies on it.
+        `ground_contacts` counts contacts of gripper or jaws with the ground. They are not
+        collisions, since the jaws close around a stone that lies on it.
         """
         targets = [(attempt.started_s, self._nearest(attempt)) for attempt in view.attempts]
         spans = self._log.spans()
@@ -57,8 +57,9 @@ class MujocoOracle(Oracle):
         }
 
     def _nearest(self, attempt: Attempt) -> int:
-        """Return the index of the stone that an attempt was about, by its true centroid; −1 if
-        there is none.
+        """Return the index of the stone that an attempt was for, by true centroids.
+
+        It is −1 if there is no stone.
         """
         distances = np.linalg.norm(
             self._log.centroids(attempt.started_s) - attempt.grasp_centroid_map, axis=1
@@ -67,21 +68,21 @@ class MujocoOracle(Oracle):
 
     def _stones(self, view: MissionView) -> list[dict[str, Any]]:
         now = {stone.id: stone for stone in view.stones}
-        believed: dict[int, tuple[Stone, float]] = {}
+        sightings: dict[int, tuple[Stone, float]] = {}
         for first in view.first_stones:
             match = _match(self._log, first)
             if match is not None:
-                believed.setdefault(match[0], (first, match[1]))
-        return [self._stone(i, believed.get(i), now, view) for i in range(len(self._log.stones))]
+                sightings.setdefault(match[0], (first, match[1]))
+        return [self._stone(i, sightings.get(i), now, view) for i in range(len(self._log.stones))]
 
     def _stone(
-        self, i: int, believed: tuple[Stone, float] | None, now: dict[int, Stone], view: MissionView
+        self, i: int, sighting: tuple[Stone, float] | None, now: dict[int, Stone], view: MissionView
     ) -> dict[str, Any]:
         report: dict[str, Any] = {"id": i + 1, "held_object": None, "slot_error_m": None}
         report |= {"database_error_m": None, "database_error_rad": None}
-        if believed is None:
+        if sighting is None:
             return report
-        first, seen_s = believed
+        first, seen_s = sighting
         report["held_object"] = first.id
         T_end = self._log.T_world_stone(i, self._log.end_s)
         if first.id in view.slots:
@@ -89,8 +90,7 @@ class MujocoOracle(Oracle):
                 np.linalg.norm(T_end[:2, 3] - view.slots[first.id].position_map[:2])
             )
         if first.id in now:
-            # The object's frame should have moved as the stone did: T_end T_seen⁻¹ carries it
-            # along.
+            # The object's frame should have moved like the stone, by T_end T_seen⁻¹.
             T_expected = T_end @ inverse(self._log.T_world_stone(i, seen_s)) @ first.T_map_object
             T_tracked = now[first.id].T_map_object
             report["database_error_m"] = float(np.linalg.norm(T_tracked[:3, 3] - T_expected[:3, 3]))
@@ -113,8 +113,10 @@ class MujocoOracle(Oracle):
         }
 
     def _is_collision(self, span: Span, targets: Sequence[tuple[float, int]]) -> bool:
-        """Say whether a contact was wrong: all are, but the hand's with the ground or with the
-        stone it is after.
+        """Return whether a contact was a collision.
+
+        All contacts are, except those of gripper and jaws with the ground or with the targeted
+        stone.
         """
         if span.link not in self._hand:
             return True
@@ -127,7 +129,7 @@ class MujocoOracle(Oracle):
 
 
 def _match(log: TruthLog, first: Stone) -> tuple[int, float] | None:
-    """Return which stone a first sight was of, and when it lay there [s]."""
+    """Return which stone a first sighting was of, and when it was there [s], or None."""
     if not log.stones:
         return None
     distances = np.linalg.norm(log.centroids(0.0) - first.centroid_map, axis=1)
@@ -144,15 +146,14 @@ def _match(log: TruthLog, first: Stone) -> tuple[int, float] | None:
 
 
 def _fell(heights: Float, distances: Float) -> bool:
-    """Say whether a lifted stone came down without the gripper, from higher than a release."""
+    """Return whether a lifted stone fell without the gripper, from higher than a release."""
     top = int(np.argmax(heights))
     since = distances[top:] - distances[top]
-    away = np.flatnonzero(since > _LET_GO_M)
+    away = np.flatnonzero(since > _RELEASED_M)
     if not len(away):
         return False
-    held = np.flatnonzero(since[: away[0] + 1] < _HELD_M)[
-        -1
-    ]  # the last moment at which it was still in the jaws
+    # Index of the last sample at which the stone was still in the jaws.
+    held = np.flatnonzero(since[: away[0] + 1] < _HELD_M)[-1]
     return bool(heights[top + held] - heights[top + held :].min() > _DROPPED_M)
 
 
@@ -166,7 +167,7 @@ def _as_report(span: Span) -> dict[str, Any]:
 
 
 def _estimate(states: Sequence[BaseState], log: TruthLog) -> dict[str, Any]:
-    """Return how far the estimated cabin was from the true one; empty if there was no estimate."""
+    """Return the errors of the estimated cabin pose; empty if there was no estimate."""
     ready = [state for state in states if state.is_ready and state.stamp_s <= log.end_s]
     if not ready:
         return {}

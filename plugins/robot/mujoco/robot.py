@@ -1,4 +1,4 @@
-"""The machine in a MuJoCo world: the robot that a mission drives when there is no real one."""
+"""The robot of simulated missions: a machine in a MuJoCo world."""
 
 from collections.abc import Iterator, Sequence
 from typing import ClassVar
@@ -23,18 +23,19 @@ from executive.messages.observation import Observation
 
 
 class MujocoSettings(RobotSettings):
-    """A machine on a site, its physics, its sensors."""
+    """Settings of the site, the physics and the sensors."""
 
     site: SiteSettings = Field(SiteSettings(), description="Ground and stones.")
     physics: PhysicsSettings = Field(PhysicsSettings(), description="Integration and contacts.")
-    sensors: SensorSettings = Field(SensorSettings(), description="Faults of the sensors.")
+    sensors: SensorSettings = Field(
+        SensorSettings(), description="Location on earth, and faults of the sensors."
+    )
 
 
 class MujocoRobot(Robot, Scene, Photographer):
-    """Simulates the machine on a random site, with its sensors; deterministic by the generator's
-    seed.
+    """Simulates the machine on a random site, with its sensors; equal seeds give equal runs.
 
-    `world` and `truth_log` are the truth: only sensors and the oracle read them.
+    `world` and `truth_log` hold the truth; only the sensors and the oracle read them.
     """
 
     Settings: ClassVar[type[Settings]] = MujocoSettings
@@ -46,11 +47,10 @@ class MujocoRobot(Robot, Scene, Photographer):
         self._world: World | None = None
 
     def start(self) -> None:
-        """Lay out the site and set the machine on it; takes some seconds.
+        """Build the site and place the machine on it; takes some seconds.
 
         Raises:
-            ConfigError: If the site cannot be made, such as stones that do not fit or cannot be
-                read.
+            ConfigError: If the site cannot be built, for example because stones do not fit.
         """
         site_rng, sensor_rng = self._rng.spawn(2)
         site = make_site(self.settings.site, self._machine, self.settings.physics, site_rng)
@@ -61,15 +61,14 @@ class MujocoRobot(Robot, Scene, Photographer):
         self.truth_log = TruthLog(
             self._machine, [stone.name for stone in site.stones], self._world.model
         )
-        self.truth_log.step(
-            0.0, self._world.model, self._world.data
-        )  # a run may end before the first step
+        # A run may end before the first step.
+        self.truth_log.step(0.0, self._world.model, self._world.data)
         self._world.observe(
             lambda world: self.truth_log.step(world.time_s, world.model, world.data)
         )
 
     def close(self) -> None:
-        """Let the world go."""
+        """Release the world."""
         self._world = None
 
     @property
@@ -84,9 +83,7 @@ class MujocoRobot(Robot, Scene, Photographer):
         return self._world
 
     def read(self, until_s: float) -> Sequence[Observation]:
-        """Advance the world to a mission time [s] and return what its sensors sent since the last
-        call.
-        """
+        """Advance the world to a mission time [s]; return the observations since the last call."""
         observations: list[Observation] = []
         # Half a step of slack: until_s is a rounded multiple of the tick.
         while self.world.time_s + CONTROL_STEP_S / 2 < until_s:
@@ -97,7 +94,7 @@ class MujocoRobot(Robot, Scene, Photographer):
         return sorted(observations, key=lambda observation: observation.stamp_s)
 
     def command(self, command: Command) -> None:
-        """Take a command; see World for what it refuses."""
+        """Execute a command; see `World` for which ones are refused."""
         match command:
             case Follow():
                 self.world.follow(command)
@@ -107,25 +104,21 @@ class MujocoRobot(Robot, Scene, Photographer):
                 self._sensors.lidars_on = command.on
 
     def stop(self) -> None:
-        """Slow down along the path within the acceleration limits and hold;
-        the jaws keep pressing.
-        """
+        """Slow down along the path within the acceleration limits; the jaws keep pressing."""
         self.world.stop()
 
     def resume(self) -> None:
-        """Go on along the path that `stop` interrupted."""
+        """Continue along the path that `stop` interrupted."""
         self.world.resume()
 
     def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
-        """Return the range [m] along unit directions to the ground or a stone, inf for none, shape
-        (N,).
-        """
+        """Return ranges [m] along unit directions to ground or stones, inf for none, shape (N,)."""
         return self._sensors.cast_rays(self.world.data, origins_world, directions_world)
 
     def photograph(
         self, T_world_opticals: Sequence[Float], size_px: tuple[int, int], view_angle_rad: float
     ) -> Iterator[NDArray[np.uint8]]:
-        """Yield pictures of the site as it is now, without the machine, as `Photographer` says."""
+        """Yield pictures of the site as it is now, without the machine; see `Photographer`."""
         T_world_stones = [self.world.T_world_body(stone.name) for stone in self.world.site.stones]
         return photograph_site(
             self.world.site, T_world_stones, T_world_opticals, size_px, view_angle_rad

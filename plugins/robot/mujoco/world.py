@@ -1,4 +1,4 @@
-"""The simulated world: machine and site in one MuJoCo model, stepped at the controller's pace."""
+"""The simulated world: machine and site in one MuJoCo model, stepped by the control period."""
 
 from collections.abc import Callable
 
@@ -23,14 +23,14 @@ _START_POSTURE = "scan"
 
 
 class World:
-    """Truth: what only the simulator, its sensors and the oracle may read.
+    """The true state, which only the simulator, its sensors and the oracle may read.
 
     Attributes:
-        machine: The machine's description.
-        site: What surrounds it.
+        machine: Description of the machine.
+        site: Ground and stones.
         model: Compiled MuJoCo model; bodies and joints have the names of the description.
         data: State of the model.
-        T_world_base: Pose of the welded base, shape (4, 4).
+        T_world_base: Pose of the base, which is fixed, shape (4, 4).
     """
 
     def __init__(self, machine: Machine, site: Site, settings: PhysicsSettings) -> None:
@@ -53,28 +53,36 @@ class World:
 
     @property
     def is_moving(self) -> bool:
-        """Whether a trajectory is under way."""
+        """Whether a trajectory is being followed."""
         return self._follower.is_moving
 
     def observe(self, observer: Callable[["World"], None]) -> None:
-        """Call an observer after each control step."""
+        """Register a function that is called after each control step."""
         self._observers.append(observer)
 
     def follow(self, command: Follow) -> None:
-        """Follow a trajectory; raises RobotError if it is refused."""
+        """Follow a trajectory.
+
+        Raises:
+            RobotError: If it is refused.
+        """
         self._follower.follow(command.trajectory, self.arm.position())
 
     def move_jaws(self, command: MoveJaws) -> None:
-        """Drive the jaws; raises RobotError if the angle or the force is impossible."""
+        """Drive the jaws.
+
+        Raises:
+            RobotError: If the angle or the force is out of range.
+        """
         jaw, gripper = self.machine.jaw, self.machine.gripper
         if not jaw.lower <= command.position_rad <= jaw.upper:
             raise RobotError(
-                f"jaws to {command.position_rad:.3f} rad; possible is {jaw.lower} to "
+                f"jaws to {command.position_rad:.3f} rad: the range is {jaw.lower} to "
                 f"{jaw.upper} rad"
             )
         if not 0 < command.force_n <= gripper.tip_force_n:
             raise RobotError(
-                f"tip force {command.force_n:.0f} N; possible is up to {gripper.tip_force_n:.0f} N"
+                f"tip force {command.force_n:.0f} N: the largest is {gripper.tip_force_n:.0f} N"
             )
         self.jaws.press(command.position_rad, command.force_n)
 
@@ -83,7 +91,7 @@ class World:
         self._follower.stop()
 
     def resume(self) -> None:
-        """Go on along the path that `stop` interrupted."""
+        """Continue along the path that `stop` interrupted."""
         self._follower.resume()
 
     def step(self) -> None:
@@ -97,9 +105,8 @@ class World:
             self.arm.drive(*self._follower.advance(dt_s))
             self.jaws.drive()
             mujoco.mj_step(self.model, self.data)
-        mujoco.mj_kinematics(
-            self.model, self.data
-        )  # mj_step leaves poses one substep behind positions
+        # mj_step leaves the poses one substep behind the positions.
+        mujoco.mj_kinematics(self.model, self.data)
         self._control_steps += 1
         if (
             self.data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number

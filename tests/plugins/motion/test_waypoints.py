@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from executive_plugins.motion.inverse_kinematics import InverseKinematics, InverseKinematicsSettings
-from executive_plugins.motion.waypoints import Line, Waypoints, hang_m, join
+from executive_plugins.motion.waypoints import Line, Waypoints, join, reach_below_m
 
 from executive.geometry.rotation import angle_between
 from executive.machine.kinematics import Kinematics
@@ -84,8 +84,8 @@ def test_a_lift_beyond_reach_goes_as_high_as_it_can_and_no_lift_is_none(
 def test_the_other_way_round_is_a_whole_turn_apart(machine: Machine, waypoints: Waypoints) -> None:
     here, there = machine.posture("carry"), machine.posture("carry")
     there[0] = 1.0
-    assert waypoints.ways_round(here, there) == [0.0, -2 * np.pi]
-    assert waypoints.ways_round(there, here) == [0.0, 2 * np.pi]
+    assert waypoints.turn_shifts(here, there) == [0.0, -2 * np.pi]
+    assert waypoints.turn_shifts(there, here) == [0.0, 2 * np.pi]
     np.testing.assert_allclose(
         waypoints.shifted(there[None], 0.5)[0], there + [0.5, 0, 0, 0, 0, 0, 0]
     )
@@ -103,6 +103,6 @@ def test_joining_runs_up_the_one_line_and_down_the_other() -> None:
 
 def test_hang_is_the_depth_of_the_lowest_point(machine: Machine) -> None:
     T = Kinematics(machine).gripper(machine.posture("carry"))
-    assert hang_m(T, np.array([[0.0, 0.0, 0.0], [1.2, 0.0, 0.0]])) == pytest.approx(
+    assert reach_below_m(T, np.array([[0.0, 0.0, 0.0], [1.2, 0.0, 0.0]])) == pytest.approx(
         -1.2 * T[2, 0], abs=1e-9
     )

@@ -1,5 +1,6 @@
-"""The arm's servos: position loops with velocity fed forward and a slow integral, limited in
-effort.
+"""The servos of the arm, limited in effort.
+
+They are position loops with velocity feed-forward and a slow integral part.
 """
 
 import mujoco
@@ -11,20 +12,20 @@ from executive.arrays import Float
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 
-_TYPICAL_LOAD = 0.4  # share of the payload that the gains are tuned for
-_INTEGRAL_S = 0.4  # time constant that takes up the sag under a stone [s]
-# Most that the integral may add to an effort: this much of what the payload's weight asks for, and
-# at least a share of the limit. Without it, an arm that presses on the ground winds up to its full
-# strength and jumps when it comes free.
+_TYPICAL_LOAD = 0.4  # share of the payload for which the gains are computed
+_INTEGRAL_S = 0.4  # time constant that compensates the sag under a stone
+# Anti-windup limit of the integral part: a multiple of the effort for the payload, and at least a
+# share of the effort limit. Without it, an arm that presses on the ground builds up its full effort
+# and jumps when the contact ends.
 _INTEGRAL_PAYLOADS = 1.3
 _INTEGRAL_SHARE = 0.1
 
 
 def make_servos(spec: mujoco.MjSpec, machine: Machine, settings: PhysicsSettings) -> None:
-    """Turn the arm's motors into critically damped position servos.
+    """Turn the motors of the arm into critically damped position servos.
 
-    Damping is part of the actuator, where MuJoCo integrates it implicitly: an explicit one is
-    unstable at wrists.
+    Damping is part of the actuator, where MuJoCo integrates it implicitly; explicit damping is
+    unstable at the wrists.
     """
     omega = settings.servo_rad_s
     for joint, inertia in zip(machine.joints, _reflected_inertia(spec, machine), strict=True):
@@ -35,8 +36,9 @@ def make_servos(spec: mujoco.MjSpec, machine: Machine, settings: PhysicsSettings
 
 
 def _reflected_inertia(spec: mujoco.MjSpec, machine: Machine) -> Float:
-    """Return each joint's inertia in the carrying posture with a typical load between the jaws,
-    shape (n,).
+    """Return the inertia at each joint, shape (n,).
+
+    It is computed in the carrying posture with a typical load between the jaws.
     """
     model = spec.copy().compile()
     data = mujoco.MjData(model)
@@ -52,7 +54,7 @@ def _reflected_inertia(spec: mujoco.MjSpec, machine: Machine) -> Float:
 
 
 def _load_jacobian(machine: Machine, q_arm: Float) -> Float:
-    """Return the linear Jacobian of the point where a stone's centre is held, shape (3, n)."""
+    """Return the linear Jacobian of the grasp centre, shape (3, n)."""
     kinematics = Kinematics(machine)
     J, T = kinematics.jacobian(q_arm), kinematics.gripper(q_arm)
     lever = T[:3, :3] @ machine.gripper.grasp_centre
@@ -60,7 +62,7 @@ def _load_jacobian(machine: Machine, q_arm: Float) -> Float:
 
 
 def _integral_limit(machine: Machine) -> Float:
-    """Return the effort that the integral may add to each joint, shape (n,)."""
+    """Return the largest contribution of the integral part to each effort, shape (n,)."""
     weight = (
         np.abs(_load_jacobian(machine, machine.posture("carry"))[2])
         * machine.payload_kg
@@ -71,7 +73,7 @@ def _integral_limit(machine: Machine) -> Float:
 
 
 class ArmServos:
-    """Feeds references to the servos, once a physics step."""
+    """Sends references to the servos, once per physics step."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, machine: Machine) -> None:
         self._data, self._dt_s = data, float(model.opt.timestep)
@@ -85,21 +87,19 @@ class ArmServos:
         self._max_sag = _integral_limit(machine) / kp
 
     def position(self) -> Float:
-        """Return the arm's true joint positions, shape (n,)."""
+        """Return the true joint positions of the arm, shape (n,)."""
         return np.array(self._data.qpos[self._qpos])
 
     def velocity(self) -> Float:
-        """Return the arm's true joint velocities, shape (n,)."""
+        """Return the true joint velocities of the arm, shape (n,)."""
         return np.array(self._data.qvel[self._dofs])
 
     def effort(self) -> Float:
-        """Return the torques and forces that the actuators exert, the links' own weights included,
-        shape (n,).
-        """
+        """Return the efforts of the actuators, the weights of the links included, shape (n,)."""
         return np.array(self._data.qfrc_actuator[self._dofs])
 
     def drive(self, position: Float, velocity: Float) -> None:
-        """Set this step's reference, position and velocity of every arm joint, each shape (n,)."""
+        """Set the reference position and velocity of this step, each shape (n,)."""
         error = position - self.position()
         self._sag = np.clip(
             self._sag + error * self._dt_s / _INTEGRAL_S, -self._max_sag, self._max_sag

@@ -1,15 +1,15 @@
-"""The jaws' drive: one force-limited velocity actuator; the other jaw is tied to it."""
+"""The drive of the jaws: one force-limited velocity actuator; the other jaw is coupled to it."""
 
 import mujoco
 from executive_plugins.robot.mujoco.physics import PhysicsSettings
 
 from executive.machine.machine import Machine
 
-_YIELD = 0.1  # share of the top speed by which a jaw must lag for the full force
+_YIELD = 0.1  # lag behind the speed, over the top speed, at which the force is full
 
 
 def make_jaw_drive(spec: mujoco.MjSpec, machine: Machine) -> None:
-    """Turn the jaw's motor into a velocity servo."""
+    """Turn the motor of the jaw into a velocity servo."""
     jaw = machine.jaw
     drive = spec.actuator(jaw.name)
     drive.set_to_velocity(kv=jaw.max_effort / (_YIELD * jaw.max_velocity))
@@ -45,17 +45,17 @@ class JawDrive:
 
     @property
     def effort_nm(self) -> float:
-        """Torque of the drive about the jaw's pivot, both jaws together [N·m]; negative closes."""
+        """Torque of the drive on both jaws about their pivots [N·m]; negative closes."""
         return float(self._data.actuator_force[self._id])
 
     def press(self, target_rad: float, force_n: float) -> None:
-        """Head for an angle [rad] with at most a force [N] at each tip."""
+        """Move towards an angle [rad] with at most a force [N] at each tip."""
         self._target_rad = target_rad
         torque = 2 * force_n * self._machine.gripper.tip_radius_m  # one drive moves both tips
         self._model.actuator_forcerange[self._id] = (-torque, torque)
 
     def drive(self) -> None:
-        """Set this step's speed."""
+        """Set the speed of this step."""
         top = self._machine.jaw.max_velocity
         speed = self._settings.jaw_stiffness * (self._target_rad - self.position_rad)
         self._data.ctrl[self._id] = min(max(speed, -top), top)

@@ -1,4 +1,4 @@
-"""Surfaces of several bodies as one mesh that is posed anew whenever the bodies have moved."""
+"""One mesh of the surfaces of several moving bodies."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ class ArticulatedMesh:
     """Meshes in the frames of their bodies.
 
     Attributes:
-        vertices: In the frame of the owning body [m], shape (V, 3).
-        owners: Index of each vertex's body among all bodies, shape (V,).
+        vertices: Vertices in the frame of the owning body [m], shape (V, 3).
+        owners: Index of the body of each vertex among all bodies, shape (V,).
         triangles: Counter-clockwise from outside, shape (F, 3).
     """
 
@@ -25,7 +25,7 @@ class ArticulatedMesh:
 
     @classmethod
     def of(cls, parts: Sequence[tuple[int, Mesh]]) -> "ArticulatedMesh":
-        """Put meshes together, each with the index of its body; none gives an empty movers."""
+        """Join meshes, each given with the index of its body; no parts give an empty mesh."""
         if not parts:
             return cls(
                 np.zeros((0, 3)), np.zeros(0, dtype=np.int64), np.zeros((0, 3), dtype=np.int64)
@@ -35,8 +35,12 @@ class ArticulatedMesh:
         return cls(vertices, owners, triangles)
 
     def posed(self, positions: Float, rotations: Float, T_world_frame: Float) -> Mesh:
-        """Return the mesh in a frame, for poses of all bodies in the world: (B, 3) [m] and (B, 3,
-        3).
+        """Return the mesh in a frame.
+
+        Args:
+            positions: Positions of all bodies in the world [m], shape (B, 3).
+            rotations: Their rotations, shape (B, 3, 3).
+            T_world_frame: Pose of the frame, shape (4, 4).
         """
         world = (
             np.einsum("vij,vj->vi", rotations[self.owners], self.vertices) + positions[self.owners]

@@ -1,4 +1,4 @@
-"""Spans of time in which a sensor is silent."""
+"""Time spans in which a sensor sends nothing."""
 
 from collections.abc import Collection, Sequence
 
@@ -9,7 +9,7 @@ from executive.errors import ConfigError, did_you_mean
 
 
 class Dropout(Settings):
-    """One sensor, one span."""
+    """A time span in which one sensor sends nothing."""
 
     sensor: str = Field(description="Name of the sensor in robot.yaml.")
     from_s: Seconds = Field(ge=0, description="First time without samples [s].")
@@ -18,15 +18,15 @@ class Dropout(Settings):
     @model_validator(mode="after")
     def _check(self) -> "Dropout":
         if self.from_s >= self.to_s:
-            raise ValueError(f"to_s {self.to_s:g} must lie after from_s {self.from_s:g}")
+            raise ValueError(f"to_s {self.to_s:g} must be later than from_s {self.from_s:g}")
         return self
 
 
 def check_dropouts(dropouts: Sequence[Dropout], sensors: Collection[str]) -> None:
-    """Refuse the name of a sensor that the machine lacks.
+    """Refuse names of sensors that the machine does not have.
 
     Raises:
-        ConfigError: It says the nearest name.
+        ConfigError: If there is one; the message gives the nearest name.
     """
     for dropout in dropouts:
         if dropout.sensor not in sensors:
@@ -37,5 +37,5 @@ def check_dropouts(dropouts: Sequence[Dropout], sensors: Collection[str]) -> Non
 
 
 def is_silent(dropouts: Sequence[Dropout], sensor: str, time_s: float) -> bool:
-    """Say whether a sensor has dropped out at a time [s]."""
+    """Return whether a sensor has dropped out at a time [s]."""
     return any(d.sensor == sensor and d.from_s <= time_s < d.to_s for d in dropouts)

@@ -9,7 +9,7 @@ from executive.messages.joints import JointSample
 
 
 class JointEncoders:
-    """All encoders and pressure sensors of the machine, sampled at once."""
+    """All encoders and pressure sensors of the machine, sampled together."""
 
     def __init__(
         self, encoders: Encoders, machine: Machine, model: mujoco.MjModel, rng: np.random.Generator
@@ -20,15 +20,14 @@ class JointEncoders:
         joints = [model.joint(name) for name in self._names]
         self._qpos = np.array([joint.qposadr[0] for joint in joints])
         self._dof = np.array([joint.dofadr[0] for joint in joints])
-        is_length = [joint.kind == "prismatic" for joint in machine.joints] + [
-            False
-        ]  # the jaw turns
+        # The last joint is the jaw, which turns.
+        is_length = [*(joint.kind == "prismatic" for joint in machine.joints), False]
         self._position_std = np.where(is_length, encoders.length_noise_m, encoders.angle_noise_rad)
         limits = [joint.max_effort for joint in machine.joints] + [machine.jaw.max_effort]
         self._effort_std = encoders.effort_noise * np.array(limits)
 
     def sample(self, time_s: float, data: mujoco.MjData) -> JointSample:
-        """Measure; an effort is what the joint's drive exerts, weights of the links included."""
+        """Measure; an effort is that of the joint's drive, the weights of the links included."""
         velocity_std = np.full(len(self._names), self.encoders.velocity_noise)
         return JointSample(
             time_s,

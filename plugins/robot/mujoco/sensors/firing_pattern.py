@@ -1,6 +1,4 @@
-"""Where a spinning lidar fires in one revolution, and what of the link that carries it is in the
-way.
-"""
+"""The rays of one revolution of a spinning lidar, and their ranges to the link that carries it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,14 +13,13 @@ from executive.machine.sensor import Lidar
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FiringPattern:
-    """The rays of one revolution, column after column.
+    """The rays of one revolution, column by column.
 
     Attributes:
-        directions: Unit vectors in the lidar's frame, shape (columns, lasers, 3).
-        own_range_m: Range to the carrying link, inf where it is not in the way, shape (columns ·
-            lasers,).
-        free: Indices of the rays that the carrying link does not stop, rising, shape (M,).
-        free_rays: Those rays in the lidar's frame: origin 0 and direction, shape (M, 6).
+        directions: Unit vectors in the lidar frame, shape (columns, lasers, 3).
+        own_range_m: Range to the carrying link, inf where it is not hit, shape (columns · lasers,).
+        free: Indices of the rays that do not hit the carrying link, rising, shape (M,).
+        free_rays: Those rays in the lidar frame: origin 0 and direction, shape (M, 6).
     """
 
     directions: Rays
@@ -32,7 +29,7 @@ class FiringPattern:
 
 
 def firing_pattern(lidar: Lidar, columns: int, phase: float, own: Sequence[Mesh]) -> FiringPattern:
-    """Lay out a revolution that begins a fraction (phase) of a column after azimuth 0."""
+    """Return a revolution that begins a fraction (phase) of a column after azimuth 0."""
     azimuths = (np.arange(columns) + phase) * 2 * np.pi / columns
     elevations = np.linspace(*lidar.elevation_rad, lidar.lasers)
     flat, up = np.cos(elevations), np.sin(elevations)

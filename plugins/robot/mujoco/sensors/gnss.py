@@ -1,6 +1,4 @@
-"""One RTK antenna: its position on the ellipsoid, with white noise of the covariance that it
-reports.
-"""
+"""An RTK GNSS antenna: its position on the ellipsoid, with white noise."""
 
 import mujoco
 import numpy as np
@@ -12,7 +10,11 @@ from executive.messages.gnss import GnssFix
 
 
 class Antenna:
-    """One GNSS antenna of the machine; the world's frame is east-north-up about the datum."""
+    """One GNSS antenna of the machine.
+
+    The world frame is east-north-up at the datum. The noise has the covariance that the fix
+    reports.
+    """
 
     def __init__(
         self, gnss: Gnss, datum: Float, model: mujoco.MjModel, rng: np.random.Generator

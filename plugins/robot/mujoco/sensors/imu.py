@@ -1,4 +1,4 @@
-"""An inertial measurement unit: what it feels, with white noise and biases that walk."""
+"""An inertial measurement unit, with white noise and random-walk biases."""
 
 import mujoco
 import numpy as np
@@ -12,9 +12,9 @@ from executive.messages.imu import ImuSample
 class MountedImu:
     """One IMU of the machine.
 
-    A sample is the mean over the time since the last one, as after an anti-aliasing filter: rate
-    from the change of orientation, specific force from the change of the mount's velocity.
-    Integrating samples gives back the motion.
+    A sample is the mean since the last one, as after an anti-aliasing filter: angular rate from the
+    change of orientation, specific force from the change of the mount's velocity. Integrating the
+    samples reproduces the motion.
     """
 
     def __init__(self, imu: Imu, model: mujoco.MjModel, rng: np.random.Generator) -> None:
@@ -27,7 +27,7 @@ class MountedImu:
         self._last: tuple[float, Float, Float] | None = None
 
     def sample(self, time_s: float, data: mujoco.MjData) -> ImuSample | None:
-        """Measure; None at the first call, when there is no time to average over."""
+        """Measure; None at the first call, when there is no interval to average over."""
         R, v = self._motion(data)
         last, self._last = self._last, (time_s, R, v)
         if last is None:

@@ -1,6 +1,4 @@
-"""Spinning lidars: one revolution is cast column by column, each at its own time, while everything
-moves.
-"""
+"""Spinning lidars: the columns of a revolution are cast at their own times, during motion."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -17,19 +15,20 @@ from executive.geometry.pose import pose
 from executive.machine.sensor import Lidar
 from executive.messages.lidar import LidarScan
 
-# of a revolution: the arm and stones under way stand still within one (33 ms; ±1 cm at 0.6 m/s)
+# Slices of a revolution; arm and moving stones are fixed within one (33 ms; ±1 cm at 0.6 m/s).
 _SLICES = 3
-# firing is not locked to the angle: a revolution begins at one of so many fractions of a column
+# Firing is not synchronised with the angle: a revolution begins at a multiple of this fraction of a
+# column.
 _PHASES = 4
 
 
 class SpinningLidar:
     """One lidar of the machine.
 
-    What stands still on the site is cast with the pose of each firing column. What moves against it
-    (other links, stones under way) is cast in the lidar's own frame, a slice of the revolution at a
-    time. The carrying link never moves in that frame: it is cast once and for all, and taken to be
-    in front of everything else. All lasers of a column fire at once: the 55 µs from first to last
+    Objects that rest on the site are cast with the pose of each firing column. Moving objects
+    (other links, moving stones) are cast in the lidar's own frame, one slice of the revolution at a
+    time. The carrying link never moves in that frame: it is cast once, and is assumed to be in
+    front of everything else. All lasers of a column fire at once; the real 55 µs from first to last
     would turn the beam by 0.2 deg.
     """
 
@@ -57,7 +56,7 @@ class SpinningLidar:
         return firing_pattern(self.lidar, self._columns, phase / _PHASES, self._own)
 
     def scan(self, end_s: float) -> LidarScan:
-        """Measure the revolution that ends at a time [s]; the history covers all of it."""
+        """Measure the revolution that ends at a time [s]; the history must cover it."""
         pattern = self._pattern(int(self._rng.integers(_PHASES)))
         times = end_s - (1 - np.arange(self._columns) / self._columns) / self.lidar.rate_hz
         ranges = pattern.own_range_m.copy()
@@ -76,7 +75,7 @@ class SpinningLidar:
         return LidarScan(end_s, self.lidar.name, points, times[hit // self.lidar.lasers])
 
     def _cast_site(self, pattern: FiringPattern, times: Float) -> Rays:
-        """Return the ranges of the free rays to all that rests."""
+        """Return the ranges of the free rays to all resting objects."""
         T_link_lidar = self.lidar.T_link_sensor
         t_world_link, R_world_link = self._history.track(self.lidar.link, times)
         R_world_lidar = R_world_link @ T_link_lidar[:3, :3]
@@ -86,9 +85,7 @@ class SpinningLidar:
         return self._scene.cast_resting(rays.reshape(-1, 6)[pattern.free])
 
     def _cast_movers(self, pattern: FiringPattern, times: Float) -> Rays:
-        """Return the ranges of the free rays to all that moves: other links,
-        and stones under way.
-        """
+        """Return the ranges of the free rays to other links and moving stones."""
         stones = [
             (self._history.index(self._scene.name(i)), self._scene.skin(i))
             for i in self._scene.moving

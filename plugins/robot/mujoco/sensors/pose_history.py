@@ -1,4 +1,4 @@
-"""Where bodies were during the last fraction of a second: what a spinning lidar needs."""
+"""Poses of bodies over the last fraction of a second, as a spinning lidar needs them."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -12,10 +12,10 @@ from executive.arrays import Float
 
 
 class PoseHistory:
-    """Poses of chosen bodies at the control steps, interpolated in between.
+    """Poses of selected bodies at the control steps, interpolated in between.
 
-    Rotations are interpolated entry by entry: over a step of 10 ms at 1 rad/s the result is off by
-    1e-5 rad.
+    Rotations are interpolated entry by entry; over a step of 10 ms at 1 rad/s the error is 1e-5
+    rad.
     """
 
     def __init__(self, model: mujoco.MjModel, bodies: Sequence[str], span_s: float) -> None:
@@ -25,17 +25,17 @@ class PoseHistory:
         self._samples: deque[tuple[float, Float, Float]] = deque()
 
     def clear(self) -> None:
-        """Forget everything."""
+        """Remove all samples."""
         self._samples.clear()
 
     def push(self, time_s: float, data: mujoco.MjData) -> None:
-        """Record the poses at a time [s]; what is older than the span is forgotten."""
+        """Record the poses at a time [s]; samples older than the span are removed."""
         self._samples.append((time_s, data.xpos[self._ids], data.xmat[self._ids].reshape(-1, 3, 3)))
         while len(self._samples) > 2 and self._samples[1][0] <= time_s - self._span_s + 1e-9:
             self._samples.popleft()
 
     def index(self, body: str) -> int:
-        """Return the place of a body in the order of the bodies."""
+        """Return the index of a body."""
         return self._index[body]
 
     @property
@@ -44,15 +44,11 @@ class PoseHistory:
         return self._samples[0][0] if self._samples else np.inf
 
     def track(self, body: str, times_s: Float) -> tuple[Float, Float]:
-        """Return positions (N, 3) [m] and rotations (N, 3, 3) of one body in the world at rising
-        times (N,).
-        """
+        """Return positions (N, 3) [m] and rotations (N, 3, 3) of a body at rising times (N,)."""
         return self._interpolate(times_s, self._index[body])
 
     def poses(self, time_s: float) -> tuple[Float, Float]:
-        """Return positions (B, 3) [m] and rotations (B, 3, 3) of all bodies, in their order, at a
-        time.
-        """
+        """Return positions (B, 3) [m] and rotations (B, 3, 3) of all bodies at a time."""
         positions, rotations = self._interpolate(np.array([time_s]), slice(None))
         return positions[0], rotations[0]
 

@@ -1,4 +1,4 @@
-"""All sensors of the machine: who measures when, and when it arrives."""
+"""All sensors of the machine: when each measures, and when its observations arrive."""
 
 from collections.abc import Callable
 
@@ -24,27 +24,29 @@ from executive.machine.sensor import Encoders, Gnss, Imu, Lidar, Sensor
 from executive.messages.observation import Observation
 
 Measure = Callable[[float, mujoco.MjData], Observation | None]
-_EPSILON = 1e-6  # times are sums of steps
+_EPSILON = 1e-6  # tolerance for rounding of times, which are sums of steps
 
 
 class SensorSettings(Settings):
-    """What robot.yaml does not say: where on earth, and which faults."""
+    """Location on earth, density of the lidars, and faults."""
 
     datum: tuple[float, float, float] = Field(
         (47.4084, 8.5106, 440.0),
         description="Origin of the map: latitude [deg], longitude [deg], altitude [m].",
     )
     azimuth_stride: int = Field(
-        1, ge=1, le=20, description="Fire every n-th azimuth step of the lidars only."
+        1, ge=1, le=20, description="Fire only every n-th azimuth step of the lidars."
     )
-    dropouts: tuple[Dropout, ...] = Field((), description="Spans in which a sensor is silent.")
+    dropouts: tuple[Dropout, ...] = Field(
+        (), description="Time spans in which a sensor sends nothing."
+    )
 
 
 class SensorSuite:
-    """The machine's sensors in a simulated world; each has its own stream of chance.
+    """The sensors of the machine in a simulated world; each has its own random generator.
 
-    Every control step is told; what was measured is given back once its latency has passed. Lidars
-    measure only while `lidars_on`, whole revolutions.
+    `step` is called after every control step and returns observations after their latency. Lidars
+    measure only while `lidars_on`, in whole revolutions.
     """
 
     def __init__(
@@ -88,9 +90,7 @@ class SensorSuite:
                 return JointEncoders(sensor, machine, model, rng).sample
 
     def step(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> list[Observation]:
-        """Measure what is due at the end of a control step and return what has arrived, in order of
-        stamps.
-        """
+        """Measure what is due after a control step; return what has arrived, in order of stamps."""
         # mj_step leaves poses and velocities one integration step behind the coordinates.
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
@@ -109,16 +109,12 @@ class SensorSuite:
     def cast_rays(
         self, data: mujoco.MjData, origins_world: Float, directions_world: Float
     ) -> Float:
-        """Return what `executive.interfaces.robot.Scene` asks for:
-        ranges to the site as it is now.
-        """
+        """Return ranges to the site as it is now, see `executive.interfaces.robot.Scene`."""
         self.scene.update(self._stone_poses(data))
         return self.scene.cast_rays(origins_world, directions_world)
 
     def _follow(self, time_s: float, data: mujoco.MjData) -> None:
-        """Record motion while the lidars are on; bring the scene up to date when a
-        revolution ends.
-        """
+        """Record motion while the lidars are on; update the scene when a revolution ends."""
         if not self.lidars_on:
             self._history.clear()
             return
@@ -131,8 +127,9 @@ class SensorSuite:
         return [pose(body.xmat.reshape(3, 3), body.xpos) for body in bodies]
 
     def _is_due(self, sensor: Sensor, time_s: float) -> bool:
-        """Say whether a sensor's next period ends in this control step; periods are multiples since
-        time 0.
+        """Return whether a period of a sensor ends in this control step.
+
+        Periods are counted from time 0.
         """
         now, before = (
             np.floor(at_s * sensor.rate_hz + _EPSILON) for at_s in (time_s, self._last_s)

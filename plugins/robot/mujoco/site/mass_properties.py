@@ -10,9 +10,7 @@ _UNIT_MOMENTS = np.ones((3, 3)) + np.eye(3)
 
 
 def volume_and_centroid(vertices: Float, triangles: Int) -> tuple[float, Float]:
-    """Return the volume [m³] (negative if the mesh is inside out) and its centroid [m],
-    shape (3,).
-    """
+    """Return volume [m³], negative for an inverted mesh, and its centroid [m], shape (3,)."""
     corners = vertices[triangles]
     six_volumes = np.linalg.det(corners)
     volume = six_volumes.sum() / 6
@@ -20,7 +18,7 @@ def volume_and_centroid(vertices: Float, triangles: Int) -> tuple[float, Float]:
 
 
 def inertia_about_origin(vertices: Float, triangles: Int, density_kg_m3: float) -> Float:
-    """Return the inertia about the origin of a homogeneous solid [kg·m²], shape (3, 3)."""
+    """Return the inertia of a homogeneous solid about the origin [kg·m²], shape (3, 3)."""
     corners = vertices[triangles]
     moments = (
         np.einsum("n,nia,ij,njb->ab", np.linalg.det(corners), corners, _UNIT_MOMENTS, corners) / 120

@@ -1,13 +1,15 @@
-"""Photographs of a simulated site, as a drone's camera takes them: textured ground and stones, no
-machine.
-"""
+"""Photographs of a simulated site by a drone's camera: textured ground and stones, no machine."""
 
 from collections.abc import Iterator, Sequence
 
 import mujoco
 import numpy as np
 from executive_plugins.robot.mujoco.site.site import Site, add_daylight
-from executive_plugins.robot.mujoco.site.surface_texture import Skin, ground_skin, stone_skin
+from executive_plugins.robot.mujoco.site.surface_texture import (
+    TexturedMesh,
+    ground_skin,
+    stone_skin,
+)
 from numpy.typing import NDArray
 
 from executive.arrays import Float
@@ -17,7 +19,7 @@ from executive.geometry.rotation import quaternion_wxyz
 
 _CAMERA = "drone"
 _SHADOW_PX = 4096
-_SAMPLES = 4  # of each pixel: edges of stones are not jagged
+_SAMPLES = 4  # samples per pixel, against jagged edges
 # From MuJoCo's camera (x right, y up, z backward) to the optical frame (x right, y down, z
 # forward).
 _R_OPTICAL_CAMERA = np.diag([1.0, -1.0, -1.0])
@@ -30,15 +32,14 @@ def photograph_site(
     size_px: tuple[int, int],
     view_angle_rad: float,
 ) -> Iterator[NDArray[np.uint8]]:
-    """Yield what a pinhole camera sees from each pose, as `executive.interfaces.robot.Photographer`
-    says.
+    """Yield the picture of a pinhole camera from each pose, see `Photographer`.
 
-    Ground and stones are built into a world of their own, so that textures touch neither physics
-    nor lidars, and the machine is not in it: a survey is flown before the machine drives in. The
-    same site has the same textures.
+    Ground and stones are built into a separate world, so that textures influence neither physics
+    nor lidars. The machine is not in it, since a survey is flown before it arrives. Equal sites
+    have equal textures.
 
     Raises:
-        RobotError: If this computer cannot draw without a screen; the message names the cure.
+        RobotError: If this computer cannot render off screen; the message names the cure.
     """
     width, height = size_px
     model = _world(site, T_world_stones, size_px)
@@ -71,19 +72,19 @@ def _drawn(
     picture = np.empty((size_px[1], size_px[0], 3), dtype=np.uint8)
     mujoco.mjr_render(view, scene, context)
     mujoco.mjr_readPixels(picture, None, view, context)
-    return np.ascontiguousarray(picture[::-1])  # rows come from below
+    return np.ascontiguousarray(picture[::-1])  # OpenGL rows start at the bottom
 
 
 def _screen(size_px: tuple[int, int]) -> "mujoco.egl.GLContext":
-    """Return a drawing surface without a screen, made current."""
+    """Return an off-screen rendering context, made current."""
     try:
-        from mujoco.egl import GLContext  # looks for the system's library when it is imported
+        from mujoco.egl import GLContext  # loads a system library at import
 
         screen = GLContext(*size_px)
         screen.make_current()
     except (ImportError, AttributeError, RuntimeError, OSError) as error:
         raise RobotError(
-            f"no photographs: this computer cannot draw without a screen ({error}); "
+            f"no photographs: this computer cannot render off screen ({error}); "
             "install EGL, on Debian: "
             "apt-get install libegl1 libgl1 libgl1-mesa-dri"
         ) from error
@@ -100,7 +101,9 @@ def _world(site: Site, T_world_stones: Sequence[Float], size_px: tuple[int, int]
     for stone, T_world_stone in zip(site.stones, T_world_stones, strict=True):
         skin = stone_skin((stone.vertices, stone.triangles), rng)
         moved = transform(T_world_stone, stone.vertices)
-        _add(spec, stone.name, Skin((moved, stone.triangles), skin.coordinates, skin.texture))
+        _add(
+            spec, stone.name, TexturedMesh((moved, stone.triangles), skin.coordinates, skin.texture)
+        )
     spec.worldbody.add_camera(name=_CAMERA)
     spec.visual.global_.offwidth, spec.visual.global_.offheight = size_px
     spec.visual.quality.shadowsize = _SHADOW_PX
@@ -109,8 +112,8 @@ def _world(site: Site, T_world_stones: Sequence[Float], size_px: tuple[int, int]
     return spec.compile()
 
 
-def _add(spec: mujoco.MjSpec, name: str, skin: Skin) -> None:
-    """Add a surface that is seen only."""
+def _add(spec: mujoco.MjSpec, name: str, skin: TexturedMesh) -> None:
+    """Add a surface that is only visible and does not collide."""
     vertices, triangles = skin.mesh
     height, width, _ = skin.texture.shape
     texture = spec.add_texture(

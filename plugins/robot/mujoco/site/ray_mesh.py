@@ -1,4 +1,4 @@
-"""Triangle meshes that rays can hit."""
+"""Triangle meshes for ray casting."""
 
 from collections.abc import Sequence
 
@@ -13,9 +13,7 @@ Rays = NDArray[np.float32]
 
 
 class RayMesh:
-    """A bounding-volume hierarchy over meshes in one frame; single precision (about 1e-6 of the
-    range).
-    """
+    """A bounding-volume hierarchy over meshes in one frame, in single precision."""
 
     def __init__(self, meshes: Sequence[Mesh]) -> None:
         self._scene = o3d.t.geometry.RaycastingScene(nthreads=1)
@@ -28,7 +26,7 @@ class RayMesh:
             )
 
     def cast(self, rays: Rays) -> NDArray[np.float32]:
-        """Return the range to the first surface along each ray, inf for none.
+        """Return the range to the first surface along each ray, inf for none, shape (N,).
 
         Args:
             rays: Origins [m] and unit directions, shape (N, 6), contiguous.
@@ -42,7 +40,7 @@ class RayMesh:
 
 
 def moved(mesh: Mesh, T: Float) -> Mesh:
-    """Return the mesh in another frame."""
+    """Return the mesh transformed into another frame."""
     vertices, triangles = mesh
     return vertices @ T[:3, :3].T + T[:3, 3], triangles
 

@@ -1,4 +1,4 @@
-"""The rough skin of a generated stone: what lidars see of a block."""
+"""The rough skin of a generated stone, which lidars see."""
 
 import numpy as np
 import open3d as o3d
@@ -10,14 +10,13 @@ from executive.arrays import Float, Int
 def rough_skin(
     corners: Float, roughness_m: float, edge_m: float, rng: np.random.Generator
 ) -> tuple[Float, Int]:
-    """Return a closed mesh over a convex block whose faces are bumpy: vertices (V, 3) [m],
-    triangles (F, 3).
+    """Return a closed, bumpy mesh over a convex block: vertices (V, 3) [m], triangles (F, 3).
 
     Args:
-        corners: Of the block [m], shape (N, 3).
+        corners: Corners of the block [m], shape (N, 3).
         roughness_m: Standard deviation of the bumps along the outward direction [m].
         edge_m: Longest edge of the mesh, the size of the bumps [m].
-        rng: Chance.
+        rng: Random generator of the bumps.
     """
     hull = hull_mesh(corners)
     mesh = o3d.geometry.TriangleMesh(
@@ -34,6 +33,6 @@ def rough_skin(
 def _longest_edge_m(mesh: o3d.geometry.TriangleMesh) -> float:
     corners = np.asarray(mesh.vertices)[np.asarray(mesh.triangles)]
     edges = corners - np.roll(corners, 1, axis=1)
-    # The median of the triangles' longest edges: a few long slivers are not worth four times the
+    # The median over triangles: splitting for a few long slivers would give four times as many
     # triangles.
     return float(np.median(np.linalg.norm(edges, axis=2).max(axis=1)))

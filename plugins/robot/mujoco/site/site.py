@@ -1,4 +1,4 @@
-"""A site: rough ground, and stones that have come to rest on it."""
+"""A site: rough ground, and stones that rest on it."""
 
 from dataclasses import dataclass
 
@@ -25,12 +25,12 @@ class SiteSettings(Settings):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Site:
-    """What surrounds the machine when the mission begins.
+    """The surroundings of the machine when the mission begins.
 
     Attributes:
         terrain: The ground.
-        stones: The stones, `stone_1` first; none is a site, too.
-        T_world_stones: Where each lies at rest, (4, 4) each.
+        stones: The stones, `stone_1` first; may be empty.
+        T_world_stones: Pose of each stone at rest, (4, 4) each.
     """
 
     terrain: Terrain
@@ -48,7 +48,7 @@ class Site:
 def make_site(
     settings: SiteSettings, machine: Machine, physics: PhysicsSettings, rng: np.random.Generator
 ) -> Site:
-    """Draw a site; one generator state gives one site, bit for bit.
+    """Draw a site; equal generator states give identical sites.
 
     Raises:
         ConfigError: If its stones cannot be read or do not fit; the message says what to change.

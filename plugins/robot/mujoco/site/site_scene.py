@@ -1,4 +1,4 @@
-"""What an external eye sees of the site: ground and stones, without the machine."""
+"""The site for rays from outside: ground and stones, without the machine."""
 
 from collections.abc import Sequence
 
@@ -8,15 +8,14 @@ from executive_plugins.robot.mujoco.site.site import Site
 
 from executive.arrays import Float, checked
 
-_MOVED_M = 2e-3  # a stone that has moved by more than this no longer counts as resting
+_MOVED_M = 2e-3  # motion above which a stone does not rest
 
 
 class SiteScene:
-    """Ground and stones as rays see them; the hierarchy is rebuilt only when a stone begins or ends
-    to move.
+    """Ground and stones for ray casting.
 
-    Stones under way are left out of the resting scene: a lidar casts them apart, each slice of a
-    revolution at its own time; see `lidar.py`.
+    The hierarchy is rebuilt only when a stone begins or stops moving. Moving stones are not part of
+    it; a lidar casts them separately, see `sensors/lidar.py`.
     """
 
     def __init__(self, site: Site) -> None:
@@ -35,7 +34,7 @@ class SiteScene:
 
     @property
     def moving(self) -> tuple[int, ...]:
-        """Indices of the stones that are under way."""
+        """Indices of the moving stones."""
         return tuple(i for i in range(len(self._skins)) if i not in self._resting)
 
     def name(self, index: int) -> str:
@@ -43,12 +42,13 @@ class SiteScene:
         return self._names[index]
 
     def skin(self, index: int) -> Mesh:
-        """Return a stone's surface in its own frame."""
+        """Return the surface of a stone in its own frame."""
         return self._skins[index]
 
     def update(self, T_world_stones: Sequence[Float]) -> None:
-        """Tell where the stones are now; one that lies where it lay at the last call counts as
-        resting.
+        """Set the present poses of the stones.
+
+        A stone rests if it has not moved since the last call.
         """
         still = {
             i for i, T in enumerate(T_world_stones) if self._shift_m(i, T, self._last[i]) < _MOVED_M
@@ -66,7 +66,7 @@ class SiteScene:
             self._mesh = self._build()
 
     def _shift_m(self, i: int, T_a: Float, T_b: Float) -> float:
-        """Bound how far any point of a stone has moved [m]."""
+        """Return an upper bound of the motion of any point of a stone [m]."""
         turn = float(np.linalg.norm(T_a[:3, :3] - T_b[:3, :3]))
         return float(np.linalg.norm(T_a[:3, 3] - T_b[:3, 3])) + turn * self._radii[i]
 
@@ -79,21 +79,17 @@ class SiteScene:
         return RayMesh(meshes)
 
     def cast_resting(self, rays_world: Rays) -> Rays:
-        """Return the range to the ground and the resting stones, inf for none, shape (N,); rays are
-        (N, 6).
-        """
+        """Return ranges along rays (N, 6) to ground and resting stones, inf for none, (N,)."""
         ranges = np.full(len(rays_world), np.inf, dtype=np.float32)
-        hopeful = np.flatnonzero(
-            (rays_world[:, 5] < 0) | (rays_world[:, 2] <= self._top_m)
-        )  # the others see the sky
-        ranges[hopeful] = self._mesh.cast(rays_world[hopeful])
+        # The other rays start above the site and point upwards.
+        candidates = np.flatnonzero((rays_world[:, 5] < 0) | (rays_world[:, 2] <= self._top_m))
+        ranges[candidates] = self._mesh.cast(rays_world[candidates])
         return ranges
 
     def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
-        """Return the range to the ground and all stones, as `executive.interfaces.robot.Scene`
-        says.
+        """Return ranges to the ground and all stones, see `executive.interfaces.robot.Scene`.
 
-        The machine is not in it: a survey is flown before the machine drives in.
+        The machine is not included, since a survey is flown before it arrives.
         """
         origins = checked("origins_world", origins_world, None, 3)
         rays = np.hstack(
@@ -101,6 +97,6 @@ class SiteScene:
         ).astype(np.float32)
         ranges = self.cast_resting(rays)
         if self.moving:
-            under_way = RayMesh([moved(self._skins[i], self._last[i]) for i in self.moving])
-            ranges = np.minimum(ranges, under_way.cast(rays))
+            movers = RayMesh([moved(self._skins[i], self._last[i]) for i in self.moving])
+            ranges = np.minimum(ranges, movers.cast(rays))
         return ranges.astype(np.float64)

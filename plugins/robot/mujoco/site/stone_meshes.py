@@ -5,46 +5,42 @@ from pathlib import Path
 import numpy as np
 import open3d as o3d
 from executive_plugins.robot.mujoco.site.mass_properties import volume_and_centroid
+from executive_plugins.robot.mujoco.site.ray_mesh import Mesh
 
-from executive.arrays import Float, Int
+from executive.arrays import Float
 from executive.errors import ConfigError
 
 _SUFFIXES = (".obj", ".ply", ".stl")
-_EXTENT_M = (0.1, 5.0)  # of a stone that such a machine could know as one: more is a wrong unit
+_EXTENT_M = (0.1, 5.0)  # plausible extents of a stone; others indicate a wrong unit
 _SETTING = "robot.site.stones"
-
-Skin = tuple[Float, Int]
 
 
 def mesh_files(folder: Path) -> tuple[Path, ...]:
     """List the meshes of a folder by name.
 
     Raises:
-        ConfigError: If it is no folder or holds no mesh.
+        ConfigError: If it is not a folder or holds no mesh.
     """
     if not folder.is_dir():
         raise ConfigError(
-            f"{_SETTING}.folder: '{folder}' is no folder; give one that holds OBJ, PLY "
-            "or STL meshes"
+            f"{_SETTING}.folder: '{folder}' is not a folder; give one with OBJ, PLY or STL meshes"
         )
     files = tuple(sorted(path for path in folder.iterdir() if path.suffix.lower() in _SUFFIXES))
     if not files:
-        raise ConfigError(
-            f"{_SETTING}.folder: '{folder}' holds no mesh; wanted are files {', '.join(_SUFFIXES)}"
-        )
+        raise ConfigError(f"{_SETTING}.folder: '{folder}' holds no mesh ({', '.join(_SUFFIXES)})")
     return files
 
 
-def read_skin(path: Path, scale: float) -> Skin:
-    """Read a closed mesh, scaled, its triangles turned outwards.
+def read_skin(path: Path, scale: float) -> Mesh:
+    """Read a closed mesh, scale it, and turn its triangles outwards.
 
     Raises:
-        ConfigError: If it cannot be read, has a hole, or has an absurd size; the message names the
-            file and the cure.
+        ConfigError: If it cannot be read, is not closed, or has an implausible size; the message
+            names the file and the cure.
     """
     with o3d.utility.VerbosityContextManager(o3d.utility.VerbosityLevel.Error):
         mesh = o3d.io.read_triangle_mesh(path)
-    mesh.remove_duplicated_vertices()  # an STL repeats each corner in each triangle
+    mesh.remove_duplicated_vertices()  # STL files repeat each vertex in each triangle
     mesh.remove_degenerate_triangles()
     vertices, triangles = (
         np.asarray(mesh.vertices) * scale,
@@ -52,13 +48,13 @@ def read_skin(path: Path, scale: float) -> Skin:
     )
     if not len(triangles) or not np.isfinite(vertices).all():
         raise ConfigError(
-            f"{path}: no readable mesh; export it again as OBJ, PLY or STL, or take it "
-            "out of the folder"
+            f"{path}: not a readable mesh; export it again as OBJ, PLY or STL, or remove it from "
+            "the folder"
         )
     _check_size(path, vertices, scale)
     if not (mesh.is_watertight() and mesh.orient_triangles()):
         raise ConfigError(
-            f"{path}: the mesh is not closed, so it has no volume; fill its holes, or take it out"
+            f"{path}: the mesh is not closed, so it has no volume; fill its holes, or remove it"
         )
     triangles = np.asarray(mesh.triangles).astype(np.int64)
     volume_m3, _ = volume_and_centroid(vertices, triangles)

@@ -1,4 +1,4 @@
-"""A stone of the simulated world: what touches, what is seen, what it weighs."""
+"""A stone of the simulated world: its contact hull, its visible surface, and its mass."""
 
 from dataclasses import dataclass
 
@@ -12,22 +12,22 @@ from executive_plugins.robot.mujoco.site.mass_properties import (
 
 from executive.arrays import Float, Int, checked
 
-SEEN_GROUP = 2  # geometry groups: drawn by default
-TOUCHED_GROUP = 3  # hidden by default
+SEEN_GROUP = 2  # geometry group that MuJoCo draws by default
+TOUCHED_GROUP = 3  # geometry group that is hidden by default
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StoneModel:
-    """A solid about its centroid.
+    """A solid with its frame at its centroid.
 
     Attributes:
         name: Name of its body, such as `stone_1`.
-        hull: Corners of the convex hull: what touches [m], shape (H, 3).
-        vertices: Of the skin, what lidars see [m], shape (V, 3).
-        triangles: Of the skin, counter-clockwise from outside, shape (F, 3).
-        volume_m3: Enclosed by the skin.
-        mass_kg: Of the skin's volume, not of the hull's.
-        inertia: About the centroid, in the stone's axes [kg·m²], shape (3, 3).
+        hull: Corners of the convex hull, the contact geometry [m], shape (H, 3).
+        vertices: Vertices of the skin, the surface that lidars see [m], shape (V, 3).
+        triangles: Triangles of the skin, counter-clockwise from outside, shape (F, 3).
+        volume_m3: Volume enclosed by the skin.
+        mass_kg: Mass of the skin's volume, not of the hull's.
+        inertia: Inertia about the centroid, in the axes of the stone [kg·m²], shape (3, 3).
     """
 
     name: str
@@ -50,13 +50,13 @@ class StoneModel:
     def from_skin(
         cls, name: str, skin: tuple[Float, Int], density_kg_m3: float, hull: Float | None = None
     ) -> "StoneModel":
-        """Make a stone from a closed mesh; its frame's origin moves to the centroid of the volume.
+        """Build a stone from a closed mesh; the origin moves to the centroid of the volume.
 
         Args:
             name: Name of its body.
             skin: Vertices [m] and triangles, counter-clockwise from outside.
             density_kg_m3: Density.
-            hull: Corners of what touches; the skin's convex hull if not given.
+            hull: Corners of the contact geometry; the convex hull of the skin if not given.
         """
         vertices, triangles = skin
         volume_m3, centroid = volume_and_centroid(vertices, triangles)
@@ -68,9 +68,9 @@ class StoneModel:
     def add_to(self, spec: mujoco.MjSpec, T_world_stone: Float) -> None:
         """Add the stone to a world as a free body.
 
-        The contact geometry is the convex hull, also of a scanned stone: its hollows count as solid
-        for the jaws (the hull of a typical scan holds 14 % more than the scan), while mass, inertia
-        and lidars use the skin.
+        The contact geometry is the convex hull, also of a scanned stone: its hollows are solid for
+        the jaws (the hull of a typical scan has 14 % more volume). Mass, inertia and lidars use the
+        skin.
         """
         quat = np.zeros(4)
         mujoco.mju_mat2Quat(quat, np.ascontiguousarray(T_world_stone[:3, :3]).ravel())
@@ -81,11 +81,7 @@ class StoneModel:
         moments = self.inertia
         body.explicitinertial = True
         body.mass = self.mass_kg
-        body.ipos = [
-            0.0,
-            0.0,
-            0.0,
-        ]  # without it, the compiler takes the position of the body in the world
+        body.ipos = [0.0, 0.0, 0.0]  # the default would be the position of the body in the world
         body.fullinertia = [*np.diag(moments), moments[0, 1], moments[0, 2], moments[1, 2]]
         hull, seen = f"{self.name}_hull", f"{self.name}_skin"
         spec.add_mesh(

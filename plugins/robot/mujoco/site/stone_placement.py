@@ -1,4 +1,4 @@
-"""Where stones lie: drawn with gaps, dropped, and left to come to rest."""
+"""Poses of stones: drawn with gaps, dropped, and settled."""
 
 from collections.abc import Sequence
 
@@ -16,16 +16,16 @@ from executive.errors import ConfigError
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import about_axis, exp_so3, from_quaternion
 
-_TRIES = 200  # draws of one stone's place before the whole arrangement is drawn anew
+_TRIES = 200  # draws of the place of one stone before a new arrangement is begun
 _ARRANGEMENTS = 10
-_TILT_RAD = 0.15  # spread of how far from flat a stone is dropped
-_CLEARANCE_M = 0.02  # above the ground at the drop
-_ROLL_M = 0.15  # more gap than asked for: stones roll a little when they are dropped
-_SETTLING_S = (0.5, 8.0)  # least and longest time that the stones are given [s]
+_TILT_RAD = 0.15  # standard deviation of the tilt at the drop
+_CLEARANCE_M = 0.02  # height above the ground at the drop
+_ROLL_M = 0.15  # added to the gap, since stones roll slightly when they are dropped
+_SETTLING_S = (0.5, 8.0)  # least and longest time for settling
 
 
 class _NoRoomError(Exception):
-    """This arrangement has jammed; another may not."""
+    """No room for the next stone in this arrangement; another one may have it."""
 
 
 def place(
@@ -36,11 +36,11 @@ def place(
     physics: PhysicsSettings,
     rng: np.random.Generator,
 ) -> tuple[Float, ...]:
-    """Return where the stones have come to rest, T_world_stone each.
+    """Return the poses of the stones at rest, T_world_stone each.
 
     Raises:
-        ConfigError: If there is no room for them, or one cannot come to rest; the message says what
-            to change.
+        ConfigError: If there is no room for them, or one does not come to rest; the message says
+            what to change.
     """
     for _ in range(_ARRANGEMENTS):
         try:
@@ -64,9 +64,7 @@ def _arrangement(
     reach_m: float,
     rng: np.random.Generator,
 ) -> tuple[Float, ...]:
-    """Place the stones one after the other where they keep their distance (random sequential
-    insertion).
-    """
+    """Place the stones one by one with gaps (random sequential insertion)."""
     placed: list[Float] = []
     outlines: list[Float] = []
     for stone in stones:
@@ -89,8 +87,9 @@ def _draw(
     reach_m: float,
     rng: np.random.Generator,
 ) -> Float:
-    """Draw a pose above the ground: the shortest axis up but for a tilt, as stones that were
-    unloaded lie.
+    """Draw a pose above the ground.
+
+    The shortest axis is up except for a tilt, as for stones that were unloaded.
     """
     least = 0.45 * reach_m if settings.min_radius_m is None else settings.min_radius_m
     most = 0.75 * reach_m if settings.max_radius_m is None else settings.max_radius_m
@@ -98,7 +97,7 @@ def _draw(
         raise ConfigError(
             f"robot.site.stones.placement: min_radius_m {least:g} is beyond max_radius_m {most:g}"
         )
-    radius = np.sqrt(rng.uniform(least**2, most**2))  # even over the area
+    radius = np.sqrt(rng.uniform(least**2, most**2))  # uniform over the area
     azimuth = settings.sector_centre_rad + settings.sector_width_rad * rng.uniform(-0.5, 0.5)
     tilt = exp_so3(np.append(rng.normal(0.0, _TILT_RAD, 2), 0.0))
     R = about_axis(np.array([0.0, 0.0, 1.0]), rng.uniform(0, 2 * np.pi)) @ tilt @ _flat(stone)
@@ -108,16 +107,14 @@ def _draw(
 
 
 def _flat(stone: StoneModel) -> Float:
-    """Return the rotation that brings the axis of the largest moment of inertia, the shortest one,
-    up.
-    """
+    """Return the rotation that turns the shortest axis, that of largest inertia, upwards."""
     _, axes = np.linalg.eigh(stone.inertia)
     axes[:, 0] *= np.sign(np.linalg.det(axes))
     return np.asarray(axes.T)
 
 
 def footprint(corners: Float) -> Float:
-    """Return the outline from above, counter-clockwise, shape (K, 2)."""
+    """Return the convex outline from above, counter-clockwise, shape (K, 2)."""
     return np.asarray(corners[ConvexHull(corners[:, :2]).vertices, :2])
 
 
@@ -129,14 +126,14 @@ def gap(outline_a: Float, outline_b: Float) -> float:
 
 
 def _is_clear(outline: Float, other: Float, gap_m: float) -> bool:
-    """Say whether two outlines keep a distance; those whose boxes do are not looked at closely."""
+    """Return whether two outlines keep a distance; their bounding boxes are compared first."""
     lower = np.maximum(outline.min(axis=0), other.min(axis=0))
     upper = np.minimum(outline.max(axis=0), other.max(axis=0))
     return bool((lower - upper >= gap_m).any()) or gap(outline, other) >= gap_m
 
 
 def _is_apart(outline: Float, other: Float) -> bool:
-    """Say whether an edge of the outline separates the two (separating axes)."""
+    """Return whether an edge of the outline separates the two (separating axis theorem)."""
     edges = np.roll(outline, -1, axis=0) - outline
     outward = np.c_[edges[:, 1], -edges[:, 0]]
     return bool((((other[:, None, :] - outline) * outward).sum(axis=2).min(axis=0) > 0).any())
@@ -158,7 +155,7 @@ def _gaps_hold(stones: Sequence[StoneModel], poses: Sequence[Float], gap_m: floa
 def _settle(
     stones: Sequence[StoneModel], drops: Sequence[Float], terrain: Terrain, physics: PhysicsSettings
 ) -> tuple[Float, ...]:
-    """Let the stones fall and return where they rest; empty if one is still moving in the end."""
+    """Let the stones fall; return their poses at rest, empty if one is still moving in the end."""
     spec = mujoco.MjSpec()
     terrain.add_to(spec)
     for stone, T in zip(stones, drops, strict=True):

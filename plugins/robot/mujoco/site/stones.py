@@ -1,4 +1,4 @@
-"""Which stones a site has: generated blocks, or scans from a folder."""
+"""The stones of a site: generated blocks, or scans from a folder."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from executive.errors import ConfigError
 
 
 class PlacementSettings(Settings):
-    """Where stones lie: a sector of an annulus about the turning axis."""
+    """Where stones lie: a sector of an annulus around the turning axis."""
 
     min_radius_m: Meters | None = Field(
         None, ge=0, le=100, description="Nearest centroid [m]; 0.45 of the reach if not given."
@@ -30,7 +30,7 @@ class PlacementSettings(Settings):
         2.8,
         gt=0,
         le=6.2832,
-        description="Width of the sector; the rest stays free for slots [rad].",
+        description="Width of the sector; the rest remains free for slots [rad].",
     )
     gap_m: Meters = Field(
         0.4, ge=0, le=10, description="Least free distance between two stones [m]."
@@ -38,7 +38,7 @@ class PlacementSettings(Settings):
 
 
 class StoneSettings(Settings):
-    """How many stones, of what kind, where."""
+    """Number, kind and placement of the stones."""
 
     count: int = Field(7, ge=0, le=200, description="Number of stones.")
     folder: Path | None = Field(
@@ -54,7 +54,7 @@ class StoneSettings(Settings):
     max_mass_kg: Kilograms | None = Field(
         None,
         gt=0,
-        description="Heaviest mesh that is taken from the folder [kg]; the payload if not given.",
+        description="Largest mass of a mesh of the folder [kg]; the payload if not given.",
     )
     roughness_m: Meters = Field(
         0.008, ge=0, le=0.1, description="Standard deviation of generated bumps [m]."
@@ -82,8 +82,7 @@ def make_stones(
     """Draw the stones of a site, `stone_1` first.
 
     Raises:
-        ConfigError: If the folder has not enough meshes that can be lifted, or a file that cannot
-            be used.
+        ConfigError: If the folder has too few meshes that can be lifted, or an unusable file.
     """
     if settings.folder is None or settings.count == 0:
         return tuple(_generated(f"stone_{i + 1}", settings, rng) for i in range(settings.count))
@@ -91,7 +90,7 @@ def make_stones(
 
 
 def _generated(name: str, settings: StoneSettings, rng: np.random.Generator) -> StoneModel:
-    """Make a block of flat faces to touch, under a bumpy skin to see, both of the drawn volume."""
+    """Return a block with a smooth contact hull and a bumpy skin, both of the drawn volume."""
     volume_m3 = rng.uniform(*settings.volume_m3)
     corners = block(volume_m3, rng)
     vertices, triangles = rough_skin(corners, settings.roughness_m, settings.edge_m, rng)
@@ -103,9 +102,7 @@ def _generated(name: str, settings: StoneSettings, rng: np.random.Generator) -> 
 def _scanned(
     settings: StoneSettings, folder: Path, max_mass_kg: float, rng: np.random.Generator
 ) -> tuple[StoneModel, ...]:
-    """Take meshes in random order, skipping those that are too heavy to lift;
-    none is taken twice.
-    """
+    """Draw meshes in random order without repetition; those that are too heavy are skipped."""
     files = mesh_files(folder)
     chosen: list[StoneModel] = []
     for i in rng.permutation(len(files)):

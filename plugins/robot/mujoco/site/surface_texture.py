@@ -1,6 +1,4 @@
-"""Textures of ground and stones, for pictures only: what structure from motion finds again from
-view to view.
-"""
+"""Textures of ground and stones in photographs, rich enough for structure from motion."""
 
 from dataclasses import dataclass
 
@@ -12,24 +10,20 @@ from scipy.fft import irfft2, rfft2
 from executive.arrays import Float, Int
 
 Image = NDArray[np.uint8]
-_TEXEL_M = 0.004  # of a stone; a photograph from 8 m has pixels of about 1 cm
-_GROUND_TEXEL_M, _GROUND_TEXELS = (
-    0.0075,
-    4096,
-)  # and the most along a side, which is what graphics memory likes
-# amplitude falls with frequency to this power: as in nature, there is detail at every distance
-_FALL = 0.9
-_CONTRAST = (0.26, 0.28, 0.32)  # of red, green and blue: dark is warmer than bright
+_TEXEL_M = 0.004  # texel of a stone; pixels of a photograph from 8 m are about 1 cm
+_GROUND_TEXEL_M, _GROUND_TEXELS = 0.0075, 4096  # and largest number along a side, for memory
+_FALL = 0.9  # amplitude falls with frequency to this power, as in natural images
+_CONTRAST = (0.26, 0.28, 0.32)  # of red, green and blue; dark areas are warmer
 _GROUND_RGB, _STONE_RGB = (134, 112, 86), (158, 156, 150)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Skin:
+class TexturedMesh:
     """A textured surface.
 
     Attributes:
         mesh: Vertices [m] and triangles.
-        coordinates: Of each triangle's corners in the texture, 0 … 1, shape (3 F, 2).
+        coordinates: Texture coordinates of each triangle's corners, 0 … 1, shape (3 F, 2).
         texture: Red, green, blue, shape (height, width, 3).
     """
 
@@ -38,19 +32,23 @@ class Skin:
     texture: Image
 
 
-def ground_skin(mesh: Mesh, rng: np.random.Generator) -> Skin:
-    """Lay one texture over the ground from above; it never repeats, for a repeat would be matched
-    with itself.
+def ground_skin(mesh: Mesh, rng: np.random.Generator) -> TexturedMesh:
+    """Project one texture onto the ground from above.
+
+    It does not repeat, since repetitions would be matched with each other.
     """
     corners = _corners(mesh)[:, :2]
     low, high = corners.min(axis=0), corners.max(axis=0)
     side = min(_GROUND_TEXELS, int(np.ceil((high - low).max() / _GROUND_TEXEL_M)))
-    return Skin(mesh, (corners - low) / (high - low), _mottled((side, side), _GROUND_RGB, rng))
+    return TexturedMesh(
+        mesh, (corners - low) / (high - low), _mottled((side, side), _GROUND_RGB, rng)
+    )
 
 
-def stone_skin(mesh: Mesh, rng: np.random.Generator) -> Skin:
-    """Wrap a stone as a box: each triangle takes its colours from the one of six pictures that it
-    faces most.
+def stone_skin(mesh: Mesh, rng: np.random.Generator) -> TexturedMesh:
+    """Texture a stone by box projection.
+
+    Each triangle uses the face of a box that it faces most.
     """
     vertices, triangles = mesh
     low, size_m = vertices.min(axis=0), np.ptp(vertices, axis=0).max()
@@ -64,7 +62,7 @@ def stone_skin(mesh: Mesh, rng: np.random.Generator) -> Skin:
     )
     tile = np.stack([axis, is_back], axis=1)[:, None, :]
     coordinates = ((0.998 * flat + 0.001 + tile) / [3, 2]).reshape(-1, 2)
-    return Skin(mesh, coordinates, _mottled((2 * side, 3 * side), _STONE_RGB, rng))
+    return TexturedMesh(mesh, coordinates, _mottled((2 * side, 3 * side), _STONE_RGB, rng))
 
 
 def _corners(mesh: Mesh) -> Float:
@@ -73,8 +71,9 @@ def _corners(mesh: Mesh) -> Float:
 
 
 def _facing(corners: Float) -> Int:
-    """Return for triangles (F, 3, 3) the axis that the normal is nearest to: 0 to 2, and 3 to 5 if
-    against it.
+    """Return the axis nearest to the normal of each triangle (F, 3, 3), shape (F,).
+
+    It is 0 to 2 for x, y, z, and 3 to 5 for the negative directions.
     """
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     axis = np.abs(normals).argmax(axis=1)
@@ -83,7 +82,7 @@ def _facing(corners: Float) -> Int:
 
 
 def _mottled(shape: tuple[int, int], rgb: tuple[int, int, int], rng: np.random.Generator) -> Image:
-    """Return noise about a colour."""
+    """Return noise around a colour."""
     noise = _noise(shape, rng)
     picture = np.empty((*shape, 3), dtype=np.uint8)
     for channel, (level, contrast) in enumerate(zip(rgb, _CONTRAST, strict=True)):
@@ -97,6 +96,6 @@ def _noise(shape: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float
     frequency = np.hypot(np.fft.fftfreq(shape[0])[:, None], np.fft.rfftfreq(shape[1])).astype(
         np.float32
     )
-    # Whatever is wider than an eighth of the picture is evened out: no side of it is all dark.
+    # Structures wider than an eighth of the picture are damped, so no side of it is all dark.
     noise = irfft2(spectrum / np.maximum(frequency, 8 / max(shape)) ** _FALL, shape)
     return np.asarray(noise / noise.std(), dtype=np.float32)

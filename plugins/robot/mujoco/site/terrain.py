@@ -1,4 +1,4 @@
-"""Rough ground: a height field that undulates, with a flat pad under the machine."""
+"""Rough ground: an undulating height field with a level pad under the machine."""
 
 from dataclasses import dataclass
 
@@ -11,10 +11,8 @@ from executive.arrays import Float, Int, checked
 from executive.config import Meters, Settings
 
 TERRAIN = "terrain"
-_LEAST_ELEVATION_M = (
-    1e-3  # MuJoCo wants a height field of some height, even where the ground is level
-)
-_BEDROCK_M = 2.0  # thickness below the lowest point: nothing falls through
+_LEAST_ELEVATION_M = 1e-3  # MuJoCo requires a positive elevation, also of level ground
+_BEDROCK_M = 2.0  # thickness below the lowest point, so that nothing falls through
 
 
 class TerrainSettings(Settings):
@@ -42,7 +40,7 @@ class TerrainSettings(Settings):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Terrain:
-    """Heights on a square grid about the origin of the world.
+    """Heights on a square grid around the origin of the world.
 
     Attributes:
         coordinates_m: Rising x (and y) coordinates of the grid [m], shape (n,).
@@ -60,16 +58,15 @@ class Terrain:
         object.__setattr__(self, "heights_m", checked("heights_m", self.heights_m, n, n))
 
     def height_at(self, points_xy: Float) -> Float:
-        """Return the bilinear height [m] at points (N, 2), shape (N,); beyond the edge, that of the
-        edge.
-        """
+        """Return the bilinear height [m] at points (N, 2), shape (N,); constant beyond the edge."""
         cell = self.coordinates_m[1] - self.coordinates_m[0]
         indices = (np.asarray(points_xy) - self.coordinates_m[0]) / cell
         return np.asarray(map_coordinates(self.heights_m, indices.T, order=1, mode="nearest"))
 
     def mesh(self) -> tuple[Float, Int]:
-        """Return vertices (V, 3) [m] and triangles (F, 3), counter-clockwise from above, as MuJoCo
-        splits the cells.
+        """Return vertices (V, 3) [m] and triangles (F, 3), counter-clockwise from above.
+
+        Cells are split like those of MuJoCo.
         """
         n = len(self.coordinates_m)
         x, y = np.meshgrid(self.coordinates_m, self.coordinates_m, indexing="ij")
@@ -103,14 +100,14 @@ class Terrain:
 
 
 def make_terrain(settings: TerrainSettings, rng: np.random.Generator) -> Terrain:
-    """Draw a terrain: long waves plus roughness, both Gaussian fields, faded out towards the
-    machine's pad.
+    """Draw a terrain: long waves plus roughness, both Gaussian random fields.
+
+    Both fade out towards the pad of the machine.
     """
     n = 2 * round(settings.half_size_m / settings.cell_m) + 1
     coordinates = np.linspace(-settings.half_size_m, settings.half_size_m, n)
-    waves = _field(
-        n, settings.wavelength_m / 4 / settings.cell_m, rng
-    )  # a wave is about four kernel widths long
+    # A wave is about four kernel widths long.
+    waves = _field(n, settings.wavelength_m / 4 / settings.cell_m, rng)
     clods = _field(n, 1.0, rng)
     fade = _fade(coordinates, settings.pad_radius_m)
     heights = settings.undulation_m * fade * waves + settings.roughness_m * fade * clods
@@ -124,7 +121,7 @@ def _field(n: int, kernel_cells: float, rng: np.random.Generator) -> Float:
 
 
 def _fade(coordinates_m: Float, pad_radius_m: float) -> Float:
-    """Return 0 on the pad, 1 from a metre and a half beyond it, smooth between (3u² − 2u³)."""
+    """Return 0 on the pad, 1 from 1.5 m beyond it, and a smooth step (3u² − 2u³) between."""
     radius = np.hypot(coordinates_m[:, None], coordinates_m[None, :])
     u = np.clip((radius - pad_radius_m) / 1.5, 0, 1)
     return np.asarray(u * u * (3 - 2 * u))

@@ -1,4 +1,4 @@
-"""Which bodies touched the machine, from when to when, how hard."""
+"""Contacts of the machine with other bodies: when, with what, how strong."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,17 +10,17 @@ from executive_plugins.robot.mujoco.site.terrain import TERRAIN
 from executive.arrays import Float
 from executive.machine.machine import Machine
 
-_MERGE_S = 0.2  # contacts of one pair with shorter gaps are one
+_MERGE_S = 0.2  # contacts of one pair that are separated by less count as one
 
 
 @dataclass(slots=True)
 class Span:
-    """A contact of a machine's link with another body.
+    """A contact of a link of the machine with another body.
 
     Attributes:
-        link: The machine's link.
+        link: Link of the machine.
         other: A stone, `terrain`, or another link.
-        from_s: Begin [s].
+        from_s: Start [s].
         to_s: End [s].
         max_force_n: Largest force of one contact point [N].
     """
@@ -71,7 +71,7 @@ class ContactLog:
         span.max_force_n = max(span.max_force_n, force_n)
 
     def spans(self) -> tuple[Span, ...]:
-        """Return all contacts so far, in order of their begin."""
+        """Return all contacts so far, in order of their start."""
         return tuple(
             sorted([*self._closed, *self._open.values()], key=lambda span: (span.from_s, span.link))
         )

@@ -1,4 +1,4 @@
-"""What really happened, recorded while the world is stepped; only the oracle reads it."""
+"""True poses and contacts, recorded while the world is stepped; only the oracle reads them."""
 
 from collections.abc import Sequence
 
@@ -15,8 +15,10 @@ _EPSILON_S = 1e-6
 
 
 class TruthLog:
-    """Poses of stones, cabin and gripper ten times a second; contacts of the machine at every
-    control step.
+    """The true course of a run.
+
+    Poses of stones, cabin and gripper are recorded ten times a second, contacts of the machine at
+    every control step.
     """
 
     def __init__(self, machine: Machine, stones: Sequence[str], model: mujoco.MjModel) -> None:
@@ -31,7 +33,7 @@ class TruthLog:
         self._T_gripper: list[Float] = []
 
     def step(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> None:
-        """Record the end of a control step; poses and contacts in `data` are up to date."""
+        """Record the end of a control step; poses and contacts in `data` must be up to date."""
         self.contacts.step(time_s, model, data)
         if not self._stamps_s or _periods(time_s) > _periods(self._stamps_s[-1]):
             self._stamps_s.append(time_s)
@@ -45,8 +47,9 @@ class TruthLog:
         return self._stamps_s[-1]
 
     def T_world_stone(self, stone: int, time_s: float) -> Float:
-        """Return a stone's pose (origin at its volume's centroid) at a time, interpolated, shape
-        (4, 4).
+        """Return the pose of a stone at a time, interpolated, shape (4, 4).
+
+        The origin of its frame is the centroid of its volume.
         """
         i, fraction = self._bracket(time_s)
         return interpolate(
@@ -59,9 +62,7 @@ class TruthLog:
         return interpolate(self._T_cabin[i], self._T_cabin[min(i + 1, self._last)], fraction)
 
     def holding(self, stone: int, from_s: float, to_s: float) -> tuple[Float, Float]:
-        """Return the heights of a stone's centroid and its distances from the palm in a span [m],
-        shape (N,) each.
-        """
+        """Return heights of a stone, and its distances from the palm, in a span [m], (N,) each."""
         stamps = np.array(self._stamps_s)
         inside = np.flatnonzero((stamps >= from_s - _EPSILON_S) & (stamps <= to_s + _EPSILON_S))
         centroids = np.array([self._T_stones[i][stone][:3, 3] for i in inside]).reshape(-1, 3)
@@ -69,7 +70,7 @@ class TruthLog:
         return centroids[:, 2], np.linalg.norm(centroids - palms, axis=1)
 
     def centroids(self, time_s: float) -> Float:
-        """Return where all stones are at a time [m], shape (S, 3)."""
+        """Return the positions of all stones at a time [m], shape (S, 3)."""
         return np.array(
             [self.T_world_stone(i, time_s)[:3, 3] for i in range(len(self.stones))]
         ).reshape(-1, 3)

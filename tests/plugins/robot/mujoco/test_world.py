@@ -167,7 +167,10 @@ def test_the_jaws_close_at_their_speed_and_keep_to_the_commanded_angle() -> None
 
 @pytest.mark.parametrize(
     ("command", "words"),
-    [(MoveJaws(1.5, 1e3), "possible is 0.0 to 0.94 rad"), (MoveJaws(0.1, 9e4), "up to 35000 N")],
+    [
+        (MoveJaws(1.5, 1e3), "the range is 0.0 to 0.94 rad"),
+        (MoveJaws(0.1, 9e4), "the largest is 35000 N"),
+    ],
 )
 def test_refuses_what_the_jaws_cannot_do(command: MoveJaws, words: str) -> None:
     with pytest.raises(RobotError, match=words):

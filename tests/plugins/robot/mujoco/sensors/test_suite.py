@@ -196,7 +196,7 @@ def test_a_sensor_that_dropped_out_is_silent_for_its_span_and_changes_no_other()
 def test_refuses_a_dropout_of_a_sensor_that_the_machine_lacks() -> None:
     with pytest.raises(ConfigError, match=r"no sensor 'gnss_lef'\. Did you mean 'gnss_left'"):
         measure(0.1, dropouts=[{"sensor": "gnss_lef", "from_s": 0, "to_s": 1}])
-    with pytest.raises(ValueError, match="must lie after from_s"):
+    with pytest.raises(ValueError, match="must be later than from_s"):
         SensorSettings.model_validate(
             {"dropouts": [{"sensor": "gnss_left", "from_s": 2, "to_s": 1}]}
         )

@@ -91,7 +91,7 @@ def test_a_computer_that_cannot_draw_says_what_to_install(monkeypatch: pytest.Mo
 
     monkeypatch.setattr(mujoco.egl, "GLContext", NoScreen)
     with pytest.raises(
-        RobotError, match=r"cannot draw without a screen \(no display\); install EGL.*libegl1"
+        RobotError, match=r"cannot render off screen \(no display\); install EGL.*libegl1"
     ):
         photographs._screen(SIZE)
 
