@@ -13,6 +13,7 @@ from typing import Any
 
 from executive.config import Settings
 from executive.errors import ConfigError, UnknownPluginError
+from executive.extras import MissingExtraError, missing_packages
 from executive.interfaces.plugin import Plugin
 
 # The shipped ones, in the order in which data flows (DESIGN: the way of the data).
@@ -37,6 +38,7 @@ EXERCISES = "exercise"  # what the conformance kit asks of the plugins of a capa
 BEHAVIOURS = "behaviour"
 ORACLES = "oracle"
 SMOOTHERS = "smoothing"  # of whole recordings: no mission selects one
+EXTRAS = "extra"  # the extra of its package that a plugin needs
 VERBS = "verb"  # functions with typer's annotations: sub-commands of the command line
 
 
@@ -46,12 +48,21 @@ class BrokenPluginError(ConfigError):
 
 @dataclass(frozen=True, slots=True)
 class Installed:
-    """A plugin as its package announces it; nothing of it is imported yet."""
+    """A plugin as its package announces it; nothing of it is imported yet.
+
+    Attributes:
+        capability: Its capability, or another group of entry points.
+        name: Its name.
+        target: `module:class`.
+        distribution: The package that brings it.
+        missing_extra: The extra of that package that it needs and that is not installed, or "".
+    """
 
     capability: str
     name: str
     target: str
     distribution: str
+    missing_extra: str
 
 
 @cache
@@ -103,9 +114,46 @@ def reread() -> None:
 def installed(capability: str) -> tuple[Installed, ...]:
     """List the plugins of a capability by name, without importing any."""
     return tuple(
-        Installed(capability, name, point.value, point.dist.name if point.dist else "?")
+        Installed(
+            capability, name, _target(point), _distribution(point), _missing_extra(capability, name)
+        )
         for name, point in sorted(_entry_points(capability).items())
     )
+
+
+def require_extras(capability: str, name: str) -> None:
+    """Refuse a plugin that needs an extra of its package which is not installed.
+
+    The group `executive.extra.v1` says which extra a plugin needs: `"grasping.mine" = "learning"`.
+
+    Raises:
+        MissingExtraError: With the cure: the extra, or a plugin that does without.
+    """
+    extra = _missing_extra(capability, name)
+    if not extra:
+        return
+    package = _distribution(_entry_points(EXTRAS)[f"{capability}.{name}"])
+    others = [one.name for one in installed(capability) if not one.missing_extra]
+    can_choose = capability in capabilities() and others
+    cure = f"; or choose another: --set {capability}.plugin={others[0]}" if can_choose else ""
+    missing = missing_packages(extra, package)
+    raise MissingExtraError(f"{capability} plugin '{name}'", extra, missing, package, cure)
+
+
+def _missing_extra(capability: str, name: str) -> str:
+    """Return the extra that a plugin needs if it is not installed, else an empty text."""
+    point = _entry_points(EXTRAS).get(f"{capability}.{name}")
+    if point is None or not missing_packages(point.value, _distribution(point)):
+        return ""
+    return point.value
+
+
+def _target(point: EntryPoint) -> str:
+    return f"{point.module}:{point.attr}"
+
+
+def _distribution(point: EntryPoint) -> str:
+    return point.dist.name if point.dist else "?"
 
 
 def load(capability: str, name: str) -> type[Any]:
@@ -141,8 +189,10 @@ def _loaded(capability: str, name: str) -> Any:
     try:
         return points[name].load()
     except (ImportError, AttributeError, SyntaxError, OSError) as error:
+        if isinstance(error, ModuleNotFoundError):
+            require_extras(capability, name)
         raise BrokenPluginError(
-            f"{capability} plugin '{name}' ({points[name].value}) cannot be loaded: {error}"
+            f"{capability} plugin '{name}' ({_target(points[name])}) cannot be loaded: {error}"
         ) from error
 
 
@@ -150,7 +200,7 @@ def name_of(capability: str, plugin: type) -> str:
     """Return the name under which a plugin's class is installed, else the name of the class."""
     target = f"{plugin.__module__}:{plugin.__qualname__}"
     points = _entry_points(capability).items()
-    return next((name for name, point in points if point.value == target), plugin.__name__)
+    return next((name for name, point in points if _target(point) == target), plugin.__name__)
 
 
 def settings_of(capability: str, name: str) -> type[Settings]:
@@ -172,7 +222,7 @@ def describe(capability: str, name: str) -> dict[str, Any]:
     return {
         "capability": capability,
         "name": name,
-        "target": _entry_points(capability)[name].value,
+        "target": _target(_entry_points(capability)[name]),
         "distribution": next(one.distribution for one in installed(capability) if one.name == name),
         "summary": (inspect.getdoc(plugin) or "").partition("\n")[0],
         "needs": list(dependencies_of(plugin)),
@@ -184,15 +234,18 @@ def describe(capability: str, name: str) -> dict[str, Any]:
 
 
 def diagnose() -> list[dict[str, str]]:
-    """Import every installed plugin, behaviour and verb, and say which are broken and why."""
+    """Import every installed plugin, behaviour and verb, and say which are broken or lack an extra,
+    and why.
+    """
     findings = []
     groups = (INTERFACES, *capabilities(), SMOOTHERS, BEHAVIOURS, ORACLES, EXERCISES, VERBS)
     for capability in groups:
         for one in installed(capability):
+            problem = ""
             try:
                 _load_any(capability, one.name)
-                problem = ""
-            except BrokenPluginError as error:
+                require_extras(capability, one.name)
+            except (BrokenPluginError, MissingExtraError) as error:
                 problem = str(error)
             findings.append(
                 {
@@ -200,6 +253,7 @@ def diagnose() -> list[dict[str, str]]:
                     "name": one.name,
                     "target": one.target,
                     "problem": problem,
+                    "missing_extra": one.missing_extra,
                 }
             )
     return findings

@@ -11,6 +11,7 @@ import numpy as np
 from executive.arrays import Float
 from executive.clouds.point_collector import CHUNK, PointCollector
 from executive.errors import DataError
+from executive.extras import require_extra
 
 _LINEAR_UNITS_KEY = 3076  # GeoTIFF: ProjLinearUnitsGeoKey
 _MODEL_TYPE_KEY, _GEOGRAPHIC = 1024, 2  # GeoTIFF: GTModelTypeGeoKey; latitude and longitude
@@ -23,8 +24,10 @@ def read_las(path: Path) -> Float:
     """Return the points of a LAS or LAZ file [m], shape (N, 3).
 
     Raises:
+        MissingExtraError: If the packages that read it are not installed.
         DataError: If it is cut short or damaged, or says that its unit is not the metre.
     """
+    require_extra(f"{path}: a LAS or LAZ file", "las")
     import laspy  # takes a while to import; most files do without
     import lazrs
 

@@ -15,7 +15,7 @@ from executive.geometry.pose import inverse
 from executive.logs import decode
 from executive.logs.extrinsics import rig_from
 from executive.logs.log_source import LogSource, Recorded
-from executive.logs.topics import TYPES, Topics
+from executive.logs.topics import METADATA, TYPES, Topics
 from executive.machine.machine import load_machine
 from executive.machine.rig import Rig
 from executive.messages.observation import Observation
@@ -23,7 +23,6 @@ from executive.messages.odometry import LidarIncrement
 
 _log = logging.getLogger(__name__)
 
-METADATA = "executive"  # metadata record in which a log names its machine
 _HEAD = 2000  # number of messages within which each sensor must appear
 # Standard deviation of increments that were recorded without one: rotation [rad], position [m].
 _INCREMENT_STD = np.repeat([0.003, 0.02], 3)

@@ -5,14 +5,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mcap.writer import Writer
-from rosbags.typesys import Stores, get_typestore
 
 from executive.arrays import Float
 from executive.errors import ConfigError
+from executive.extras import require_extra
 from executive.geometry.rotation import quaternion_wxyz
-from executive.logs.log import METADATA
-from executive.logs.topics import TYPES, Topics
+from executive.logs.topics import METADATA, TYPES, Topics
 from executive.machine.rig import Rig
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
@@ -33,8 +31,13 @@ class Recorder:
         """Start a log with the machine's name and the mounting of its sensors.
 
         Raises:
+            MissingExtraError: If the packages that write logs are not installed.
             ConfigError: If the file cannot be written.
         """
+        require_extra("--record-log", "logs")
+        from mcap.writer import Writer
+        from rosbags.typesys import Stores, get_typestore
+
         try:
             self._writer = Writer(str(path))
         except OSError as error:

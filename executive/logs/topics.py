@@ -4,6 +4,7 @@ from pydantic import Field
 
 from executive.config import Settings
 
+METADATA = "executive"  # the record by which a log names the machine that it was taken on
 TYPES = {
     "imu": "sensor_msgs/msg/Imu",
     "gnss": "sensor_msgs/msg/NavSatFix",

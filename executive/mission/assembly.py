@@ -72,6 +72,7 @@ def assemble(selections: Selections, model: str, seed: int) -> Assembly:
         return made[capability]
 
     def make_one(capability: str, chosen: Selection, path: tuple[str, ...]) -> Plugin:
+        registry.require_extras(capability, chosen.name)
         plugin_class = registry.load(capability, chosen.name)
         services = {"machine": machine, "rng": seeded(seed, f"{capability}/{chosen.name}", 0)}
         given = {

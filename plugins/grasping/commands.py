@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from executive.commands.console import answer, one_of, say
+from executive.extras import require_extra
 
 _Seed = Annotated[
     int, typer.Option(min=0, help="Seed of all random numbers; equal seeds give equal results.")
@@ -57,6 +58,8 @@ def grasp_train(
     Example: executive grasp-train labels net.safetensors --test unseen
     """
     one_of("--architecture", architecture, ("four_layer", "two_stream"))
+
+    require_extra("executive grasp-train", "learning")
 
     from executive_plugins.grasping.learning.grasp_training import train_weights
     from executive_plugins.grasping.learning.training import Progress, TrainingSettings

@@ -1,17 +1,10 @@
-"""Keypoints on segments and what their surroundings look like: ISS and FPFH, and their matches."""
+"""Keypoints with descriptors of their surroundings, and matches between those of two maps."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import open3d as o3d
-from scipy.spatial import cKDTree
 
 from executive.arrays import Float
-from executive.messages.segment import Segment
-
-_NORMAL_NEIGHBOURS = 30
-_FEATURE_NEIGHBOURS = 150
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,45 +13,6 @@ class Features:
 
     points: Float
     descriptors: Float
-
-
-def _oriented(points: Float, voxel_m: float, normal_radius_m: float) -> o3d.geometry.PointCloud:
-    """Thin one segment and give it normals away from its centroid: the same side in both maps,
-    without gravity.
-    """
-    # open3d refuses read-only arrays, hence the copy
-    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(np.array(points))).voxel_down_sample(
-        voxel_m
-    )
-    cloud.estimate_normals(
-        o3d.geometry.KDTreeSearchParamHybrid(normal_radius_m, _NORMAL_NEIGHBOURS)
-    )
-    thinned, normals = np.asarray(cloud.points), np.array(cloud.normals)
-    normals[np.einsum("ij,ij->i", thinned - thinned.mean(axis=0), normals) < 0] *= -1
-    cloud.normals = o3d.utility.Vector3dVector(normals)
-    return cloud
-
-
-def describe(
-    segments: Sequence[Segment], voxel_m: float, iss_radius_m: float, fpfh_radius_m: float
-) -> Features:
-    """Find ISS keypoints on segments and describe each by its FPFH (Mascaro 2020, Sec. 4.4 step 2).
-
-    The paper prefers SHOT; FPFH is what open3d brings, and the constellation of segments makes up
-    for it.
-    """
-    cloud = o3d.geometry.PointCloud()
-    for segment in segments:
-        cloud += _oriented(segment.points, voxel_m, iss_radius_m)
-    if len(cloud.points) == 0:
-        return Features(np.empty((0, 3)), np.empty((0, 33)))
-    keypoints = o3d.geometry.keypoint.compute_iss_keypoints(cloud, iss_radius_m, 0.8 * iss_radius_m)
-    if len(keypoints.points) == 0:
-        return Features(np.empty((0, 3)), np.empty((0, 33)))
-    chosen = cKDTree(np.asarray(cloud.points)).query(np.asarray(keypoints.points))[1]
-    search = o3d.geometry.KDTreeSearchParamHybrid(fpfh_radius_m, _FEATURE_NEIGHBOURS)
-    fpfh = o3d.pipelines.registration.compute_fpfh_feature(cloud, search, [int(i) for i in chosen])
-    return Features(np.array(cloud.points)[chosen], np.asarray(fpfh.data).T.copy())
 
 
 def match(target: Features, source: Features, nearest: int) -> tuple[Float, Float]:

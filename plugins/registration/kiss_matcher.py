@@ -17,7 +17,7 @@ from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Meters
-from executive.errors import ConfigError
+from executive.extras import require_extra
 from executive.geometry.pose import pose
 from executive.interfaces.alignment import Aligner
 from executive.interfaces.segmentation import Segmenter
@@ -85,13 +85,9 @@ def _orthonormal(R: Float) -> Float:
 
 
 def _package() -> Any:
-    try:
-        with _one_core():  # its pools of threads are made as it is loaded
-            import kiss_matcher
-    except ImportError as error:
-        raise ConfigError(
-            "registration 'kiss_matcher' needs its package: pip install 'executive[kiss]'"
-        ) from error
+    require_extra("registration 'kiss_matcher'", "kiss")
+    with _one_core():  # its thread pools are created when it is imported
+        import kiss_matcher
     return kiss_matcher
 
 
@@ -110,7 +106,7 @@ class KissMatcher(SegmentRegistrar):
         """Find the package, so that a missing one is told before the robot starts.
 
         Raises:
-            ConfigError: If it is not installed.
+            MissingExtraError: If it is not installed.
         """
         _package()
         super().start()

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 from executive_plugins.registration.consistency import consistent_transforms
 from executive_plugins.registration.constellation import constellation_transforms
-from executive_plugins.registration.features import describe, match
+from executive_plugins.registration.features import match
+from executive_plugins.registration.fpfh_features import describe
 from executive_plugins.registration.motion_proposer import MotionProposer
 from executive_plugins.registration.segment_registrar import SegmentRegistrar, centroids
 from executive_plugins.registration.segment_settings import SegmentSettings

@@ -48,7 +48,7 @@ class Colmap(Survey):
         """Look whether there is something to survey, before anything moves.
 
         Raises:
-            ConfigError: If pycolmap is not installed.
+            MissingExtraError: If pycolmap is not installed.
             DataError: If the folder holds no survey.
         """
         load_pycolmap()

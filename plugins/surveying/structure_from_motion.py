@@ -13,7 +13,8 @@ from pydantic import Field
 
 from executive.arrays import Float, Int
 from executive.config import Radians, Settings
-from executive.errors import ConfigError, DataError
+from executive.errors import DataError
+from executive.extras import require_extra
 
 
 class MotionSettings(Settings):
@@ -72,15 +73,11 @@ def load_pycolmap() -> Any:
     """Import the package, which takes half a second, and keep it from talking.
 
     Raises:
-        ConfigError: If it is not installed.
+        MissingExtraError: If it is not installed.
     """
-    try:
-        import pycolmap
-    except ImportError as error:
-        raise ConfigError(
-            f"surveying: colmap needs the package pycolmap, which cannot be imported ({error}); "
-            "install it: pip install 'pycolmap>=4.2'"
-        ) from error
+    require_extra("structure from motion", "photogrammetry")
+    import pycolmap
+
     pycolmap.logging.minloglevel = pycolmap.logging.FATAL.value
     return pycolmap
 
@@ -92,7 +89,7 @@ def find_motion(photographs: Photographs, settings: MotionSettings, seed: int) -
     One thread and one seed: equal pictures give an equal model.
 
     Raises:
-        ConfigError: If pycolmap is not installed.
+        MissingExtraError: If pycolmap is not installed.
         DataError: If too few pictures find their place; the message says which do not.
     """
     colmap = load_pycolmap()

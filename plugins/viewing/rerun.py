@@ -1,18 +1,15 @@
 """Recording of a mission for the rerun viewer, in one file that can be scrubbed in time."""
 
-from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
-import rerun as rr
-from executive_plugins.viewing.layout import TIMELINE, layout
-from executive_plugins.viewing.machine_drawing import MachineDrawing
-from executive_plugins.viewing.message_drawing import draw, draw_tree
 from pydantic import Field
 
 from executive.config import Seconds, Settings
 from executive.interfaces.viewing import Viewer
 from executive.machine.machine import Machine
-from executive.messages.base_state import BaseState
-from executive.messages.joints import JointSample
+
+if TYPE_CHECKING:
+    from executive_plugins.viewing.recording import Recording
 
 
 class RerunSettings(Settings):
@@ -39,50 +36,21 @@ class RerunViewer(Viewer):
     def __init__(self, settings: RerunSettings, machine: Machine) -> None:
         self._settings = settings
         self._machine = machine
-        self._recording: rr.RecordingStream | None = None
-        self._drawn_s = -float("inf")
-        self._states: dict[str, object] = {}
+        self._recording: Recording | None = None
 
     def open(self, path: str) -> None:
-        self._recording = rr.RecordingStream("executive", send_properties=False)
-        self._recording.save(path, default_blueprint=layout())
-        self._recording.set_log_time_enabled(False)
-        self._recording.set_log_tick_enabled(False)
-        self._recording.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-        self._drawing = MachineDrawing(self._machine, self._recording)
+        # The library is an extra and takes a second to import: missions without a recording do
+        # without it.
+        from executive_plugins.viewing.recording import Recording
+
+        s = self._settings
+        self._recording = Recording(path, self._machine, s.machine_period_s, s.max_points)
 
     def close(self) -> None:
         if self._recording is not None:
-            self._recording.flush()
-            self._recording.disconnect()
+            self._recording.close()
             self._recording = None
 
     def show(self, stamp_s: float, entity: str, value: object) -> None:
-        if self._recording is None:
-            return
-        self._recording.set_time(TIMELINE, duration=stamp_s)
-        if isinstance(value, BaseState):
-            self._drawing.set_state(value)
-        elif isinstance(value, JointSample):
-            self._show_joints(stamp_s, value)
-        elif isinstance(value, Mapping):
-            self._show_tree(value)
-        else:
-            for path, components in draw(
-                value, entity, self._machine.gripper, self._settings.max_points
-            ):
-                self._recording.log(path, components)
-
-    def _show_joints(self, stamp_s: float, sample: JointSample) -> None:
-        if stamp_s - self._drawn_s >= self._settings.machine_period_s - 1e-6:
-            self._drawn_s = stamp_s
-            self._drawing.draw(sample)
-
-    def _show_tree(self, states: Mapping[str, object]) -> None:
-        changed = {
-            path: status for path, status in states.items() if self._states.get(path) != status
-        }
-        if changed and self._recording is not None:
-            self._states.update(changed)
-            for path, components in draw_tree(states, changed):
-                self._recording.log(path, components)
+        if self._recording is not None:
+            self._recording.show(stamp_s, entity, value)

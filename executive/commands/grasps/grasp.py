@@ -7,6 +7,7 @@ import typer
 
 from executive.commands.console import answer, check_output, say
 from executive.commands.options import CloudArgument, JsonOption, SeedOption, SetOption, settings
+from executive.extras import require_extra
 
 if TYPE_CHECKING:
     from executive.commands.grasps.scene import GraspScene
@@ -58,6 +59,8 @@ def grasp(  # noqa: PLR0913 - the options of the command line, each a parameter 
     check_output("--out", out, ".json", ".yaml")
     check_output("--picture", picture, ".png")
     check_output("--record", record, ".rrd")
+    if picture:
+        require_extra("--picture", "viewing")
     uses = ("segmentation", "grasping", *(("viewing",) if record else ()))
     choices = Choices(uses, settings(set_, grasping=method))
     scene = read_scene(cloud, segment, choices, machine, base)

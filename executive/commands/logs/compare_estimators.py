@@ -18,6 +18,7 @@ from executive.commands.logs.options import (
     TopicOption,
 )
 from executive.commands.options import JsonOption, SeedOption, SetOption, settings
+from executive.extras import require_extra
 
 MaterialArgument = Annotated[
     Path,
@@ -48,6 +49,8 @@ def compare_estimators(  # noqa: PLR0913 - the options of the command line, each
 
     Example: executive compare-estimators run.mcap --estimator dual_graph --drop gnss:20:40
     """
+    require_extra("executive compare-estimators", "logs")
+
     from executive.commands.logs.recorded_mission import compare_on, is_mission, record_mission
     from executive.estimate.compare import compare, table
     from executive.estimate.material import Material

@@ -16,6 +16,7 @@ from executive.commands.logs.options import (
     TopicOption,
 )
 from executive.commands.options import JsonOption, SetOption, settings
+from executive.extras import require_extra
 
 _SMOOTHER = "batch_graph"
 
@@ -47,6 +48,8 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
 
     Example: executive estimate run.mcap --out run.tum --set estimation.plugin=dual_graph
     """
+    require_extra("executive estimate", "logs")
+
     from executive.estimate.estimator_run import estimate as run_estimator
     from executive.estimate.files import write_files
     from executive.estimate.material import Material

@@ -1,6 +1,5 @@
 """Registration by KISS-Matcher, behind the gate of the others."""
 
-import sys
 from collections.abc import Callable
 
 import numpy as np
@@ -43,6 +42,6 @@ def test_a_survey_of_another_site_is_refused(make_scene: Callable) -> None:
 def test_a_missing_package_is_named_before_the_robot_starts(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setitem(sys.modules, "kiss_matcher", None)
+    monkeypatch.setattr("executive.extras._is_installed", lambda name: name != "kiss-matcher")
     with pytest.raises(ConfigError, match="pip install"):
         plugin().start()

@@ -2,7 +2,6 @@
 twice the same.
 """
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -144,9 +143,9 @@ def test_pictures_of_nothing_in_common_find_no_place(tmp_path: Path) -> None:
 
 
 def test_a_missing_package_is_named_with_its_cure(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "pycolmap", None)  # as if it were not installed
+    monkeypatch.setattr("executive.extras._is_installed", lambda name: name != "pycolmap")
     with pytest.raises(
-        ConfigError, match=r"needs the package pycolmap.*pip install 'pycolmap>=4\.2'"
+        ConfigError, match=r"not installed: pycolmap\): pip install \"executive\[photogrammetry\]\""
     ):
         load_pycolmap()
 
