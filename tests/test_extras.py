@@ -3,6 +3,7 @@
 import json
 import re
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -21,11 +22,14 @@ def names(requirements: list[str]) -> set[str]:
 
 
 @pytest.fixture
-def core_only(monkeypatch: pytest.MonkeyPatch) -> None:
+def core_only(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """As if no package of any extra were installed."""
     core = names(PROJECT["dependencies"])
     optional = {name for extra in OPTIONAL.values() for name in names(extra)} - core
     monkeypatch.setattr(extras, "_is_installed", lambda name: name not in optional)
+    registry.reread()
+    yield
+    registry.reread()
 
 
 def ended(monkeypatch: pytest.MonkeyPatch, *words: str) -> object:

@@ -1,11 +1,11 @@
 """Registration on segments whose motions come from FPFH descriptors and from constellations."""
 
 from dataclasses import dataclass
+from importlib import import_module
 
 from executive_plugins.registration.consistency import consistent_transforms
 from executive_plugins.registration.constellation import constellation_transforms
 from executive_plugins.registration.features import match
-from executive_plugins.registration.fpfh_features import describe
 from executive_plugins.registration.motion_proposer import MotionProposer
 from executive_plugins.registration.segment_registrar import SegmentRegistrar, centroids
 from executive_plugins.registration.segment_settings import SegmentSettings
@@ -14,6 +14,7 @@ from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Meters
+from executive.extras import require_extra
 from executive.interfaces.alignment import Aligner
 from executive.interfaces.segmentation import Segmenter
 from executive.messages.segment import Segmentation
@@ -32,6 +33,16 @@ class SegmentFpfhSettings(SegmentSettings):
     )
 
 
+def load_open3d() -> None:
+    """Import open3d, which takes a second, before the first registration.
+
+    Raises:
+        MissingExtraError: If it is not installed.
+    """
+    require_extra("FPFH, which is also the fallback of 'segment_shot',", "fpfh")
+    import_module("executive_plugins.registration.fpfh_features")
+
+
 @dataclass(frozen=True, slots=True)
 class FpfhAndConstellation(MotionProposer):
     """Propose from groups of consistent matches, then from where the segments stand
@@ -42,6 +53,8 @@ class FpfhAndConstellation(MotionProposer):
 
     def propose(self, target: Segmentation, source: Segmentation, watch: Stopwatch) -> list[Float]:
         """Return the motions of both origins; see `MotionProposer.propose`."""
+        from executive_plugins.registration.fpfh_features import describe
+
         s = self.settings
         with watch.stage("description"):
             there, here = (
@@ -71,6 +84,10 @@ class SegmentFpfh(SegmentRegistrar):
     ) -> None:
         super().__init__(settings, segmentation, alignment)
         self._proposer = FpfhAndConstellation(settings)
+
+    def start(self) -> None:
+        """Load what describes keypoints."""
+        load_open3d()
 
     def _proposers(self) -> tuple[MotionProposer, ...]:
         return (self._proposer,)

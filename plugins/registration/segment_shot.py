@@ -9,7 +9,11 @@ from typing import Any
 import numpy as np
 from executive_plugins.registration.consistency import consistent_transforms
 from executive_plugins.registration.motion_proposer import MotionProposer
-from executive_plugins.registration.segment_fpfh import FpfhAndConstellation, SegmentFpfhSettings
+from executive_plugins.registration.segment_fpfh import (
+    FpfhAndConstellation,
+    SegmentFpfhSettings,
+    load_open3d,
+)
 from executive_plugins.registration.segment_registrar import SegmentRegistrar
 from executive_plugins.registration.segment_settings import SegmentSettings
 from executive_plugins.registration.shot_features import (
@@ -124,6 +128,7 @@ class SegmentShot(SegmentRegistrar):
         self, settings: SegmentShotSettings, segmentation: Segmenter, alignment: Aligner
     ) -> None:
         super().__init__(settings, segmentation, alignment)
+        self._falls_back = settings.falls_back
         shared = settings.model_dump(include=set(SegmentSettings.model_fields))
         others = (
             (FpfhAndConstellation(SegmentFpfhSettings(**shared)),) if settings.falls_back else ()
@@ -131,7 +136,13 @@ class SegmentShot(SegmentRegistrar):
         self._tried: tuple[MotionProposer, ...] = (Shot(settings), *others)
 
     def start(self) -> None:
-        """Compile the inner loops, so that no registration has to wait for them."""
+        """Compile the inner loops, so that no registration has to wait for them.
+
+        Raises:
+            MissingExtraError: If the fallback is on and open3d is not installed.
+        """
+        if self._falls_back:
+            load_open3d()
         points = np.mgrid[0:4, 0:4, 0:4].reshape(3, -1).T * 0.1
         found = find_keypoints(Segment(0, points, points.mean(axis=0), np.ones(3)), 0.05, 0.2, 0.1)
         describe_keypoints([found], 0.4)
