@@ -1,4 +1,4 @@
-"""Surveys that are not of the site, each made to be mistaken for it in another way."""
+"""Surveys that are not of the site, each similar to it in another respect."""
 
 from collections.abc import Callable
 from types import ModuleType
@@ -18,7 +18,7 @@ def another_site(scenes: ModuleType, seed: int, rays: int) -> Pair:
 
 
 def mirrored(scenes: ModuleType, seed: int, rays: int) -> Pair:
-    """Mirror the survey: places and stones have the same distances and sizes, and fit nowhere."""
+    """Mirror the survey: distances and sizes stay the same, but no rigid motion fits."""
     scene = scenes.scene_of(seed, rays=rays)
     return scene.target, Cloud("survey", scene.source.points * [1.0, -1.0, 1.0])
 

@@ -91,7 +91,7 @@ def _rays(mesh: Mesh) -> o3d.t.geometry.RaycastingScene:
 
 
 def gap_between(a: Mesh, b: Mesh) -> float:
-    """Return the distance of two surfaces [m], negative if they cut each other; right to a few
+    """Return the distance of two surfaces [m], negative if they cut each other; accurate to a few
     millimetres.
     """
     rng, found = np.random.default_rng(0), []
@@ -110,8 +110,8 @@ def gap_between(a: Mesh, b: Mesh) -> float:
 
 
 def _beside(stone: Mesh, placed: Sequence[Mesh], gap_m: float, rng: np.random.Generator) -> Mesh:
-    """Push a stone from aside towards the last one placed, until the nearest of all is a
-    gap away.
+    """Push a stone sideways towards the last one placed, up to the given gap to its nearest
+    neighbour.
     """
     while True:
         angle = rng.uniform(-np.pi, np.pi)

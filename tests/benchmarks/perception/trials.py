@@ -1,5 +1,5 @@
-"""Registration tried on drawn scenes: what each trial came to. Nothing has been tuned on the seeds
-drawn here.
+"""Registration tried on drawn scenes, and the answer of each trial. Nothing has been tuned on the
+seeds drawn here.
 """
 
 import os
@@ -38,8 +38,8 @@ Answers = list[dict[str, Any]]
 
 
 def registrar(method: str = METHOD) -> Any:
-    """Return a started registrar whose stages are timed by the processor's clock: others may use
-    the computer.
+    """Return a started registrar whose stages are timed by processor time, which does not
+    depend on other processes.
     """
     stopwatch.wall_s = time.process_time  # type: ignore[assignment]
     plugin = registry.load("registration", method)

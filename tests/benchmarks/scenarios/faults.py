@@ -19,7 +19,7 @@ def none(stamp_s: float, antenna: str) -> Float | None:
 
 
 def wander(rng: np.random.Generator, std_m: float) -> Fault:
-    """Let all fixes wander slowly together, as the air and reflections make real ones do; no
+    """Let all fixes drift slowly together, as the atmosphere and reflections make real ones do; no
     covariance tells it.
     """
     periods_s = rng.uniform((10.0, 20.0, 40.0), (20.0, 40.0, 80.0))
@@ -51,13 +51,13 @@ def spikes(rng: np.random.Generator, starts_s: tuple[float, ...]) -> Fault:
 
 
 def plateau(rng: np.random.Generator, size_m: float, from_s: float, to_s: float) -> Fault:
-    """Move all fixes by the same for a while."""
+    """Move all fixes by the same offset for some time."""
     error = size_m * _direction(rng, level=True)
     return lambda stamp_s, antenna: error if from_s <= stamp_s < to_s else np.zeros(3)
 
 
 def ramp(rng: np.random.Generator, speed_m_s: float, size_m: float, from_s: float) -> Fault:
-    """Let all fixes drift away, and come back at once when they are so far off."""
+    """Let all fixes drift away to a given offset, then return at once."""
     direction, to_s = _direction(rng, level=True), from_s + size_m / speed_m_s
     return lambda stamp_s, antenna: (
         direction * speed_m_s * (stamp_s - from_s) * (from_s <= stamp_s < to_s)
@@ -65,7 +65,7 @@ def ramp(rng: np.random.Generator, speed_m_s: float, size_m: float, from_s: floa
 
 
 def outage(from_s: float, to_s: float) -> Fault:
-    """Give no fix for a while."""
+    """Give no fix for some time."""
     return lambda stamp_s, antenna: None if from_s < stamp_s < to_s else np.zeros(3)
 
 

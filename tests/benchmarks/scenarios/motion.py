@@ -1,5 +1,5 @@
-"""How the machine moves, in closed form: it stands, drives slowly over uneven ground, or swings its
-cabin.
+"""How the machine moves, in closed form: it is at rest, drives slowly over uneven ground, or swings
+its cabin.
 """
 
 from dataclasses import dataclass

@@ -11,7 +11,7 @@ from scenarios.trial import Trial
 
 
 def way_m(trial: Trial, from_s: float, to_s: float) -> float:
-    """Return the way of the lidar, which is what its odometry drifts with [m]."""
+    """Return the distance that the lidar travels [m]: odometry drifts in proportion to it."""
     p = trial.truth.T_map_sensor(LIDAR, np.arange(from_s, to_s, 0.1))[:, :3, 3]
     return float(np.linalg.norm(np.diff(p, axis=0), axis=1).sum())
 

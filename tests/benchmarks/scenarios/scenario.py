@@ -81,7 +81,7 @@ def _ramp(trial: Trial) -> Figures:
 
 
 def _datum(trial: Trial) -> Figures:
-    """The datum changes for good: from then on the truth is where the fixes say it is."""
+    """The datum changes permanently: from then on the fixes define the truth."""
     after = trial.stamps_s > READY_S
     shift = trial.error_m[-1]
     anew = np.linalg.norm(trial.error_m[after] - shift, axis=1) < 0.1
@@ -108,7 +108,7 @@ def _outage(name: str, from_s: float, to_s: float) -> Callable[[Trial], Figures]
 
 
 def _of_outage(duration_s: float) -> Scenario:
-    """Nothing but lidar carries the estimate: a standing chassis is not made use of."""
+    """Lidar alone carries the estimate: the knowledge that the chassis is at rest is not used."""
     to_s = READY_S + duration_s
     return Scenario(
         MOVING,

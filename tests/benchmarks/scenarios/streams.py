@@ -1,4 +1,4 @@
-"""What the sensors say of a motion, in order of arrival: noise, bias walk, latency, and lidar
+"""What the sensors measure of a motion, in order of arrival: noise, bias walk, latency, and lidar
 odometry that drifts.
 """
 
@@ -27,7 +27,7 @@ Message = ImuSample | GnssFix | JointSample | LidarIncrement
 
 @dataclass(frozen=True, slots=True)
 class LidarErrors:
-    """How lidar odometry errs: like one against a submap, a third of a per cent of the way.
+    """Errors of lidar odometry: those of matching to a submap, 0.3 % of the distance.
 
     Attributes:
         rotation_rad, translation_m: White noise of an increment, standard deviation.

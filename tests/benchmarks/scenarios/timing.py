@@ -48,7 +48,7 @@ class Lane:
     def _without_measurements(
         messages: Sequence[tuple[float, Message]],
     ) -> Iterator[tuple[float, Message]]:
-        """Leave what corrects out, once it has begun: propagation is all that is left."""
+        """Leave corrections out after the start, so that propagation alone remains."""
         return (m for m in messages if m[0] < 4.0 or not isinstance(m[1], GnssFix | LidarIncrement))
 
     def block(self, is_awake: bool) -> Times:

@@ -1,4 +1,4 @@
-"""One estimator on one stream: what it said after each inertial sample, beside the truth."""
+"""One estimator on one stream: its state after each inertial sample, beside the truth."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from scenarios.truth import Truth
 
 @dataclass
 class Trial:
-    """What one estimator said.
+    """The answers of one estimator.
 
     Attributes:
         truth: Where the machine was.
@@ -102,7 +102,7 @@ class Trial:
 
     @cached_property
     def is_global(self) -> Float:
-        """Whether the estimator says that satellites carry it, shape (n,)."""
+        """Whether the estimator's status is GLOBAL, shape (n,)."""
         return np.array([state.status == "GLOBAL" for state in self.states])
 
     @cached_property

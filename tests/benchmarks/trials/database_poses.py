@@ -52,7 +52,7 @@ class Truth:
 
 
 def run(seed: int, folder: Path, overrides: Sequence[str]) -> None:
-    """Run the mission and write down what the simulator knew."""
+    """Run the mission and keep the true poses of the stones."""
     made = Run(load_mission("relocate", overrides), Options(seed=seed, run_dir=folder))
     logs = []
 
@@ -108,7 +108,7 @@ def errors_of(folder: Path) -> tuple[Entries, Counts]:
 
 
 def error_after(truth: Truth, stone: int, first: object) -> Callable:
-    """Return what tells how far a later event's pose is off: (cm, degrees)."""
+    """Return a function from a later event to the error of its pose: (cm, degrees)."""
     T_first_object = inverse(truth.at(stone, first.stamp_s)) @ first.T_map_object
 
     def error(event: object) -> tuple[float, float]:

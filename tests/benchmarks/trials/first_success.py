@@ -21,9 +21,7 @@ HEADER = "seed  dense_s  first_s attempts matched stones  error_mm"
 
 
 class Witness:
-    """Remembers where the points of the last survey really are, and where the survey's own frame
-    puts them.
-    """
+    """Keep the true points of the last survey, and the same points in the survey's own frame."""
 
     def __init__(self) -> None:
         self.pair: tuple[Float, Float] | None = None
@@ -36,7 +34,7 @@ class Witness:
         return told
 
     def error_m(self, registration: dict) -> float:
-        """Return how far the middle of the survey lies from where it is."""
+        """Return the distance of the survey's middle from its true place [m]."""
         T = np.array(registration["T_map_survey"])
         there, told = self.pair
         return float(

@@ -67,8 +67,8 @@ class Site:
         return self.plugins["robot"].world
 
     def run(self, least_s: float) -> None:
-        """Go on for some time and until the arm stands; monitors see every sample. A verdict ends
-        it.
+        """Run for some time and until the arm is at rest; monitors see every sample. A verdict
+        ends the run.
         """
         until_s = self.now_s + least_s
         while (self.now_s < until_s or self.world.is_moving) and not self.verdicts:
@@ -87,7 +87,7 @@ class Site:
             monitor.begin_hold()
 
     def end_hold(self) -> list[Verdict]:
-        """Return what the monitors have told."""
+        """Return the verdicts of the monitors."""
         for monitor in self.plugins["monitoring"]:
             monitor.end_hold()
         told, self.verdicts, self.watched = self.verdicts, [], None
@@ -106,7 +106,7 @@ class Site:
         held: Float | None = None,
     ) -> bool:
         """Move the gripper to a pose around the ground and some of the stones; return whether there
-        was a way.
+        was a path.
         """
         request = MoveRequest(
             start=self.world.arm.position(),
@@ -144,7 +144,7 @@ class Site:
 
 
 def view_of(site: Site, i: int, rng: np.random.Generator) -> tuple[Stone, Cloud]:
-    """Return what is known of a stone, and the cloud around it, its neighbours included."""
+    """Return the view of a stone, and the cloud around it with its neighbours."""
     stones, skin = site.world.site.stones, site.skin(i)
     foot = np.append(site.T(i)[:2, 3], skin[:, 2].min())
     near = [
@@ -246,8 +246,8 @@ def places(site: Site, i: int, T_grasp: Float) -> Iterator[Float]:
 
 
 def has_arrived(T: Float, T_place: Float, told: Verdict) -> bool:
-    """Forgive, as missions do, a stone that met the ground a little early and shifted in
-    the jaws.
+    """Return whether a stone met the ground slightly early and shifted in the jaws, which missions
+    accept, too.
     """
     gap = (T - T_place)[:3, 3]
     return bool(told.trouble is Trouble.SLIP and np.hypot(gap[0], gap[1]) < 0.1 and gap[2] < 0.25)

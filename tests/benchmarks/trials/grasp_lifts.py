@@ -99,7 +99,7 @@ def run_site(
 def rows_of(
     report: dict[str, Any], shapes: dict[int, tuple[float, float]]
 ) -> Iterator[dict[str, Any]]:
-    """Yield what became of each stone: its shape, and its attempts in order."""
+    """Yield a row for each stone: its shape, and its attempts in order."""
     truth = report["truth"]
     lifted = {key(a, p): g for (a, p), g in zip(by_time(report), truth["grasps"], strict=True)}
     for stone in truth["stones"]:

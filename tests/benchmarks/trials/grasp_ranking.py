@@ -29,7 +29,7 @@ ABOVE_THE_PAPER = Bound(10, 15, is_least=True)  # points, of the same pools
 
 
 class FreeMotion(MotionPlanner):
-    """Reaches everything: the ranking is measured, not the arm."""
+    """Reach every pose: the ranking is measured, not the arm."""
 
     def reach(self, T_base_gripper: Float, seed: Float) -> Float | None:
         return seed

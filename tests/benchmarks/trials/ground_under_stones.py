@@ -25,7 +25,7 @@ WAVES = Bound(0.024), Bound(0.005)  # the same page, waves of 0.2 m and ruts
 def first_map(
     seed: int, overrides: list[str], folder: Path
 ) -> tuple[np.ndarray, list[np.ndarray], Any]:
-    """Return the surroundings as a planner is given them, where stones are believed, and the
+    """Return the surroundings as a planner is given them, the estimated places of stones, and the
     terrain.
     """
     known: list[Any] = []

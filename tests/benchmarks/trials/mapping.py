@@ -35,8 +35,8 @@ Track = list[tuple[float, np.ndarray]]
 
 
 class Tap:
-    """A run whose observations and true poses are handed on, tick by tick, and whose mapper has
-    company.
+    """A run that forwards its observations and true poses tick by tick, with other mappers beside
+    its own.
     """
 
     def __init__(
@@ -64,9 +64,7 @@ class Tap:
 
 
 def recorded(seed: int) -> tuple[Ticks, Track]:
-    """Return what the sensors said during one swing, tick by tick,
-    and where the cabin truly was.
-    """
+    """Return the observations of one swing, tick by tick, and the true poses of the cabin."""
     ticks: Ticks = []
     track: Track = []
     with tempfile.TemporaryDirectory() as folder:
@@ -130,7 +128,10 @@ def relocate(seed: int, kept: Path | None) -> tuple[dict[str, Any], dict[str, fl
         )
         others += [trial("truth", tap.truth, ["voxel_map"], as_it_is), voxels]
         tap.plugins["mapping"] = Company(own, [other.fan for other in others])
-        close, own.close = own.close, lambda: None  # its last map is looked at once more
+        close, own.close = (
+            own.close,
+            lambda: None,
+        )  # its last map is read once more after the mission
         report = tap.run.execute(lambda mission: None).report
         tell(sum(pick["placed"] for pick in report["picks"]))
         close()
@@ -139,7 +140,7 @@ def relocate(seed: int, kept: Path | None) -> tuple[dict[str, Any], dict[str, fl
 
 
 class Company:
-    """The mission's own mapper, whose removals and additions others are told of."""
+    """The mission's own mapper; removals and additions are forwarded to the others."""
 
     def __init__(self, own: Any, others: Sequence[Fan]) -> None:
         self._own, self._others = own, others
@@ -184,7 +185,7 @@ def measured(
 
 
 def swings(seeds: Sequence[int]) -> list[Figure]:
-    """Measure one swing a seed, and hold the maps of unspoilt measurements against the bounds."""
+    """Measure one swing a seed, and hold the maps of undegraded measurements against the bounds."""
     rows: Rows = {}
     for seed in seeds:
         for key, values in measured(*replayed(*recorded(seed), seed)):

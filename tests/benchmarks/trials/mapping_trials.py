@@ -1,4 +1,4 @@
-"""Estimators and mappers side by side on one stream of observations, perhaps made worse, and how
+"""Estimators and mappers side by side on one stream of observations, original or degraded, and how
 far maps are off.
 """
 
@@ -26,7 +26,7 @@ MAPPERS = ("voxel_map", "pose_graph")
 
 
 class TrueState:
-    """An estimator that is told where the cabin is; it exists in this file only."""
+    """An estimator that reports the true pose of the cabin; only this benchmark uses it."""
 
     def __init__(self) -> None:
         self.track: list[tuple[float, np.ndarray]] = []
@@ -64,7 +64,7 @@ def _state(stamp_s: float, T: np.ndarray, status: str) -> BaseState:
 
 
 class Fan:
-    """Hands every call on to several mappers, and times their scan pairs."""
+    """Forward every call to several mappers, and time their scan pairs."""
 
     def __init__(self, mappers: dict[str, Any]) -> None:
         self.mappers = mappers
@@ -83,7 +83,7 @@ class Fan:
 
 @dataclass(slots=True)
 class Trial:
-    """One estimator with all mappers on a stream of observations, perhaps made worse."""
+    """One estimator with all mappers on a stream of observations, original or degraded."""
 
     name: str
     estimator: Any
@@ -115,7 +115,7 @@ def as_it_is(observations: Iterable[Any]) -> Iterator[Any]:
 
 
 def noisier(factor: float, after_s: float, seed: int) -> Callable[[Iterable[Any]], Iterator[Any]]:
-    """Make satellites noisier by a factor after a time, and say so in their covariance."""
+    """Multiply the noise of fixes after a time, and state it in their covariance."""
     rng = np.random.default_rng(seed)
 
     def worsen(observations: Iterable[Any]) -> Iterator[Any]:
@@ -136,7 +136,7 @@ def noisier(factor: float, after_s: float, seed: int) -> Callable[[Iterable[Any]
 
 
 def silent_while(is_out: Callable[[float], bool]) -> Callable[[Iterable[Any]], Iterator[Any]]:
-    """Leave out the fixes of some times."""
+    """Leave out the fixes of some intervals."""
 
     def worsen(observations: Iterable[Any]) -> Iterator[Any]:
         yield from (
@@ -160,8 +160,8 @@ def trials(seed: int, first_scan_s: float, is_out: Callable[[float], bool]) -> l
 
 
 def displacement_m(cloud: np.ndarray, true: np.ndarray) -> float:
-    """Return how far a map lies from the true one: the mean way of its points under the best rigid
-    motion.
+    """Return how far a map lies from the true one: the mean displacement of its points under the
+    best rigid motion.
     """
     clouds = [small_gicp.preprocess_points(points, 0.06, 20, 1) for points in (true, cloud)]
     (target, tree), (source, _) = clouds

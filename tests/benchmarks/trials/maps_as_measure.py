@@ -43,7 +43,7 @@ Maps = dict[str, dict[str, np.ndarray]]  # condition → whose poses → points 
 
 
 class TruePoses(Estimator):
-    """An estimator that is told where the cabin is; it exists in this file only."""
+    """An estimator that reports the true pose of the cabin; only this benchmark uses it."""
 
     def __init__(self, truth: Any) -> None:
         self._truth, self._stamp_s = truth, -1.0
@@ -63,7 +63,7 @@ class TruePoses(Estimator):
 
 
 class Remembering(LidarOdometry):
-    """An odometry that matches each scan once, for whichever estimator comes first."""
+    """An odometry that matches each scan once and keeps the answer for the next estimator."""
 
     def __init__(self, odometry: LidarOdometry) -> None:
         self._odometry, self._answers = odometry, {}
@@ -92,7 +92,7 @@ class Surface:
 
 
 def recorded(seed: int, folder: Path) -> tuple[Path, Any, Surface]:
-    """Swing once, and return the log, the simulator's own account of the cabin, and the surface."""
+    """Swing once, and return the log, the cabin's true poses, and the true surface."""
     robots: list[Any] = []
     options = Options(seed=seed, run_dir=folder / "run", record_log=folder / "swing.mcap")
 

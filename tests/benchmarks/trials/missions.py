@@ -71,7 +71,7 @@ def run(mission: str, seeds: Sequence[int], settings: Sequence[str]) -> Iterator
 
 
 def figures(outcomes: Sequence[Outcome], are_scanned: bool) -> list[Figure]:
-    """Hold missions against what is asked of them: 33 of 35 generated stones, 18 of 21 scans."""
+    """Hold missions against their bounds: 33 of 35 generated stones, 18 of 21 scans."""
     near, stones = (sum(getattr(one, name) for one in outcomes) for name in ("near", "stones"))
     good = sum(one.report["outcome"] == "success" for one in outcomes)
     collisions = sum(len(one.report["truth"]["collisions"]) for one in outcomes)

@@ -96,7 +96,7 @@ def _reported(
     robot: MujocoRobot,
     spent: dict[str, float],
 ) -> list[Figure]:  # fmt: skip
-    """Print what is known of a survey, and return what is held to a bound."""
+    """Print the figures of a survey, and return those that have a bound."""
     (scale, R, t), off = _truth(found, names, poses)
     points = scale * found.cloud.points @ R.T + t
     site = robot.world.site

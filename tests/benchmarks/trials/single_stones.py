@@ -27,7 +27,7 @@ FIRST_SEED = 9012
 
 
 def tumbled(rng: np.random.Generator) -> Float:
-    """Draw a motion beyond any basin of ICP."""
+    """Draw a motion so large that ICP alone does not converge."""
     axis = rng.normal(size=3)
     return pose(exp_so3(axis / np.linalg.norm(axis) * rng.uniform(0.8, 3.1)), rng.uniform(-3, 3, 3))
 
