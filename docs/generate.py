@@ -1,16 +1,18 @@
-"""Write the pages that are generated from the code: the words of missions, and the fields of
-`robot.yaml`.
+"""Write the pages that are generated from the code: the words of missions, the fields of
+`robot.yaml`, and the events of the journal.
 
     python docs/generate.py
 
 `tests/docs/test_generated.py` fails when a page is not what this script would write.
 """
 
+import dataclasses
 import inspect
 import re
 import types
 import typing
 from collections.abc import Iterator, Mapping
+from enum import Enum
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +20,12 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from executive import registry
+from executive.arrays import Float
 from executive.config import UNITS
+from executive.events.event import Event
+from executive.journal import EVENT_MODULES
 from executive.leaf.action import Action, Leaf
+from executive.leaf.port import section
 from executive.machine.gripper import Gripper, JawPart
 from executive.machine.joint import Jaw, Joint
 from executive.machine.link import Link
@@ -51,6 +57,15 @@ CHECKS = """\
 
 `check:` these, or name them in a condition. They answer at once.
 """
+EVENTS = """\
+# Events of the journal
+
+The kinds of events that the executive and its leaves write, with the fields of `payload`. In
+Python, `executive.journal.read_journal` gives each back as its class of `executive/events`.
+Packages may add kinds of their own; those are read back as `UnknownEvent` where the package is not
+installed.
+How to read a run: [read a run](how-to/read_a_run.md).
+"""
 ROBOT_YAML = """\
 # A machine's robot.yaml
 
@@ -80,7 +95,11 @@ A mapping from the sensor's name. `kind` selects the fields.
 
 def pages() -> dict[Path, str]:
     """Return the generated pages."""
-    return {DOCS / "words.md": words_page(), DOCS / "robot_yaml.md": robot_yaml_page()}
+    return {
+        DOCS / "words.md": words_page(),
+        DOCS / "robot_yaml.md": robot_yaml_page(),
+        DOCS / "journal_events.md": events_page(),
+    }
 
 
 def words_page() -> str:
@@ -186,6 +205,47 @@ def robot_yaml_page() -> str:
     return "\n".join([NOTE, *parts])
 
 
+def events_page() -> str:
+    """Return the page of all events of the journal."""
+    parts = [EVENTS]
+    for module in EVENT_MODULES:
+        parts += [
+            f"## {module.__name__.rpartition('.')[2].capitalize()}\n",
+            f"{_first_line(module)}\n",
+        ]
+        parts += [line for event in _events_of(module) for line in _event(event)]
+    return "\n".join([NOTE, *parts])
+
+
+def _events_of(module: types.ModuleType) -> list[type[Event]]:
+    return [
+        one
+        for one in vars(module).values()
+        if inspect.isclass(one) and issubclass(one, Event) and one.__module__ == module.__name__
+    ]
+
+
+def _event(event: type[Event]) -> Iterator[str]:
+    yield f"### {event.kind}\n"
+    yield f"{_first_line(event)}\n"
+    meanings = section(event.__doc__, "Attributes")
+    kinds = typing.get_type_hints(event)
+    rows = [(one.name, kinds[one.name]) for one in dataclasses.fields(event)]
+    if rows and not meanings:
+        yield f"Fields: {', '.join(f'`{name}` ({_type(kind)})' for name, kind in rows)}.\n"
+    elif rows:
+        yield "| field | type | meaning |"
+        yield "|---|---|---|"
+        for name, kind in rows:
+            yield f"| `{name}` | {_type(kind)} | {_cell(meanings.get(name, ''))} |"
+        yield ""
+    for name, kind in rows:
+        for part in (kind, *typing.get_args(kind)):
+            if dataclasses.is_dataclass(part):
+                fields = ", ".join(f"`{one.name}`" for one in dataclasses.fields(part))
+                yield f"`{name}` holds {fields}. {_first_line(part)}\n"
+
+
 def _block(title: str, model: type[BaseModel], introduction: str = "") -> Iterator[str]:
     yield f"## {title}\n"
     yield f"{introduction} {_first_line(model)}".strip() + "\n"
@@ -214,7 +274,11 @@ def _type(kind: Any) -> str:
         return f"[{', '.join(_type(one) for one in given)}]"
     if origin in (dict, Mapping):
         return f"{_type(given[0])} → {_type(given[1])}"
-    names = {float: "number", int: "whole number", str: "text"}
+    if kind == Float:
+        return "numbers"
+    if inspect.isclass(kind) and issubclass(kind, Enum):
+        return " or ".join(f"`{one.value}`" for one in kind)
+    names = {float: "number", int: "whole number", str: "text", bool: "true or false"}
     return names.get(kind) or kind.__name__.lower()
 
 
@@ -238,7 +302,8 @@ def _bounds(info: FieldInfo) -> str:
 
 
 def _first_line(thing: Any) -> str:
-    text = inspect.getdoc(thing) if inspect.isclass(thing) else None
+    has_text = inspect.isclass(thing) or inspect.ismodule(thing)
+    text = inspect.getdoc(thing) if has_text else None
     paragraph = (text or "").partition("\n\n")[0]
     return _cell(" ".join(paragraph.split()))
 

@@ -76,9 +76,9 @@ def _slots(run_dir: str) -> list[np.ndarray]:
     """Return the positions of the slots that a run found, in the map [m]."""
     for line in (Path(run_dir) / "journal.jsonl").read_text(encoding="utf-8").splitlines():
         entry = json.loads(line)
-        if entry["kind"] == "slots":
+        if entry["kind"] == "slots_found":
             return [np.array(slot["position_map"]) for slot in entry["payload"]["slots"]]
-    sys.exit(f"{run_dir}: the journal has no `slots` event")
+    sys.exit(f"{run_dir}: the journal has no `slots_found` event")
 
 
 def _add_disc(scene: Any, position: np.ndarray) -> None:

@@ -35,15 +35,6 @@ def test_a_selection_of_the_page_is_a_plugin_with_such_settings(selection: str) 
     registry.settings_of("grasping", name).model_validate(chosen)
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_a_command_of_the_page_knows_its_options(command: str) -> None:
-    verb = command.split()[1]
-    usage = subprocess.run(
-        [EXECUTIVE, verb, "--help"], capture_output=True, text=True, timeout=60, check=True
-    ).stdout
-    assert set(re.findall(r"--\w+", command)) <= set(re.findall(r"--\w+", usage))
-
-
 def test_the_page_shows_every_planner() -> None:
     assert {plugin.name for plugin in registry.installed("grasping")} <= set(
         re.findall(r"\w+", PAGE)
