@@ -1,25 +1,43 @@
-"""Scenes with truth: stones on rough ground, seen by lidars from the machine and by a drone from
-above.
+"""Scenes whose true registration is known: stones on rough ground, seen by the machine's lidars
+and by a drone.
 """
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import open3d as o3d
 import pytest
+from executive_plugins.physics.quarried_block import block
+from executive_plugins.physics.rounded_stone import rounded_stone
 from scipy.spatial import ConvexHull
 
 from executive.arrays import Float
+from executive.clouds.reader import read_points
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import exp_so3
 from executive.messages.cloud import Cloud
 
+SHARED = Path(__file__).parents[4] / "shared" / "data" / "clouds"
+StoneMaker = Callable[[np.random.Generator], Float]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """A map and a survey of one site; p_target = c + (T p_source − c) / stretch undoes the survey's
-    frame and scale.
+    """A map and a survey of one site.
+
+    The survey has a frame and a scale of its own: p_target = c + (T p_source − c) / stretch.
+
+    Attributes:
+        target: The lidars' map.
+        source: The drone's survey.
+        T_target_source: T above, shape (4, 4).
+        stretch: Factor by which the survey is too large.
+        centre: c, the middle of the site in the map [m], shape (3,).
+        stones: Centroids of the stones in the map [m], shape (K, 3).
+        is_same_site: Whether the survey shows the site of the map; if not, it must be refused.
     """
 
     target: Cloud
@@ -28,10 +46,11 @@ class Scene:
     stretch: float
     centre: Float
     stones: Float
+    is_same_site: bool = True
 
     def errors(self, apply: Callable[[Float], Float]) -> tuple[float, float]:
-        """Return the largest error over the site [m] and that at its centre [m] of a map from
-        source to target.
+        """Return the errors of a motion from source to target: the largest over the site, and that
+        at its centre [m].
         """
         corners = self.centre + np.array([[x, y, 0.0] for x in (-4, 0, 4) for y in (-4, 0, 4)])
         in_source = transform(
@@ -42,7 +61,7 @@ class Scene:
 
 
 def _stone(rng: np.random.Generator) -> Float:
-    """Return corners of a convex stone of 0.5 to 1 m³ about the origin."""
+    """Return corners of a convex stone, of 0.5 to 1 m³, about the origin."""
     points = rng.normal(size=(26, 3))
     points *= (1 / np.linalg.norm(points, axis=1) * rng.uniform(0.85, 1.1, 26))[:, None]
     points *= np.array(
@@ -53,11 +72,26 @@ def _stone(rng: np.random.Generator) -> Float:
     return np.asarray(turned @ exp_so3(np.array([0, 0, rng.uniform(-np.pi, np.pi)])).T)
 
 
+def _quarried(rng: np.random.Generator) -> Float:
+    """Return corners of a block with flat faces, of 0.5 to 1 m³, turned at random."""
+    return _turned(block(rng.uniform(0.5, 1.0), rng), rng)
+
+
+def _rounded(rng: np.random.Generator) -> Float:
+    """Return corners of a stone without edges, of 0.5 to 1 m³, turned at random."""
+    return _turned(rounded_stone(rng.uniform(0.5, 1.0), rng), rng)
+
+
+def _turned(corners: Float, rng: np.random.Generator) -> Float:
+    tilted = corners @ exp_so3(rng.normal(0, 0.25, 3)).T
+    return np.asarray(tilted @ exp_so3(np.array([0, 0, rng.uniform(-np.pi, np.pi)])).T)
+
+
 def _world(
-    rng: np.random.Generator, count: int, near_m: float, far_m: float
+    rng: np.random.Generator, count: int, near_m: float, far_m: float, stone: StoneMaker
 ) -> tuple[o3d.t.geometry.RaycastingScene, Float]:
-    """Return a site about the origin: waves of 4 cm, ruts of 1 cm, stones between two distances in
-    front and aside.
+    """Return a site about the origin: waves of 4 cm, ruts of 1 cm, and stones between two distances
+    ahead and to the sides.
     """
     scene, centres = o3d.t.geometry.RaycastingScene(), []
     phases, directions = rng.uniform(0, 6.28, 4), rng.uniform(-1.5, 1.5, (4, 2))
@@ -82,7 +116,7 @@ def _world(
         angle, distance = rng.uniform(-1.9, 1.9), rng.uniform(near_m, far_m)
         spot = distance * np.array([np.cos(angle), np.sin(angle)])
         if all(np.linalg.norm(spot - c[:2]) > 1.9 for c in centres):
-            corners = _stone(rng)
+            corners = stone(rng)
             corners += [*spot, ground(spot[None])[0] - corners[:, 2].min() - 0.05]
             _add(scene, corners, ConvexHull(corners).simplices)
             centres.append(corners.mean(axis=0))
@@ -153,16 +187,24 @@ def scene_of(
     rays: int = 250_000,
     survey_seed: int | None = None,
     stretch: float | None = None,
+    stone: StoneMaker = _stone,
 ) -> Scene:
-    """Return the scene of a seed; with `survey_seed` the drone flew over another site, which must
-    be refused.
+    """Return the scene of a seed.
+
+    Args:
+        seed: All chance follows from it.
+        count: Number of stones.
+        rays: Rays of the lidars, and of the drone.
+        survey_seed: If given, the drone flew over another site, the one of this seed.
+        stretch: Factor by which the survey is too large; drawn from 0.99 to 1.01 if not given.
+        stone: Draws the corners of one stone.
     """
     rng = np.random.default_rng(seed)
-    scene, stones = _world(rng, count, 3.2, 7.5)
+    scene, stones = _world(rng, count, 3.2, 7.5, stone)
     centre = np.array([*stones[:, :2].mean(axis=0), 0.3])
     target = _swept(scene, rng, rays)
     if survey_seed is not None:
-        scene, stones = _world(np.random.default_rng(survey_seed), count, 3.2, 7.5)
+        scene, stones = _world(np.random.default_rng(survey_seed), count, 3.2, 7.5, stone)
         centre = np.array([*stones[:, :2].mean(axis=0), 0.3])
     survey = _surveyed(scene, rng, rays, centre)
     drawn = float(rng.uniform(0.99, 1.01))
@@ -170,10 +212,42 @@ def scene_of(
     R = exp_so3(np.array([0, 0, rng.uniform(-np.pi, np.pi)])) @ exp_so3(rng.normal(0, 0.03, 3))
     T = pose(R, rng.uniform(-15, 15, 3))
     source = transform(inverse(T), centre + (survey - centre) * stretch)
-    return Scene(Cloud("map", target), Cloud("survey", source), T, stretch, centre, stones)
+    clouds = Cloud("map", target), Cloud("survey", source)
+    return Scene(*clouds, T, stretch, centre, stones, is_same_site=survey_seed is None)
+
+
+def _shared(name: str) -> Scene:
+    """Return one of the clouds that came with the project's papers; skips where they are not."""
+    folder = SHARED / name
+    if not folder.is_dir():
+        pytest.skip("the shared example clouds are not here")
+    target, source = (Cloud(k, read_points(folder / f"{k}.ply")) for k in ("lidar", "drone"))
+    truth = json.loads((folder / "truth.json").read_text())
+    T, centre, stones = (np.array(truth[k]) for k in ("T_MS", "center", "stone_centroids"))
+    same = not truth.get("must_refuse", False)
+    return Scene(target, source, T, truth["scale"], centre, stones, is_same_site=same)
+
+
+# Clouds of every kind that registration has to decide on, made here, and four that are given.
+EXAMPLES: dict[str, Callable[[], Scene]] = {
+    "quarried": lambda: scene_of(600, stone=_quarried),
+    "rounded": lambda: scene_of(601, stone=_rounded),
+    "sparse": lambda: scene_of(602, rays=60_000, stone=_quarried),
+    "other_site": lambda: scene_of(603, survey_seed=1603, stone=_rounded),
+    "shared_paper_000": lambda: _shared("paper_000"),
+    "shared_paper_001": lambda: _shared("paper_001"),
+    "shared_sparse_200": lambda: _shared("sparse_200"),
+    "shared_wrongsite_500": lambda: _shared("wrongsite_500"),
+}
+
+
+@pytest.fixture(scope="session", params=list(EXAMPLES))
+def example(request: pytest.FixtureRequest) -> Scene:
+    """Return each example scene in turn."""
+    return EXAMPLES[request.param]()
 
 
 @pytest.fixture(scope="session")
 def make_scene() -> Callable[..., Scene]:
-    """Return a maker of scenes by seed."""
+    """Return the function that makes the scene of a seed."""
     return scene_of
