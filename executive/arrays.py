@@ -1,4 +1,4 @@
-"""Arrays that are checked once, at the border, and read-only from then on."""
+"""Arrays that are checked once, where a value is made, and are read-only afterwards."""
 
 import math
 from typing import Any
@@ -12,16 +12,21 @@ Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 Bool = NDArray[np.bool_]
 
-_SMALL = 1000  # values
+_SMALL = 1000  # number of values up to which the quick test below is used
 
 
 def checked(
     name: str, values: ArrayLike, *shape: int | None, dtype: Any = np.float64
 ) -> NDArray[Any]:
-    """Return a read-only array of the wanted shape; `None` stands for any length.
+    """Return a read-only view of values as an array of a given shape.
 
-    A fresh contiguous array is kept and locked, not copied: hand it over and do not write to it
-    afterwards.
+    A contiguous array of the right type is not copied: do not write to it afterwards.
+
+    Args:
+        name: Name of the array, for messages.
+        values: What is checked.
+        shape: Expected lengths; `None` accepts any length.
+        dtype: Type of the result.
 
     Raises:
         ShapeError: If the shape differs or a value is not finite.
@@ -36,9 +41,9 @@ def checked(
     if not fits:
         wanted = "(" + ", ".join("N" if n is None else str(n) for n in shape) + ")"
         raise ShapeError(f"{name} has shape {array.shape}, expected {wanted}")
-    # The sum of squares is finite only if all are, and costs a fifth on small arrays; it may also
-    # overflow. On large ones it would wake the threads of the linear algebra, which spin for
-    # milliseconds.
+    # Quick test: a finite sum of squares means that all values are finite. It may overflow, so that
+    # the full test below decides. On small arrays it takes a fifth of the time; on large ones it
+    # would start the threads of the linear algebra library, which then spin for milliseconds.
     is_surely_finite = (
         array.size <= _SMALL and array.dtype.kind == "f" and math.isfinite(np.vdot(array, array))
     )

@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 
 
 class Clock(ABC):
-    """Tells the mission's time; `advance` ends a tick."""
+    """Source of the mission's time; `advance` ends a tick."""
 
     @abstractmethod
     def now_s(self) -> float:
@@ -13,11 +13,11 @@ class Clock(ABC):
 
     @abstractmethod
     def advance(self, dt_s: float) -> None:
-        """Move on by one tick of `dt_s` seconds."""
+        """End the current tick, which lasts `dt_s` seconds."""
 
 
 class SimulatedClock(Clock):
-    """Lock-step time: tick n is at exactly n·dt, however long the computation took."""
+    """Lock-step time: tick n is at exactly n·dt, however long computations take."""
 
     def __init__(self) -> None:
         self._ticks = 0
@@ -28,14 +28,17 @@ class SimulatedClock(Clock):
 
     def advance(self, dt_s: float) -> None:
         if self._ticks and dt_s != self._dt_s:
-            raise ValueError(f"a lock-step clock keeps its tick: {self._dt_s} s, got {dt_s} s")
+            raise ValueError(
+                f"a lock-step clock has ticks of one length: {self._dt_s} s, got {dt_s} s"
+            )
         self._dt_s = dt_s
         self._ticks += 1
 
 
 class WallClock(Clock):
-    """Monotonic wall time; `advance` waits for the next multiple of dt, and a late tick is not made
-    up for.
+    """Monotonic wall time; `advance` waits until dt after the last tick.
+
+    After a late tick the schedule begins again at the present time.
     """
 
     def __init__(self) -> None:
@@ -49,9 +52,9 @@ class WallClock(Clock):
         self._next_s = max(self._next_s + dt_s, self.now_s())
         remaining_s = self._next_s - self.now_s()
         if remaining_s > 0:
-            time.sleep(remaining_s)  # noqa: TID251 - the one place that waits: the clock itself
+            time.sleep(remaining_s)  # noqa: TID251 - only the clock itself may wait
 
 
 def wall_s() -> float:
-    """Return monotonic wall time [s] for durations in reports; never for decisions."""
+    """Return monotonic wall time [s], for durations in reports only, never for decisions."""
     return time.monotonic()

@@ -1,4 +1,4 @@
-"""Settings that refuse what they do not know, and quantities that carry their unit."""
+"""Settings that refuse unknown fields, and quantities with units."""
 
 import math
 import re
@@ -8,7 +8,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
 
 
 class Settings(BaseModel):
-    """Base of every settings class: frozen, nothing extra, no silent conversion of defaults."""
+    """Base of every settings class: frozen, no unknown fields, defaults checked, finite numbers."""
 
     model_config = ConfigDict(
         frozen=True, extra="forbid", validate_default=True, allow_inf_nan=False
@@ -16,7 +16,7 @@ class Settings(BaseModel):
 
 
 class NoSettings(Settings):
-    """For a node or plugin without settings."""
+    """Settings of a node or plugin that has none."""
 
 
 # The factor from each unit to SI, by dimension.
@@ -37,10 +37,10 @@ _QUANTITY = re.compile(
 
 
 def parse_quantity(value: Any, dimension: str) -> float:
-    """Turn `"120 deg"` into SI; a plain number is SI already.
+    """Return a quantity such as `"120 deg"` in SI units; a plain number is in SI units already.
 
     Raises:
-        ValueError: If it is no number, has no known unit, or a unit of another dimension; the
+        ValueError: If it is not a number, or its unit is unknown or of another dimension; the
             message lists the units.
     """
     if isinstance(value, bool) or value is None:
@@ -53,7 +53,7 @@ def parse_quantity(value: Any, dimension: str) -> float:
     number, unit = match.groups()
     if unit not in UNITS[dimension]:
         raise ValueError(
-            f"'{unit}' is no unit of {dimension}; expected {_expected(dimension)}, got {value!r}"
+            f"'{unit}' is not a unit of {dimension}; expected {_expected(dimension)}, got {value!r}"
         )
     return float(number) * UNITS[dimension][unit]
 

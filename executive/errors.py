@@ -1,4 +1,4 @@
-"""The errors that a user can act on, branched by what the reader can do about them."""
+"""Errors that users can act on, in a hierarchy by what they can do about them."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -21,7 +21,7 @@ class ShapeError(DataError):
 
 
 class RobotError(ExecutiveError):
-    """The machine or its driver failed: the robot is brought to a safe stop."""
+    """The machine or its driver failed: the mission brings the robot to a safe stop."""
 
 
 class UnknownPluginError(ConfigError):
@@ -32,7 +32,7 @@ class UnknownPluginError(ConfigError):
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Say the nearest known word, or list what there is: the end of an error's sentence."""
+    """Return the end of an error message: the nearest known word, or all known words."""
     known = sorted(known)
     near = get_close_matches(word, known, n=1, cutoff=0.6)
     if near:

@@ -61,7 +61,7 @@ def test_what_is_no_quantity_is_refused_with_the_units(value: object) -> None:
 
 
 def test_a_unit_of_another_dimension_is_named() -> None:
-    with pytest.raises(ValueError, match="'kg' is no unit of length"):
+    with pytest.raises(ValueError, match="'kg' is not a unit of length"):
         parse_quantity("3 kg", "length")
 
 

@@ -1,1 +1,1 @@
-"""Point clouds as files that users have."""
+"""Readers and writers of point cloud files."""

@@ -10,7 +10,15 @@ from executive.clouds.point_collector import CHUNK, PointCollector
 def collect_rows(
     path: Path, start: int, row: np.dtype, count: int, collector: PointCollector
 ) -> None:
-    """Add the x, y and z of `count` rows from a byte on; the file is known to be long enough."""
+    """Add x, y and z of `count` rows to a collector.
+
+    Args:
+        path: The file; the caller has checked that it is long enough.
+        start: Byte at which the first row begins.
+        row: Fields of a row; `x`, `y` and `z` are among them.
+        count: Number of rows.
+        collector: Receives the points.
+    """
     with path.open("rb") as file:
         file.seek(start)
         for begun in range(0, count, CHUNK):

@@ -1,5 +1,6 @@
-"""Points from LAS and LAZ files: whole numbers times a scale plus an offset, of all returns and
-classes.
+"""Points from LAS and LAZ files, which store integers with a scale and an offset.
+
+Points of all returns and of all classes are read.
 """
 
 import struct
@@ -17,7 +18,7 @@ _LINEAR_UNITS_KEY = 3076  # GeoTIFF: ProjLinearUnitsGeoKey
 _MODEL_TYPE_KEY, _GEOGRAPHIC = 1024, 2  # GeoTIFF: GTModelTypeGeoKey; latitude and longitude
 _METRE = 9001  # EPSG
 _UNITS = {9002: "feet", 9003: "US survey feet"}
-_BOX_SLACK = 0.01  # of the header's box: how far a point may be out of it
+_BOX_SLACK = 0.01  # share of the header's box by which a point may lie outside it
 
 
 def read_las(path: Path) -> Float:
@@ -25,10 +26,10 @@ def read_las(path: Path) -> Float:
 
     Raises:
         MissingExtraError: If the packages that read it are not installed.
-        DataError: If it is cut short or damaged, or says that its unit is not the metre.
+        DataError: If it is cut short or damaged, or its coordinate system is not in metres.
     """
     require_extra(f"{path}: a LAS or LAZ file", "las")
-    import laspy  # takes a while to import; most files do without
+    import laspy  # imported here because it is slow to import and only LAS files need it
     import lazrs
 
     damage = (
@@ -56,10 +57,11 @@ def read_las(path: Path) -> Float:
 
 
 def _check_header(path: Path, header: Any) -> None:
-    """Hold the header against the file's size, and its unit against the metre."""
+    """Check that the header agrees with the file's size and that the unit is the metre."""
     if not (np.isfinite([*header.scales, *header.offsets]).all() and (header.scales > 0).all()):
         raise DataError(
-            f"{path}: its scale {header.scales} or offset {header.offsets} is none; export it again"
+            f"{path}: the scale {header.scales} or the offset {header.offsets} in its header is "
+            "invalid; export it again"
         )
     wanted = header.offset_to_point_data + header.point_count * header.point_format.size
     if not header.are_points_compressed and path.stat().st_size < wanted:
@@ -71,14 +73,12 @@ def _check_header(path: Path, header: Any) -> None:
     unit = _unit(header.vlrs)
     if unit:
         raise DataError(
-            f"{path}: its coordinates are in {unit} by its own word; project it to metres"
+            f"{path}: its header says that coordinates are in {unit}; project it to metres"
         )
 
 
 def _unit(records: Any) -> str:
-    """Return the unit that the file's coordinate system names, or nothing if it is the metre or not
-    told.
-    """
+    """Return the unit of the file's coordinate system; empty if it is the metre or not given."""
     keys = {
         key.id: key.value_offset
         for record in records.get("GeoKeyDirectoryVlr")
@@ -99,14 +99,13 @@ def _unit(records: Any) -> str:
 
 
 def _check_box(path: Path, header: Any, points: Float) -> None:
-    """Refuse points out of the box that the header tells: the one or the other is damaged."""
+    """Refuse points outside the bounding box in the header, because one of the two is damaged."""
     low, high = np.asarray(header.mins), np.asarray(header.maxs)
-    if not (high > low).any():  # some programs write none
+    if not (high > low).any():  # some programs do not write a box
         return
     slack = _BOX_SLACK * float((high - low).max()) + 2 * header.scales
     if (points.min(axis=0) < low - slack).any() or (points.max(axis=0) > high + slack).any():
         raise DataError(
-            f"{path}: has points out of the box of its header ({low} to {high}): one of "
-            "both is damaged; "
-            "copy or export it again"
+            f"{path}: has points outside the bounding box in its header ({low} to {high}): one of "
+            "the two is damaged; copy or export it again"
         )

@@ -1,5 +1,6 @@
-"""LZF, the compression inside PCD files (Lehmann's liblzf): runs of bytes, and references to bytes
-before.
+"""LZF, the compression inside PCD files (Lehmann's liblzf).
+
+A packed stream is a sequence of literal bytes and of references to bytes unpacked before.
 """
 
 import numpy as np
@@ -8,9 +9,7 @@ from numba import njit
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def decompress(packed: np.ndarray, size: int) -> np.ndarray:
-    """Return the first bytes, as many as can be unpacked but at most `size`; damaged input ends the
-    result early.
-    """
+    """Return the unpacked bytes, at most `size`; fewer if the input is damaged."""
     out = np.empty(size, dtype=np.uint8)
     i, o = 0, 0
     while i < len(packed) and o < size:
@@ -34,7 +33,7 @@ def decompress(packed: np.ndarray, size: int) -> np.ndarray:
             if back > o:
                 break
             length = min(length + 2, size - o)
-            for k in range(length):  # a reference may overlap what it writes
+            for k in range(length):  # one by one, because a reference may overlap its own output
                 out[o + k] = out[o + k - back]
         o += length
     return out[:o]

@@ -11,15 +11,16 @@ from executive.clouds.point_collector import CHUNK, PointCollector
 from executive.clouds.text_rows import collect_lines
 from executive.errors import DataError
 
-_MOST_PACKED = 90  # a byte of LZF holds at most 88
+_MOST_PACKED = 90  # upper bound of the compression ratio: a byte of LZF unpacks to at most 88
 
 
 def read_pcd(path: Path) -> Float:
-    """Return the points of a PCD file [m], shape (N, 3); the viewpoint in its header is not
-    applied.
+    """Return the points of a PCD file [m], shape (N, 3).
+
+    The viewpoint in the header is not applied.
 
     Raises:
-        DataError: If it is cut short, or its header or a line cannot be understood.
+        DataError: If it is cut short, or its header or a line cannot be parsed.
     """
     header = read_pcd_header(path)
     size = path.stat().st_size - header.start
@@ -43,8 +44,8 @@ def read_pcd(path: Path) -> Float:
 
 
 def _read_compressed(path: Path, header: PcdHeader, size: int) -> Float:
-    """Unpack field by field: a compressed file holds all x, then all y, and so on."""
-    from executive.clouds.lzf import decompress  # compiled; most files do without
+    """Return the points of a compressed file, which stores all x, then all y, and so on."""
+    from executive.clouds.lzf import decompress  # imports numba: only compressed files need it
 
     with path.open("rb") as file:
         file.seek(header.start)
@@ -67,7 +68,7 @@ def _read_compressed(path: Path, header: PcdHeader, size: int) -> Float:
     ends = [starts[name] + header.count * header.row[name].itemsize for name in "xyz"]
     unpacked = decompress(packed[: lengths[0]], max(ends))
     if len(unpacked) < max(ends):
-        raise DataError(f"{path}: its packed points are damaged; copy or export it again")
+        raise DataError(f"{path}: its compressed points are damaged; copy or export it again")
     columns = [
         unpacked[starts[name] : end].view(header.row[name])
         for name, end in zip("xyz", ends, strict=True)
@@ -81,6 +82,5 @@ def _read_compressed(path: Path, header: PcdHeader, size: int) -> Float:
 def _cut_short(path: Path, header: PcdHeader, wanted: str, found: str) -> DataError:
     return DataError(
         f"{path}: cut short: the header promises {header.count} points ({wanted}), the "
-        f"file has {found}; "
-        "copy or export it again"
+        f"file has {found}; copy or export it again"
     )

@@ -19,7 +19,7 @@ class PcdHeader:
     Attributes:
         form: `ascii`, `binary` or `binary_compressed`.
         count: Number of points.
-        row: A point's fields; one of several values has a shape.
+        row: Fields of a point; a field of several values has a shape.
         start: Byte at which the points begin.
         lines: Lines of the header.
     """
@@ -32,14 +32,14 @@ class PcdHeader:
 
     @property
     def columns(self) -> list[int]:
-        """Return where x, y and z stand in a line of a text file."""
+        """Indices of x, y and z among the numbers of a line of a text file."""
         widths = [int(np.prod(self.row[name].shape)) for name in self.row.names or ()]
         starts = dict(zip(self.row.names or (), np.cumsum([0, *widths]).tolist(), strict=False))
         return [starts[axis] for axis in "xyz"]
 
     @property
     def columns_of_a_line(self) -> int:
-        """Return how many numbers a line of a text file holds."""
+        """Number of numbers in a line of a text file."""
         return sum(int(np.prod(self.row[name].shape)) for name in self.row.names or ())
 
 
@@ -47,7 +47,7 @@ def read_pcd_header(path: Path) -> PcdHeader:
     """Read the header and refuse a file without coordinates.
 
     Raises:
-        DataError: It names the file, what is wrong and the cure.
+        DataError: If the header is no PCD header, or lacks x, y or z.
     """
     fields, start, lines = _fields(path)
     if not {"x", "y", "z"} <= set(fields["FIELDS"]):
@@ -58,7 +58,7 @@ def read_pcd_header(path: Path) -> PcdHeader:
         return PcdHeader(_form(fields), int(fields["POINTS"][0]), _row(fields), start, lines)
     except (IndexError, ValueError, KeyError, TypeError) as error:
         raise DataError(
-            f"{path}: the PCD header cannot be understood ({error}); export it again"
+            f"{path}: the PCD header cannot be parsed ({error}); export it again"
         ) from error
 
 
@@ -107,7 +107,7 @@ def _fields(path: Path) -> tuple[dict[str, list[str]], int, int]:
     }
     if start < 0 or stop < 0 or not {"FIELDS", "SIZE", "POINTS", "DATA"} <= set(fields):
         raise DataError(
-            f"{path}: no PCD file: it lacks a header with FIELDS, SIZE, POINTS and "
+            f"{path}: not a PCD file: it lacks a header with FIELDS, SIZE, POINTS and "
             "DATA; export it again"
         )
     return fields, stop + 1, len(lines)

@@ -14,7 +14,7 @@ def read_ply(path: Path) -> Float:
     """Return the points of a PLY file [m], shape (N, 3).
 
     Raises:
-        DataError: If it is cut short, or its header or a line cannot be understood.
+        DataError: If it is cut short, or its header or a line cannot be parsed.
     """
     header = read_ply_header(path)
     collector = PointCollector(path, header.count)

@@ -1,4 +1,4 @@
-"""The header of a PLY file, held against the file's size."""
+"""The header of a PLY file, checked against the file's size."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -31,12 +31,12 @@ class PlyHeader:
     """Where the points of a PLY file are.
 
     Attributes:
-        is_text: Whether rows are lines.
+        is_text: Whether rows are lines of text.
         count: Number of points.
-        row: A point's fields.
-        start: Byte at which its body begins; in a binary file, its points.
-        skipped_lines: Lines of the body before the points of a text file.
-        lines: Lines of the header.
+        row: Fields of a point.
+        start: Byte at which the body of a text file or the points of a binary file begin.
+        skipped_lines: Number of lines of the body before the points of a text file.
+        lines: Number of lines of the header.
     """
 
     is_text: bool
@@ -48,10 +48,11 @@ class PlyHeader:
 
 
 def read_ply_header(path: Path) -> PlyHeader:
-    """Read the header, and refuse a file without coordinates, or shorter than its header says.
+    """Read the header, and refuse a file without coordinates or shorter than its header says.
 
     Raises:
-        DataError: It names the file, what is wrong and the cure.
+        DataError: If the header cannot be parsed, lacks x, y or z, or promises more points than
+            the file can hold.
     """
     text, start = _header(path)
     form, elements = _parse(path, text)
@@ -80,7 +81,7 @@ def read_ply_header(path: Path) -> PlyHeader:
         sum(e.count for e in before),
         text.count("\n") + 1,
     )
-    # The shortest line of n numbers takes 2n bytes; what follows the points counts as nothing.
+    # The shortest line of n numbers takes 2n bytes; elements after the points are not counted.
     least = vertex.count * (2 * len(vertex.fields) if is_text else row.itemsize) - is_text
     if path.stat().st_size - header.start < least:
         raise DataError(
@@ -98,7 +99,7 @@ def _header(path: Path) -> tuple[str, int]:
     stop = beginning.find(b"\n", end)
     if not beginning.startswith(b"ply") or end < 0 or stop < 0:
         raise DataError(
-            f"{path}: no PLY file: it lacks a header from 'ply' to 'end_header'; export it again"
+            f"{path}: not a PLY file: it lacks a header from 'ply' to 'end_header'; export it again"
         )
     return beginning[:end].decode("ascii", errors="replace"), stop + 1
 
@@ -120,9 +121,9 @@ def _parse(path: Path, text: str) -> tuple[str, list[_Element]]:
                 f"format '{form}'" if form not in _ORDERS else "a negative number of elements"
             )
         for element in elements:
-            np.dtype(element.fields)  # refuses a name that is there twice
+            np.dtype(element.fields)  # raises ValueError if a name occurs twice
     except (IndexError, ValueError, KeyError) as error:
         raise DataError(
-            f"{path}: the PLY header cannot be understood ({error}); export it again"
+            f"{path}: the PLY header cannot be parsed ({error}); export it again"
         ) from error
     return form, elements

@@ -1,6 +1,4 @@
-"""Points gathered from a file piece by piece, thinned where they are too many, so that memory stays
-small.
-"""
+"""Points collected from a file piece by piece, thinned if they are too many for memory."""
 
 import logging
 from pathlib import Path
@@ -11,26 +9,31 @@ from executive.arrays import Float, Int
 from executive.errors import DataError
 
 CHUNK = 1 << 18  # points read at a time
-MOST = 1_500_000  # points kept: a disc of 10 m, a point each 1.4 cm
-_MOST_READ = 500_000_000  # a minute; a file of holes may claim any number at no cost
-_COARSER = 2**0.5
-_FINEST_M = 0.01  # grid of the first thinning; the map's own is 3 cm
+MOST = 1_500_000  # points kept: a disc of 10 m radius with a point every 1.4 cm
+# Reading so many points takes a minute. A sparse file may claim any number without using the disk.
+_MOST_READ = 500_000_000
+_COARSER = 2**0.5  # factor on the grid of the next thinning
+_FINEST_M = 0.01  # grid of the first thinning [m]; that of the map is 3 cm
 
 
 class PointCollector:
-    """Keep the finite points of a file, in its order, and count what is left out.
+    """Keep the finite points of a file, in its order, and count those that are left out.
 
-    A coordinate that is not finite is how sensors mark a ray without a return: organised PCD files
-    are full of them. More points than `MOST` are thinned as they come, to the first point in each
-    cell of a grid: of 1 cm, or coarser until at most half of `MOST` are left. So memory does not
-    grow with the file.
+    Sensors mark a ray without a return by coordinates that are not finite; organised PCD files have
+    many of them. Whenever more than `MOST` points are held, they are thinned to the first point in
+    each cell of a grid. The grid begins at 1 cm and becomes coarser until at most half of `MOST`
+    points are left. So memory does not grow with the file.
     """
 
     def __init__(self, path: Path, most: int) -> None:
-        """Make room for at most so many points; memory is taken only as they come.
+        """Reserve address space for points; the memory itself is used only as they arrive.
+
+        Args:
+            path: The file, for messages.
+            most: Largest number of points that the file can hold.
 
         Raises:
-            DataError: If they are more than anyone would wait for.
+            DataError: If they are so many that reading them would take minutes.
         """
         if most > _MOST_READ:
             raise DataError(
@@ -39,7 +42,7 @@ class PointCollector:
         self._path = path
         self._points = np.empty((min(most, MOST + CHUNK), 3))
         self._kept = 0
-        self._unfinite = 0
+        self._not_finite = 0
         self._crowded = 0
         self._grid_m = _FINEST_M
 
@@ -52,24 +55,23 @@ class PointCollector:
 
     def _add(self, x: Float, y: Float, z: Float) -> None:
         piece = np.empty((len(x), 3))
-        with np.errstate(
-            invalid="ignore"
-        ):  # some single floats that are no number complain when they are widened
+        # Widening a signalling NaN from single to double precision would raise a warning.
+        with np.errstate(invalid="ignore"):
             piece[:, 0], piece[:, 1], piece[:, 2] = x, y, z
         finite = np.isfinite(piece).all(axis=1)
-        self._unfinite += len(piece) - int(finite.sum())
+        self._not_finite += len(piece) - int(finite.sum())
         piece = piece if finite.all() else piece[finite]
         self._points[self._kept : self._kept + len(piece)] = piece
         self._kept += len(piece)
 
     def points(self) -> Float:
-        """Return the points [m], shape (N, 3), each once; what was left out is told to the log.
+        """Return the points [m], shape (N, 3), each once; log how many were left out and why.
 
         Raises:
-            DataError: If none is left.
+            DataError: If no finite point was added.
         """
         points = self._points[: self._kept]
-        read = self._kept + self._unfinite + self._crowded
+        read = self._kept + self._not_finite + self._crowded
         if not read:
             raise DataError(f"{self._path}: holds no points; export the cloud again")
         if not len(points):
@@ -79,9 +81,9 @@ class PointCollector:
         points, repeated = _once(points)
         crowd = f"are nearer than {100 * self._grid_m:.3g} cm to others"
         for number, what in (
-            (self._unfinite, "are not finite"),
+            (self._not_finite, "are not finite"),
             (self._crowded, crowd),
-            (repeated, "are there already"),
+            (repeated, "repeat others"),
         ):
             if number:
                 logging.getLogger(__name__).warning(
@@ -90,13 +92,12 @@ class PointCollector:
         return points
 
     def _thin(self) -> None:
-        """Leave the first point in each cell, and room for as many again."""
+        """Keep the first point in each cell, on a grid that leaves at most half of `MOST`."""
         before = self._kept
         while True:
             first = _first(_digests(self._points[: self._kept], self._grid_m))
-            for start in range(
-                0, len(first), CHUNK
-            ):  # rows only move forward: none is written before it is read
+            # In place: a row never moves to a higher index, so none is overwritten before its turn.
+            for start in range(0, len(first), CHUNK):
                 self._points[start : start + CHUNK][: len(first) - start] = self._points[
                     first[start : start + CHUNK]
                 ]
@@ -110,8 +111,8 @@ class PointCollector:
 def _once(points: Float) -> tuple[Float, int]:
     """Return the points without exact repetitions, in their order, and how many were left out.
 
-    By 64-bit digests: two of 10 million different points share one in 3 of a million clouds, and
-    lose one of the two.
+    Points are compared by 64-bit digests. In 3 of a million clouds of 10 million points two
+    different points share a digest, and one of them is lost.
     """
     digests = _digests(points)
     ordered = np.sort(digests)
@@ -123,16 +124,14 @@ def _once(points: Float) -> tuple[Float, int]:
 
 
 def _first(digests: np.ndarray) -> Int:
-    """Return the rows of the first of each, in order."""
+    """Return the rows at which each digest occurs first, in rising order."""
     first = np.unique(digests, return_index=True)[1]
     first.sort()
     return np.asarray(first)
 
 
 def _digests(points: Float, grid_m: float | None = None) -> np.ndarray:
-    """Return a number for each point, the same for all points in a cell of a grid; without one, for
-    equal points.
-    """
+    """Return a hash of each point's cell in a grid, or of its coordinates if no grid is given."""
     digests = np.empty(len(points), dtype=np.uint64)
     for start in range(0, len(points), CHUNK):
         piece = points[start : start + CHUNK]
@@ -143,7 +142,7 @@ def _digests(points: Float, grid_m: float | None = None) -> np.ndarray:
 
 
 def _digest(points: Float) -> np.ndarray:
-    words = (points + 0.0).view(np.uint64)  # + 0.0: minus zero is zero
+    words = (points + 0.0).view(np.uint64)  # + 0.0 turns minus zero into zero
     mixed = np.zeros(len(points), dtype=np.uint64)
     for axis in range(3):
         mixed = (mixed ^ words[:, axis]) * np.uint64(0x9E3779B97F4A7C15)

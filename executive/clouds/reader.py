@@ -1,9 +1,7 @@
-"""Point clouds from files that users have, read strictly: a file that is cut short is refused, not
-padded.
+"""Point clouds from files of any supported format; a truncated file is refused.
 
-Read piece by piece into one array: memory is at most that array, the file's content in double
-precision, and some megabytes. Common libraries warn of a truncated file on the terminal and return
-rubbish.
+Common libraries only print a warning for a truncated file and return wrong points. Files are read
+piece by piece into one array of double precision, so that little memory is needed besides.
 """
 
 from collections.abc import Callable
@@ -23,17 +21,18 @@ _READERS: dict[str, Callable[[Path], Float]] = {
 }  # fmt: skip
 _BEGINNINGS = {b"ply\n": ".ply", b"ply\r": ".ply", b"# .PCD": ".pcd", b"LASF": ".las"}
 _PACKED = {b"\x1f\x8b": "gzip", b"PK\x03\x04": "zip", b"7z\xbc\xaf": "7-zip"}
-_FARTHEST_M = 1e7  # national grids end before; beyond, a float has no centimetres left
+_FARTHEST_M = 1e7  # coordinates of national grids are smaller
 
 
 def read_points(path: Path) -> Float:
-    """Return the points of a file, shape (N, 3) [m], each once, in the file's order.
+    """Return the points of a file [m], shape (N, 3), each once, in the file's order.
 
-    What cannot be a point is left out, and how many that were is told to the log: see
+    Points with coordinates that are not finite are left out and counted in the log: see
     `PointCollector`.
 
     Raises:
-        DataError: If it is missing, of another kind, cut short, empty, or holds absurd coordinates.
+        DataError: If the file is missing, of another format, cut short or empty, or a coordinate is
+            beyond 10,000 km.
     """
     if not path.is_file():
         raise DataError(f"{path}: no such file; give the path of a cloud: {', '.join(_READERS)}")
@@ -52,11 +51,11 @@ def read_points(path: Path) -> Float:
 
 
 def read_site(path: Path) -> Float:
-    """Return the points of a file that holds a site in metres, shape (N, 3) [m].
+    """Return the points of a file that holds a site [m], shape (N, 3).
 
     Raises:
-        DataError: As `read_points`; or if the cloud is too small, too wide or too coarse for a
-            site, which is often another unit.
+        DataError: As `read_points`; or if the cloud is too small, too wide or too coarse for a site
+            in metres, which often means that its unit is another one.
     """
     points = read_points(path)
     check_site(path, points)
@@ -64,18 +63,18 @@ def read_site(path: Path) -> Float:
 
 
 def _reader(path: Path) -> Callable[[Path], Float]:
-    """Choose by the file's first bytes, then by its name."""
+    """Return the reader for the file's first bytes or, if they tell nothing, for its suffix."""
     with path.open("rb") as file:
         beginning = file.read(8)
     for magic, packer in _PACKED.items():
         if beginning.startswith(magic):
-            raise DataError(f"{path}: is packed by {packer}; unpack it first")
+            raise DataError(f"{path}: is compressed by {packer}; unpack it first")
     for magic, suffix in _BEGINNINGS.items():
         if beginning.startswith(magic):
             return _READERS[suffix]
     suffix = path.suffix.lower()
     if suffix not in _READERS:
         raise DataError(
-            f"{path}: not a kind of cloud that can be read; convert it to {', '.join(_READERS)}"
+            f"{path}: not a supported cloud format; convert it to {', '.join(_READERS)}"
         )
     return _READERS[suffix]

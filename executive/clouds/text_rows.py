@@ -1,4 +1,4 @@
-"""Coordinates from lines of numbers, the same for XYZ files and the text forms of PLY and PCD."""
+"""Coordinates from lines of numbers: XYZ files and the text forms of PLY and PCD."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -24,21 +24,21 @@ def collect_lines(
     most: int,
     collector: PointCollector,
 ) -> int:
-    """Add the points of at most so many lines from a byte on and return how many there were.
+    """Add the points of lines of text to a collector and return how many there were.
 
-    Blank lines and what follows `#` or `//` are skipped; commas, semicolons, blanks and tabs
-    separate.
+    Blank lines and everything after `#` or `//` are skipped. Numbers are separated by commas,
+    semicolons, blanks or tabs.
 
     Args:
         path: The file.
-        start: Where the first line begins.
-        first_line: Its number, for messages.
-        columns: Where x, y and z stand in a line, from 0.
-        most: Lines after this many points are left alone.
-        collector: What takes the points.
+        start: Byte at which the first line begins.
+        first_line: Number of that line, for messages.
+        columns: Indices of x, y and z among the numbers of a line, from 0.
+        most: Lines after this many points are not read.
+        collector: Receives the points.
 
     Raises:
-        DataError: If a line does not begin with as many numbers; it is named.
+        DataError: If a line lacks one of the three numbers; the message names the line.
     """
     found = 0
     for number, block, is_last in _blocks(path, start, first_line):
@@ -55,14 +55,17 @@ def collect_lines(
 
 
 def count_lines(path: Path) -> int:
-    """Return how many lines a file has, a last one without an end included."""
+    """Return the number of lines of a file, including a last one without a line break."""
     with path.open("rb") as file:
         return 1 + sum(block.count(b"\n") for block in iter(lambda: file.read(_BLOCK), b""))
 
 
 def _blocks(path: Path, start: int, number: int) -> Iterator[tuple[int, str, bool]]:
-    """Give the text in blocks of whole lines, with the number of the first and whether it is a last
-    one without end.
+    """Yield the text in blocks of whole lines.
+
+    Yields:
+        Number of the block's first line, the block, and whether it is a last line that no line
+        break ends.
     """
     rest = b""
     with path.open("rb") as file:
@@ -71,7 +74,7 @@ def _blocks(path: Path, start: int, number: int) -> Iterator[tuple[int, str, boo
             whole, end, rest = (rest + piece).rpartition(b"\n")
             if len(rest) > _LONGEST_LINE or b"\0" in piece:
                 raise DataError(
-                    f"{path}: no text of numbers, but binary or UTF-16; export it "
+                    f"{path}: not lines of numbers, but binary or UTF-16; export it "
                     "again, as plain text"
                 )
             yield number, whole.decode("utf-8", errors="replace"), False
@@ -80,7 +83,7 @@ def _blocks(path: Path, start: int, number: int) -> Iterator[tuple[int, str, boo
 
 
 def _content(block: str) -> list[str]:
-    """Return the lines without comments and byte-order mark, not yet without separators."""
+    """Return the lines without comments and byte-order mark; separators are still in them."""
     if "#" in block or "//" in block:
         block = re.sub(r"(#|//)[^\n]*", "", block)
     return [line.strip() for line in block.lstrip("\ufeff").split("\n")]

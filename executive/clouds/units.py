@@ -1,4 +1,4 @@
-"""Whether a cloud can be a site in metres, and if not, in what unit it probably is."""
+"""Check that a cloud can be a site in metres; if not, name the unit that it is probably in."""
 
 from pathlib import Path
 
@@ -7,22 +7,27 @@ import numpy as np
 from executive.arrays import Float
 from executive.errors import DataError
 
-_LEAST_M = 0.5  # across: a small stone
+_LEAST_M = 0.5  # smallest width of a site: a small stone
 _METRES = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254, "feet": 0.3048}
-_SURVEYED = ("millimetres", "centimetres")  # of which a site is a number beyond any site in metres
+_SURVEYED = ("millimetres", "centimetres")  # units in which a site looks too wide for metres
 _SAMPLE = 50_000
 _BULK = (1.0, 99.0)  # percentiles between which the bulk of a cloud lies
-_NATIONAL_M = 1e5  # coordinates beyond this are from a national grid
-_STEP_M = 0.03  # coarser coordinates blur stones: the grid of the maps
-_SAME = 0.15  # two views of one site differ in size by less
+_NATIONAL_M = 1e5  # larger coordinates are taken to be from a national grid
+_STEP_M = 0.03  # the grid of the maps: coordinates in larger steps blur stones
+_SAME = 0.15  # largest difference in size of two views of one site, as a share
 
 
 def check_site(path: Path, points: Float, most_m: float = 500.0) -> None:
-    """Refuse a cloud that cannot be a site in metres, at most so wide [m].
+    """Refuse a cloud that cannot be a site in metres.
+
+    Args:
+        path: The file, for messages.
+        points: Its points, shape (N, 3).
+        most_m: Largest width of a site [m].
 
     Raises:
-        DataError: If it is too wide or too narrow, or its coordinates too coarse; the message names
-            the likely unit.
+        DataError: If the cloud is too wide or too narrow, or its coordinates are too coarse; the
+            message names the likely unit.
     """
     sample = points[:: 1 + len(points) // _SAMPLE]
     low, high = np.percentile(sample, _BULK, axis=0)
@@ -34,29 +39,34 @@ def check_site(path: Path, points: Float, most_m: float = 500.0) -> None:
             else _rescale(whole, most_m)
         )
         raise DataError(
-            f"{path}: {whole:.6g} across is no site in metres (at most {most_m:g} m); {cure}"
+            f"{path}: {whole:.6g} across is too wide for a site in metres (at most {most_m:g} m); "
+            f"{cure}"
         )
     if _is_geographic(sample):
         raise DataError(f"{path}: its x and y look like degrees; project it to metres")
     if whole < _LEAST_M:
         raise DataError(
-            f"{path}: {whole:.3g} m across is no site (at least {_LEAST_M:g} m); is its "
-            "unit the metre?"
+            f"{path}: {whole:.3g} m across is too small for a site (at least {_LEAST_M:g} m); is "
+            "its unit the metre?"
         )
     step = _step_m(sample)
     if step > _STEP_M:
         raise DataError(
-            f"{path}: its coordinates come in steps of {step:.2g} m: single precision, "
-            "or too few digits, so far from "
-            "the origin; export it in double precision, or subtract an offset before"
+            f"{path}: its coordinates come in steps of {step:.2g} m, because single precision or "
+            "few digits are too coarse so far from the origin; export it in double precision, or "
+            "subtract an offset before"
         )
 
 
 def unit_hint(source: Float, target: Float) -> str:
-    """Say in what unit the source may be if the target is in metres, or the other way round; else
-    nothing.
+    """Return a hint that one of two clouds may be in another unit than the metre, or nothing.
 
-    Only after the two have been found not to fit: a small part of a site is small, too.
+    Use it only after the two have been found not to fit: a cloud may also be small because it shows
+    a small part of the site.
+
+    Args:
+        source: Points, shape (N, 3).
+        target: Points, shape (M, 3).
     """
     ratio = float(np.ptp(source, axis=0).max() / max(np.ptp(target, axis=0).max(), 1e-9))
     for name, one in (("source", ratio), ("target", 1 / max(ratio, 1e-9))):
@@ -70,7 +80,7 @@ def unit_hint(source: Float, target: Float) -> str:
 
 def _crop(points: Float, centre: Float, bulk: float, most_m: float) -> str:
     far = int((np.abs(points - centre).max(axis=1) > most_m).sum())
-    return f"but for {far} points far away it is {bulk:.3g} across: crop them"
+    return f"without {far} points far away it is {bulk:.3g} across: crop them"
 
 
 def _rescale(whole: float, most_m: float) -> str:
@@ -86,8 +96,9 @@ def _rescale(whole: float, most_m: float) -> str:
 
 
 def _is_geographic(sample: Float) -> bool:
-    """Whether x and y can be degrees: within a globe's range, and next to nothing beside the
-    heights.
+    """Return whether x and y can be longitude and latitude [deg].
+
+    They are if they are in the range of such angles and their extent is far below that of z.
     """
     sizes = np.ptp(sample, axis=0)
     in_range = np.abs(sample[:, 0]).max() <= 180 and np.abs(sample[:, 1]).max() <= 90
@@ -95,8 +106,9 @@ def _is_geographic(sample: Float) -> bool:
 
 
 def _step_m(sample: Float) -> float:
-    """Return the step [m] of which all coordinates of an axis of a national grid are multiples; 0
-    if there is none.
+    """Return the largest step that all coordinates of one axis are multiples of [m]; 0 if none.
+
+    Only axes with coordinates of a national grid are looked at.
     """
     steps = [0.0]
     for values in sample.T:

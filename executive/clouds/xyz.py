@@ -1,4 +1,4 @@
-"""Points from lines of x y z and whatever follows."""
+"""Points from text files whose lines begin with x, y and z."""
 
 import re
 from pathlib import Path
@@ -8,18 +8,17 @@ from executive.clouds.point_collector import PointCollector
 from executive.clouds.text_rows import collect_lines, count_lines
 from executive.errors import DataError
 
-_TITLES = re.compile(
-    rb"\s*\"?x\"?[\s,;]+\"?y\"?[\s,;]+\"?z\"?\b[^\n]*\n", re.IGNORECASE
-)  # of a table's columns
+_TITLES = re.compile(rb"\s*\"?x\"?[\s,;]+\"?y\"?[\s,;]+\"?z\"?\b[^\n]*\n", re.IGNORECASE)
 _COUNT = re.compile(rb"\s*\d+\s*\n")  # a PTS file begins with its number of points
 
 
 def read_xyz(path: Path) -> Float:
-    """Return the points of a text file [m], shape (N, 3); a first line `x y z` or, in PTS files, a
-    count is skipped.
+    """Return the points of a text file [m], shape (N, 3).
+
+    A first line of column titles `x y z` and, in PTS files, the number of points are skipped.
 
     Raises:
-        DataError: If a line is none of three numbers or more; it is named.
+        DataError: If a line does not begin with three numbers; the message names the line.
     """
     with path.open("rb") as file:
         beginning = file.read(4096)

@@ -1,1 +1,1 @@
-"""Rigid-body geometry: rotations, poses, geodesy, splines."""
+"""Geometry of rigid bodies and points: rotations, poses, fits, hulls, grids, geodesy."""

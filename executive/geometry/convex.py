@@ -1,4 +1,4 @@
-"""Convex polyhedra as half-spaces: what points are held against."""
+"""Convex hulls of points: their half-spaces, volume and corners."""
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
@@ -8,8 +8,9 @@ from executive.errors import DataError
 
 
 def half_spaces(vertices: Float) -> Float:
-    """Return the faces (n, d) of the convex hull of points (V, 3): inside is n·p ≤ d, n a unit
-    vector, shape (F, 4).
+    """Return the faces of the convex hull of points (V, 3), shape (F, 4).
+
+    A face (n, d) has a unit normal n that points outwards: n·p ≤ d for every point p inside.
 
     Raises:
         DataError: If the points span no volume.
@@ -30,14 +31,14 @@ def volume_and_centroid(vertices: Float) -> tuple[float, Float]:
     """
     hull = _hull(vertices)
     middle = vertices[hull.vertices].mean(axis=0)
-    corners = vertices[hull.simplices] - middle  # each face and the middle make a tetrahedron
+    corners = vertices[hull.simplices] - middle  # a tetrahedron between each face and the middle
     volumes = np.abs(np.linalg.det(corners)) / 6
     centres = corners.sum(axis=1) / 4
     return float(volumes.sum()), np.asarray(middle + volumes @ centres / volumes.sum())
 
 
 def convex_corners(points: Float) -> Float:
-    """Return those of the points (N, 3) that are corners of their convex hull, shape (V, 3).
+    """Return the points that are corners of the convex hull of all, (N, 3) → (V, 3).
 
     Raises:
         DataError: If the points span no volume.
@@ -56,4 +57,4 @@ def _hull(vertices: Float) -> ConvexHull:
 
 def _faces(hull: ConvexHull) -> Float:
     faces = hull.equations * (1.0, 1.0, 1.0, -1.0)
-    return np.asarray(np.unique(faces.round(12), axis=0))  # triangles of one face share its plane
+    return np.asarray(np.unique(faces.round(12), axis=0))  # one plane for all triangles of a face

@@ -34,20 +34,28 @@ def _R_enu_ecef(latitude_deg: float, longitude_deg: float) -> Float:
 
 
 def enu_from_geodetic(geodetic: Float, datum: Float) -> Float:
-    """Return east, north, up [m] of (latitude [deg], longitude [deg], altitude [m]) about such a
-    datum.
+    """Return east, north, up of a geodetic position about a datum [m], shape (3,).
+
+    Args:
+        geodetic: Latitude [deg], longitude [deg], altitude above the ellipsoid [m], shape (3,).
+        datum: Origin of the local frame, in the same form, shape (3,).
     """
     return np.asarray(_R_enu_ecef(datum[0], datum[1]) @ (ecef(*geodetic) - ecef(*datum)))
 
 
 def geodetic_from_enu(enu_m: Float, datum: Float) -> Float:
-    """Return (latitude [deg], longitude [deg], altitude [m]) of a local point; exact to 1e-9 m near
-    the earth.
+    """Return latitude [deg], longitude [deg] and altitude [m] of a local point, shape (3,).
+
+    Exact to 1e-9 m near the earth.
+
+    Args:
+        enu_m: East, north, up about the datum [m], shape (3,).
+        datum: Latitude [deg], longitude [deg], altitude above the ellipsoid [m], shape (3,).
     """
     x, y, z = ecef(*datum) + _R_enu_ecef(datum[0], datum[1]).T @ enu_m
     p = np.hypot(x, y)
     lat = np.arctan2(z, p * (1 - _E2))
-    for _ in range(6):  # contracts by e² a step: 0.0067⁶ is far below rounding
+    for _ in range(6):  # the error shrinks by e² = 0.0067 a step: 0.0067⁶ is below rounding
         n = _A_M / np.sqrt(1 - _E2 * np.sin(lat) ** 2)
         lat = np.arctan2(z + _E2 * n * np.sin(lat), p)
     n = _A_M / np.sqrt(1 - _E2 * np.sin(lat) ** 2)

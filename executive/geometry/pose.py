@@ -17,7 +17,7 @@ def pose(R: Float | None = None, t: Float | None = None) -> Float:
 
 
 def pose_xyz_rpy(xyz: Float, rpy: Float) -> Float:
-    """Assemble a pose the way URDF writes an origin: metres, then roll, pitch, yaw [rad]."""
+    """Assemble a pose from an origin as in URDF: position [m] and roll, pitch, yaw [rad]."""
     return pose(from_rpy(*np.asarray(rpy, dtype=float)), np.asarray(xyz, dtype=float))
 
 
@@ -46,6 +46,6 @@ def adjoint(T_to_from: Float) -> Float:
 
 
 def interpolate(T_a: Float, T_b: Float, fraction: float) -> Float:
-    """Return the pose a fraction of the way: the geodesic in rotation, a line in translation."""
+    """Return the pose at a fraction between two: a geodesic in rotation, a line in translation."""
     R = T_a[:3, :3] @ exp_so3(fraction * log_so3(T_a[:3, :3].T @ T_b[:3, :3]))
     return pose(R, (1 - fraction) * T_a[:3, 3] + fraction * T_b[:3, 3])

@@ -23,9 +23,7 @@ def exp_so3(rotation_vector: Float) -> Float:
 
 
 def log_so3(R: Float) -> Float:
-    """Map a rotation matrix to its rotation vector [rad], of length in [0, π], shape (3,
-    3) → (3,).
-    """
+    """Map a rotation matrix to its rotation vector [rad] of length 0 to π, (3, 3) → (3,)."""
     w, *v = quaternion_wxyz(R)
     axis = np.array(v)
     sine = float(np.linalg.norm(axis))
@@ -35,8 +33,9 @@ def log_so3(R: Float) -> Float:
 
 
 def quaternion_wxyz(R: Float) -> Float:
-    """Return the unit quaternion with w ≥ 0 of a rotation matrix (Shepperd's method), shape (3, 3)
-    → (4,).
+    """Return the unit quaternion with w ≥ 0 of a rotation matrix, (3, 3) → (4,).
+
+    Source: Shepperd 1978.
     """
     m = np.array([np.trace(R), R[0, 0], R[1, 1], R[2, 2]])
     i = int(np.argmax(m))
@@ -88,9 +87,7 @@ def angle_between(R_a: Float, R_b: Float) -> float:
 
 
 def yaw_of(R: Float) -> float:
-    """Return the heading [rad]: the angle of the rotated x axis about z, counter-clockwise from
-    east.
-    """
+    """Return the heading [rad]: the angle of the rotated x axis about z, from the x axis."""
     return float(np.arctan2(R[1, 0], R[0, 0]))
 
 

@@ -1,4 +1,4 @@
-"""The two-jaw gripper: its polyhedra at any opening, and the way from angle to opening and back.
+"""The two-jaw gripper: its polyhedra at any opening, and the opening at any jaw angle.
 
 Frame: origin at the palm's centre, x out of the palm (approach), y from jaw to jaw, z along the
 jaws' width.
@@ -22,19 +22,17 @@ from executive.machine.provenance import REST, Sourced
 from executive.machine.shape import Shape
 
 Vec2 = tuple[float, float]
-SIDES = {"jaw_left": 1.0, "jaw_right": -1.0}  # sign of y, and of the opening turn about z
+SIDES = {"jaw_left": 1.0, "jaw_right": -1.0}  # sign of y, and of the opening rotation about z
 
 
 class JawPart(Settings):
-    """A convex polygon across the jaws' width, drawn out along z over one or more spans: a plate,
-    or ribs.
-    """
+    """A convex polygon in the x-y plane, extruded along z over one or more spans: plate or ribs."""
 
     corners_m: tuple[Vec2, ...] = Field(
         min_length=3, description="Corners (x, y) from the left jaw's pivot [m]."
     )
     spans_m: tuple[Vec2, ...] = Field(
-        min_length=1, description="From and to along z, one for each rib [m]."
+        min_length=1, description="Start and end along z [m], one pair for each rib."
     )
 
     def shapes(self, side: float) -> Iterator[Shape]:
@@ -47,7 +45,7 @@ class JawPart(Settings):
 
 
 class Gripper(Sourced):
-    """A palm and two mirrored jaws that turn about axes along z."""
+    """A palm and two mirrored jaws that rotate about axes along z."""
 
     palm_shapes: tuple[Shape, ...] = Field(
         min_length=1, description="Convex parts of the palm, in the gripper frame."
@@ -56,7 +54,7 @@ class Gripper(Sourced):
     palm_com_m: Vec3 = Field(description="Centre of mass of the palm [m].")
     jaw_mass_kg: float = Field(gt=0, description="Mass of one jaw [kg].")
     jaw_com_m: Vec3 = Field(description="Centre of mass of the left jaw, from its pivot [m].")
-    pivot_m: Vec2 = Field(description="x and y of the left jaw's pivot [m].")
+    pivot_m: Vec2 = Field(description="Position x, y of the left jaw's pivot [m].")
     jaw_parts: tuple[JawPart, ...] = Field(
         min_length=1, description="Convex parts of the closed left jaw."
     )
@@ -94,12 +92,13 @@ class Gripper(Sourced):
         """Return the jaw angle [rad] at which the tips are a distance [m] apart.
 
         Raises:
-            DataError: If the jaws cannot open that far, or not that little.
+            DataError: If no jaw angle gives this distance.
         """
-        least, most = max(self.opening_m(0.0), 0.0), self.max_opening_m  # closed may be −1e-17 m
+        # Rounding may make the opening of closed jaws slightly negative.
+        least, most = max(self.opening_m(0.0), 0.0), self.max_opening_m
         if not least - 1e-9 <= opening_m <= most + 1e-9:
             raise DataError(
-                f"no jaw angle opens the tips to {opening_m:.3f} m; ask for {least:.2f} "
+                f"no jaw angle gives an opening of {opening_m:.3f} m; ask for {least:.2f} "
                 f"to {most:.2f} m"
             )
         return math.asin((opening_m / 2 - self.pivot_m[1]) / self.tip_radius_m) - self._tip_angle
@@ -115,8 +114,9 @@ class Gripper(Sourced):
         )
 
     def hulls(self, jaw_rad: float) -> dict[str, tuple[Float, ...]]:
-        """Return the corners of all convex parts in the gripper frame: of `palm`, `jaw_left`,
-        `jaw_right`.
+        """Return the corners of all convex parts of `palm`, `jaw_left` and `jaw_right`, by name.
+
+        Each part has shape (V, 3), in the gripper frame [m].
         """
         parts = {"palm": tuple(shape.vertices for shape in self.palm_shapes)}
         for name in SIDES:
@@ -125,19 +125,17 @@ class Gripper(Sourced):
         return parts
 
     def T_gripper_jaw(self, name: str, jaw_rad: float) -> Float:
-        """Return the pose of a jaw's link (`jaw_left` or `jaw_right`) at an angle [rad], shape (4,
-        4).
-        """
+        """Return the pose of `jaw_left` or `jaw_right` at a jaw angle [rad], shape (4, 4)."""
         side, (x, y) = SIDES[name], self.pivot_m
         return pose(about_axis(np.array([0.0, 0.0, side]), jaw_rad), np.array([x, side * y, 0.0]))
 
     @cached_property
     def links(self) -> Mapping[str, Link]:
-        """The jaws as links; the palm belongs to the link that carries it."""
+        """The jaws as links by name; the palm belongs to the link that carries it."""
         return {name: self._jaw_link(name, side) for name, side in SIDES.items()}
 
     def palm_link(self, name: str) -> Link:
-        """Return the palm as the link of a name."""
+        """Return the palm as a link of the given name."""
         return Link(
             name=name,
             mass_kg=self.palm_mass_kg,

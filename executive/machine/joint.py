@@ -1,4 +1,4 @@
-"""A joint of the arm, and the one that drives the jaws."""
+"""The joints of the arm, and the joint that drives the jaws."""
 
 import math
 from typing import Literal
@@ -12,7 +12,7 @@ from executive.machine.provenance import Sourced
 
 
 class JointLimits(Sourced):
-    """How fast and how hard a joint may move: rad for revolute, m for prismatic joints."""
+    """Limits of a joint's motion and effort, in rad for revolute and m for prismatic joints."""
 
     max_velocity: float = Field(gt=0, description="Largest speed [rad/s] or [m/s].")
     max_acceleration: float = Field(gt=0, description="Largest acceleration [rad/s²] or [m/s²].")
@@ -24,12 +24,12 @@ class Joint(JointLimits, Origin):
     """One joint of the chain from the base to the gripper."""
 
     name: str = Field(description="Unique name.")
-    kind: Literal["revolute", "continuous", "prismatic"] = Field(description="How it moves.")
+    kind: Literal["revolute", "continuous", "prismatic"] = Field(description="Kind of motion.")
     parent: str = Field(description="Link that carries it.")
-    child: str = Field(description="Link that it moves; its frame is the joint's.")
+    child: str = Field(description="Link that it moves, whose frame is the joint's frame.")
     axis: Vec3 = Field(description="Unit axis in the joint's frame.")
     range: tuple[float, float] | None = Field(
-        None, description="Lower and upper end [rad] or [m]; none if continuous."
+        None, description="Lower and upper limit [rad] or [m]; none if continuous."
     )
     loaded_max_velocity: float | None = Field(
         None, gt=0, description="Speed with a load, if lower."
@@ -41,7 +41,7 @@ class Joint(JointLimits, Origin):
     @model_validator(mode="after")
     def _check(self) -> "Joint":
         if (self.kind == "continuous") != (self.range is None):
-            raise ValueError("a continuous joint has no range; any other has one")
+            raise ValueError("a continuous joint has no range, and any other joint has one")
         if self.range is not None and self.range[0] >= self.range[1]:
             raise ValueError(f"range must rise, got {list(self.range)}")
         if not math.isclose(float(np.linalg.norm(self.axis)), 1.0, abs_tol=1e-9):
@@ -65,9 +65,7 @@ class Joint(JointLimits, Origin):
 
 
 class Jaw(JointLimits):
-    """The one actuated jaw joint: it turns the left jaw, the right one mirrors it; 0 is closed,
-    more is open.
-    """
+    """The actuated joint of the left jaw; the right jaw mirrors it. Angle 0 is closed."""
 
     name: str = Field(description="Unique name.")
     open_rad: float = Field(gt=0, lt=math.pi, description="Angle of the widest opening [rad].")

@@ -10,9 +10,7 @@ from executive.machine.urdf import urdf
 
 
 class Kinematics:
-    """Where links, sensors and the gripper are for given joint positions; not safe to share between
-    threads.
-    """
+    """Poses of links, sensors and gripper for given joint positions; not safe between threads."""
 
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
@@ -44,8 +42,9 @@ class Kinematics:
         )
 
     def jacobian(self, q_arm: Float) -> Float:
-        """Return the Jacobian of the gripper's frame: linear, then angular velocity in base axes,
-        shape (6, n).
+        """Return the Jacobian of the gripper's frame in base axes, shape (6, n).
+
+        Its rows are those of the linear velocity, then those of the angular velocity.
         """
         q = self._configuration(q_arm, 0.0)
         axes = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED

@@ -12,18 +12,19 @@ from executive.machine.shape import Shape
 
 
 class Link(Sourced):
-    """Mass and shapes of a body, in its own frame: the frame of the joint that carries it."""
+    """Mass and shapes of a body, in the frame of the joint that carries it."""
 
     name: str = Field(description="Unique name.")
     mass_kg: float = Field(gt=0, description="Mass [kg].")
     com_m: Vec3 = Field(description="Centre of mass [m].")
-    shapes: tuple[Shape, ...] = Field(description="Convex shapes that cover it.")
+    shapes: tuple[Shape, ...] = Field(description="Convex shapes that enclose it together.")
 
     @cached_property
     def inertia_diagonal(self) -> Float:
         """Principal moments about the centre of mass [kg·m²], shape (3,).
 
-        Those of a homogeneous box of the shapes' extents: the real distribution is not public.
+        They are those of a homogeneous box with the extents of the shapes, because the real mass
+        distribution is not public.
         """
         corners = np.vstack([shape.vertices for shape in self.shapes])
         squares = np.ptp(corners, axis=0) ** 2

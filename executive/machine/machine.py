@@ -1,6 +1,4 @@
-"""A machine as its folder's `robot.yaml` describes it: the single source of every
-geometric fact.
-"""
+"""A machine, read from the `robot.yaml` of its folder, the only source of its geometry."""
 
 from collections.abc import Iterable
 from functools import cached_property
@@ -25,21 +23,21 @@ _FILE = "robot.yaml"
 
 
 class Stance(Sourced):
-    """How the chassis stands, and what the machine can do as a whole."""
+    """Height of the chassis, and capabilities of the machine as a whole."""
 
     base_height_m: float = Field(
         gt=0, description="Height of the base frame above level ground [m]."
     )
     payload_kg: float = Field(gt=0, description="Heaviest load of the gripper [kg].")
     reach_m: float = Field(
-        gt=0, description="Farthest reach of the tips from the turning axis [m]."
+        gt=0, description="Largest distance of the tips from the turning axis [m]."
     )
 
 
 class Machine(Rig):
     """Joints, links, sensors and gripper of one machine."""
 
-    turn_joint: str = Field(description="The joint that turns the cabin.")
+    turn_joint: str = Field(description="Joint that turns the cabin.")
     stance: Stance
     joints: tuple[Joint, ...] = Field(
         min_length=1, description="The arm's joints, from the base to the gripper."
@@ -85,7 +83,7 @@ class Machine(Rig):
                 raise ValueError(f"posture {name} must give exactly {', '.join(self.arm_names)}")
             beyond = [j.name for j in self.joints if not j.lower <= posture[j.name] <= j.upper]
             if beyond:
-                raise ValueError(f"posture {name} is beyond the range of {', '.join(beyond)}")
+                raise ValueError(f"posture {name} is outside the range of {', '.join(beyond)}")
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
@@ -108,7 +106,7 @@ class Machine(Rig):
 
     @cached_property
     def fixed_parents(self) -> dict[str, str]:
-        """Each link's parent in the tree, the base left out."""
+        """Parent of each link in the kinematic tree, except for the base."""
         chain = {joint.child: joint.parent for joint in self.joints}
         return chain | dict.fromkeys(SIDES, self.gripper_link)
 
@@ -138,7 +136,7 @@ class Machine(Rig):
 
     @property
     def reach_m(self) -> float:
-        """Farthest reach of the tips from the turning axis [m]."""
+        """Largest distance of the tips from the turning axis [m]."""
         return self.stance.reach_m
 
     @cached_property
@@ -189,7 +187,7 @@ def _known(field: str, names: Iterable[str], known: Iterable[str]) -> None:
 
 
 def machine_folder(model: str) -> Path:
-    """Return the folder of a shipped machine's name, or the folder that a path names.
+    """Return the folder of a machine, given the name of a shipped one or a path.
 
     Raises:
         ConfigError: If neither holds a robot.yaml; the message lists the shipped machines.
@@ -205,11 +203,11 @@ def machine_folder(model: str) -> Path:
 
 
 def load_machine(model: str) -> Machine:
-    """Read a machine by the name of its folder under robot_models, or by a path to a folder.
+    """Read a machine, given the name of a shipped one or the path of its folder.
 
     Raises:
-        ConfigError: If there is none, or its robot.yaml is wrong; every wrong field is named with
-            its cure.
+        ConfigError: If there is none, or its robot.yaml is wrong; the message names every wrong
+            field.
     """
     path = machine_folder(model) / _FILE
     try:

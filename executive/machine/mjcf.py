@@ -1,8 +1,8 @@
-"""The machine as a MuJoCo model, generated: bodies and joints have the names of the description.
+"""The machine as a generated MuJoCo model, with the names of the machine's description.
 
-The base is welded to the world. Weights of the machine's own links are carried by the joints'
-actuators (`actgravcomp`), as a valve controller does that knows the arm: efforts still hold them,
-tracking does not suffer.
+The base is welded to the world. The joints' actuators compensate the weight of the machine's own
+links (`actgravcomp`), as a valve controller does that knows the arm's masses. The efforts include
+this weight, but it does not disturb the tracking.
 """
 
 import mujoco
@@ -23,13 +23,11 @@ _BOX, _CYLINDER, _MESH = (
 )
 _IS_LIMITED = {False: mujoco.mjtLimited.mjLIMITED_FALSE, True: mujoco.mjtLimited.mjLIMITED_TRUE}
 
-JAW_TIE = "jaw_tie"  # the equality that mirrors the left jaw in the right one
+JAW_TIE = "jaw_tie"  # equality constraint by which the right jaw mirrors the left one
 
 
 def machine_spec(machine: Machine) -> mujoco.MjSpec:
-    """Build the machine: bodies, joints, one motor a joint (named like it), the jaws' tie, excluded
-    contacts.
-    """
+    """Build the model: bodies, joints, motors named like their joints, and excluded contacts."""
     spec = mujoco.MjSpec()
     spec.modelname = machine.name
     bodies = {
@@ -51,7 +49,7 @@ def machine_spec(machine: Machine) -> mujoco.MjSpec:
 
 
 def mjcf(machine: Machine) -> str:
-    """Write the machine as MJCF."""
+    """Return the machine as MJCF text."""
     spec = machine_spec(machine)
     spec.compile()
     return str(spec.to_xml())

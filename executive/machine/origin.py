@@ -1,4 +1,4 @@
-"""Where a thing is mounted: position and fixed-axis angles, as URDF writes them."""
+"""The pose of a part in its parent's frame: position and fixed-axis angles, as in URDF."""
 
 from functools import cached_property
 

@@ -1,4 +1,4 @@
-"""Where a number of a machine's description comes from."""
+"""The provenance of the figures in a machine's description."""
 
 from enum import StrEnum
 from typing import Annotated
@@ -27,11 +27,11 @@ ByField = Annotated[dict[str, Provenance], BeforeValidator(_expand)]
 
 
 class Sourced(Settings):
-    """A block of figures, each with its provenance."""
+    """A block of figures with their provenance."""
 
     provenance: ByField = Field(
-        description="measured, paper or guess: one word for the block, or by field with `rest` for "
-        "the others."
+        description="measured, paper or guess: one for the block, or one by field name, with "
+        "`rest` for the other fields."
     )
 
     @model_validator(mode="after")
@@ -43,7 +43,7 @@ class Sourced(Settings):
                 "use field names"
             )
         if REST not in self.provenance:
-            raise ValueError("provenance lacks `rest`, the source of the fields it does not name")
+            raise ValueError("provenance lacks `rest`, that of the fields it does not name")
         return self
 
     def provenance_of(self, field: str) -> Provenance:

@@ -1,5 +1,6 @@
-"""Bodies that carry sensors: what an estimator needs to know of a machine, or of a car that has no
-arm at all.
+"""The bodies that carry sensors: what an estimator needs to know of a machine.
+
+Other than a `Machine`, a rig need not have an arm: it also describes a car.
 """
 
 from functools import cached_property
@@ -12,9 +13,7 @@ from executive.machine.sensor import Sensor
 
 
 class Rig(Settings):
-    """A chassis, the joints above it, and the sensors on both; without a turn joint the cabin is
-    the chassis.
-    """
+    """A chassis, the joints above it, and sensors. Without turn joint the chassis is the cabin."""
 
     name: str = Field(description="Name of the machine.")
     turn_joint: str | None = Field(None, description="The joint that turns the cabin, if any.")
@@ -35,7 +34,7 @@ class Rig(Settings):
 
     @property
     def cabin_link(self) -> str:
-        """Name of the link that the turning joint moves; of the chassis if nothing turns."""
+        """Name of the link that the turn joint moves; of the chassis if nothing turns."""
         if self.turn_joint is None:
             return self.base_link
         return self.joints[self.arm_names.index(self.turn_joint)].child

@@ -1,6 +1,4 @@
-"""Returns from the machine itself, found by the shapes of its links (Mascaro 2020, Sec. 4.2, step
-1).
-"""
+"""Classification of lidar returns from the machine itself (Mascaro 2020, Sec. 4.2, step 1)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -31,8 +29,9 @@ def _is_inside(
 def _is_behind(
     point: Float, planes: Float, first: int, last: int, inset: float
 ) -> bool:  # pragma: no cover - compiled
-    """Tell whether the way from the sensor, the origin, to a point leads through a shape made
-    smaller by an inset.
+    """Return whether the ray from the origin (the sensor) to a point crosses a shrunken shape.
+
+    The planes are moved inwards by the inset. A shape around the origin is not crossed.
     """
     begin, end = 0.0, 1.0
     for p in range(first, last):
@@ -46,14 +45,12 @@ def _is_behind(
             return False
         if begin >= end:
             return False
-    return begin > 0.0  # a sensor within a shape sees out of it
+    return begin > 0.0  # otherwise the sensor is inside the shape, which then casts no shadow
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _near_way(point: Float, sphere: Float) -> tuple[bool, bool]:  # pragma: no cover - compiled
-    """Tell whether the way from the origin to a point meets a sphere, and whether the point lies in
-    it.
-    """
+    """Return whether the ray from the origin to a point meets a sphere, and ends in it."""
     x, y, z = point[0] - sphere[0], point[1] - sphere[1], point[2] - sphere[2]
     square = sphere[3] * sphere[3]
     if x * x + y * y + z * z <= square:
@@ -76,8 +73,9 @@ def _own(
     casts: Bool,
     inset: float,
 ) -> Bool:  # pragma: no cover - compiled
-    """Tell which points are in a shape, within its sphere and behind all its planes, or in its
-    shadow.
+    """Return which points are inside a shape or in its shadow.
+
+    Each shape's sphere is tested first, which is quick and rules most shapes out.
     """
     found = np.zeros(len(points), dtype=np.bool_)
     for n in range(len(points)):
@@ -97,9 +95,7 @@ def _own(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Hull:
-    """A padded convex shape in its link's frame: planes n·p ≤ d, shape (P, 4), and a sphere around
-    it.
-    """
+    """A padded convex shape in its link's frame: planes n·p ≤ d (P, 4), and a bounding sphere."""
 
     link: str
     planes: Float
@@ -108,27 +104,28 @@ class _Hull:
 
 
 class SelfFilter:
-    """Padded hulls of all links with their shadows, and the ball of a held stone.
+    """Padded hulls of all links with their shadows, and a sphere around a held stone.
 
-    A return behind a link is a shadow: the beam's edge caught the link, or the joints were a little
-    elsewhere. The link that carries the sensor casts none, for the sensor may sit within its hull.
+    A return behind a link is false: the beam's edge has hit the link, or the measured joint
+    positions are a little off. It is said to lie in the link's shadow. The link that carries the
+    sensor casts no shadow, because the sensor may be inside its hull.
     """
 
     def __init__(self, machine: Machine, padding_m: float, shadow_m: float = 0.0) -> None:
         """Prepare the shapes.
 
         Args:
-            machine: Its links' shapes are taken.
-            padding_m: Returns this near to a link are its own [m].
-            shadow_m: Returns whose ray passes this near to a link on its way are shadows; 0 for
-                none [m].
+            machine: The machine whose links are filtered.
+            padding_m: Returns up to this distance from a link count as returns from it [m].
+            shadow_m: A return is in a link's shadow if its ray passes the link at this distance or
+                less [m]; 0 switches shadows off.
         """
         shapes = [
             (name, shape.vertices) for name, link in machine.links.items() for shape in link.shapes
         ]
         self._hulls = tuple(_hull(name, vertices, padding_m) for name, vertices in shapes)
         counts = [len(hull.planes) for hull in self._hulls]
-        # The last shape has no planes: a ball alone, around what the gripper holds.
+        # The last shape is a sphere without planes, around what the gripper holds.
         self._starts = np.concatenate([[0], np.cumsum([*counts, 0])]).astype(np.int64)
         self._grasp_centre = machine.gripper.grasp_centre
         self._inset_m = padding_m - shadow_m
@@ -143,14 +140,14 @@ class SelfFilter:
         frames: list[Mapping[str, Float]],
         held_radius_m: float,
     ) -> Bool:
-        """Tell which returns lie on the machine, in its shadow, or on what it holds.
+        """Return which returns lie on the machine, in its shadow, or on what it holds, shape (N,).
 
         Args:
             points_lidar: Returns in the sensor's frame [m], shape (N, 3).
-            slices: For each point the row of `frames` of its time, shape (N,).
+            slices: Index into `frames` for the time of each point, shape (N,).
             lidar: Name of the sensor's frame.
             frames: T_base_frame by name, for each slice of time.
-            held_radius_m: Radius of the ball around the space between the jaws [m]; 0 for none.
+            held_radius_m: Radius of the sphere around the point between the jaws [m]; 0 for none.
         """
         posed = [self._posed(frame, inverse(frame[lidar]), held_radius_m) for frame in frames]
         planes, spheres = (np.array([each[k] for each in posed]) for k in (0, 1))
@@ -182,6 +179,6 @@ def _hull(link: str, vertices: Float, padding_m: float) -> _Hull:
     planes = np.unique(np.round(np.column_stack([facets[:, :3], -facets[:, 3]]), 9), axis=0)
     planes[:, 3] += padding_m
     centre = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
-    # √3: a padded box's corner is that much farther than its faces
+    # The corners of a padded box move outwards by √3 times the padding.
     radius_m = float(np.linalg.norm(vertices - centre, axis=1).max()) + np.sqrt(3) * padding_m
     return _Hull(link, planes, centre, radius_m)

@@ -1,4 +1,4 @@
-"""Sensors of the machine: where they sit, how often, how late and how wrongly they measure."""
+"""Sensors of the machine: their mounting, rate, latency and noise."""
 
 from typing import Annotated, Literal
 
@@ -13,7 +13,7 @@ class _Mounted(Sourced, Origin):
     name: str = Field(description="Unique name; also the name of its frame.")
     link: str = Field(description="Link that carries it.")
     rate_hz: float = Field(gt=0, description="Samples or revolutions a second [Hz].")
-    latency_s: float = Field(0.0, ge=0, lt=1, description="From the stamp to the arrival [s].")
+    latency_s: float = Field(0.0, ge=0, lt=1, description="Time from stamp to arrival [s].")
 
     @property
     def T_link_sensor(self) -> Float:
@@ -22,14 +22,14 @@ class _Mounted(Sourced, Origin):
 
 
 class Lidar(_Mounted):
-    """A spinning lidar; it turns about its z axis, azimuth 0 along x."""
+    """A spinning lidar that turns about its z axis; azimuth 0 is along x."""
 
     kind: Literal["lidar"]
     lasers: int = Field(gt=0, le=128, description="Number of lasers, evenly spaced in elevation.")
     elevation_rad: tuple[float, float] = Field(
         description="Elevation of the lowest and highest laser [rad]."
     )
-    azimuth_step_rad: float = Field(gt=0, lt=0.2, description="Turn between two firings [rad].")
+    azimuth_step_rad: float = Field(gt=0, lt=0.2, description="Angle between two firings [rad].")
     range_m: tuple[float, float] = Field(description="Nearest and farthest return [m].")
     range_noise_m: float = Field(ge=0, description="Standard deviation of a range [m].")
 
@@ -55,7 +55,7 @@ class Imu(_Mounted):
 
 
 class Gnss(_Mounted):
-    """One RTK antenna: its phase centre is the frame's origin."""
+    """One RTK antenna, whose phase centre is the frame's origin."""
 
     kind: Literal["gnss"]
     horizontal_noise_m: float = Field(gt=0, description="Standard deviation east and north [m].")

@@ -1,4 +1,4 @@
-"""Convex shapes of a link: for collision, and to filter the machine out of its own scans."""
+"""Convex shapes of a link, for collision tests and for the self-filter of scans."""
 
 from functools import cached_property
 from itertools import product
@@ -11,13 +11,13 @@ from executive.arrays import Float, checked
 from executive.geometry.pose import transform
 from executive.machine.origin import Origin, Vec3
 
-_SIDES = 16  # of the prism that stands for a cylinder
+_SIDES = 16  # number of sides of the prism that replaces a cylinder
 
 
 class Shape(Origin):
     """A box, a cylinder about its z axis, or the convex hull of points."""
 
-    kind: Literal["box", "cylinder", "hull"] = Field(description="What it is.")
+    kind: Literal["box", "cylinder", "hull"] = Field(description="Kind of shape.")
     size: tuple[float, ...] = Field(
         (), description="Box: full sides x, y, z [m]. Cylinder: radius, length [m]."
     )
@@ -31,7 +31,7 @@ class Shape(Origin):
         if len(self.size) != wanted or min(self.size, default=1.0) <= 0:
             raise ValueError(f"a {self.kind} has {wanted} positive sizes, got {list(self.size)}")
         if (self.kind == "hull") != (len(self.points_m) >= 4):
-            raise ValueError("a hull has at least four points_m, and only a hull has any")
+            raise ValueError("a hull has at least four points_m, and other shapes have none")
         return self
 
     @property
@@ -41,9 +41,7 @@ class Shape(Origin):
 
     @cached_property
     def vertices(self) -> Float:
-        """Corners in the link's frame [m], shape (V, 3); a cylinder's are those of the prism around
-        it.
-        """
+        """Corners in the link's frame [m], shape (V, 3); for a cylinder, of a prism around it."""
         return checked("vertices", transform(self.T, self._corners()), None, 3)
 
     def _corners(self) -> Float:

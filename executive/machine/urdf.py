@@ -1,4 +1,4 @@
-"""The machine as URDF, generated: for kinematics and for other tools."""
+"""The machine as generated URDF, for kinematics and for other tools."""
 
 from xml.etree import ElementTree as Xml
 
@@ -10,9 +10,7 @@ from executive.machine.origin import Origin
 
 
 def urdf(machine: Machine) -> str:
-    """Write the machine as URDF: joints and links have the names of the description, shapes are
-    left out.
-    """
+    """Return the machine as URDF text, with the names of its description and without shapes."""
     robot = Xml.Element("robot", name=machine.name)
     for link in machine.links.values():
         _add_link(robot, link)

@@ -1,4 +1,4 @@
-"""The transform that lays one cloud over another, and whether to believe it."""
+"""The transform from one cloud to another, and whether it was accepted."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,8 +13,8 @@ class Alignment:
     Attributes:
         T_target_source: Pose of the source's frame in the target's, the source scaled by `scale`,
             shape (4, 4).
-        accepted: Whether it passed its gate; a refused transform is kept for the record only.
-        reason: Why it was refused, or what the gate measured.
+        accepted: Whether it passed the acceptance tests; do not use a refused transform.
+        reason: Why it was refused, or what the tests measured.
         rmse_m: Root mean square distance of inlier correspondences [m].
         overlap: Fraction of source points with a correspondence, 0 … 1.
         matched_segments: Pairs (source segment, target segment) that agree; empty for a local

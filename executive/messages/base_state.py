@@ -1,4 +1,4 @@
-"""Where the machine is, how fast, and how surely."""
+"""Pose and velocity of the machine, and their uncertainty."""
 
 from dataclasses import dataclass
 
@@ -12,15 +12,16 @@ class BaseState:
     Attributes:
         stamp_s: Time of validity [s].
         T_map_base: Pose of the chassis in the map (east-north-up about the datum), shape (4, 4).
-        T_odom_base: The same in the odometry frame, which never steps, shape (4, 4).
-        T_map_cabin: Pose of the cabin (origin and axes as the turn joint leaves them), shape (4,
-            4).
-        v_map_cabin: Velocity of the cabin's origin against the map, in map axes [m/s], shape (3,).
-        w_map_cabin_in_cabin: Angular velocity of the cabin against the map, in cabin axes [rad/s],
-            shape (3,).
-        covariance: Of T_map_cabin as (rotation [rad], translation [m]) in the cabin frame, shape
-            (6, 6).
-        status: `INITIALISING`, or how the estimator stands, such as `GLOBAL` or `FALLBACK`.
+        T_odom_base: The same in the odometry frame, in which the pose has no jumps, shape (4, 4).
+        T_map_cabin: Pose of the cabin, whose frame is that of the turn joint's child link, shape
+            (4, 4).
+        v_map_cabin: Velocity of the cabin's origin relative to the map, in map axes [m/s], shape
+            (3,).
+        w_map_cabin_in_cabin: Angular velocity of the cabin relative to the map, in cabin axes
+            [rad/s], shape (3,).
+        covariance: Covariance of T_map_cabin as (rotation [rad], translation [m]) in the cabin
+            frame, shape (6, 6).
+        status: `INITIALISING`, or the estimator's mode, such as `GLOBAL` or `FALLBACK`.
     """
 
     stamp_s: float

@@ -1,24 +1,24 @@
-"""What a robot is told to do."""
+"""Commands to a robot."""
 
 from dataclasses import dataclass
 
 from executive.messages.trajectory import JointTrajectory
 
-START_TOLERANCE = (
-    0.05  # [rad] or [m]: how far from the arm a trajectory may begin; a robot refuses it beyond
-)
+# Largest distance of a trajectory's start from the arm's position [rad] or [m]; a robot refuses a
+# trajectory that begins farther off.
+START_TOLERANCE = 0.05
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Follow:
-    """Follow a trajectory from now on; it replaces the one under way."""
+    """Follow a trajectory from now on; it replaces the one that is being followed."""
 
     trajectory: JointTrajectory
 
 
 @dataclass(frozen=True, slots=True)
 class MoveJaws:
-    """Drive the jaws towards a position and keep pressing.
+    """Move the jaws towards a position, and hold the force there.
 
     Attributes:
         position_rad: Jaw angle; 0 is closed, larger is more open.
@@ -31,7 +31,7 @@ class MoveJaws:
 
 @dataclass(frozen=True, slots=True)
 class SwitchLidars:
-    """Start or stop the lidars' measuring."""
+    """Start or stop the measurements of all lidars."""
 
     on: bool
 

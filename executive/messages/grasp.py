@@ -1,4 +1,4 @@
-"""Ways to take hold of a stone."""
+"""Grasps of a stone."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from executive.arrays import Float, checked
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Grasp:
-    """A pose of the gripper in which its jaws may close.
+    """A pose of the gripper in which its jaws can close on a stone.
 
     The gripper's frame: origin at the palm's centre, x out of the palm (the approach), y from jaw
     to jaw, z along the jaws' width.
@@ -17,8 +17,8 @@ class Grasp:
         T_map_gripper: Pose of the gripper with its jaws open around the stone, shape (4, 4).
         opening_m: Distance of the open tips [m].
         score: Higher is better; only comparable within one plan.
-        costs: The terms behind the score: `align_rad`, `enclose_m`, `distance_m` (Mascaro 2020, Eq.
-            5–7), and others.
+        costs: The terms of the score by name: `align_rad`, `enclose_m`, `distance_m` (Mascaro 2020,
+            Eq. 5–7), and others.
     """
 
     T_map_gripper: Float

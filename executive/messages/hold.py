@@ -1,4 +1,4 @@
-"""A stone in the jaws."""
+"""The stone that the gripper holds."""
 
 from dataclasses import dataclass
 

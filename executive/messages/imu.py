@@ -12,10 +12,10 @@ class ImuSample:
     Attributes:
         stamp_s: Time of measurement [s].
         frame: Name of the sensor's frame in the machine's description, such as `imu_cabin`.
-        angular_velocity_rad_s: Measured ω of the sensor against inertial space, in its axes, shape
-            (3,).
-        specific_force_m_s2: Measured acceleration minus gravity, in its axes, shape (3,); at rest
-            it points up.
+        angular_velocity_rad_s: Measured angular velocity of the sensor relative to inertial space,
+            in its own axes, shape (3,).
+        specific_force_m_s2: Measured acceleration minus gravity, in the sensor's axes, shape (3,);
+            at rest it points up.
     """
 
     stamp_s: float

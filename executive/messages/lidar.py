@@ -7,7 +7,7 @@ from executive.arrays import Float, checked
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LidarScan:
-    """Returns of one revolution, distorted by the motion during it.
+    """Returns of one revolution, distorted by the sensor's motion meanwhile.
 
     Attributes:
         stamp_s: End of the revolution [s]; every point is at most one revolution older.

@@ -1,4 +1,4 @@
-"""How the machine moved during a short window: what undoes the distortion of a scan."""
+"""The machine's motion during a short window, by which a scan is undistorted."""
 
 from dataclasses import dataclass
 
@@ -18,8 +18,8 @@ class Motion:
         T_map_cabin: Estimated cabin poses, shape (k, 4, 4).
         joint_names: n names.
         joint_position: Joint positions [rad] or [m], shape (k, n).
-        covariance: Of the newest cabin pose, as in `BaseState`, shape (6, 6); None where it is not
-            known.
+        covariance: Covariance of the newest cabin pose, as in `BaseState`, shape (6, 6); None if it
+            is not known.
     """
 
     stamps_s: Float
@@ -47,15 +47,16 @@ class Motion:
         return i, float(min(fraction, 1.0))
 
     def T_map_cabin_at(self, stamp_s: float) -> Float:
-        """Return the cabin's pose at a time, interpolated; the ends hold beyond the window."""
+        """Return the cabin's interpolated pose; outside the window, the pose at its nearer end."""
         i, fraction = self._bracket(stamp_s)
         if fraction == 0.0:
             return np.asarray(self.T_map_cabin[i])
         return interpolate(self.T_map_cabin[i], self.T_map_cabin[i + 1], fraction)
 
     def joints_at(self, stamp_s: float) -> Float:
-        """Return the joint positions at a time, interpolated, shape (n,); the ends hold beyond the
-        window.
+        """Return the interpolated joint positions, shape (n,).
+
+        Outside the window, they are those at its nearer end.
         """
         i, fraction = self._bracket(stamp_s)
         if fraction == 0.0:

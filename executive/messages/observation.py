@@ -1,4 +1,4 @@
-"""Whatever a robot measures: the stream that a tick begins with."""
+"""Any measurement of a robot."""
 
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample

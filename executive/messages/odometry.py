@@ -1,4 +1,4 @@
-"""How far a lidar moved between two scans."""
+"""The motion of a lidar between two scans."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,8 @@ class LidarIncrement:
         to_s: Time of the later pose [s].
         frame: The sensor's frame in the machine's description.
         T_from_to: Later pose in the earlier one, shape (4, 4).
-        covariance: As (rotation [rad], translation [m]) in the later frame, shape (6, 6).
+        covariance: Covariance of T_from_to as (rotation [rad], translation [m]) in the later frame,
+            shape (6, 6).
     """
 
     from_s: float

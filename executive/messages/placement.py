@@ -1,4 +1,4 @@
-"""Where a stone is to go."""
+"""The place for a stone, and the release there."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ class Slot:
 
     Attributes:
         id: Number, from 1.
-        position_map: Point on the ground over which the stone's centroid is to stand [m], shape
+        position_map: Point on the ground below the desired place of the stone's centroid [m], shape
             (3,).
     """
 
@@ -27,9 +27,9 @@ class Placement:
     """The release of a held stone.
 
     Attributes:
-        slot: Where it goes.
+        slot: The slot that the stone is placed in.
         T_map_gripper: Pose of the gripper at the release, shape (4, 4).
-        T_map_object: Pose of the stone's object frame that follows from it, shape (4, 4).
+        T_map_object: Resulting pose of the stone's object frame, shape (4, 4).
     """
 
     slot: Slot

@@ -1,4 +1,4 @@
-"""A wish for a motion of the arm, and what a planner makes of it."""
+"""A request for a motion of the arm, and the planner's answer."""
 
 from dataclasses import dataclass
 
@@ -9,17 +9,16 @@ from executive.messages.trajectory import JointTrajectory
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MoveRequest:
-    """Bring the gripper to a pose: leave along the ground's normal, travel high, arrive along the
-    normal.
+    """Move the gripper to a pose: up from the start, above the obstacles, and down to the goal.
 
     Attributes:
-        start: Positions of the arm's joints now, in the machine's order, shape (n,).
+        start: Present positions of the arm's joints, in the machine's order, shape (n,).
         T_map_gripper: The goal, shape (4, 4).
         T_map_base: Pose of the chassis, shape (4, 4).
-        leave_m: Straight way up from the start before anything else [m]; 0 for none.
-        arrive_m: Straight way down to the goal at the end [m]; 0 for none.
-        obstacles: What must not be hit, in the map: ground and stones, without the one that is
-            held.
+        leave_m: Length of the straight motion up from the start [m]; 0 for none.
+        arrive_m: Length of the straight motion down to the goal [m]; 0 for none.
+        obstacles: Ground and stones that must not be touched, in the map; a held stone is not among
+            them.
         held_gripper: Surface of a held stone in the gripper's frame [m], shape (N, 3), or None.
         jaw_rad: Opening of the jaws during the motion [rad].
     """

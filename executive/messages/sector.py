@@ -12,7 +12,7 @@ class Sector:
     """The part of a ring about a vertical axis that lies within an angle of a heading.
 
     Attributes:
-        centre_map: Where the axis meets the horizontal plane of the map [m], shape (2,).
+        centre_map: x and y of the axis in the map [m], shape (2,).
         heading_rad: Middle of the sector, from the map's x axis towards its y axis [rad].
         angle_rad: Whole angle of the sector [rad].
         nearest_m: Inner radius [m].

@@ -8,11 +8,11 @@ from executive.messages.cloud import Cloud
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segment:
-    """Points that stand on the ground as one thing (Mascaro 2020, Sec. 4.3).
+    """Points of one object on the ground (Mascaro 2020, Sec. 4.3).
 
     Attributes:
         id: Number within its segmentation, 0 for the one of most points.
-        points: In the frame of the segmented cloud [m], shape (N, 3).
+        points: Points of the object in the frame of the segmented cloud [m], shape (N, 3).
         centroid: Mean of the points [m], shape (3,).
         extents: Side lengths of the box along the principal axes, longest first [m], shape (3,).
     """
@@ -30,12 +30,12 @@ class Segment:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segmentation:
-    """A cloud split into its ground and what stands on it.
+    """A cloud split into its ground and the objects on it.
 
     Attributes:
         frame: Frame of all coordinates.
         segments: Object-like parts, the one of most points first.
-        ground: Points taken for ground, shape (M, 3).
+        ground: Points classified as ground.
         ground_plane: Unit normal n (pointing up) and offset d with n·p = d [m], shape (4,).
     """
 

@@ -1,4 +1,4 @@
-"""A change of how an estimator stands."""
+"""A change of an estimator's status."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ class StatusChange:
         stamp_s: Time of the measurement, or of its absence, that caused it [s].
         before: The status that ended.
         after: The status that began.
-        reason: In words; empty where the estimator gives none.
+        reason: Why it changed, in words; empty if the estimator gives no reason.
     """
 
     stamp_s: float

@@ -9,17 +9,17 @@ from executive.arrays import Float, checked
 
 
 class StoneState(StrEnum):
-    """Where a known stone is."""
+    """State of a known stone."""
 
     ON_GROUND = "on_ground"
     HELD = "held"
     PLACED = "placed"
-    SET_ASIDE = "set_aside"  # left where it lies: it cannot be grasped
+    SET_ASIDE = "set_aside"  # it stays where it lies, because it cannot be grasped
     LOST = "lost"
 
     @property
     def is_lying(self) -> bool:
-        """Whether the stone is where the database says, and in the way of others."""
+        """Whether the stone lies at its pose in the database, where it is an obstacle."""
         return self in (StoneState.ON_GROUND, StoneState.PLACED, StoneState.SET_ASIDE)
 
 
@@ -30,11 +30,11 @@ class Stone:
 
     Attributes:
         id: Stable number, from 1.
-        state: Where it is.
+        state: Its state.
         points_map: Its known surface in the map at its present pose [m], shape (N, 3).
         centroid_map: Mean of the points, in the map [m], shape (3,).
-        T_map_object: Pose of the object's frame; at first sight: the centroid, axes along the map,
-            shape (4, 4).
+        T_map_object: Pose of the object's frame, shape (4, 4). When the stone is first seen, its
+            origin is the centroid and its axes are those of the map.
         seen_from_above: Whether a drone survey's points are part of the model.
     """
 

@@ -1,4 +1,4 @@
-"""One thing that happened to a stone: the history by which its pose can be traced back."""
+"""An entry of a stone's history, by which its pose can be traced back."""
 
 from dataclasses import dataclass
 
@@ -11,12 +11,12 @@ class StoneEvent:
     """A change in the object database.
 
     Attributes:
-        stamp_s: When, on the mission's clock [s].
+        stamp_s: Time of the change on the mission's clock [s].
         kind: found, seen, moved, replaced, grasp, release, realign, state; other databases may have
             others.
         state: The stone's state afterwards.
         T_map_object: Its pose afterwards, shape (4, 4).
-        note: Where it comes from, for people: which sensor, how well it agreed, what was refused.
+        note: Explanation in words: which sensor, how well it agreed, what was refused.
     """
 
     stamp_s: float

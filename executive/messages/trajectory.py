@@ -1,4 +1,4 @@
-"""Where the joints are to be, when."""
+"""Desired joint positions and velocities over time."""
 
 from dataclasses import dataclass
 
@@ -10,10 +10,10 @@ from executive.errors import ShapeError
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointTrajectory:
-    """Samples of a smooth motion, to be followed by cubic Hermite interpolation between them.
+    """Samples of a smooth motion, between which cubic Hermite interpolation holds.
 
     Attributes:
-        names: The joints that move, n of them; the others hold.
+        names: The n joints that move; the others hold their positions.
         times_s: Time since the start [s], rising from 0, shape (m,).
         position: [rad] or [m], shape (m, n).
         velocity: [rad/s] or [m/s], shape (m, n).
@@ -38,8 +38,9 @@ class JointTrajectory:
         return float(self.times_s[-1])
 
     def at(self, time_s: float) -> tuple[Float, Float]:
-        """Return position and velocity at a time since the start, each (n,); the ends hold beyond
-        it.
+        """Return position and velocity at a time since the start, each of shape (n,).
+
+        Outside the trajectory, the joints rest at the position of its nearer end.
         """
         times = self.times_s
         if time_s <= 0.0 or len(times) == 1:

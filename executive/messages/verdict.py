@@ -1,4 +1,4 @@
-"""What a monitor has to say."""
+"""A monitor's report of trouble."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -14,12 +14,12 @@ class Trouble(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Trouble, as a monitor saw it.
+    """Trouble that a monitor has recognised.
 
     Attributes:
-        stamp_s: When it was recognised [s].
+        stamp_s: Time at which it was recognised [s].
         monitor: Name of the monitor.
-        trouble: What it is.
+        trouble: Kind of trouble.
         detail: The measured figures, in words.
     """
 

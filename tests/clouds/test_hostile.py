@@ -180,13 +180,13 @@ def test_the_count_at_the_head_of_a_pts_file_is_no_point(tmp_path: Path) -> None
     ("content", "words"),
     [
         ("1 2 3\n".encode("utf-16"), "text in UTF-16; save it as UTF-8"),
-        ("1 2 3\n".encode("utf-16-le"), "no text of numbers"),
+        ("1 2 3\n".encode("utf-16-le"), "not lines of numbers"),
         (b"1,5;2,5;3,5\n", r"site\.xyz:1: .* has decimal commas; export it with decimal points"),
         (b"1,5 2,5 3,5\n", "decimal commas"),
         (b"1 2 3\n1 2 3e\n4 5 6\n", r"site\.xyz:2: expected x y z, got '1 2 3e'"),
         (b"1 2 3\n4 5", "cut short: ends in line 2"),
-        (bytes(range(256)) * 999, "no text of numbers"),
-        (b"1 " * 99_999, "no text of numbers"),
+        (bytes(range(256)) * 999, "not lines of numbers"),
+        (b"1 " * 99_999, "not lines of numbers"),
     ],
 )
 def test_text_that_is_no_table_of_points_is_refused(

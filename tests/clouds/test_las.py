@@ -77,7 +77,7 @@ def test_points_out_of_the_headers_box_are_refused(tmp_path: Path) -> None:
     start = struct.unpack_from("<I", content, 96)[0]
     struct.pack_into("<i", content, start, 2_000_000)  # x of the first point: 2 km from the others
     path.write_bytes(content)
-    with pytest.raises(DataError, match="out of the box of its header"):
+    with pytest.raises(DataError, match="outside the bounding box in its header"):
         read_points(path)
 
 
@@ -86,7 +86,7 @@ def test_a_scale_of_nothing_is_refused(tmp_path: Path) -> None:
     content = bytearray(path.read_bytes())
     struct.pack_into("<d", content, 131, float("nan"))
     path.write_bytes(content)
-    with pytest.raises(DataError, match=r"its scale .* is none"):
+    with pytest.raises(DataError, match=r"the scale .* is invalid"):
         read_points(path)
 
 
@@ -113,7 +113,7 @@ def test_damage_is_an_error_or_is_read_but_never_crashes(
 def test_another_unit_is_named(tmp_path: Path, key: int, value: int, unit: str) -> None:
     path = declare(las(tmp_path / "site.las"), key, value)
     with pytest.raises(
-        DataError, match=f"its coordinates are in {unit} by its own word; project it to metres"
+        DataError, match=f"its header says that coordinates are in {unit}; project it to metres"
     ):
         read_points(path)
 

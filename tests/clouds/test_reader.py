@@ -78,7 +78,7 @@ def test_keeps_each_point_once_in_its_order(
 ) -> None:
     twice = np.vstack([POINTS, POINTS[::-1], POINTS[:7]])
     assert np.array_equal(read_points(write(tmp_path / "site.ply", twice)), POINTS)
-    assert "407 of 807 points are there already" in caplog.text
+    assert "407 of 807 points repeat others" in caplog.text
 
 
 def test_refuses_coordinates_beyond_any_grid(tmp_path: Path) -> None:
@@ -97,20 +97,20 @@ def test_refuses_coordinates_beyond_any_grid(tmp_path: Path) -> None:
         ("faces.ply", b"ply\nformat ascii 1.0\nelement face "
 b"0\nend_header\n", "no vertices with x, y and z"),
         ("odd.ply", b"ply\nformat ascii 1.0\nelement vertex "
-b"many\nend_header\n", "cannot be understood"),
+b"many\nend_header\n", "cannot be parsed"),
         ("none.ply", b"ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float "
 b"y\n"
          b"property float z\nend_header\n", "holds no points"),
         ("empty.pcd", b"", "lacks a header with FIELDS"),
         ("flat.pcd", b"FIELDS x y\nSIZE 4 4\nPOINTS 1\nDATA ascii\n1 2\n", "no fields x, y and z"),
         ("odd.pcd", b"FIELDS x y z\nSIZE 4 4 4\nPOINTS 1\nDATA morse\n1 2 "
-b"3\n", "cannot be understood"),
+b"3\n", "cannot be parsed"),
         ("empty.xyz", b"", "holds no points"),
-        ("site.e57", b"ASTM-E57", "not a kind of cloud that can be read; convert it to .ply, .pcd, "
+        ("site.e57", b"ASTM-E57", "not a supported cloud format; convert it to .ply, .pcd, "
 ".las, "
 ".laz, "
 ".xyz"),
-        ("site.ply.gz", b"\x1f\x8b\x08", "packed by gzip; unpack it"),
+        ("site.ply.gz", b"\x1f\x8b\x08", "compressed by gzip; unpack it"),
     ],
 )  # fmt: skip
 def test_refuses_what_is_no_cloud(tmp_path: Path, name: str, content: bytes, words: str) -> None:

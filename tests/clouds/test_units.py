@@ -25,12 +25,12 @@ UTM = np.array([412_000.0, 5_246_000.0, 440.0])
             r"in millimetres it would be 0.8 m: scale it by 0.001, in centimetres it would be 8",
         ),
         (SITE * 1e6, "crop it"),
-        (SITE / 1000, r"0.008 m across is no site .* is its unit the metre"),
+        (SITE / 1000, r"0.008 m across is too small for a site .* is its unit the metre"),
         (SITE * [1e-5, 1e-5, 1] + [8.5, 47.4, 440], "x and y look like degrees; project it"),
-        (np.ones((500, 3)), "0 m across is no site"),
+        (np.ones((500, 3)), "0 m across is too small for a site"),
         (
             np.vstack([SITE, [[9e4, 0, 0]], [[0, 9e4, 0]]]),
-            "but for 2 points far away it is 7.8\\d* across: crop them",
+            "without 2 points far away it is 7.8\\d* across: crop them",
         ),
     ],
 )
@@ -41,12 +41,12 @@ def test_what_is_no_site_in_metres_is_named(points: np.ndarray, words: str) -> N
 
 def test_single_precision_so_far_out_is_too_coarse() -> None:
     rounded = (SITE + UTM).astype(np.float32).astype(float)
-    with pytest.raises(DataError, match=r"in steps of 0\.5 m: single precision"):
+    with pytest.raises(DataError, match=r"in steps of 0\.5 m, because single precision"):
         check_site(PATH, rounded)
 
 
 def test_six_digits_so_far_out_are_too_few() -> None:
-    with pytest.raises(DataError, match=r"in steps of 10 m: .*too few digits"):
+    with pytest.raises(DataError, match=r"in steps of 10 m, .*few digits"):
         check_site(
             PATH, np.array([[float(f"{x:.6g}") for x in point] for point in 10 * SITE + UTM])
         )

@@ -77,7 +77,7 @@ REFUSED: dict[str, tuple[str, Callable[[Path], object], str]] = {
     "nothing finite": ("a.ply", lambda p: p.write_bytes(single(SITE * np.nan)), "points is finite"),
     "empty file": ("a.ply", lambda p: p.write_bytes(b""), "lacks a header"),
     "empty cloud": ("a.ply", lambda p: p.write_bytes(PLY % 0), "holds no points"),
-    "one point": ("a.xyz", lambda p: p.write_text("1 2 3\n"), "|0 m across is no site|1 points, at "
+    "one point": ("a.xyz", lambda p: p.write_text("1 2 3\n"), "|too small for a site|1 points, at "
 "least "
 "100"),
     "single precision in "
@@ -87,10 +87,10 @@ REFUSED: dict[str, tuple[str, Callable[[Path], object], str]] = {
 "be "
 "8"),
     "UTF-16": ("a.xyz", lambda p: p.write_bytes("1 2 3\n".encode("utf-16")), "UTF-16"),
-    "binary called text": ("a.xyz", lambda p: p.write_bytes(SITE.tobytes()), "no text of numbers"),
+    "binary called text": ("a.xyz", lambda p: p.write_bytes(SITE.tobytes()), "not lines of"),
     "another byte "
 "order": ("a.ply", lambda p: p.write_bytes(PLY % len(SITE) + swapped(SITE)), "is beyond"),
-    "a picture": ("a.jpg", lambda p: p.write_bytes(os.urandom(99)), "not a kind of cloud"),
+    "a picture": ("a.jpg", lambda p: p.write_bytes(os.urandom(99)), "not a supported cloud format"),
 }  # fmt: skip
 
 

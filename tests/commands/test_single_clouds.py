@@ -120,10 +120,10 @@ CLAIM = b"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n" + b
         ),
         ("empty.ply", b"", "lacks a header"),
         ("nan.xyz", b"nan 2 3\n1 nan 6\n", "none of its 2 points is finite"),
-        ("one.xyz", b"1 2 3\n", "0 m across is no site"),
-        ("same.xyz", b"1 2 3\n" * 500, "0 m across is no site"),
+        ("one.xyz", b"1 2 3\n", "0 m across is too small for a site"),
+        ("same.xyz", b"1 2 3\n" * 500, "0 m across is too small for a site"),
         ("few.xyz", b"1 2 3\n4 5 6\n", "has no ground"),
-        ("photo.jpg", b"\xff\xd8", "not a kind of cloud"),
+        ("photo.jpg", b"\xff\xd8", "not a supported cloud format"),
     ],
 )
 def test_hostile_clouds_are_a_message_and_status_2(

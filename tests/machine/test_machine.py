@@ -54,7 +54,7 @@ def test_a_machine_is_found_by_the_path_of_its_folder(tmp_path: Path) -> None:
         ),
         ({"sensors__imu_base__link": "hous"}, ["sensors names 'hous'", "Did you mean 'house'?"]),
         ({"sensors__imu_base__kind": "compass"}, ["sensors.imu_base", "compass"]),
-        ({"postures__carry__LIFT": 9.0}, ["posture carry is beyond the range of LIFT"]),
+        ({"postures__carry__LIFT": 9.0}, ["posture carry is outside the range of LIFT"]),
         ({"postures__scan": {"LIFT": 0.0}}, ["posture scan must give exactly SWING, LIFT"]),
         ({"postures": {"carry": {}}}, ["postures lacks `scan`"]),
         ({"jaw__open_rad": 0.5}, ["jaw.open_rad 0.5 differs from gripper.open_rad"]),

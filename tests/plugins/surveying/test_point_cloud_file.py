@@ -38,7 +38,7 @@ def test_merges_points_of_one_cell(tmp_path: Path) -> None:
     [
         (SITE[:20], "20 points, at least 100 are a survey"),
         (SITE * 1000, "in millimetres it would be 8 m: scale it by 0.001"),
-        (SITE / 1000, "0.008 m across is no site"),
+        (SITE / 1000, "0.008 m across is too small for a site"),
     ],
 )
 def test_refuses_what_is_no_site(tmp_path: Path, points: np.ndarray, words: str) -> None:
@@ -51,7 +51,7 @@ def test_a_wide_site_is_allowed_by_a_setting(tmp_path: Path) -> None:
     assert o3d.io.write_point_cloud(
         path, o3d.geometry.PointCloud(o3d.utility.Vector3dVector(SITE * 100))
     )
-    with pytest.raises(DataError, match=r"[78]\d\d.* across is no site"):
+    with pytest.raises(DataError, match=r"[78]\d\d.* across is too wide for a site"):
         PointCloudFile(PointCloudFileSettings(path=path)).survey(np.random.default_rng(0))
     wide = PointCloudFile(PointCloudFileSettings(path=path, max_extent_m=1000)).survey(
         np.random.default_rng(0)
