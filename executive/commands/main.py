@@ -30,6 +30,7 @@ from executive.commands.missions.show import show
 from executive.commands.plugins.doctor import doctor
 from executive.commands.plugins.list import list_plugins
 from executive.commands.plugins.show import show_plugin
+from executive.commands.plugins.test import hold_plugin
 from executive.commands.stones.objects import objects
 from executive.errors import ExecutiveError, RobotError
 from executive.registry import VERBS, installed, load_verb
@@ -82,6 +83,7 @@ _PLUGIN_VERBS: dict[str, Callable[..., None]] = {
     "list": list_plugins,
     "show": show_plugin,
     "doctor": doctor,
+    "test": hold_plugin,
 }
 for name, verb in _VERBS.items():
     app.command(name)(verb)

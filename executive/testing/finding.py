@@ -1,6 +1,6 @@
 """The outcome of one check of one plugin, and where a failure comes from."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import StrEnum
 
 
@@ -30,6 +30,10 @@ class Finding:
     reason: str
     place: str
     duration_s: float
+
+    def as_json(self) -> dict[str, str | float]:
+        """Return the finding as JSON holds it."""
+        return {**asdict(self), "outcome": self.outcome.value}
 
     def line(self) -> str:
         """Return the check as one line for people."""

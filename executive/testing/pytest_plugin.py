@@ -7,10 +7,11 @@ from typing import Any
 import pytest
 
 from executive import registry
+from executive.errors import ConfigError
 from executive.machine.machine import Machine
 from executive.testing.exercise import Exercise, exercise_of
 from executive.testing.first_answer import Answer, answer_of
-from executive.testing.subject import Subject
+from executive.testing.subject import Subject, subject_of
 
 Insist = Callable[[object, str], None]  # see the fixture `insist`
 TIME_LIMIT_S = 30.0  # generous: ten times what the slowest shipped verb takes on a laptop
@@ -21,15 +22,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup("executive", "the conformance kit of executive")
     group.addoption("--capability", help="Check plugins of this capability; all by default.")
     group.addoption("--plugin", help="Check the plugin of this name; all by default.")
-    group.addoption("--settings", default="{}", help="Its settings as JSON.")
-    group.addoption("--model", default="m545", help="The machine that it is made for.")
     group.addoption(
-        "--companion",
+        "--set",
         action="append",
         default=[],
-        metavar="CAPABILITY=NAME",
-        help="The plugin to give it for a capability that it needs, in place of a stand-in.",
+        metavar="CAPABILITY.FIELD=VALUE",
+        help="Change a setting, or give a chosen plugin for a capability that it needs.",
     )
+    group.addoption("--model", default="m545", help="The machine that it is made for.")
     group.addoption(
         "--time-limit",
         type=float,
@@ -72,23 +72,26 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def _subjects(config: pytest.Config, capability: str | None) -> list[Subject]:
-    wanted = config.getoption("--capability")
+    wanted, name = config.getoption("--capability"), config.getoption("--plugin")
     known = (*registry.capabilities(), registry.SMOOTHERS)
-    capabilities = [capability] if capability else list(known)
-    companions = dict(pair.split("=", 1) for pair in config.getoption("--companion"))
-    return [
-        Subject(
-            one.capability,
-            one.name,
-            config.getoption("--settings"),
-            config.getoption("--model"),
-            companions,
-        )
-        for each in capabilities
+    installed = [
+        one
+        for each in ([capability] if capability else known)
         if wanted in (None, each)
         for one in registry.installed(each)
-        if config.getoption("--plugin") in (None, one.name)
+        if name in (None, one.name)
     ]
+    return [made for one in installed if (made := _subject(config, one, name)) is not None]
+
+
+def _subject(config: pytest.Config, one: registry.Installed, wanted: str | None) -> Subject | None:
+    options, model = config.getoption("--set"), config.getoption("--model")
+    try:
+        return subject_of(one.capability, one.name, options, model)
+    except ConfigError as error:
+        if wanted is not None:
+            raise pytest.UsageError(str(error)) from error
+        return None  # it has settings without a default: ask for it by name, with --set
 
 
 def _hostile(subject: Subject) -> list[str]:

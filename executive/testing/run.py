@@ -5,47 +5,73 @@ import inspect
 import io
 import os
 import traceback
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Generator, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 import pytest
 
-from executive.errors import ConfigError
+from executive import registry
+from executive.errors import ConfigError, did_you_mean
 from executive.mission.fault import place_of
 from executive.testing import suites
 from executive.testing.finding import Finding, Outcome, words
+from executive.testing.subject import subject_of
 
 _SUITES = Path(suites.__file__).parent
-_OF_ALL = ("contract", "settings", "lifecycle", "answers")
-_QUIET = ("-p", "no:cacheprovider", "-p", "no:terminal", "--capture=no", "-c", os.devnull)
+_PLUGINS = ("executive.testing.pytest_plugin", "no:cacheprovider", "no:terminal")
+_QUIET = (*(f"-p{name}" for name in _PLUGINS), "--import-mode=importlib", "-s", f"-c{os.devnull}")
 _AUTOLOAD = "PYTEST_DISABLE_PLUGIN_AUTOLOAD"
 
 
-def hold_to_contract(
-    capability: str, plugin_class: type[Any], options: Sequence[str]
-) -> tuple[Finding, ...]:
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """Which plugin is held to its contract, and how strictly.
+
+    Attributes:
+        capability: Its capability, or `leaf`.
+        name: Its name.
+        options: Settings and companions, as `--set` takes them.
+        model: The machine that it is made for.
+        time_limit_s: Longest call of any verb [s].
+        must_succeed: Whether a refusal of what a capable plugin answers is a failure.
+    """
+
+    capability: str
+    name: str
+    options: tuple[str, ...] = ()
+    model: str = "m545"
+    time_limit_s: float = 30.0
+    must_succeed: bool = False
+
+    def arguments(self) -> list[str]:
+        """Return pytest's arguments."""
+        chosen = [f"--capability={self.capability}", f"--plugin={self.name}"]
+        chosen += [f"--model={self.model}", f"--time-limit={self.time_limit_s}"]
+        chosen += [f"--set={option}" for option in self.options]
+        return chosen + (["--must-succeed"] if self.must_succeed else [])
+
+
+def hold_to_contract(trial: Trial) -> tuple[Finding, ...]:
     """Run every check of a capability over one plugin.
 
-    Args:
-        capability: Its capability.
-        plugin_class: Its class, whose file a failure names.
-        options: pytest's and the kit's own options, see `executive.testing.pytest_plugin`.
-
     Raises:
-        ConfigError: If pytest cannot run the checks with these options.
+        ConfigError: If there is no such plugin, it cannot be imported, or its settings are wrong.
     """
-    own = _SUITES / f"test_{capability}.py"
-    files = [_SUITES / f"test_{name}.py" for name in _OF_ALL]
-    paths = [str(path) for path in (*files, own) if path.is_file()]
-    collector = _Collector(plugin_class)
-    arguments = [*_QUIET, f"--rootdir={_SUITES}", "--import-mode=importlib", *options, *paths]
-    output = io.StringIO()
+    capability = trial.capability
+    known = (*registry.capabilities(), registry.SMOOTHERS)
+    if capability not in known:
+        raise ConfigError(f"no capability '{capability}'{did_you_mean(capability, known)}")
+    plugin_class = registry.load(capability, trial.name)
+    subject_of(capability, trial.name, trial.options, trial.model).machine  # noqa: B018 - checks
+    names = ("contract", "settings", "lifecycle", "answers", capability)
+    paths = [str(p) for name in names if (p := _SUITES / f"test_{name}.py").is_file()]
+    collector, output = _Collector(plugin_class), io.StringIO()
+    arguments = [*_QUIET, f"--rootdir={_SUITES}", *trial.arguments(), *paths]
     with _without_foreign_plugins(), contextlib.redirect_stderr(output):
-        status = pytest.main(
-            ["-p", "executive.testing.pytest_plugin", *arguments], plugins=[collector]
-        )
+        status = pytest.main(arguments, plugins=[collector])
     if status not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED):
         raise ConfigError(f"the checks could not be run: {output.getvalue().strip() or status}")
     return tuple(collector.findings)

@@ -1,8 +1,9 @@
 """The same exercise in a spawned process, as a worker of a mission would compute it."""
 
 import multiprocessing as mp
+import sys
 from concurrent.futures import ProcessPoolExecutor
-from functools import cache
+from functools import lru_cache
 
 from executive.testing.digest import digest
 from executive.testing.exercise import exercise_of
@@ -15,12 +16,12 @@ def spawned_digest(subject: Subject, timeout_s: float) -> str:
     Raises:
         TimeoutError: If it takes longer than the timeout, the process's start included.
     """
-    return _pool().submit(_digest, subject).result(timeout_s)
+    return _pool(tuple(sys.path)).submit(_digest, subject).result(timeout_s)
 
 
-@cache
-def _pool() -> ProcessPoolExecutor:
-    """Return one process for all plugins: its start, with the imports, costs seconds."""
+@lru_cache(maxsize=1)
+def _pool(path: tuple[str, ...]) -> ProcessPoolExecutor:
+    """Return one process for all plugins on a path: its start, with the imports, costs seconds."""
     return ProcessPoolExecutor(1, mp_context=mp.get_context("spawn"))
 
 

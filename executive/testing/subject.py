@@ -1,6 +1,6 @@
 """The plugin under test: which one, with which settings, and what it is given."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from typing import Any
@@ -14,6 +14,8 @@ from executive.interfaces.plugin import Plugin
 from executive.interfaces.robot import RobotSettings
 from executive.machine.machine import Machine, load_machine
 from executive.testing.stand_ins import STAND_INS
+from executive.tree.choices import Choices
+from executive.tree.language import Selection
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,18 +25,18 @@ class Subject:
     Attributes:
         capability: Its capability, such as `segmentation`.
         name: Its name, as `executive plugins list` shows it.
-        settings_json: Its settings as JSON; `{}` for the defaults.
+        settings: Its checked settings.
         model: The machine that it is made for.
-        companions: The plugin to give for each capability that it needs; where none is named, a
+        companions: The plugin to give for each capability that it needs; where none is chosen, a
             stand-in, or else the first installed one.
         seed: All chance of its constructor follows from it.
     """
 
     capability: str
     name: str
-    settings_json: str = "{}"
+    settings: Settings
     model: str = "m545"
-    companions: Mapping[str, str] = field(default_factory=dict)
+    companions: Mapping[str, Selection] = field(default_factory=dict)
     seed: int = 1
 
     @property
@@ -44,19 +46,9 @@ class Subject:
         return loaded
 
     @property
-    def settings(self) -> Settings:
-        """The checked settings.
-
-        Raises:
-            pydantic.ValidationError: If one is missing or wrong.
-        """
-        return self.plugin_class.Settings.model_validate_json(self.settings_json, strict=True)
-
-    @property
     def machine(self) -> Machine:
         """The machine: a robot's own, where its settings name one."""
-        settings = self.settings
-        own = settings.model if isinstance(settings, RobotSettings) else None
+        own = self.settings.model if isinstance(self.settings, RobotSettings) else None
         return load_machine(own or self.model)
 
     def make(self, stack: ExitStack) -> Any:
@@ -95,8 +87,34 @@ class Subject:
                 f"the {self.capability} plugin '{self.name}' asks for '{name}', which is neither "
                 "machine, rng nor a capability with an installed plugin"
             )
-        plugin = registry.load(name, chosen or registry.installed(name)[0].name)
-        companion = self._made(plugin, plugin.Settings(), (*path, name), stack)
+        if chosen is None:
+            first = registry.installed(name)[0].name
+            chosen = Selection(first, registry.load(name, first).Settings())
+        plugin = registry.load(name, chosen.name)
+        companion = self._made(plugin, chosen.settings, (*path, name), stack)
         stack.callback(companion.close)
         companion.start()
         return companion
+
+
+def subject_of(
+    capability: str, name: str, options: Sequence[str] = (), model: str = "m545"
+) -> Subject:
+    """Return an installed plugin with the settings and companions that options choose.
+
+    Args:
+        capability: Its capability.
+        name: Its name.
+        options: `capability.field=value` or `capability.plugin=name`, as `--set` takes them.
+        model: The machine that it is made for.
+
+    Raises:
+        ConfigError: If there is no such plugin, or an option is wrong or missing.
+    """
+    source = f"executive plugins test {capability} {name}"
+    choices = Choices((capability,), options, {capability: name}, source)
+    chosen = {option.partition(".")[0] for option in options} - {capability}
+    companions = {other: choices.selection(other) for other in sorted(chosen)}
+    return Subject(
+        capability, name, choices.selection(capability, name).settings, model, companions
+    )

@@ -13,7 +13,7 @@ from executive.messages.command import Follow, MoveJaws
 from executive.messages.joints import JointSample
 from executive.messages.observation import Observation
 from executive.messages.trajectory import JointTrajectory
-from executive.testing.exercise import Exercise
+from executive.testing.exercise import Exercise, RefusedError
 
 TICK_S = 0.05
 
@@ -66,7 +66,10 @@ class RobotExercise(Exercise[Robot]):
         if sample is not None:
             start = arm_of(inputs["arm"], sample)
             plugin.command(Follow(turn(inputs["arm"], inputs["joint"], start, 0.1, 2.0)))
-        plugin.command(inputs["jaws"])
+        try:
+            plugin.command(inputs["jaws"])
+        except RobotError as error:
+            raise RefusedError(str(error)) from error
         ticks(11, 21)
         plugin.stop()
         plugin.resume()

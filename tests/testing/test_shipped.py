@@ -1,0 +1,79 @@
+"""Everything that ships passes the kit; inputs are thinned where a plugin takes long."""
+
+import inspect
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from executive import registry
+from executive.clouds.ply_writer import write_parts
+from executive.testing.exercises.segmentation import site
+from executive.testing.finding import Outcome
+from executive.testing.run import Trial, hold_to_contract
+
+# Fewer stones, grasps and lidar returns cost less; what is checked is the same.
+THINNED = {
+    ("robot", "mujoco"): ("robot.site.stones.count=1",),
+    ("grasping", "sampled_antipodal"): ("grasping.samples=60",),
+    ("grasping", "sampled_cnn"): ("grasping.samples=60", "grasping.rehearsed=1"),
+}
+# Their libraries take seconds to start, or their method takes seconds a call.
+SLOW = {
+    ("robot", "mujoco"),
+    *(("registration", one.name) for one in registry.installed("registration")),
+}
+SLOW |= {("grasping", one.name) for one in registry.installed("grasping")}
+# A survey needs something to survey: these answer that nothing can be made of grey pictures. What
+# they make of real ones is tested in tests/plugins/surveying.
+WITHOUT_A_SITE = {("surveying", "colmap"), ("surveying", "simulated_photographs")}
+
+PLUGINS = [
+    pytest.param(
+        capability, one.name, marks=[pytest.mark.slow] if (capability, one.name) in SLOW else []
+    )
+    for capability in (*registry.capabilities(), registry.SMOOTHERS)
+    for one in registry.installed(capability)
+    if one.distribution == "executive"
+]
+
+
+def given(capability: str, name: str, folder: Path) -> tuple[str, ...]:
+    """Return the settings that have no default, and those that make it cheap."""
+    if (capability, name) == ("surveying", "point_cloud_file"):
+        write_parts(folder / "site.ply", [site()])
+        return (f"surveying.path={folder / 'site.ply'}",)
+    if (capability, name) == ("surveying", "colmap"):
+        for k in range(6):
+            grey = np.full((48, 64, 3), 128, np.uint8)
+            Image.fromarray(grey).save(folder / f"{k}.png")
+        return (f"surveying.photographs={folder}",)
+    return THINNED.get((capability, name), ())
+
+
+@pytest.mark.parametrize(("capability", "name"), PLUGINS)
+def test_a_shipped_plugin_keeps_its_contract(capability: str, name: str, tmp_path: Path) -> None:
+    must_succeed = (capability, name) not in WITHOUT_A_SITE
+    options = given(capability, name, tmp_path)
+    findings = hold_to_contract(Trial(capability, name, options, must_succeed=must_succeed))
+    failed = [one.line() for one in findings if one.outcome is Outcome.FAIL]
+    assert not failed, "\n".join(failed)
+    assert len(findings) > 20
+
+
+def test_motion_planners_keep_it_on_another_machine() -> None:
+    for one in registry.installed("motion"):
+        findings = hold_to_contract(Trial("motion", one.name, model="mini", must_succeed=True))
+        failed = [found.line() for found in findings if found.outcome is Outcome.FAIL]
+        assert not failed, "\n".join(failed)
+
+
+@pytest.mark.parametrize("capability", (*registry.capabilities(), registry.SMOOTHERS))
+def test_every_shipped_capability_has_an_exercise_for_all_its_verbs(capability: str) -> None:
+    exercises = {one.name for one in registry.installed(registry.EXERCISES)}
+    assert capability in exercises
+    source = inspect.getsource(inspect.getmodule(registry.load(registry.EXERCISES, capability)))
+    verbs = getattr(registry.interface(capability), "__abstractmethods__", ())
+    called = [verb for verb in verbs if f".{verb}(" in source or ".add(" in source]
+    assert sorted(called) == sorted(verbs)
