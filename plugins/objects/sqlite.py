@@ -101,6 +101,8 @@ class SqliteObjects(ObjectDatabase):
         follows the centroid, while the rotation is unknown. A stone that was released and not seen
         since may have rolled away. A lost stone that is seen again is on the ground.
         """
+        if any(not len(segment.points) for segment in segments):
+            raise DataError("a segment without points is no stone")
         known = [stone for stone in self.stones() if stone.state is not StoneState.HELD]
         reaches_m = [self._reach_m(stone) for stone in known]
         partners = associate(segments, known, reaches_m, self._settings.max_growth)

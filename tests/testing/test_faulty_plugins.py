@@ -36,7 +36,7 @@ class Sound(Segmenter):
     def merge(self, clouds):
         frames = sorted({cloud.frame for cloud in clouds})
         if len(frames) != 1:
-            raise DataError(f"no cloud, or clouds in several frames: {', '.join(frames) or 'no cloud'}")
+            raise DataError(f"expected one frame: {', '.join(frames) or 'no cloud'}")
         points = np.unique(np.vstack([cloud.points for cloud in clouds]).round(2), axis=0)
         return Cloud(frames[0], points)
 """
@@ -88,7 +88,8 @@ class Mine(Sound):
         self._number = min(next(STARTED), 1)
     def segment(self, cloud):
         found = super().segment(cloud)
-        return Segmentation(found.frame, (), found.ground, found.ground_plane + [0, 0, 0, self._number])
+        plane = found.ground_plane + [0, 0, 0, self._number]
+        return Segmentation(found.frame, (), found.ground, plane)
 """,
         "a spawned process gives the same answer",
         "is_stateless",

@@ -16,23 +16,22 @@ from executive.testing.run import Trial, hold_to_contract
 # Fewer stones, grasps and lidar returns cost less; what is checked is the same.
 THINNED = {
     ("robot", "mujoco"): ("robot.site.stones.count=1",),
+    ("surveying", "simulated_photographs"): (
+        "surveying.flight.strips=2",
+        "surveying.flight.pictures=3",
+        "surveying.flight.size_px=[64, 48]",
+    ),
     ("grasping", "sampled_antipodal"): ("grasping.samples=60",),
     ("grasping", "sampled_cnn"): ("grasping.samples=60", "grasping.rehearsed=1"),
 }
-# Their libraries take seconds to start, or their method takes seconds a call.
-SLOW = {
-    ("robot", "mujoco"),
-    *(("registration", one.name) for one in registry.installed("registration")),
-}
-SLOW |= {("grasping", one.name) for one in registry.installed("grasping")}
+# The fast lane runs these; the others take seconds each.
+FAST = {"alignment", "monitoring", "objects", "odometry", "viewing"}
 # A survey needs something to survey: these answer that nothing can be made of grey pictures. What
 # they make of real ones is tested in tests/plugins/surveying.
 WITHOUT_A_SITE = {("surveying", "colmap"), ("surveying", "simulated_photographs")}
 
 PLUGINS = [
-    pytest.param(
-        capability, one.name, marks=[pytest.mark.slow] if (capability, one.name) in SLOW else []
-    )
+    pytest.param(capability, one.name, marks=[] if capability in FAST else [pytest.mark.slow])
     for capability in (*registry.capabilities(), registry.SMOOTHERS)
     for one in registry.installed(capability)
     if one.distribution == "executive"
@@ -48,6 +47,8 @@ def given(capability: str, name: str, folder: Path) -> tuple[str, ...]:
         for k in range(6):
             grey = np.full((48, 64, 3), 128, np.uint8)
             Image.fromarray(grey).save(folder / f"{k}.png")
+        lines = [f"{k}.png,{k},0,10" for k in range(6)]
+        (folder / "positions.csv").write_text("\n".join(["name,x,y,z", *lines, ""]))
         return (f"surveying.photographs={folder}",)
     return THINNED.get((capability, name), ())
 
@@ -62,6 +63,7 @@ def test_a_shipped_plugin_keeps_its_contract(capability: str, name: str, tmp_pat
     assert len(findings) > 20
 
 
+@pytest.mark.slow
 def test_motion_planners_keep_it_on_another_machine() -> None:
     for one in registry.installed("motion"):
         findings = hold_to_contract(Trial("motion", one.name, model="mini", must_succeed=True))
@@ -69,7 +71,7 @@ def test_motion_planners_keep_it_on_another_machine() -> None:
         assert not failed, "\n".join(failed)
 
 
-@pytest.mark.parametrize("capability", (*registry.capabilities(), registry.SMOOTHERS))
+@pytest.mark.parametrize("capability", [*registry.capabilities(), registry.SMOOTHERS])
 def test_every_shipped_capability_has_an_exercise_for_all_its_verbs(capability: str) -> None:
     exercises = {one.name for one in registry.installed(registry.EXERCISES)}
     assert capability in exercises

@@ -55,13 +55,15 @@ class ObjectsExercise(Exercise[ObjectDatabase]):
         number = first[0].id
         held = plugin.grasp(number, inputs["T_grasp"], 2.0)
         moved = plugin.release(number, inputs["T_release"], 3.0, StoneState.PLACED)
+        aside = plugin.set_state(first[1].id, StoneState.SET_ASIDE, 3.5)
         aligned = plugin.realign(number, inputs["T_map_map"], 4.0, "overlap 0.9")
         looks = (
             plugin.surroundings(inputs["map_cloud"]),
             plugin.unexplained(inputs["map_cloud"], number, 2.0),
             plugin.surface_within(inputs["centre_map"], 2.0),
         )
-        return first, held, moved, aligned, looks, plugin.stones(), plugin.history(number)
+        changes = (first, held, moved, aside, aligned)
+        return changes, looks, plugin.stones(), plugin.stone(number), plugin.history(number)
 
     def hostile(self, machine: Machine) -> Mapping[str, Callable[[ObjectDatabase], object]]:
         def seen(database: ObjectDatabase, segment: Segment) -> object:
