@@ -185,16 +185,17 @@ def main(words: Sequence[str] | None = None) -> int:
             print(f"{fault.file}:{fault.line}  {fault.kind}")
             print(fault.diff((given.root / fault.file).read_bytes()))
         return 0
-    judge = Judge(given.root, given.timeout, not given.no_lane)
     verdicts = []
+    pool = ThreadPoolExecutor(given.jobs)
+    judge = Judge(given.root, given.timeout, not given.no_lane)
     try:
-        with ThreadPoolExecutor(given.jobs) as pool:
-            for verdict in pool.map(judge.judge, faults):
-                verdicts.append(verdict)
-                print(verdict, file=sys.stderr, flush=True)
+        for verdict in pool.map(judge.judge, faults):
+            verdicts.append(verdict)
+            print(verdict, file=sys.stderr, flush=True)
     except RedWithoutFaultError as error:
         command.error(str(error))
-    finally:
+    finally:  # also when it is interrupted
+        pool.shutdown(wait=False, cancel_futures=True)
         judge.close()
     text, is_missed = summary(verdicts, given.bound)
     print(text, file=sys.stderr)

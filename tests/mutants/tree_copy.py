@@ -49,6 +49,7 @@ class TreeCopy:
 
     def __init__(self, root: Path) -> None:
         self._folder = Path(tempfile.mkdtemp(prefix="mutants-"))
+        self._running: subprocess.Popen[str] | None = None
         self.root = self._folder / "tree"
         self.root.mkdir()
         for part in PARTS:
@@ -72,7 +73,9 @@ class TreeCopy:
         self.close()
 
     def close(self) -> None:
-        """Remove the copy."""
+        """End the tests that still run, and remove the copy."""
+        if self._running is not None and self._running.poll() is None:
+            os.killpg(self._running.pid, signal.SIGKILL)
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def run(self, tests: Sequence[str], limit_s: float, fresh_compiled: bool = False) -> Ran:
@@ -103,6 +106,7 @@ class TreeCopy:
                 text=True,
                 start_new_session=True,
             )
+            self._running = started
             try:
                 output, _ = started.communicate(timeout=limit_s)
                 status: int | None = started.returncode
