@@ -113,6 +113,13 @@ def test_tells_nothing_when_the_arm_leans_on_the_ground(
     assert watch(machine, Series(machine, scale).samples(mass)) is None
 
 
+def test_a_loss_over_many_seconds_is_no_drop(machine: Machine, scale: PayloadScale) -> None:
+    """From three quarters of the weight to half of it takes four seconds: longer than `sudden`."""
+    mass = lifted(30.0)
+    mass[500:] *= np.clip(1 - np.arange(1000) / (16 * RATE_HZ), 0, 1)
+    assert watch(machine, Series(machine, scale).samples(mass)) is None
+
+
 def test_jaws_that_closed_at_the_lift_tell_nothing_about_a_loss_at_the_set_down(
     machine: Machine, scale: PayloadScale
 ) -> None:

@@ -33,3 +33,12 @@ def test_is_straight_up_where_nothing_is_known() -> None:
 
 def test_takes_no_wall_for_ground() -> None:
     np.testing.assert_array_equal(ground_normal(slope(1.2), np.zeros(3)), [0, 0, 1])
+
+
+@pytest.mark.parametrize("height_m", [0.3, 0.6])
+def test_a_low_bank_beside_the_place_does_not_tilt_the_ground(height_m: float) -> None:
+    points = slope(0.1)
+    on_bank = (points[:, 0] > 0.5) & (points[:, 0] < 2.4) & (np.abs(points[:, 1]) < 2.6)
+    points[on_bank, 2] += height_m
+    expected = np.array([-np.sin(0.1), 0.0, np.cos(0.1)])
+    assert np.arccos(ground_normal(points, np.zeros(3)) @ expected) < 0.01

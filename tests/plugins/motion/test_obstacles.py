@@ -108,3 +108,12 @@ def test_waves_of_the_ground_are_ground() -> None:
     )  # a metre or two from the edge of what is seen
     assert obstacles.is_ground[is_inside].all()
     assert obstacles.depths_in_ground(obstacles.points[is_inside]).max() < 0.03
+
+
+def test_a_thin_slab_without_ground_under_it_does_not_raise_the_ground() -> None:
+    """Its points lie within the roughness of the ground, whose lowest points are beside it."""
+    points = site()
+    on_slab = (np.abs(points[:, 0]) < 0.16) & (np.abs(points[:, 1] - 3.0) < 0.16)
+    points[on_slab, 2] += 0.05
+    depth = Obstacles(points, 11.0).depths_in_ground(np.array([[0.0, 3.0, -1.0]]))
+    np.testing.assert_allclose(depth, 0.0, atol=0.01)

@@ -1,10 +1,11 @@
-"""Straight lines, lifts, ways round."""
+"""Straight lines, lifts, and turns of the cabin."""
 
 import numpy as np
 import pytest
 from executive_plugins.motion.inverse_kinematics import InverseKinematics, InverseKinematicsSettings
 from executive_plugins.motion.waypoints import Line, Waypoints, join, reach_below_m
 
+from executive.geometry.pose import pose
 from executive.geometry.rotation import angle_between
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine, load_machine
@@ -79,6 +80,23 @@ def test_a_lift_beyond_reach_goes_as_high_as_it_can_and_no_lift_is_none(
     assert Kinematics(machine).gripper(highest)[2, 3] > height_m + 1.0
     assert waypoints.lift(carry, height_m) is None
     assert waypoints.lift(carry, height_m - 1.0) is None
+
+
+def test_a_lift_that_is_out_of_reach_moves_towards_the_carrying_radius(
+    machine: Machine, waypoints: Waypoints
+) -> None:
+    """Straight up from 6.5 m the gripper comes to 3.7 m; drawn in, it comes to 5.3 m."""
+    kinematics = Kinematics(machine)
+    down = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    ik = InverseKinematics(InverseKinematicsSettings(), machine, kinematics)
+    start = ik.solve(pose(down, np.array([6.5, 0.0, 0.5])), machine.posture("carry"))
+    assert start is not None
+    highest = waypoints.lift(start, 6.0)
+    assert highest is not None
+    T = kinematics.gripper(highest)
+    assert T[2, 3] > 5.0
+    assert np.hypot(*T[:2, 3]) < 5.5
+    assert T[1, 3] == pytest.approx(0.0, abs=0.05)
 
 
 def test_the_other_way_round_is_a_whole_turn_apart(machine: Machine, waypoints: Waypoints) -> None:

@@ -51,6 +51,12 @@ def test_half_a_view_fits_wholly_and_a_stranger_does_not() -> None:
     assert fit_of(model, half + [0, 0.6, 0], 0.1).share < 0.5
 
 
+def test_a_surface_with_too_many_points_keeps_at_least_half_of_the_bound() -> None:
+    """Each step of the grid doubles the volume of a cell: on a surface the count falls by 1.6."""
+    points = block((0.0, 0.0, 0.0), count=60_000)
+    assert 1500 < len(merged(points[:0], points, 0.01, 3000)) <= 3000
+
+
 def test_a_merged_surface_is_bounded_whatever_comes() -> None:
     rng = np.random.default_rng(0)
     assert (

@@ -118,17 +118,18 @@ def test_a_stone_is_set_down_over_its_slot_just_above_the_ground(
         np.testing.assert_allclose(way.T_map_object, T_map_map @ stone.T_map_object, atol=1e-9)
 
 
+@pytest.mark.parametrize(("at", "turn_rad"), [((6.0, 0.0), np.pi / 2), ((0.0, -6.0), np.pi)])
 def test_a_stone_keeps_its_attitude_to_gravity_and_turns_with_the_cabin_first(
-    planner_of: Callable, site: tuple
+    planner_of: Callable, site: tuple, at: tuple[float, float], turn_rad: float
 ) -> None:
     _, ground, _, held = site
-    stone, T_map_gripper = held((6.0, 0.0))
+    stone, T_map_gripper = held(at)
     ways = planner_of().plan(
         stone, Slot(1, np.array([0.0, 6.0, 0.0])), T_map_gripper, Cloud("map", ground()), BASE
     )
     motions = [way.T_map_gripper @ inverse(T_map_gripper) for way in ways]
     np.testing.assert_allclose([T[2, 2] for T in motions], 1.0)
-    np.testing.assert_allclose(motions[0][:3, :3], about_axis(UP, np.pi / 2), atol=1e-6)
+    np.testing.assert_allclose(motions[0][:3, :3], about_axis(UP, turn_rad), atol=1e-6)
 
 
 def test_a_model_without_its_foot_is_not_driven_into_the_ground(

@@ -1,0 +1,51 @@
+"""The surroundings of a slot: the jaws' distance from neighbours, and the height under a stone."""
+
+from collections.abc import Callable
+
+import numpy as np
+from executive_plugins.placing.slot_surroundings import SlotSurroundings
+
+from executive.arrays import Float
+from executive.geometry.pose import pose, transform
+from executive.machine.machine import Machine
+
+# A gripper that hangs: x down, its jaws open along y.
+T_MAP_GRIPPER = pose(
+    np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]), np.array([0.0, 0.0, 3.0])
+)
+STONE = np.array([[0.0, 0.0, 1.5]])
+
+
+def outermost(machine: Machine) -> Float:
+    """Return the corner of the open gripper that is farthest along y, in the map [m]."""
+    parts = machine.gripper.hulls(machine.gripper.open_rad).values()
+    corners = transform(T_MAP_GRIPPER, np.vstack([hull for hulls in parts for hull in hulls]))
+    return np.asarray(corners[corners[:, 1].argmax()])
+
+
+def test_jaws_keep_ten_centimetres_from_a_neighbour(machine: Machine, site: tuple) -> None:
+    ground: Callable[..., Float] = site[1]
+    for apart_m, is_free in ((0.05, False), (0.15, True)):
+        neighbour = outermost(machine) + (0.0, apart_m, 0.0)
+        cloud = np.vstack([ground(4.0), neighbour])
+        around = SlotSurroundings(machine.gripper, cloud, np.zeros(3), 0.5)
+        assert around.is_free(T_MAP_GRIPPER, STONE) == is_free
+
+
+def test_the_stone_keeps_ten_centimetres_from_a_neighbour(machine: Machine, site: tuple) -> None:
+    ground: Callable[..., Float] = site[1]
+    neighbour = outermost(machine) + (0.0, 0.5, 0.0)
+    cloud = np.vstack([ground(4.0), neighbour])
+    around = SlotSurroundings(machine.gripper, cloud, np.zeros(3), 0.5)
+    assert around.is_free(T_MAP_GRIPPER, neighbour[None] - (0.0, 0.11, 0.0))
+    assert not around.is_free(T_MAP_GRIPPER, neighbour[None] - (0.0, 0.09, 0.0))
+
+
+def test_a_stone_comes_to_lie_on_the_high_side_of_sloping_ground(
+    machine: Machine, site: tuple
+) -> None:
+    ground = site[1](4.0)
+    ground[:, 2] = 0.1 * ground[:, 0]
+    around = SlotSurroundings(machine.gripper, ground, np.zeros(3), 1.0)
+    under = ground[np.linalg.norm(ground[:, :2], axis=1) < 0.8, 2]
+    assert 0.02 <= np.mean(under > around.ground_m) <= 0.08
