@@ -16,7 +16,7 @@ from executive.errors import ConfigError, UnknownPluginError
 from executive.extras import MissingExtraError, missing_packages
 from executive.interfaces.plugin import Plugin
 
-# The shipped ones, in the order in which data flows (DESIGN: the way of the data).
+# The shipped ones, in the order in which data flows (docs/architecture.md).
 CAPABILITIES = (
     "robot",
     "estimation",
@@ -34,7 +34,7 @@ CAPABILITIES = (
     "viewing",
 )
 INTERFACES = "capability"  # the abstract class of each capability
-EXERCISES = "exercise"  # what the conformance kit asks of the plugins of a capability
+EXERCISES = "exercise"  # checks of the conformance kit for the plugins of a capability
 BEHAVIOURS = "behaviour"
 ORACLES = "oracle"
 SMOOTHERS = "smoothing"  # of whole recordings: no mission selects one
@@ -71,9 +71,7 @@ def _entry_points(capability: str) -> Mapping[str, EntryPoint]:
 
 
 def capabilities() -> tuple[str, ...]:
-    """List the capabilities that a mission may select plugins of: the shipped ones in the order in
-    which data flows, then those of other packages by name.
-    """
+    """List the capabilities: the shipped ones in the order of the data, then others by name."""
     shipped = (*CAPABILITIES, SMOOTHERS)
     return (*CAPABILITIES, *sorted(set(_entry_points(INTERFACES)) - set(shipped)))
 
@@ -160,7 +158,7 @@ def load(capability: str, name: str) -> type[Any]:
     """Import one class: a plugin, a behaviour or an oracle.
 
     Raises:
-        UnknownPluginError: If none of that name is installed; it says the nearest.
+        UnknownPluginError: If none of that name is installed; the message names the nearest.
         BrokenPluginError: If its import fails; the message holds the reason.
     """
     loaded = _loaded(capability, name)
@@ -173,7 +171,7 @@ def load_verb(name: str) -> Callable[..., None]:
     """Import the function of one sub-command.
 
     Raises:
-        UnknownPluginError: If none of that name is installed; it says the nearest.
+        UnknownPluginError: If none of that name is installed; the message names the nearest.
         BrokenPluginError: If its import fails or it is no function; the message holds the reason.
     """
     loaded = _loaded(VERBS, name)
@@ -209,14 +207,12 @@ def settings_of(capability: str, name: str) -> type[Settings]:
 
 
 def dependencies_of(plugin: type[Plugin]) -> tuple[str, ...]:
-    """Return the names of a plugin's constructor parameters after `settings`: services and
-    capabilities.
-    """
+    """Return the names of a plugin's constructor parameters after `settings`."""
     return tuple(inspect.signature(plugin).parameters)[1:]
 
 
 def describe(capability: str, name: str) -> dict[str, Any]:
-    """Return what a person wants to know of one plugin; imports it."""
+    """Return the description of one plugin; imports it."""
     plugin = load(capability, name)
     fields = plugin.Settings.model_fields
     return {
@@ -234,9 +230,7 @@ def describe(capability: str, name: str) -> dict[str, Any]:
 
 
 def diagnose() -> list[dict[str, str]]:
-    """Import every installed plugin, behaviour and verb, and say which are broken or lack an extra,
-    and why.
-    """
+    """Import every installed plugin, behaviour and verb, and return which are broken, and why."""
     findings = []
     groups = (INTERFACES, *capabilities(), SMOOTHERS, BEHAVIOURS, ORACLES, EXERCISES, VERBS)
     for capability in groups:

@@ -28,8 +28,7 @@ class WaitForDensitySettings(Settings):
 
 
 class WaitForDensity(Action[WaitForDensitySettings]):
-    """Wait while the cabin swings until most of the region of interest is seen densely (Mascaro
-    2020, Sec. 4.3).
+    """Wait while the cabin swings until most of the region is seen densely.
 
     The region is the part of the ground in front that the arm reaches. Its mean density would be
     carried by the few square metres next to the machine, so each one counts by itself.

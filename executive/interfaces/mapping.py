@@ -59,4 +59,4 @@ class Mapper(Plugin, ABC):
 
     @abstractmethod
     def cloud(self) -> Cloud:
-        """Return the map as it stands, in the frame `map`; deterministic in order."""
+        """Return the present map, in the frame `map`; deterministic in order."""

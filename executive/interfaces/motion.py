@@ -8,17 +8,13 @@ from executive.messages.request import MotionPlan, MoveRequest
 
 
 class MotionPlanner(Plugin, ABC):
-    """Plan arm motions that hit neither the machine nor its surroundings (Mascaro 2020,
-    Sec. 6.1).
-    """
+    """Plan arm motions without collisions (Mascaro 2020, Sec. 6.1)."""
 
     capability = "motion"
 
     @abstractmethod
     def reach(self, T_base_gripper: Float, seed: Float) -> Float | None:
-        """Return joint positions (n,) that bring the gripper there free of self-collision, near a
-        seed, or None.
-        """
+        """Return joint positions near a seed that bring the gripper there, or None, shape (n,)."""
 
     @abstractmethod
     def move(self, request: MoveRequest) -> MotionPlan:
@@ -26,6 +22,4 @@ class MotionPlanner(Plugin, ABC):
 
     @abstractmethod
     def swing(self, start: Float, angle_rad: float, duration_s: float) -> MotionPlan:
-        """Plan a sweep of the cabin to +angle/2, −angle/2 and back, arm folded; longer if limits
-        ask for it.
-        """
+        """Plan a sweep of the cabin to +angle/2, −angle/2 and back with the arm folded."""

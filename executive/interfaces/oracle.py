@@ -19,26 +19,22 @@ class Attempt:
     started_s: float
     ended_s: float
     outcome: str
-    grasp_centroid_map: tuple[
-        float, float, float
-    ]  # where the mission believed the stone to be at the start
+    grasp_centroid_map: tuple[float, float, float]  # estimated place of the stone at the start
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MissionView:
-    """What a mission believed, to be held against the truth."""
+    """What a mission estimated, to be compared with the truth."""
 
     states: Sequence[BaseState]
     stones: Sequence[Stone]
     first_stones: Sequence[Stone]  # each as it was first seen
-    slots: Mapping[int, Slot]  # by stone id, where the mission says it stands
+    slots: Mapping[int, Slot]  # by stone id, the slot on which the mission placed it
     attempts: Sequence[Attempt]
 
 
 class Oracle(ABC):
-    """The truth about a simulated run; found under the entry-point group `executive.oracle.v1` by
-    the robot's name.
-    """
+    """The truth about a simulated run, installed as `executive.oracle.v1` by the robot's name."""
 
     @abstractmethod
     def __init__(self, robot: Robot) -> None: ...

@@ -1,4 +1,4 @@
-"""Placement planning: where stones go, and how the gripper must stand to put one there."""
+"""Placement planning: where stones go, and the pose of the gripper that puts one there."""
 
 from abc import ABC, abstractmethod
 

@@ -15,7 +15,7 @@ from executive.messages.observation import Observation
 
 
 class RobotSettings(Settings):
-    """What every robot backend is told."""
+    """Settings of every robot backend."""
 
     model: str = Field("m545", description="Folder under robot_models, or a path to one.")
 
@@ -27,8 +27,7 @@ class Robot(Plugin, ABC):
 
     @abstractmethod
     def read(self, until_s: float) -> Sequence[Observation]:
-        """Return what was measured since the last call and arrived until a mission time [s], in
-        order of stamps.
+        """Return what was measured since the last call and has arrived by a mission time [s].
 
         A simulated robot advances its world to that time.
 
@@ -50,9 +49,7 @@ class Robot(Plugin, ABC):
 
     @abstractmethod
     def stop(self) -> None:
-        """Slow down along the path under way, within the acceleration limits, and hold; the jaws
-        keep pressing.
-        """
+        """Slow down along the present path within the limits, and hold; the jaws keep their force."""
 
 
 class Scene(ABC):
@@ -60,15 +57,11 @@ class Scene(ABC):
 
     @abstractmethod
     def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
-        """Return the range [m] to the first surface along each unit direction (N, 3), inf for none,
-        shape (N,).
-        """
+        """Return the range [m] to the first surface along each unit direction, inf for none."""
 
 
 class Photographer(ABC):
-    """A simulated robot's surroundings, as a drone's camera would photograph them before the
-    machine drives in.
-    """
+    """A simulated robot's site as a drone's camera would photograph it beforehand."""
 
     @abstractmethod
     def photograph(

@@ -1,3 +1,1 @@
-"""What leaves are made of: ports, typed access to plugins, jobs, and steps that several leaves
-share.
-"""
+"""The parts of leaves: ports, typed access to plugins, jobs, and steps that leaves share."""

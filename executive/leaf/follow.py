@@ -11,15 +11,14 @@ from executive.messages.command import START_TOLERANCE, Follow
 from executive.messages.trajectory import JointTrajectory
 
 _SETTLED = 0.002  # [rad] or [m]: at 8 m from the turning axis 2 mrad are 16 mm
-_GOAL_TOLERANCE = 0.02  # [rad] or [m]: what a servo under load may stand off for good
-_STALL_S = 2.0  # standing off the goal for so long: something is in the way
+_GOAL_TOLERANCE = 0.02  # [rad] or [m]: largest lasting error of a servo under load
+_STALL_S = 2.0  # at rest away from the goal for so long: something blocks the arm
 _STALL_SPEED = 0.005  # [rad/s] or [m/s]
-_START_SHARE = 0.9  # of what a robot bears: it measures once more, with other noise
+_START_SHARE = 0.9  # of the robot's own tolerance, which it compares with a later sample
 
 
 def follow(context: Context, trajectory: JointTrajectory) -> Generator[None, None, Outcome[None]]:
-    """Command a trajectory and wait for its end; if given up before, stop the machine along the
-    path.
+    """Command a trajectory and wait for its end; when cancelled, stop along the path.
 
     Fails without moving if the arm is not where the trajectory begins: a load that slips can push
     it after planning.
@@ -28,7 +27,7 @@ def follow(context: Context, trajectory: JointTrajectory) -> Generator[None, Non
     away = np.abs(_position(context, trajectory) - trajectory.position[0])
     if away.max() > _START_SHARE * START_TOLERANCE:
         name = trajectory.names[int(away.argmax())]
-        return failed(f"{name} has moved {away.max():.3f} since the way was planned: plan again")
+        return failed(f"{name} has moved {away.max():.3f} since the path was planned: plan again")
     robot.command(Follow(trajectory))
     is_over = False
     try:
@@ -59,12 +58,12 @@ def _arrive(context: Context, trajectory: JointTrajectory) -> Generator[None, No
                 still_since_s = now_s
             elif is_over and (error < _GOAL_TOLERANCE).all():
                 return succeeded(
-                    reason=f"{trajectory.names[int(error.argmax())]} stands {error.max():.3f} off"
+                    reason=f"{trajectory.names[int(error.argmax())]} is {error.max():.3f} off"
                 )
             before, before_s = position, now_s
         if is_over and now_s - still_since_s >= _STALL_S:
             worst = int(error.argmax())
-            return failed(f"{trajectory.names[worst]} stands {error[worst]:.3f} off its goal")
+            return failed(f"{trajectory.names[worst]} is {error[worst]:.3f} off its goal")
 
 
 def _position(context: Context, trajectory: JointTrajectory) -> np.ndarray:

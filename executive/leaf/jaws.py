@@ -1,4 +1,4 @@
-"""Drive the jaws until they stand: the step that opening and closing share."""
+"""Drive the jaws until they are at rest: the step that opening and closing share."""
 
 from collections.abc import Generator
 
@@ -6,7 +6,7 @@ from executive.interfaces.robot import Robot
 from executive.leaf.context import Context
 from executive.messages.command import MoveJaws
 
-# moving less than this in the window below counts as standing; encoder noise is below 1 mrad
+# moving less than this in the window below counts as rest; encoder noise is below 1 mrad
 _STILL_RAD = 0.01
 _WINDOW_S = 0.5
 
@@ -14,9 +14,7 @@ _WINDOW_S = 0.5
 def drive_jaws(
     context: Context, position_rad: float, force_n: float | None
 ) -> Generator[None, None, float]:
-    """Command the jaws, wait until they stand, at the position or against something; return their
-    angle [rad].
-    """
+    """Command the jaws, wait until they are at rest, and return their angle [rad]."""
     force_n = context.machine().gripper.tip_force_n if force_n is None else force_n
     context.use(Robot).command(MoveJaws(position_rad, force_n))
     jaw = context.machine().jaw.name

@@ -1,4 +1,4 @@
-"""Wait until the arm stands: the step before every plan that begins where the arm is."""
+"""Wait until the arm is at rest: the step before every plan that begins at its present place."""
 
 from collections import deque
 from collections.abc import Generator
@@ -9,7 +9,7 @@ from executive.arrays import Float
 from executive.leaf.context import Context
 from executive.messages.command import START_TOLERANCE
 
-# [rad/s] or [m/s]: a joint slower than this stands; five times the noise of a good encoder's speed
+# [rad/s] or [m/s]: a slower joint is at rest; five times the noise of a good encoder's speed
 _STANDING = 0.01
 _STAYING = (
     0.4 * START_TOLERANCE
@@ -19,17 +19,13 @@ _LIMIT_S = 10.0  # the slowest stop along a path takes less
 
 
 class Rest:
-    """Tells whether joints stand: they hardly move, or shake on the spot, as the simulated jaws do
-    in some postures.
-    """
+    """Detects joints at rest, or shaking on the spot as the simulated jaws do in some postures."""
 
     def __init__(self) -> None:
         self._seen: deque[tuple[float, Float]] = deque()
 
     def add(self, now_s: float, position: Float, velocity: Float) -> bool:
-        """Take note of a sample, positions and velocities (n,), and return whether the joints
-        stand.
-        """
+        """Take positions and velocities, each (n,); return whether the joints are at rest."""
         self._seen.append((now_s, position))
         while len(self._seen) > 1 and now_s - self._seen[1][0] >= _WINDOW_S:
             self._seen.popleft()
@@ -46,11 +42,11 @@ class Rest:
 def come_to_rest(context: Context) -> Generator[None, None, str]:
     """Wait until no joint of the arm moves; the jaws may.
 
-    A motion that was given up ends along its path some ticks later: a plan made before that begins
+    A cancelled motion ends along its path some ticks later: a plan made before that begins
     where the arm no longer is.
 
     Returns:
-        Why waiting was given up; empty if the arm stands.
+        Why the wait was ended; empty if the arm is at rest.
     """
     rest, began_s, names = Rest(), context.now_s(), context.machine().arm_names
     while True:

@@ -48,7 +48,7 @@ class Runtime(ABC):
     def fail(self, error: Exception, node: str, leaf: str) -> str:
         """Take an error that escaped a leaf or a plugin that it called.
 
-        The mission ends in a safe stop after this tick, whatever modifiers stand around the node,
+        The mission ends in a safe stop after this tick, whatever modifiers are around the node,
         unless the error is of a plugin that the mission can do without (`on_error: fail`).
 
         Args:

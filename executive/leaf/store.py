@@ -19,7 +19,7 @@ class Store:
         """Return a value.
 
         Raises:
-            ConfigError: If the key was never written; it says the nearest.
+            ConfigError: If the key was never written; the message names the nearest key.
         """
         if key not in self._values:
             raise ConfigError(

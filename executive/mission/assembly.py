@@ -1,6 +1,4 @@
-"""Plugins from a mission's selections: made in the order of the data, each given what its
-constructor names.
-"""
+"""Makes the selected plugins in the order of the data, and gives each what it asks for."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -32,9 +30,7 @@ class Assembly:
             plugin.start()
 
     def close(self) -> None:
-        """Close all plugins in the reverse order, all of them, and then raise the first error of
-        any.
-        """
+        """Close all plugins in reverse order, and then raise the first error of any."""
         errors: list[Exception] = []
         for plugin in reversed(self.order):
             try:
@@ -115,7 +111,5 @@ def needed_for(selections: Selections, capability: str) -> dict[str, tuple[Selec
 
 
 def seeded(seed: int, stream: str, number: int) -> np.random.Generator:
-    """Return the generator of a named stream: independent of every other name and number, equal on
-    every run.
-    """
+    """Return the random generator of a name and number: independent of others, reproducible."""
     return np.random.default_rng([seed, number, *stream.encode()])

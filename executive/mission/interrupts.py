@@ -1,6 +1,4 @@
-"""Signals of the operator: Ctrl-C once stops along the path, twice at once; SIGUSR1 pauses and
-resumes.
-"""
+"""Signals: Ctrl-C once stops along the path, twice at once; SIGUSR1 pauses and resumes."""
 
 import signal
 import threading
@@ -11,14 +9,12 @@ from executive.mission.mission import Mission
 
 
 class Aborted(BaseException):
-    """The operator asked twice: the run ends at once."""
+    """The operator pressed Ctrl-C twice: the run ends at once."""
 
 
 @contextmanager
 def stop_on_interrupt(mission: Mission) -> Iterator[None]:
-    """Turn signals into requests while the mission runs; in another thread than the main one, do
-    nothing.
-    """
+    """Turn signals into requests while the mission runs; only the main thread takes signals."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

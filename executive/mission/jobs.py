@@ -1,4 +1,4 @@
-"""Long verbs beside the tick: inline, in a thread, or in a long-lived worker process per plugin.
+"""Long verbs outside of the tick: inline, in a thread, or in a worker process per plugin.
 
 In lock-step a job is charged its declared latency on the mission's clock, and its result is awaited
 when that has passed; so the three runners give the same journal, byte for byte.
@@ -30,9 +30,7 @@ class Runner(ABC):
         """Begin a computation."""
 
     def abandon(self, capability: str, future: Future[Any]) -> None:  # noqa: B027 - optional
-        """Take note that nobody waits for a computation that has begun; by default it is left to
-        end.
-        """
+        """Drop the result of a computation that has begun; by default it is left to end."""
 
     def close(self) -> None:  # noqa: B027 - optional
         """End what was begun."""
@@ -51,8 +49,7 @@ class InlineRunner(Runner):
 
 
 class ThreadRunner(InlineRunner):
-    """One thread for all stateless plugins: they share each other's parts, so no two of their verbs
-    run at once.
+    """One thread for all stateless plugins; they share plugins, so no two verbs run at once.
 
     A plugin with state, such as a survey that looks at the simulated world, is computed inline:
     beside the tick it would see the world at no time in particular.
@@ -96,7 +93,7 @@ class ProcessRunner(InlineRunner):
 
 
 class PluginJob(Job[Value]):
-    """One verb under way."""
+    """One call of a verb that has begun."""
 
     def __init__(
         self,

@@ -1,6 +1,4 @@
-"""A running mission: reads the robot, feeds the streams, ticks the tree, and brings the machine to
-a safe stop.
-"""
+"""A running mission: the tick loop and the safe stop."""
 
 import logging
 from collections.abc import Callable
@@ -70,7 +68,7 @@ class MachineMovesError(RobotError):
 
 
 class Mission(Runtime, StreamListener):
-    """The tick loop, as DESIGN tells it: read → streams → tree → commands → journal, viewer."""
+    """The tick loop: read → streams → tree → commands → journal, viewer."""
 
     def __init__(
         self, setup: Setup, build: Callable[[Runtime], Any], halt: Callable[[Any], None]
@@ -154,9 +152,7 @@ class Mission(Runtime, StreamListener):
     # --- the loop
 
     def run(self, after_tick: Callable[["Mission"], None]) -> Ending:
-        """Tick until the tree has ended or the mission is stopped,
-        and leave the machine at rest.
-        """
+        """Tick until the tree has ended or the mission is stopped; the machine is then at rest."""
         self._change(Phase.RUNNING, "")
         try:
             while self._ending is None:
@@ -181,7 +177,7 @@ class Mission(Runtime, StreamListener):
                 self._tick_tree()
         except MissionFaultError:
             pass  # the fault is recorded, and the machine was told to stop
-        except Exception as error:  # whatever escaped: the machine is stopped
+        except Exception as error:  # any other error stops the machine, too
             self._fault(fault_of(error, self.services.plugins))
         self._end_tick()
 
@@ -250,7 +246,7 @@ class Mission(Runtime, StreamListener):
             self._ending = Ending("fault", fault.summary, fault)
         try:
             self._robot.stop()
-        except Exception as error:  # a robot that cannot stop is told, and the mission ends
+        except Exception as error:  # recorded, and the mission ends all the same
             self.record("", StopFailed(f"{type(error).__name__}: {error}"))
 
     def _log(self, fault: Fault) -> None:

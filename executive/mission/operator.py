@@ -1,6 +1,4 @@
-"""The person in charge: asked on the terminal, or answered for by an option or the
-node's default.
-"""
+"""The operator: asked on the terminal, or replaced by an option or the node's default."""
 
 import sys
 import threading
@@ -71,7 +69,7 @@ class Operator:
         """Return a question, answered or open.
 
         Raises:
-            ConfigError: If nobody can answer: no terminal, no `--answer`, no default in the node.
+            ConfigError: If no one can answer: no terminal, no `--answer`, no default in the node.
         """
         if self._preset is not None:
             return Answered(self._preset, "option")
@@ -80,6 +78,6 @@ class Operator:
         if default is not None:
             return Answered(default, "default")
         raise ConfigError(
-            f"nobody can answer '{question}': there is no terminal; give --answer "
+            f"no one can answer '{question}': there is no terminal; give --answer "
             "yes|no or a default"
         )

@@ -33,7 +33,7 @@ _NEXT: dict[Phase, frozenset[Phase]] = {
 
 
 class PhaseError(ExecutiveError):
-    """A phase was asked for that cannot follow the present one."""
+    """A phase was requested that cannot follow the present one."""
 
 
 def checked_change(now: Phase, then: Phase) -> Phase:

@@ -1,4 +1,4 @@
-"""What became of each stone, read from the journal: attempts, placement, giving up."""
+"""The course of each relocation, read from the journal: attempts, placement, setting aside."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -46,7 +46,7 @@ class Pick:
 
     @property
     def is_over(self) -> bool:
-        """Whether the stone was set down on its slot, or given up."""
+        """Return whether the stone was set down on its slot, or set aside."""
         return self.released is not None or bool(self.set_aside)
 
     def as_report(self) -> dict[str, Any]:
@@ -127,7 +127,7 @@ class Picks:
 def picks_from(entries: Iterable[Entry]) -> list[Pick]:
     """Return all picks in the order in which they began.
 
-    A stone that is moved again, after it was placed or given up, is picked again.
+    A stone that is moved again, after it was placed or set aside, is picked again.
     """
     picks, last_s = Picks(), 0.0
     for entry in entries:

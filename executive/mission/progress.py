@@ -1,6 +1,4 @@
-"""Progress for a person: a live tree on a terminal, plain lines elsewhere;
-all on standard error.
-"""
+"""Progress on standard error: a live tree on a terminal, plain lines elsewhere."""
 
 import sys
 from typing import Any

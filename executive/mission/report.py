@@ -1,6 +1,4 @@
-"""The report of one run: what was asked, what happened, how long it took, and, in simulation, the
-truth.
-"""
+"""The report of one run: request, outcome, counts, timings and, in simulation, the truth."""
 
 import json
 from collections import Counter
@@ -37,14 +35,12 @@ class Ending:
 
     @property
     def exit_status(self) -> int:
-        """Return the process's exit status (DESIGN: command line); a stopped mission did not do its
-        job: 1.
-        """
+        """Return the exit status of the process; a stopped mission counts as failed: 1."""
         return {"success": 0, "failure": 1, "stopped": 1, "fault": 3}[self.outcome]
 
 
 def counts_from(entries: Sequence[Entry], picks: Sequence[Pick]) -> dict[str, int]:
-    """Count what a person asks for first."""
+    """Return the counts of the report."""
     events = [entry.event for entry in entries]
     kinds = Counter(type(event) for event in events)
     troubles = Counter(event.trouble for event in events if isinstance(event, VerdictGiven))

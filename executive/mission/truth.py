@@ -1,6 +1,4 @@
-"""The report's `truth` section: the only place where a mission's beliefs meet what the simulator
-knows.
-"""
+"""The report's `truth` section: the only place that compares a mission with the simulator."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -31,7 +29,7 @@ def truth_of(robot_name: str, mission: Mission, picks: Sequence[Pick]) -> dict[s
 
 
 def _slots(picks: Sequence[Pick]) -> dict[int, Slot]:
-    """Return where each stone stands by the mission's word: its newest pick decides."""
+    """Return the slot of each stone according to the mission: its newest pick decides."""
     return {
         stone: Slot(released.slot, np.array(released.slot_position))
         for stone, released in newest_releases(picks).items()

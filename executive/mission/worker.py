@@ -15,7 +15,7 @@ from executive.interfaces.plugin import Plugin
 from executive.mission.assembly import Assembly, Selections, assemble, needed_for
 from executive.mission.fault import REMOTE, fault_of
 
-_DEADLINE_S = 2.0  # for a worker that is told to end, or to give a call up, before it is killed
+_DEADLINE_S = 2.0  # for a worker to end, or to drop a call, before it is killed
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,9 +36,7 @@ class WorkerDiedError(RobotError):
 
 
 class Worker:
-    """Calls in order, one at a time; a worker that dies fails its call and is started anew for the
-    next.
-    """
+    """Calls in order, one at a time; a worker that dies is restarted for the next call."""
 
     def __init__(self, capability: str, selections: Selections, model: str, seed: int) -> None:
         self._capability = capability
@@ -59,9 +57,7 @@ class Worker:
         return future
 
     def abandon(self, future: Future[Any]) -> None:
-        """Give a call up: a process that is still at it at the deadline is killed, and the next one
-        serves.
-        """
+        """Drop a call: a process that still computes it at the deadline is killed and replaced."""
         timer = threading.Timer(_DEADLINE_S, self._kill_if_at, [future])
         timer.daemon = True
         timer.start()

@@ -46,16 +46,12 @@ from executive.tree.wiring import Scope
 
 
 def build_tree(mission: MissionFile, runtime: Runtime) -> Behaviour:
-    """Return the root; its `tick_once` ticks the mission, its `status` and `feedback_message` say
-    how it stands.
-    """
+    """Return the root node, which `tick_once` ticks."""
     return _Builder(mission, runtime).node(mission.trees["main"].root, "main", Scope(runtime.store))
 
 
 def halt(root: Behaviour) -> None:
-    """Cancel whatever is under way, leaves first; also after a tick that was cut off in
-    its middle.
-    """
+    """Cancel every running node, leaves first; also after a tick that was cut off."""
     for node in root.iterate():
         node.stop(Status.INVALID)
 
@@ -183,9 +179,7 @@ class NodeState:
 
 
 def node_states(root: Behaviour) -> tuple[NodeState, ...]:
-    """Return the state of every node, parents first; modifiers are told with the node that they are
-    around.
-    """
+    """Return the state of every node, parents first; modifiers are part of their node."""
     return tuple(_states(root, 0, "", True))
 
 

@@ -1,6 +1,4 @@
-"""What a mission can choose from: plugins by capability, and behaviours; the installed ones, or a
-table of them.
-"""
+"""The plugins and behaviours that a mission can use: the installed ones, or a table of them."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -16,7 +14,7 @@ SERVICES = frozenset({"machine", "rng"})  # what a plugin's constructor is given
 
 
 class Catalogue(ABC):
-    """Names, and the classes behind them; a class is imported when it is asked for."""
+    """Names, and the classes behind them; a class is imported when it is used."""
 
     @abstractmethod
     def plugin_names(self, capability: str) -> tuple[str, ...]:

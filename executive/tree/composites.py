@@ -1,6 +1,4 @@
-"""Sequences and fallbacks on py_trees' Sequence and Selector, and a parallel that needs any number
-of successes.
-"""
+"""Sequence and fallback on py_trees' Sequence and Selector; a parallel of its own."""
 
 from collections.abc import Sequence
 
@@ -14,9 +12,7 @@ from executive.tree.nodes import Controller, Steps, TreeNode, Visits, stop_child
 
 
 class _Journalled(TreeNode):
-    """Lets a py_trees composite tick, and journals it under the reason of the child that
-    decided.
-    """
+    """Ticks as a py_trees composite, and is journalled with the deciding child's reason."""
 
     children: list[Behaviour]
     current_child: Behaviour | None = None
@@ -40,9 +36,7 @@ class _Journalled(TreeNode):
 
 
 class SequenceNode(_Journalled, composites.Sequence):  # type: ignore[misc]
-    """Children in order until one fails; reactive, the earlier ones are asked again at
-    each tick.
-    """
+    """Children in order until one fails; reactive, earlier ones are ticked again at each tick."""
 
     def __init__(
         self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour], *, memory: bool
@@ -70,8 +64,7 @@ class FallbackNode(_Journalled, composites.Selector):  # type: ignore[misc]
 
 
 class ReactiveFallbackNode(Controller):
-    """Children in order until one succeeds; at each tick those before the running one may take
-    over.
+    """Children in order until one succeeds; at each tick earlier ones may take over.
 
     py_trees' Selector without memory would begin an earlier child that has failed after some time
     again and again, each time cancelling the alternative that its failure called for. Here such a
@@ -112,8 +105,7 @@ class ReactiveFallbackNode(Controller):
 
 
 class ParallelNode(Controller):
-    """All children at once; ends as soon as enough have succeeded, or too many have failed for
-    that.
+    """All children at once; ends when enough have succeeded, or too many have failed.
 
     py_trees' Parallel knows "all" and "one", fails at the first failure, and ticks ended children
     anew.

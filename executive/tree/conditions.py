@@ -1,6 +1,4 @@
-"""Conditions at run time: `"{key}"`, checks, and their not, all and any; answered at once, with a
-reason.
-"""
+"""Conditions at run time: `"{key}"`, checks, and their not, all and any."""
 
 from collections.abc import Callable
 from typing import Any

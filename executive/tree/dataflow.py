@@ -1,5 +1,4 @@
-"""Follow every key through the trees in the order of execution: is it written before it is read,
-and of the right type.
+"""Check every key in the order of execution: written before it is read, and of the right type.
 
 A key counts as written as soon as some path to its reader may have written it: what is reported is
 a read that must fail. A branch that may be left out (`if`, `optional`, a fallback's alternatives, a
@@ -40,7 +39,7 @@ Keys = Mapping[str, Types]  # the types that each key may hold now
 
 
 _UNKNOWN: Types = frozenset({Any})
-_ANYTHING = "*"  # stands for every key, after a node that could not be read
+_ANYTHING = "*"  # means every key, after a node that could not be read
 
 
 class Dataflow:
@@ -185,7 +184,7 @@ class Dataflow:
                     f"holds {names(types)}"
                 )
                 self._problems.error(place, told)
-                types = _UNKNOWN  # told once, not again inside
+                types = _UNKNOWN  # reported once, not again inside
             inside.update({} if types is None else {port: types or _UNKNOWN})
         after = self._tree(tree, inside)
         given = {

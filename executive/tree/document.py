@@ -21,7 +21,7 @@ _MAX_BYTES = 1_000_000
 _MAX_DEPTH = 60
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
-# libyaml's words, and ours for those who do not know its grammar.
+# Messages of libyaml, and what a reader who does not know its grammar is shown instead.
 _CURES = (
     (
         "cannot start any token",
@@ -59,9 +59,7 @@ class _Open:
 
 
 def read_file(path: Path, name: str, problems: Problems) -> Value | None:
-    """Read a file; `name` stands for it in messages. Returns None if nothing could be
-    made of it.
-    """
+    """Read a file, called `name` in messages; return None if it cannot be parsed."""
     try:
         with path.open("rb") as file:
             data = file.read(_MAX_BYTES + 1)

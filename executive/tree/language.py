@@ -46,9 +46,7 @@ class Selection:
 
 @dataclass(frozen=True, slots=True)
 class Ref:
-    """A reference to a key of the store: `"{key}"`; `is_listed` if the file says so, else a port
-    takes its own name.
-    """
+    """A reference to a key of the store, `"{key}"`; not listed, a port uses its own name."""
 
     key: str
     mark: Mark
@@ -115,7 +113,7 @@ class Attempts:
 
 @dataclass(frozen=True, slots=True)
 class Modifiers:
-    """What is laid around a node, outermost first."""
+    """The modifiers of a node, outermost first."""
 
     if_: Condition | None = None
     while_: Condition | None = None
@@ -240,7 +238,7 @@ Kind = Composite | Group | Loop | ForEach | RunLeaf | CheckLeaf | Wait | Set | A
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """One node of a tree: what it is, what is laid around it, and where it stands."""
+    """One node of a tree: its kind, its modifiers and its place in the file."""
 
     kind: Kind
     modifiers: Modifiers
@@ -273,9 +271,7 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class TypeName:
-    """The type of a tree's port as the file says it: `Stone`, `list[Stone]`, and `Stone?` where it
-    may be missing.
-    """
+    """The declared type of a tree's port: `Stone`, `list[Stone]`, or `Stone?` if optional."""
 
     text: str
     mark: Mark

@@ -18,15 +18,13 @@ _CONDITION_FORMS = 'a check\'s name, "{key}", or a mapping with one of check, no
 
 
 class LeafReader:
-    """Reads what stands at `run`, `check`, `if`, `while` and `until`."""
+    """Reads the values of `run`, `check`, `if`, `while` and `until`."""
 
     def __init__(self, reading: Reading) -> None:
         self._reading = reading
 
     def use(self, kind: str, table: Table, *, as_node: bool = True) -> LeafUse | None:
-        """Read `run: Name` or `check: Name` with its settings and ports, as a node or within a
-        condition.
-        """
+        """Read `run: Name` or `check: Name` with settings and ports, as a node or a condition."""
         value = table.entries[kind].value
         name = self._reading.text(value, f"'{kind}'")
         leaf = self._leaf(kind, name, value.mark, as_node) if name else None

@@ -1,4 +1,4 @@
-"""A mission by path or name to its checked description; every mistake is told at once."""
+"""A mission by path or name to its checked description; every mistake is reported at once."""
 
 from collections.abc import Mapping, Sequence
 
@@ -19,7 +19,7 @@ from executive.tree.value import Table, TableEntry, merged
 def load_mission(
     path_or_name: str, overrides: Sequence[str] = (), catalogue: Catalogue | None = None
 ) -> MissionFile:
-    """Load a mission: a file, or the name of a shipped one, with settings laid over it.
+    """Load a mission: a file, or the name of a shipped one, with settings that override its own.
 
     Args:
         path_or_name: A path that ends in `.yaml`, or a shipped mission's name.
@@ -41,7 +41,7 @@ def load_mission(
     trees = read_trees(_trees(found, reading), libraries(mission.path, reading), reading)
     if (
         "plugins" not in mission.table.entries or plugin_table.entries
-    ):  # else there is no mapping, which is told
+    ):  # else there is no mapping, which is reported
         plugins.check_needs(selected, plugin_table, _uses(trees))
     if "main" in trees:
         Dataflow(trees, reading.problems).check()

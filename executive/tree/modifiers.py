@@ -1,6 +1,4 @@
-"""What can be laid around a node: if, while, timeout, retry, on_failure, optional; all on the
-mission's clock.
-"""
+"""Modifiers of a node: if, while, timeout, retry, on_failure, optional; all on mission time."""
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -22,7 +20,7 @@ EPSILON_S = 1e-9  # the clock is a product of ticks, and a duration need not be
 
 
 class Modifier(Controller):
-    """Around one child; it speaks up in the journal only when it does something."""
+    """Around one child; it is journalled only when it changes something."""
 
     is_journalled = False
 
@@ -70,9 +68,7 @@ class IfNode(Modifier):
 
 
 class WhileNode(Modifier):
-    """Asks a condition before every tick of its child; when it no longer holds, the child is
-    cancelled: a failure.
-    """
+    """Checks a condition before every tick of its child, and cancels it when it no longer holds."""
 
     def __init__(
         self, name: str, path: str, runtime: Runtime, child: Behaviour, answer: Answer
@@ -165,9 +161,7 @@ class RetryNode(Modifier):
 
 
 class OnFailureNode(Controller):
-    """Ticks a recovery when its child has failed; the child's failure stands, whatever the recovery
-    brings.
-    """
+    """Ticks a recovery when its child has failed; the node fails whatever the recovery returns."""
 
     is_journalled = False
 

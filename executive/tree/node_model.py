@@ -1,6 +1,4 @@
-"""The TreeNodesModel of BehaviorTree.CPP 4: every node that is not built in, with its ports, types
-and descriptions.
-"""
+"""The TreeNodesModel of BehaviorTree.CPP 4: every custom node with its ports."""
 
 import inspect
 from collections.abc import Iterable
@@ -65,7 +63,7 @@ def _own_models(kinds: Iterable[type]) -> Iterable[Element]:
             "input_port",
             "max",
             "int",
-            "Rounds at most; the first child says when it is enough.",
+            "Rounds at most; the first child decides when the loop ends.",
         )
         yield model
     if Ask in kinds:
@@ -73,7 +71,7 @@ def _own_models(kinds: Iterable[type]) -> Iterable[Element]:
         _port(
             model, "input_port", "question", "string", "What the operator is asked; yes is success."
         )
-        _port(model, "input_port", "default", "bool", "The answer if there is nobody to ask.")
+        _port(model, "input_port", "default", "bool", "The answer if no one can be asked.")
         yield model
 
 

@@ -77,7 +77,7 @@ class NodeReader:
         }
 
     def node(self, value: Value) -> Node:
-        """Read a node; one with mistakes is told, and stands as unreadable."""
+        """Read a node; one with mistakes is reported, and becomes an unreadable node."""
         return self._node(value) or Node(Composite(UNREADABLE, ()), Modifiers(), value.mark)
 
     def _node(self, value: Value) -> Node | None:

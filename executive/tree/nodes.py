@@ -1,5 +1,4 @@
-"""What all nodes have in common: a stable path, a journal entry at start and end, and a clean end
-when cancelled.
+"""The base of all nodes: a stable path, journal entries at start and end, clean cancelling.
 
 On py_trees' Behaviour: `initialise` begins a round of activity, `terminate` ends it.
 `terminate(INVALID)` also reaches nodes that ended long ago; here it does nothing unless a round is
@@ -117,15 +116,13 @@ class TreeNode(Behaviour):  # type: ignore[misc]
 
 
 class Controller(TreeNode):
-    """A node that decides when its children are ticked, told as a generator that returns the
-    status.
-    """
+    """A node that decides when its children are ticked, as a generator that returns the status."""
 
     @abstractmethod
     def proceed(self) -> Steps:
         """Tick children by `yield from child.tick()`, and return the status."""
 
-    def update(self) -> Status:  # pragma: no cover - `tick` is told anew
+    def update(self) -> Status:  # pragma: no cover - `tick` is overridden
         raise NotImplementedError
 
     def tick(self) -> Visits:
@@ -145,7 +142,7 @@ class Controller(TreeNode):
         yield self
 
     def stop(self, new_status: Status) -> None:
-        """End; children that are under way are cancelled first."""
+        """End; children that are running are cancelled first."""
         for child in self.children:
             stop_child(child, everything=new_status is Status.INVALID)
         super().stop(new_status)

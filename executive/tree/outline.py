@@ -1,4 +1,4 @@
-"""One line a node: what a picture of a tree says about it."""
+"""One line for each node, as pictures of a tree show it."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any

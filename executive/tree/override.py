@@ -1,6 +1,4 @@
-"""`--set capability.field.sub=value`: the last layer of settings, with the same rules for values as
-in a file.
-"""
+"""`--set capability.field.sub=value`: the last layer of settings, checked as in a file."""
 
 from executive.errors import did_you_mean
 from executive.tree.document import read_text
@@ -15,9 +13,7 @@ LOOP = "loop"
 def apply_override(
     option: str, loop: Table, plugins: Table, reading: Reading
 ) -> tuple[Table, Table]:
-    """Lay one option over the settings of the loop and of the plugins;
-    a mistake names the option.
-    """
+    """Apply one option to the settings of the loop and of the plugins; errors name the option."""
     mark = Mark(one_line(f"--set {option}"))
     key, equals, text = option.partition("=")
     path = key.strip().split(".")

@@ -1,6 +1,4 @@
-"""The plugins of a mission: layers laid over each other, names and settings checked, all that is
-needed chosen.
-"""
+"""Reads a mission's plugins: layers merged, names and settings checked, needs fulfilled."""
 
 from collections.abc import Iterable, Mapping
 
@@ -16,9 +14,7 @@ from executive.tree.value import Listing, Scalar, Table, TableEntry, Value, merg
 
 
 def layered(base: Table, over: Table) -> Table:
-    """Lay one `plugins:` over another: settings of the same plugin are merged, another plugin
-    replaces all of them.
-    """
+    """Merge two `plugins:` tables: settings of the same plugin merge, another plugin replaces."""
     entries = dict(base.entries)
     for capability, entry in over.entries.items():
         known = entries.get(capability)
@@ -56,9 +52,7 @@ def _name(table: Table) -> object:
 
 
 def plugin_of(capability: str, table: Table, reading: Reading) -> tuple[str, type[Plugin]] | None:
-    """Return the name and the class of the plugin that a table selects, or None after the mistake
-    was noted.
-    """
+    """Return name and class of a table's plugin, or None after a mistake was reported."""
     chosen = table.get("plugin")
     if chosen is None:
         known = ", ".join(reading.catalogue.plugin_names(capability))

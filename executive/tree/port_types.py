@@ -1,6 +1,4 @@
-"""Types of ports: does what one writes suit what another reads; by class, or by a type's name in a
-mission file.
-"""
+"""Compatibility of port types, given as classes or as names in a mission file."""
 
 import re
 import types
@@ -13,14 +11,12 @@ _TYPE_NAME = re.compile(r"\w+\??|list\[\w+\]\??")
 
 
 def is_type_name(text: str) -> bool:
-    """Whether a text has the form of a port's type: `Stone`, `list[Stone]`, each with `?` if it may
-    be missing.
-    """
+    """Return whether a text is a port type: `Stone`, `list[Stone]`, each with `?` if optional."""
     return _TYPE_NAME.fullmatch(text) is not None
 
 
 def type_name(wanted: Any) -> str:
-    """Return a type as a mission file says it."""
+    """Return a type as a mission file writes it."""
     if is_unknown(wanted):
         return "object"
     if typing.get_origin(wanted) is None and isinstance(wanted, type):
@@ -31,7 +27,7 @@ def type_name(wanted: Any) -> str:
 
 
 def is_unknown(kind: Any) -> bool:
-    """Whether a type says nothing: then only the run can tell."""
+    """Return whether a type is not known before the run."""
     return kind is Any or kind is object
 
 

@@ -1,4 +1,4 @@
-"""Mistakes in a mission, each with its place; collected, so that all are told at once."""
+"""Mistakes in a mission, each with its place; collected, so that all are reported at once."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass

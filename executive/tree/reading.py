@@ -1,6 +1,4 @@
-"""What every part of the reader asks of a value: a text, a number, a duration, a reference, known
-keys only.
-"""
+"""Reads basic values: texts, numbers, durations, references, tables with known keys only."""
 
 import re
 from collections.abc import Collection

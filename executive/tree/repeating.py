@@ -18,8 +18,7 @@ from executive.tree.wiring import Scope
 
 
 class LoopNode(Controller):
-    """Asks `until` before each round and after the last: yes is success; a round that fails is a
-    failure.
+    """Checks `until` before each round and after the last; a failing round is its failure.
 
     Without `until`, all rounds done is success; with it, `max` rounds without a yes are a failure.
     """
@@ -74,9 +73,7 @@ class LoopNode(Controller):
 
 
 class ForEachNode(Controller):
-    """Ticks its body once for each item of a list, which is read when the node begins; a failed
-    body is a failure.
-    """
+    """Ticks its body once for each item of a list; the first failing body is its failure."""
 
     def __init__(
         self, kind: ForEach, name: str, path: str, runtime: Runtime, body: Behaviour, scope: Scope

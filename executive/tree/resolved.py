@@ -1,6 +1,4 @@
-"""A mission written out: one file with every setting, every tree and every wire explicit, which
-loads again.
-"""
+"""A resolved mission: one file with every setting, tree and wire explicit, which loads again."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -58,9 +56,7 @@ def resolved_document(mission: MissionFile) -> dict[str, Any]:
 
 
 class _Dumper(yaml.SafeDumper):
-    """Writes for a reader of YAML 1.2: no aliases, and quotes wherever a plain text would be read
-    as something else.
-    """
+    """Writes YAML 1.2: no aliases, and quotes wherever a plain text would be read otherwise."""
 
     def ignore_aliases(self, data: Any) -> bool:
         return True
@@ -138,9 +134,7 @@ def _use(use: LeafUse) -> dict[str, Any]:
 
 
 def _wires(wires: Mapping[str, Source]) -> dict[str, Any]:
-    """Return the wires that the file lists; an optional port that is not listed may stay
-    unconnected.
-    """
+    """Return the wires that the file lists; optional ports may stay unconnected."""
     return {
         port: source_value(one)
         for port, one in wires.items()

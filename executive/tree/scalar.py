@@ -1,6 +1,4 @@
-"""What a plain YAML scalar means: the core schema of YAML 1.2, and a refusal where YAML 1.1 reads
-something else.
-"""
+"""Plain YAML scalars by the core schema of YAML 1.2; what YAML 1.1 reads otherwise is refused."""
 
 import re
 

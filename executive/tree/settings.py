@@ -1,6 +1,4 @@
-"""A table of the file against a settings class: pydantic's findings, each at the key or value that
-it is about.
-"""
+"""Checks a table of the file against a settings class, and reports each finding at its key."""
 
 import json
 import types
@@ -34,7 +32,7 @@ def check_settings(settings: type[S], table: Table, owner: str, problems: Proble
             place = _placed(table, finding["loc"], finding["type"])
             is_new = (
                 place.mark not in told or finding["type"] == "missing"
-            )  # a union tells each of its members
+            )  # a union reports each of its members
             if is_new and not isinstance(place.value, Broken):
                 told.add(place.mark)
                 problems.error(place.mark, _sentence(settings, owner, finding, place))
@@ -57,9 +55,7 @@ class _Place:
 
 
 def _placed(table: Table, steps: Sequence[int | str], kind: str) -> _Place:
-    """Follow a finding's steps; some name a member of a union or a validator, and lead nowhere in
-    the file.
-    """
+    """Return the place in the file that a finding of pydantic is about."""
     place = _Place(table.mark, table, ())
     for step in steps:
         value, path = place.value, (*place.path, str(step))

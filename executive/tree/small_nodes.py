@@ -62,9 +62,7 @@ class SetNode(Controller):
 
 
 class AskNode(Controller):
-    """Puts a question to the operator: yes is success, no is failure; the journal says who
-    answered.
-    """
+    """Asks the operator: yes is success, no is failure; the journal records who answered."""
 
     def __init__(self, kind: Ask, name: str, path: str, runtime: Runtime) -> None:
         super().__init__(name, path, runtime)
@@ -120,9 +118,7 @@ class CallFrame:
 
 
 class CallNode(Controller):
-    """A subtree with a store of its own: inputs are copied in when it begins, outputs out when it
-    ends, either way.
-    """
+    """A subtree with its own store: inputs are copied in at the start, outputs out at the end."""
 
     def __init__(
         self, call: CallFrame, name: str, path: str, runtime: Runtime, root: Behaviour

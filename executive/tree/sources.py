@@ -1,6 +1,4 @@
-"""Where missions and subtrees come from: a file, a shipped name, a base that is extended, a folder
-of subtrees.
-"""
+"""Finds missions and subtrees: a file, a shipped name, an extended base, a subtrees folder."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -40,9 +38,7 @@ def shipped_names() -> tuple[str, ...]:
 
 
 def find(mission: str) -> Path | None:
-    """Return the path of a mission: what looks like a path or is a file, else the shipped one of
-    that name.
-    """
+    """Return the path of a mission: a file, else the shipped mission of that name."""
     path = Path(mission)
     if mission.endswith(_SUFFIXES) or "/" in mission or _is_file(path):
         return path
@@ -51,9 +47,7 @@ def find(mission: str) -> Path | None:
 
 
 def _find_base(name: str, folder: Path) -> Path | None:
-    """Return the path of a base: a file beside the one that extends it, else the shipped one of
-    that name.
-    """
+    """Return the path of a base: a file beside the extending one, else a shipped mission."""
     near = [
         folder / name,
         *([folder / f"{name}.yaml", shipped_folder() / f"{name}.yaml"] if _is_word(name) else []),
@@ -126,9 +120,7 @@ def _base(layer: Layer, seen: set[Path], reading: Reading) -> Path | None:
 
 
 def libraries(mission: Path, reading: Reading) -> Iterator[Table]:
-    """Read the trees of every file under `subtrees/`, one table a folder: the shipped one, that
-    beside the mission.
-    """
+    """Read the trees of the shipped `subtrees/` folder and of the one beside the mission."""
     folders = [shipped_folder() / "subtrees", mission.parent / "subtrees"]
     for folder in dict.fromkeys(folder.resolve() for folder in folders):
         tables = [

@@ -17,9 +17,7 @@ from executive.tree.language import (
 
 
 def is_instant(node: Node) -> bool:
-    """Whether a node always ends in the tick in which it begins; a called tree is taken to need
-    longer.
-    """
+    """Return whether a node always ends in its first tick; a called tree may need longer."""
     modifiers = node.modifiers
     if modifiers.retry or (modifiers.on_failure and not is_instant(modifiers.on_failure)):
         return False
@@ -29,7 +27,7 @@ def is_instant(node: Node) -> bool:
 
 
 def conditions_of(node: Node) -> tuple[Condition, ...]:
-    """Return the conditions that stand at a node itself."""
+    """Return the conditions of a node itself."""
     until = node.kind.until if isinstance(node.kind, Loop) else None
     return tuple(c for c in (node.modifiers.if_, node.modifiers.while_, until) if c is not None)
 

@@ -1,6 +1,4 @@
-"""The trees of a mission: headers first, so that calls can be checked, then the bodies of those
-that are reached.
-"""
+"""Reads the trees of a mission: headers first, then the bodies of those that are reached."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -71,7 +69,7 @@ def _ports(value: Value | None, tree: str, reading: Reading) -> Ports:
         text = reading.text(entry.value, f"the type of port '{port}'")
         if text is not None and not is_type_name(text):
             cure = (
-                "; here stand the tree's ports: put a node with wires into a sequence"
+                "; these are the tree's ports: put a node with wires into a sequence"
                 if "{" in text
                 else ""
             )

@@ -18,7 +18,7 @@ class Scalar:
 
 @dataclass(frozen=True, slots=True)
 class Broken:
-    """A value that was refused when it was read; whoever meets it says nothing more about it."""
+    """A value that was refused when it was read; it is not reported again."""
 
     mark: Mark
 
@@ -86,9 +86,7 @@ def describe(value: Value) -> str:
 
 
 def merged(base: Value, over: Value) -> Value:
-    """Lay one value over another: tables key by key, anything else replaces; places stay those of
-    the origin.
-    """
+    """Merge two values: tables key by key, anything else is replaced; places are kept."""
     if not isinstance(base, Table) or not isinstance(over, Table):
         return over
     entries = dict(base.entries)

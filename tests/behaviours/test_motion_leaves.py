@@ -80,7 +80,7 @@ def test_an_arm_that_is_stuck_is_noticed_and_stopped(fakes):
     moving(context, trajectory, reaches=0.7)
     outcome = fakes.finish(ExecuteTrajectory(NoSettings(), context), trajectory=trajectory)
     assert not outcome.success
-    assert "J_TURN stands 0.150 off its goal" in outcome.reason
+    assert "J_TURN is 0.150 off its goal" in outcome.reason
     assert context.plugins["robot"].stops == 1
 
 
@@ -101,7 +101,7 @@ def test_an_arm_that_was_pushed_since_the_plan_does_not_move(fakes):
     context.positions = lambda t: pushed
     outcome = fakes.finish(ExecuteTrajectory(NoSettings(), context), trajectory=trajectory)
     assert not outcome.success
-    assert "J_TURN has moved 0.060 since the way was planned" in outcome.reason
+    assert "J_TURN has moved 0.060 since the path was planned" in outcome.reason
     assert not context.plugins["robot"].commands
 
 

@@ -83,8 +83,8 @@ def test_ask_waits_for_the_operator_and_the_journal_says_who_answered(
 
 def test_a_question_that_nobody_can_answer_is_a_failure_with_a_reason(play: Any) -> None:
     tree = play("ask: Is the area clear?")
-    tree.runtime.answer = ConfigError("nobody can answer")
-    assert (tree.finish(), tree.reason) == ("FAILURE", "nobody can answer")
+    tree.runtime.answer = ConfigError("no one can answer")
+    assert (tree.finish(), tree.reason) == ("FAILURE", "no one can answer")
 
 
 def test_a_call_carries_values_in_and_out_and_keeps_the_rest_to_itself(play: Any) -> None:
