@@ -49,7 +49,7 @@ class Robot(Plugin, ABC):
 
     @abstractmethod
     def stop(self) -> None:
-        """Slow down along the present path within the limits, and hold; the jaws keep their force."""
+        """Slow down along the present path within the limits, and hold; the jaws keep pressing."""
 
 
 class Scene(ABC):
