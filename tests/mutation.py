@@ -39,6 +39,7 @@ exit status: 0 if no more survive than allowed, 1 if more do, 2 if the input is 
 without any fault"""
 LANE = ("-m", "not mission and not slow", "tests")
 KILLED, TIMED_OUT, SURVIVED, NOT_COVERED = "killed", "timed out", "survived", "not covered"
+NOT_JUDGED = "not judged"  # the tests fail without the fault, too
 STATUSES = (KILLED, TIMED_OUT, SURVIVED, NOT_COVERED)
 
 
@@ -95,17 +96,17 @@ class Judge:
         self._own = threading.local()
 
     def judge(self, fault: Fault) -> Verdict:
-        """Plant a fault, run its tests, and return what became of it.
-
-        Raises:
-            RedWithoutFaultError: If the tests fail without the fault.
-        """
+        """Plant a fault, run its tests, and return what became of it."""
         copy = self._copy()
         source = (copy.root / fault.file).read_bytes()
         stages = [*related(copy.root, fault.file), *([LANE] if self._has_lane else [])]
         status, by, seconds = SURVIVED if stages else NOT_COVERED, "", 0.0
         for stage in stages:
-            limit_s = self._baseline.limit_s(copy, stage)
+            try:
+                limit_s = self._baseline.limit_s(copy, stage)
+            except RedWithoutFaultError as error:
+                status, by = NOT_JUDGED, str(error)
+                break
             with copy.with_source(fault.file, fault.planted(source)):
                 ran = copy.run(stage, limit_s, is_compiled(source))
             seconds += ran.seconds
@@ -163,12 +164,12 @@ def without_equivalents(faults: Iterable[Fault], root: Path) -> list[Fault]:
 def summary(verdicts: Sequence[Verdict], bound: float) -> tuple[str, bool]:
     """Return the count of each status, and whether too many survive; not covered ones do."""
     counts = Counter(one.status for one in verdicts)
-    alive = counts[SURVIVED] + counts[NOT_COVERED]
-    share = alive / len(verdicts) if verdicts else 1.0
+    alive, judged = counts[SURVIVED] + counts[NOT_COVERED], counts.total() - counts[NOT_JUDGED]
+    share = alive / judged if judged else 1.0
     text = ", ".join(
         f"{counts[name]} {name}" for name in (KILLED, TIMED_OUT, SURVIVED, NOT_COVERED)
     )
-    return f"{text}: {share:.1%} of {len(verdicts)} survive, allowed {bound:.0%}", share > bound
+    return f"{text}: {share:.1%} of {judged} survive, allowed {bound:.0%}", share > bound
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -192,8 +193,6 @@ def main(words: Sequence[str] | None = None) -> int:
         for verdict in pool.map(judge.judge, faults):
             verdicts.append(verdict)
             print(verdict, file=sys.stderr, flush=True)
-    except RedWithoutFaultError as error:
-        command.error(str(error))
     finally:  # also when it is interrupted
         pool.shutdown(wait=False, cancel_futures=True)
         judge.close()
@@ -202,6 +201,9 @@ def main(words: Sequence[str] | None = None) -> int:
     if given.json:
         rows = [{name: getattr(one, name) for name in one.__slots__} for one in verdicts]
         print(json.dumps({"seed": given.seed, "mutants": rows, "summary": text}, indent=1))
+    unjudged = sum(one.status == NOT_JUDGED for one in verdicts)
+    if unjudged:
+        command.error(f"{unjudged} faults are not judged: tests fail without any fault")
     return int(is_missed)
 
 

@@ -156,7 +156,7 @@ def test_tests_are_those_that_mirror_hold_and_import_a_file(load) -> None:
     assert all("tests/plugins/monitoring" in test for test in near[:1])
     assert "tests/plugins/monitoring" in wide
     assert related(TESTS.parent, "executive/geometry/pose.py")[1] == ("tests/geometry",)
-    assert related(TESTS.parent, "executive/config.py")[0][0] == "tests/test_config.py"
+    assert related(TESTS.parent, "executive/config.py")[0] == ("tests/test_config.py",)
 
 
 LEAF = '''class Both:

@@ -20,6 +20,7 @@ class Baseline:
     def __init__(self, limit_s: float) -> None:
         self._limit_s = limit_s
         self._limits_s: dict[tuple[str, ...], float] = {}
+        self._red: dict[tuple[str, ...], str] = {}
         self._lock = threading.Lock()
 
     def limit_s(self, copy: TreeCopy, tests: Sequence[str]) -> float:
@@ -30,12 +31,17 @@ class Baseline:
         """
         key = tuple(tests)
         with self._lock:
+            if key in self._red:
+                raise RedWithoutFaultError(self._red[key])
             if key in self._limits_s:
                 return self._limits_s[key]
         ran = copy.run(tests, self._limit_s)
         if not ran.is_green:
             why = "ran out of time" if ran.status is None else "failed"
-            raise RedWithoutFaultError(f"{' '.join(tests)} {why} without any fault:\n{ran.output}")
+            text = f"{' '.join(tests)} {why} without any fault: {ran.first_failure}\n{ran.output}"
+            with self._lock:
+                self._red[key] = text
+            raise RedWithoutFaultError(text)
         with self._lock:
             self._limits_s[key] = 60.0 + 3.0 * ran.seconds
             return self._limits_s[key]

@@ -10,23 +10,27 @@ BESIDE = {"leaf": ("tests/behaviours", "tests/mission"), "behaviours": ("tests/m
 def related(root: Path, file: str) -> list[tuple[str, ...]]:
     """Return what to run for a file, the nearest first; none if no test concerns it.
 
-    Nearest are the test files of its name in its mirror and those that import it; then comes the
-    whole mirror, and for a plugin the suite of its capability. The mirror of `executive/a/b.py` is
-    `tests/a`, that of `plugins/x/room/y.py` is `tests/plugins/x/room` if there is one, else
-    `tests/plugins/x`.
+    Nearest are the test files of its name in its mirror; then come the whole mirror, for a plugin
+    the suite of its capability, and all other test files that import it. The mirror of
+    `executive/a/b.py` is `tests/a`, that of `plugins/x/room/y.py` is `tests/plugins/x/room` if
+    there is one, else `tests/plugins/x`.
     """
     path = Path(file)
     is_plugin = path.parts[0] == "plugins"
     mirror = _mirror(root, Path("tests") / Path(*path.parts[0 if is_plugin else 1 :]))
     near = [p.relative_to(root) for p in sorted((root / mirror).rglob(f"test_{path.stem}.py"))]
-    near += _importing(root, _module(path))
     wide = [mirror.as_posix()] if mirror != Path("tests") else []
     wide += [] if is_plugin else BESIDE.get(path.parts[1], ())
+    others = [
+        p.as_posix()
+        for p in _importing(root, _module(path))
+        if p not in near and not any(p.is_relative_to(folder) for folder in wide)
+    ]
     stages = [[p.as_posix() for p in near], [p for p in wide if (root / p).is_dir()]]
     if is_plugin and (root / SUITES / f"test_{path.parts[1]}.py").is_file():
         kit = ["-p", "executive.testing.pytest_plugin", "--capability", path.parts[1]]
         stages.append([*kit, SUITES.as_posix()])
-    return [tuple(dict.fromkeys(stage)) for stage in stages if stage]
+    return [tuple(stage) for stage in (*stages, others) if stage]
 
 
 def _mirror(root: Path, path: Path) -> Path:
