@@ -64,7 +64,7 @@ class Material:
         return cls(log, rig, arrivals, np.array(first.geodetic), drops)
 
     def body(self) -> RecordedBody:
-        """Return what a plugin is told of the log.
+        """Return the description of the log that plugins take their settings from.
 
         Raises:
             DataError: If the log has no inertial sample.

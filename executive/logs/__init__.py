@@ -1,1 +1,1 @@
-"""Recorded logs: ROS messages in MCAP files and bags, read and written as own messages."""
+"""Recorded logs: ROS messages in MCAP files and bags, converted to and from own messages."""

@@ -1,6 +1,4 @@
-"""What is said of estimators side by side: steps of the odometry frame, and the way back from an
-outage.
-"""
+"""Measures of compared estimators: steps of the odometry frame, recovery after an outage."""
 
 from dataclasses import replace
 
@@ -18,15 +16,13 @@ SPEED = np.array([0.7, -0.2, 0.1])
 
 @pytest.fixture
 def even() -> Track:
-    """A hundred states at 100 Hz of a body that travels evenly and does not turn; map and odometry
-    agree.
-    """
+    """A hundred states at 100 Hz of a body at constant velocity; map and odometry agree."""
     stamps = 0.01 * np.arange(100)
     poses = np.array([pose(about_axis(UP, 0.4), t * SPEED) for t in stamps])
     return Track(stamps, poses, poses, poses, np.tile(SPEED, (100, 1)), np.zeros((100, 3)))
 
 
-def test_even_travel_has_no_steps(even: Track) -> None:
+def test_constant_velocity_has_no_steps(even: Track) -> None:
     assert odometry_steps(even).max() < 1e-12
 
 

@@ -1,4 +1,4 @@
-"""A replayed log gives trajectories that lie on the truth, and figures that can be trusted."""
+"""A replayed log gives trajectories close to the truth, and correct figures."""
 
 import json
 import subprocess
@@ -49,7 +49,7 @@ def whole(run):
     return run()
 
 
-def test_the_way_is_that_of_the_car(whole):
+def test_the_path_is_that_of_the_car(whole):
     _, estimated = whole
     track = estimated.track
     u = np.maximum(track.stamps_s - 5.0, 0)
@@ -85,7 +85,7 @@ def test_a_replay_repeats_to_the_bit(whole, run):
     np.testing.assert_array_equal(whole[1].track.T_map_base, run()[1].track.T_map_base)
 
 
-def test_a_log_without_rest_says_what_is_missing(car_log):
+def test_the_error_of_a_log_without_rest_names_what_is_missing(car_log):
     given = EstimateOptions(drops=["gnss:0:99"])
     material = Material.read(car_log, given)
     with pytest.raises(DataError, match="seconds at rest"):
@@ -121,7 +121,7 @@ def test_wrong_options_are_named(options, says, car_log):
         ("grasping.rehearsed=1", "does not use 'grasping'; it uses estimation"),
     ],
 )
-def test_a_wrong_setting_is_told_as_in_a_mission(option, says, car_log):
+def test_a_wrong_setting_gives_the_same_error_as_in_a_mission(option, says, car_log):
     def estimated():
         given = EstimateOptions(plugins=log_choices([option]))
         return estimate(Material.read(car_log, given), NAME, given)
@@ -152,9 +152,7 @@ def test_an_offset_moves_the_stamps_of_its_sensor_alone(car_log):
 
 
 class Time:
-    """Stands in for the time module: waits end 2 ms late, and 3 ms pass whenever a
-    sample is taken.
-    """
+    """Replaces the time module: waits end 2 ms late, and each sample takes 3 ms."""
 
     now_s = 100.0
 
@@ -166,7 +164,7 @@ class Time:
 
 
 class Slow(Estimator):
-    """Notes when it is fed, since the beginning."""
+    """Records the times at which it is fed, since the start."""
 
     def __init__(self, time):
         self.time, self.fed_s, self.stamps_s = time, [], []
@@ -228,7 +226,7 @@ def test_a_reference_is_smoothed_from_the_whole_log(run, tmp_path):
     assert len(np.loadtxt(paths[-1])) == len(reference.stamps_s)
 
 
-def test_estimators_stand_side_by_side(whole):
+def test_a_table_compares_estimators(whole):
     text = table(compare(whole[0], [NAME, NAME], EstimateOptions()))
     assert "latency of an inertial sample [µs]" in text
     assert len({len(line) for line in text.splitlines()}) == 1

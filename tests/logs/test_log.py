@@ -1,4 +1,4 @@
-"""Logs are read alike from every container, and wrong ones are refused with their place."""
+"""Logs are read equally from every container, and errors name the place."""
 
 from pathlib import Path
 
@@ -41,7 +41,9 @@ def test_a_chain_of_static_transforms_becomes_extrinsics(car_log):
     )
 
 
-def test_a_receiver_without_a_fix_is_no_fix_and_a_float_one_is_not_rtk(ros2, write_mcap, tmp_path):
+def test_messages_without_a_fix_are_left_out_and_float_fixes_are_not_rtk(
+    ros2, write_mcap, tmp_path
+):
     messages = [
         (0.0, "/imu/data", ros2.imu(0.0, "imu", np.zeros(3), np.ones(3))),
         *[
@@ -116,7 +118,7 @@ def test_a_damaged_file_is_refused_by_name(
         ),
     ],
 )
-def test_a_missing_topic_or_another_type_is_said_with_the_cure(
+def test_the_error_of_a_missing_topic_or_another_type_names_the_cure(
     change, says, ros2, car, write_mcap, tmp_path
 ):
     messages = [(t, change.get(topic, topic), message) for t, topic, message in car(ros2, 0.5)]
@@ -124,9 +126,7 @@ def test_a_missing_topic_or_another_type_is_said_with_the_cure(
         read(write_mcap(tmp_path / "a.mcap", ros2, messages))
 
 
-def test_a_value_that_is_no_number_is_left_out_and_counted_with_its_place(
-    ros2, car, write_mcap, tmp_path
-):
+def test_messages_with_nan_are_left_out_and_counted(ros2, car, write_mcap, tmp_path):
     messages = list(car(ros2, 0.5))
     path = write_mcap(tmp_path / "good.mcap", ros2, messages)
     whole = list(Log(path, Topics()).arrivals())
@@ -144,9 +144,7 @@ def test_a_value_that_is_no_number_is_left_out_and_counted_with_its_place(
     assert "not finite" in log.skipped["/imu/data"].reason
 
 
-def test_an_odometry_pose_that_cannot_be_spoils_only_the_increments_that_touch_it(
-    ros2, car, write_mcap, tmp_path
-):
+def test_an_invalid_odometry_pose_affects_only_its_two_increments(ros2, car, write_mcap, tmp_path):
     messages = list(car(ros2, 0.5))
     poses = [(0.0, 1.0), (0.1, 1.1), (0.2, np.nan), (0.3, 1.3)]
     messages += [
@@ -172,6 +170,6 @@ def test_a_sensor_without_extrinsics_is_refused_with_its_frame(ros2, car, write_
         Log(path, Topics()).rig(None)
 
 
-def test_no_such_log():
+def test_a_missing_log_is_refused():
     with pytest.raises(DataError, match="no such log"):
         Log(Path("nowhere.mcap"), Topics())

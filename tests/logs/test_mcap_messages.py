@@ -1,6 +1,4 @@
-"""The order of messages in MCAP files whose chunks overlap in time, against the package's own
-reader.
-"""
+"""The order of messages in MCAP files whose chunks overlap, against the package's reader."""
 
 from io import BytesIO
 
@@ -48,7 +46,7 @@ def numbers(messages) -> list[tuple[str, int, str | None]]:
 @pytest.mark.parametrize("spread_ns", [0, 3, 60, 1000])
 @pytest.mark.parametrize("topics", [["/a"], ["/a", "/b", "/c"], ["/none"]])
 @pytest.mark.parametrize("index_types", [IndexType.ALL, IndexType.CHUNK])
-def test_it_is_that_of_the_package(spread_ns, topics, index_types) -> None:
+def test_the_order_equals_that_of_the_package(spread_ns, topics, index_types) -> None:
     rng = np.random.default_rng(spread_ns)
     stamps_ns = 1000 + 5 * np.arange(300) + rng.integers(0, spread_ns + 1, 300)
     file = written(stamps_ns // 2, index_types=index_types)  # some stamps are the same

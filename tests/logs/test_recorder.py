@@ -1,4 +1,4 @@
-"""What is recorded is read back: values, order, machine."""
+"""Recorded observations are read back: values, order, machine."""
 
 import numpy as np
 import pytest
@@ -52,6 +52,6 @@ def test_the_log_names_its_machine_and_when_things_came(recorded):
     assert [arrival.arrival_s for arrival in log.arrivals()] == pytest.approx([0.05] * 4)
 
 
-def test_a_folder_that_is_not_there_is_said(tmp_path):
+def test_a_missing_folder_is_named_in_the_error(tmp_path):
     with pytest.raises(ConfigError, match="--record-log"):
         Recorder(tmp_path / "no" / "run.mcap", load_machine("m545"), "m545")

@@ -1,6 +1,4 @@
-"""A log holds what lidar odometry needs: replayed, it gives the increments that the machine would
-have had.
-"""
+"""Scans in a log give the increments that the running machine would have had."""
 
 from pathlib import Path
 
@@ -81,6 +79,6 @@ def test_scans_become_increments_of_a_machine_at_rest(log: Path, odometry: str) 
     assert not any(isinstance(a.observation, LidarScan) for a in arrivals)
 
 
-def test_without_an_odometry_scans_are_left_alone(log: Path) -> None:
+def test_without_an_odometry_scans_are_ignored(log: Path) -> None:
     arrivals = Material.read(log, EstimateOptions(plugins=log_choices(["odometry=[]"]))).arrivals
     assert {type(a.observation) for a in arrivals} == {ImuSample, JointSample, GnssFix}

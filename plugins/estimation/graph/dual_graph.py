@@ -107,16 +107,16 @@ class DualGraph(CabinEstimator):
         self._host.begin(self._propagator, state, covariance)
 
     def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
-        news = self._host.sampled(self._propagator, sample, since_last_s, answered)
-        if news is not None:
-            self._mode = news.mode
-            if news.changes or news.refused:
-                self.changes.extend(news.changes)
+        update = self._host.sampled(self._propagator, sample, since_last_s, answered)
+        if update is not None:
+            self._mode = update.mode
+            if update.changes or update.refused:
+                self.changes.extend(update.changes)
                 self._status_changes += [
                     StatusChange(c.stamp_s, str(c.before), str(c.after), c.reason)
-                    for c in news.changes
+                    for c in update.changes
                 ]
-                self._refused.update(news.refused)
+                self._refused.update(update.refused)
 
     @property
     def _now_s(self) -> float:

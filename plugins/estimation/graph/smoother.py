@@ -13,18 +13,18 @@ from executive_plugins.estimation.gate.measurements import (
     PendingMeasurement,
     Standstill,
 )
+from executive_plugins.estimation.graph.chain_anchor import ChainAnchor
 from executive_plugins.estimation.graph.factors import (
     GAP_ACCELERATION_M_S2,
     GAP_RATE_RAD_S,
     between_factor,
     fix_factor,
-    pose_factor,
 )
+from executive_plugins.estimation.graph.fix_comparison import compared, predicted
 from executive_plugins.estimation.graph.lidar_chain import LidarChain
 from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
 from executive_plugins.estimation.graph.standstill_check import StandstillCheck
 from executive_plugins.estimation.graph.window import GraphWindow, UnsolvableError
-from executive_plugins.estimation.inertial.measurement_models import antenna_residual
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
@@ -32,9 +32,7 @@ from executive_plugins.estimation.live.estimate import Estimate
 from executive_plugins.estimation.live.modes import Mode, Modes
 
 from executive.arrays import Float
-from executive.geometry.pose import inverse, pose, transform
 
-_SCAN_S = 0.3  # longest time between a fix and the scan whose odometry it is compared with
 _FIX, _STANDING = "fix", "standing"
 _BREAK_S = 0.3  # a longer gap of samples is not integrated
 
@@ -62,7 +60,7 @@ class GraphSmoother:
         self._modes = Modes()
         self._gate = GnssGate(settings.gate)
         self._chain = LidarChain()
-        self._anchor: Float | None = None  # T_map_chain of Eq. (10)
+        self._anchor = ChainAnchor(settings)
         self._waiting: list[PendingMeasurement] = []
         self._refused: Counter[str] = Counter()
         self._used_fix_s = state.stamp_s
@@ -99,7 +97,7 @@ class GraphSmoother:
         self._used_fix_s = max(self._used_fix_s, after_s)  # no fix could be used during the gap
         if self._fallback is not None:
             self._fallback = self._main.copy()
-            self._anchor = None
+            self._anchor.clear()
 
     def add(self, measurement: Measurement) -> None:
         """Add a measurement, late or not; the next update that the samples have reached uses it."""
@@ -161,7 +159,7 @@ class GraphSmoother:
         self._main = GraphWindow(self._noise, self._samples, state, P)
         if self._fallback is not None:
             self._fallback = self._main.copy()
-            self._anchor = None
+            self._anchor.clear()
 
     def _take(self, measurement: Measurement) -> None:
         if measurement.stamp_s <= self._leading.oldest_s:
@@ -183,7 +181,7 @@ class GraphSmoother:
 
         After a contradiction, the standstills shortly before it are removed as well.
         """
-        state, P = self._predicted(standing.stamp_s)
+        state, P = predicted(self._leading, standing.stamp_s, self._noise)
         if self._standing.contradicts(standing, state, P):
             for window in self._windows():
                 window.take_back(_STANDING, standing.stamp_s - self._settings.standing_doubt_s)
@@ -199,40 +197,14 @@ class GraphSmoother:
         self._chain.add(increment)
         if self._chain.begun != begun:
             self._gate.forget_odometry()
-            self._anchor = None
+            self._anchor.clear()
         if increment.from_s > self._main.oldest_s:
             nodes = self._main.node_at(increment.from_s), self._main.node_at(increment.stamp_s)
             factor = between_factor(*nodes, increment.T_from_to, increment.covariance)
             self._main.add("lidar", increment.stamp_s, [factor])
-        if self._fallback is not None:
-            self._add_pseudo_global(self._fallback, increment)
-
-    def _add_pseudo_global(self, fallback: GraphWindow, increment: Increment) -> None:
-        """Add T_map_chain · T_chain_imu (Nubert 2022, Eq. 10).
-
-        The chain is anchored at its pose at the loss of the satellites.
-        """
         newest = self._chain.newest()
-        if newest is None or increment.from_s <= fallback.oldest_s:
-            return
-        if self._anchor is None:
-            before = fallback.state_at(increment.from_s)
-            T_chain_before = newest[1] @ inverse(increment.T_from_to)
-            self._anchor = pose(before.R_map_imu, before.p_map_imu) @ inverse(T_chain_before)
-        T_map_imu = self._anchor @ newest[1]
-        node = fallback.node_at(increment.stamp_s)
-        fallback.add(
-            "lidar",
-            increment.stamp_s,
-            [pose_factor(node, T_map_imu, self._pseudo_covariance(T_map_imu))],
-        )
-
-    def _pseudo_covariance(self, T_map_imu: Float) -> Float:
-        settings, R = self._settings, T_map_imu[:3, :3]
-        level, yaw = settings.fallback_level_std_rad**2, settings.fallback_yaw_std_rad**2
-        P = settings.fallback_position_std_m**2 * np.eye(6)
-        P[:3, :3] = R.T @ np.diag([level, level, yaw]) @ R
-        return P
+        if self._fallback is not None and newest is not None:
+            self._anchor.add_pose(self._fallback, increment, newest[1])
 
     def _take_fix(self, fix: Fix) -> None:
         compared = self._compared(fix)
@@ -277,11 +249,10 @@ class GraphSmoother:
             return
         self._solve()  # without the fixes that were removed
         self._fallback = self._main.copy()
-        self._anchor = None
+        self._anchor.clear()
         newest = self._chain.newest()
         if newest is not None and self._main.oldest_s < newest[0] <= self._samples.newest_s:
-            there = self._main.state_at(newest[0])
-            self._anchor = pose(there.R_map_imu, there.p_map_imu) @ inverse(newest[1])
+            self._anchor.place(self._main, *newest)
 
     def _recover(self, compared: Compared) -> None:
         fix = compared.fix
@@ -303,6 +274,9 @@ class GraphSmoother:
             self._use(good.fix)
         self._modes.change(fix.stamp_s, Mode.GLOBAL, reason)
 
+    def _compared(self, fix: Fix) -> Compared:
+        return compared(fix, self._leading, self._chain, self._noise)
+
     def _return_to_main(self, first: Compared) -> None:
         """Use the main graph again after an outage.
 
@@ -319,43 +293,3 @@ class GraphSmoother:
         widened = ErrorStateFilter(state, leading.covariance, self._noise)
         widened.inflate(float(np.linalg.norm(first.residual)) + 0.1, 0.5, 0.1)
         self._main = GraphWindow(self._noise, self._samples, state, widened.covariance)
-
-    def _compared(self, fix: Fix) -> Compared:
-        """Compare a fix with the leading estimate, and with the odometry alone."""
-        window = self._leading
-        state, P = self._predicted(fix.stamp_s)
-        residual, H = antenna_residual(state, fix.arm_imu, fix.p_map_antenna)
-        S = H @ P @ H.T + fix.covariance
-        scan = self._chain.before(fix.stamp_s, _SCAN_S)
-        if scan is None or scan[0] <= window.oldest_s:
-            slack_m = 3 * float(np.sqrt(np.linalg.eigvalsh(H @ P @ H.T)[-1]))
-            return Compared(
-                fix, residual, S, fix.p_map_antenna - residual, np.eye(3), False, slack_m
-            )
-        T_chain_imu, R_map_chain = self._reckoned(state, *scan)
-        return Compared(fix, residual, S, transform(T_chain_imu, fix.arm_imu), R_map_chain, True)
-
-    def _predicted(self, stamp_s: float) -> tuple[InertialState, Float]:
-        """Return the leading estimate at a time, and its covariance.
-
-        The covariance is that of the newest node, propagated over the time since.
-        """
-        window = self._leading
-        state, ahead_s = window.state_at(stamp_s), stamp_s - window.newest_s
-        if ahead_s <= 0:
-            return state, window.covariance
-        return state, ErrorStateFilter(state, window.covariance, self._noise).covariance_after(
-            ahead_s
-        )
-
-    def _reckoned(
-        self, state: InertialState, scan_s: float, T_chain_scan: Float
-    ) -> tuple[Float, Float]:
-        """Return the IMU in the lidar chain by odometry, and the chain's attitude in the map.
-
-        The pose is propagated from the last scan. The shapes are (4, 4) and (3, 3).
-        """
-        at_scan = self._leading.state_at(scan_s)
-        T_map_scan = pose(at_scan.R_map_imu, at_scan.p_map_imu)
-        T_scan_imu = inverse(T_map_scan) @ pose(state.R_map_imu, state.p_map_imu)
-        return T_chain_scan @ T_scan_imu, T_map_scan[:3, :3] @ T_chain_scan[:3, :3].T

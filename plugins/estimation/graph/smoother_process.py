@@ -178,9 +178,9 @@ class ProcessSmoother(SmootherHost):
         if answered == self._taken:
             return None
         self._taken = answered
-        return self._news(*propagator.take_answer(answered))
+        return self._update_of(*propagator.take_answer(answered))
 
-    def _news(self, mode: int, messages: int) -> SmootherUpdate | None:
+    def _update_of(self, mode: int, messages: int) -> SmootherUpdate | None:
         """Return what came with an estimate; None if it belongs to an earlier start."""
         if mode < 0:
             return None

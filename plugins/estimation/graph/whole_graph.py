@@ -145,7 +145,7 @@ class WholeGraph:
         params = gtsam.LevenbergMarquardtParams()
         params.setLinearSolverType(
             "MULTIFRONTAL_QR"
-        )  # Cholesky's squared condition throws, as in the window
+        )  # Cholesky would fail by its squared condition number, as in the window
         params.setMaxIterations(_MOST_ITERATIONS)
         params.setRelativeErrorTol(_ENOUGH)
         values = gtsam.LevenbergMarquardtOptimizer(graph, values, params).optimize()

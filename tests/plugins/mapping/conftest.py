@@ -1,6 +1,4 @@
-"""A machine that swings in a yard of planes, and what its lidars measure there, with motion
-distortion.
-"""
+"""A machine that swings in a yard of planes, and its lidar scans with motion distortion."""
 
 from collections.abc import Callable
 

@@ -1,6 +1,4 @@
-"""The graph beside its caller gives the poses of the graph in line with it, and outlives its
-process.
-"""
+"""A graph in a separate process gives the poses of an inline one, and survives the process."""
 
 import os
 import signal
@@ -50,7 +48,7 @@ def end(poses: Poses) -> int:
     return poses.first + len(poses.T_map_cabin)
 
 
-def test_it_answers_as_the_graph_in_line_does_and_survives_its_process(
+def test_its_poses_equal_those_of_the_inline_graph_also_after_the_process_died(
     beside: ProcessGraph, caplog: pytest.LogCaptureFixture
 ) -> None:
     inline = InlineGraph(20)

@@ -1,4 +1,4 @@
-"""What the state estimate is worth, and where nodes are before the graph has answered."""
+"""Constraints from the state estimate, and node poses before the graph has answered."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ SETTINGS = OdometryNoiseSettings(rotation_rad=0.001, position_m=0.004, correlati
 STEP = pose(t=np.array([0.1, 0.0, 0.0]))
 
 
-def test_increments_wander_with_time_but_no_farther_than_two_errors_lie_apart() -> None:
+def test_the_variance_of_increments_grows_up_to_the_sum_of_both_poses() -> None:
     noise = OdometryNoise(SETTINGS)
     short, long = (
         noise.increment(STEP, duration_s, P, P).covariance for duration_s in (0.25, 900.0)
@@ -22,12 +22,12 @@ def test_increments_wander_with_time_but_no_farther_than_two_errors_lie_apart() 
     np.testing.assert_allclose(long, 2 * P, atol=1e-11)
 
 
-def test_a_correction_loosens_the_motion_that_it_is_part_of() -> None:
+def test_a_correction_increases_the_variance_of_its_increment() -> None:
     corrected = OdometryNoise(SETTINGS).increment(STEP, 0.1, P, 100 * P).covariance
     assert np.sqrt(corrected[5, 5]) == pytest.approx(0.005 * np.sqrt(99), rel=0.01)
 
 
-def test_anchors_that_share_an_error_count_as_one() -> None:
+def test_anchors_with_a_common_error_have_the_weight_of_one() -> None:
     noise = OdometryNoise(SETTINGS)
     often = noise.anchor(STEP, 1.0, P).covariance
     np.testing.assert_allclose(
@@ -37,7 +37,7 @@ def test_anchors_that_share_an_error_count_as_one() -> None:
     assert noise.anchor(STEP, np.inf, None).covariance[5, 5] == SETTINGS.unknown_position_m**2
 
 
-def test_nodes_that_the_graph_has_not_seen_follow_those_that_it_has() -> None:
+def test_nodes_without_an_answer_follow_those_with_one() -> None:
     track = NodeTrack(10)
     for k in range(4):
         track.append(STEP, pose(t=np.array([0.1 * k, 0.0, 0.0])))

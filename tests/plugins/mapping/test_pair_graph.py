@@ -1,6 +1,4 @@
-"""The pose graph against known motions, against least squares solved at once,
-and over long times.
-"""
+"""The pose graph against known motions, against least squares, and over long times."""
 
 import numpy as np
 import pytest
@@ -91,7 +89,7 @@ def test_one_pair_of_measurements_is_weighted_by_their_covariances() -> None:
     )
 
 
-def test_a_wild_match_is_held_back_by_the_kernel() -> None:
+def test_an_outlying_match_is_weighted_down_by_the_kernel() -> None:
     nodes = chain(40, np.random.default_rng(0))
     wild = nodes[20]
     assert wild.match is not None
@@ -104,7 +102,7 @@ def test_a_wild_match_is_held_back_by_the_kernel() -> None:
     )  # plain least squares would follow it by eight centimetres
 
 
-def test_a_window_forgets_old_nodes_but_not_what_they_knew() -> None:
+def test_marginalised_nodes_leave_their_information() -> None:
     nodes = chain(
         170, np.random.default_rng(1), with_matches=False
     )  # a kernel has its own way with old residuals
@@ -118,7 +116,7 @@ def test_a_window_forgets_old_nodes_but_not_what_they_knew() -> None:
     assert angle_between(there[:3, :3], here[:3, :3]) < 2e-5
 
 
-def test_a_node_that_hangs_on_nothing_begins_a_new_graph() -> None:
+def test_an_unconnected_node_starts_a_new_graph() -> None:
     graph = PairGraph(20)
     first, *_ = chain(1, np.random.default_rng(0))
     graph.add(first)
@@ -127,7 +125,7 @@ def test_a_node_that_hangs_on_nothing_begins_a_new_graph() -> None:
     assert (poses.first, len(poses.T_map_cabin)) == (1, 1)
 
 
-def test_a_covariance_that_is_no_number_or_not_positive_is_refused() -> None:
+def test_a_covariance_that_is_nan_or_not_positive_is_refused() -> None:
     with pytest.raises(ShapeError, match="covariance holds 36 values that are not finite"):
         PoseConstraint(np.eye(4), np.full((6, 6), np.nan))
     with pytest.raises(DataError, match="must be positive"):

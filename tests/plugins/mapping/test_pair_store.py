@@ -1,6 +1,4 @@
-"""Stored pairs: a pose that moves takes its points with it, what is removed stays away, memory is
-bounded.
-"""
+"""Stored pairs: points move with their pose, removals persist, memory is bounded."""
 
 import numpy as np
 import pytest
@@ -40,7 +38,7 @@ def test_a_pose_that_moves_takes_its_points_with_it(store: PairStore) -> None:
     )
 
 
-def test_less_than_half_a_voxel_is_left_alone(store: PairStore) -> None:
+def test_a_motion_below_half_a_voxel_does_not_rebuild_the_map(store: PairStore) -> None:
     store.add(0, ball(), HERE, HERE)
     store.move(moved(0.014))
     assert not store.is_stale
@@ -48,7 +46,7 @@ def test_less_than_half_a_voxel_is_left_alone(store: PairStore) -> None:
     assert store.is_stale
 
 
-def test_a_turn_counts_by_what_it_does_far_away(store: PairStore) -> None:
+def test_a_rotation_counts_by_the_motion_of_distant_points(store: PairStore) -> None:
     store.add(0, ball(), HERE, HERE)
     angle = 0.004  # 2 cm at 5 m
     turned = pose(
@@ -58,7 +56,7 @@ def test_a_turn_counts_by_what_it_does_far_away(store: PairStore) -> None:
     assert store.is_stale
 
 
-def test_what_is_removed_stays_away_when_poses_move(store: PairStore) -> None:
+def test_removed_voxels_stay_removed_when_poses_move(store: PairStore) -> None:
     store.add(0, np.vstack([ball(), ball(1, (5.0, 3.0, 0.0))]), HERE, HERE)
     assert store.forget_sphere(np.array([5.0, 0.0, 0.0]), 1.0, 1) > 500
     store.move(moved(0.2))
@@ -67,7 +65,7 @@ def test_what_is_removed_stays_away_when_poses_move(store: PairStore) -> None:
     assert len(points) > 500
 
 
-def test_what_left_the_store_stays_in_the_map_and_can_be_removed(store: PairStore) -> None:
+def test_pairs_that_left_the_store_stay_in_the_map_and_can_be_removed(store: PairStore) -> None:
     for k in range(25):
         store.add(k, ball(k), HERE, HERE)
         assert len(store) <= 10
@@ -91,7 +89,7 @@ def test_a_surface_stays_where_it_was_put(store: PairStore) -> None:
     assert shown(store)[:, 1].min() > 2.0
 
 
-def test_pairs_at_rest_hang_on_their_node(store: PairStore) -> None:
+def test_pairs_at_rest_move_with_their_node(store: PairStore) -> None:
     offset = pose(t=np.array([0.0, 0.3, 0.0]))
     store.add(0, ball(), offset, HERE)
     np.testing.assert_allclose(shown(store).mean(axis=0), [5.0, 0.3, 0.0], atol=0.02)
@@ -99,7 +97,7 @@ def test_pairs_at_rest_hang_on_their_node(store: PairStore) -> None:
     np.testing.assert_allclose(shown(store).mean(axis=0), [5.2, 0.3, 0.0], atol=0.02)
 
 
-def test_what_the_machine_leaves_behind_is_forgotten(store: PairStore) -> None:
+def test_voxels_beyond_the_cylinder_are_removed(store: PairStore) -> None:
     store.add(0, ball(), HERE, HERE)
     store.add(1, ball(1, (25.0, 0.0, 0.0)), HERE, HERE)
     store.keep(lambda points: points[:, 0] > 20.0)

@@ -1,6 +1,4 @@
-"""The pose graph's map: matches mend a poor estimate, pairs at rest make no node, nothing grows
-without bound.
-"""
+"""The pose graph's map: matches correct a poor estimate, and memory is bounded."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -74,7 +72,7 @@ def test_planes_stay_planes_while_the_cabin_swings(
     assert distances[int(0.99 * len(distances))] < 1e-3
 
 
-def test_matches_mend_an_estimate_that_jumps_about(
+def test_matches_correct_an_estimate_with_random_errors(
     make_graph: Callable, make_yard: Callable, off_planes: Callable, machine: Machine
 ) -> None:
     yard, rng = make_yard(RATE_RAD_S, noise_m=0.01), np.random.default_rng(0)
@@ -107,7 +105,7 @@ def test_pairs_at_rest_make_no_node_and_the_first_few_are_mapped(
     assert [np.array_equal(a.points, b.points) for a, b in pairwise(sizes[2:])] == [True] * 3
 
 
-def test_a_removed_stone_stays_away_when_later_fixes_move_the_map(
+def test_a_removed_stone_stays_removed_when_later_fixes_move_the_map(
     make_graph: Callable, make_yard: Callable
 ) -> None:
     yard, mapper = make_yard(RATE_RAD_S), make_graph(min_points=1, **COARSE)
@@ -152,7 +150,7 @@ def test_a_long_mission_costs_no_more_memory_than_a_short_one(
     assert parts.track.next_number == 70
 
 
-def test_beside_the_mission_it_comes_to_the_same_planes(
+def test_a_separate_process_gives_the_same_planes(
     make_graph: Callable, make_yard: Callable, off_planes: Callable
 ) -> None:
     yard = make_yard(RATE_RAD_S)
@@ -166,7 +164,7 @@ def test_beside_the_mission_it_comes_to_the_same_planes(
     assert np.quantile(off_planes(there), 0.95) < 0.03
 
 
-def test_bad_input_says_what_is_wrong(make_graph: Callable, machine: Machine) -> None:
+def test_errors_of_bad_input_name_the_cause(make_graph: Callable, machine: Machine) -> None:
     with pytest.raises(DataError, match="not be negative"):
         make_graph().mask_held(-1.0)
     with pytest.raises(ConfigError, match="not started"):

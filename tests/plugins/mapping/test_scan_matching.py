@@ -45,7 +45,7 @@ def make_matcher() -> Callable[..., tuple[ScanMatcher, list[np.ndarray]]]:
     return make
 
 
-def test_the_step_from_the_node_before_is_found(make_matcher: Callable) -> None:
+def test_the_motion_since_the_previous_node_is_found(make_matcher: Callable) -> None:
     matcher, poses = make_matcher()
     wrong = poses[10] @ pose(
         exp_so3(np.array([0.005, -0.004, 0.008])), np.array([0.05, -0.04, 0.03])
@@ -58,7 +58,7 @@ def test_the_step_from_the_node_before_is_found(make_matcher: Callable) -> None:
     assert angle_between(match.T[:3, :3], STEP[:3, :3]) < 0.001
 
 
-def test_open_ground_tells_height_and_tilt_only_and_the_covariance_says_so(
+def test_open_ground_constrains_height_and_tilt_only_by_its_covariance(
     make_matcher: Callable,
 ) -> None:
     matcher, poses = make_matcher(walls=False, max_shift_m=10.0, max_turn_rad=1.0)
@@ -73,7 +73,7 @@ def test_open_ground_tells_height_and_tilt_only_and_the_covariance_says_so(
     assert std[2] > 5 * std[:2].max()
 
 
-def test_what_is_too_far_from_odometry_or_matches_little_is_not_believed(
+def test_matches_far_from_odometry_or_with_few_inliers_are_refused(
     make_matcher: Callable,
 ) -> None:
     matcher, poses = make_matcher(max_shift_m=0.03)
@@ -87,7 +87,7 @@ def test_what_is_too_far_from_odometry_or_matches_little_is_not_believed(
     assert matcher.match(elsewhere, poses[10], poses.__getitem__) is None
 
 
-def test_the_first_pair_has_nothing_to_match() -> None:
+def test_the_first_pair_has_no_match() -> None:
     matcher = ScanMatcher(ScanMatchingSettings())
     assert (
         matcher.match(

@@ -22,7 +22,7 @@ def test_it_is_the_weighted_mean_of_all_points_in_reach(reach_m: float) -> None:
     assert np.abs(moved - means).max() > 1e-4
 
 
-def test_layers_of_noise_fall_onto_the_surface() -> None:
+def test_layers_of_noise_are_merged_into_the_surface() -> None:
     rng = np.random.default_rng(0)
     grid = VoxelGrid(0.03, memory=1000)
     sheet = np.column_stack([rng.uniform(0, 1, (60_000, 2)), np.full(60_000, 0.017)])

@@ -46,7 +46,7 @@ def test_it_grows_beyond_its_first_table() -> None:
     assert len(grid) == len(expected(np.vstack(seen), 0.03)[0])
 
 
-def test_what_is_not_kept_is_gone_until_it_is_seen_again() -> None:
+def test_removed_voxels_are_empty_until_new_points_fall_into_them() -> None:
     grid = VoxelGrid(0.1, 100)
     points = np.random.default_rng(0).uniform(-1, 1, (3000, 3))
     grid.insert(points)
@@ -59,7 +59,7 @@ def test_what_is_not_kept_is_gone_until_it_is_seen_again() -> None:
     assert counts[means[:, 0] > 0] == [1]
 
 
-def test_old_points_fade() -> None:
+def test_the_weight_of_old_points_decays() -> None:
     grid = VoxelGrid(1.0, memory=10)
     grid.insert(np.full((1000, 3), 0.2))
     grid.insert(np.full((60, 3), 0.8))

@@ -41,7 +41,7 @@ def test_planes_stay_planes_while_the_cabin_swings(
     assert np.linalg.norm(points[:, :2] - centre, axis=1).max() < 10.0
 
 
-def test_motion_correction_is_what_keeps_them(
+def test_without_motion_correction_planes_are_distorted(
     make_yard: Callable, make_map: Callable, off_planes: Callable
 ) -> None:
     yard, mapper = make_yard(rate_rad_s=0.35), make_map(min_points=1)
@@ -179,7 +179,7 @@ def test_the_cylinder_follows_a_machine_that_drives(make_map: Callable, machine:
     assert mapper.cloud().points[:, 0].min() > 14
 
 
-def test_bad_input_says_what_is_wrong(
+def test_errors_of_bad_input_name_the_cause(
     make_map: Callable, make_yard: Callable, machine: Machine
 ) -> None:
     yard, mapper = make_yard(rate_rad_s=0.0), make_map()

@@ -1,4 +1,4 @@
-"""A yard of planes, and a lidar that is carried through it on a known way."""
+"""A yard of planes, and a lidar that moves through it on a known path."""
 
 from collections.abc import Callable
 

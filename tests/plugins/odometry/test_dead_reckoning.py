@@ -27,14 +27,14 @@ def increment(yard, from_s: float, std_m: float = 1e-4) -> LidarIncrement:
     )
 
 
-def test_a_cabin_that_turns_on_a_standing_chassis_needs_no_earlier_increment(yard) -> None:
+def test_a_turning_cabin_on_a_chassis_at_rest_needs_no_earlier_increment(yard) -> None:
     turning = yard(rate_rad_s=0.7)
     path = fed(turning, 1.0).path(0.9, 1.0)
     np.testing.assert_allclose(path.T_end_then(0.9), turning.T_from_to(1.0, 0.9), atol=1e-9)
 
 
 @pytest.mark.parametrize("rate_rad_s", [0.0, 0.7])
-def test_an_even_travel_is_learned_while_the_cabin_turns(yard, rate_rad_s: float) -> None:
+def test_a_constant_velocity_is_estimated_while_the_cabin_turns(yard, rate_rad_s: float) -> None:
     driving = yard(rate_rad_s=rate_rad_s, speed_m_s=1.0)
     reckoning = fed(driving, 2.0)
     for k in range(10):  # 1 mm of noise a scan leaves 1 cm/s after that
@@ -44,7 +44,7 @@ def test_an_even_travel_is_learned_while_the_cabin_turns(yard, rate_rad_s: float
     assert np.abs(error).max() < 2e-4
 
 
-def test_without_a_gyroscope_the_last_turn_goes_on(yard) -> None:
+def test_without_a_gyroscope_the_last_rotation_is_continued(yard) -> None:
     turning = yard(rate_rad_s=0.7)
     reckoning = fed(turning, 1.0, has_imu=False)
     assert np.abs(reckoning.path(0.9, 1.0).T_end_then(0.9) - np.eye(4)).max() < 1e-9
@@ -55,7 +55,7 @@ def test_without_a_gyroscope_the_last_turn_goes_on(yard) -> None:
     )
 
 
-def test_an_unsure_increment_moves_the_speed_little(yard) -> None:
+def test_an_uncertain_increment_changes_the_velocity_little(yard) -> None:
     driving = yard(speed_m_s=1.0)
     reckoned_m = []
     for std_m in (1e-4, 0.5):

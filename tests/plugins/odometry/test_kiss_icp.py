@@ -51,7 +51,7 @@ def test_a_motion_is_followed(yard, rate_rad_s: float, speed_m_s: float) -> None
     assert np.linalg.norm(T[:3, 3] - truth[:3, 3]) < 0.06
 
 
-def test_a_leap_is_refused_and_it_begins_anew(yard) -> None:
+def test_a_jump_is_refused_and_a_new_map_is_started(yard) -> None:
     standing = yard()
     odometry = KissIcp(KissIcpSettings(max_speed_m_s=0.5), standing.machine)
     odometry.start()
@@ -75,7 +75,7 @@ def test_the_same_scans_give_the_same_answers(yard) -> None:
     np.testing.assert_array_equal(*answers)
 
 
-def test_scans_of_another_lidar_are_left_alone(yard) -> None:
+def test_scans_of_another_lidar_are_ignored(yard) -> None:
     odometry = started(yard())
     assert (
         odometry.add_scan(

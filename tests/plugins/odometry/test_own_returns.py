@@ -1,4 +1,4 @@
-"""Returns from the machine's own arm are known, those of the ground are not mistaken for them."""
+"""Returns from the machine's own arm are found, and those of the ground are kept."""
 
 import numpy as np
 from executive_plugins.odometry.own_returns import OwnReturns

@@ -1,4 +1,4 @@
-"""A fit finds a known motion, and knows which directions the scene leaves free."""
+"""A fit finds a known motion, and which directions the scene does not constrain."""
 
 import numpy as np
 import pytest
@@ -45,7 +45,7 @@ def errors(planes: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     return np.array(rows), np.array(claims)
 
 
-def test_a_corner_holds_all_six_directions() -> None:
+def test_a_corner_constrains_all_six_directions() -> None:
     error, claim = errors(CORNER, 12)
     assert np.abs(error[:, :3]).max() < 0.002
     assert np.abs(error[:, 3:]).max() < 0.006
@@ -60,7 +60,7 @@ def test_level_ground_leaves_heading_and_two_directions_to_the_guess() -> None:
     assert np.abs(error[:, [0, 1]]).max() < 0.003
 
 
-def test_a_scan_of_nothing_known_has_no_share() -> None:
+def test_a_scan_of_an_unknown_place_has_no_points_on_planes() -> None:
     rng = np.random.default_rng(2)
     fitted = fit(
         rng.uniform(20, 40, (300, 3)), mapped(CORNER, rng), Guess(np.eye(4), STD), 1.0, 0.3

@@ -53,7 +53,7 @@ def test_the_chain_of_increments_is_the_sensors_motion(
     assert np.linalg.norm(T[:3, 3] - truth[:3, 3]) < 0.015 + 0.05 * speed_m_s
 
 
-def test_errors_of_increments_are_as_large_as_they_say(yard) -> None:
+def test_errors_of_increments_agree_with_their_covariance(yard) -> None:
     swinging = yard(rate_rad_s=0.7)
     nees = []
     for increment in followed(swinging, 2.0)[1:]:
@@ -65,7 +65,7 @@ def test_errors_of_increments_are_as_large_as_they_say(yard) -> None:
     )  # the doubt is set for rough ground and stones, not for even walls
 
 
-def test_level_ground_alone_is_told_as_a_scene_that_holds_no_heading(yard) -> None:
+def test_level_ground_gives_a_large_covariance_of_heading(yard) -> None:
     increments = followed(yard(planes=FLAT), 0.5)
     assert increments
     R_lidar_world = yard().T_world_lidar(0.0)[:3, :3].T
@@ -78,14 +78,14 @@ def test_level_ground_alone_is_told_as_a_scene_that_holds_no_heading(yard) -> No
         assert height_m < 0.006
 
 
-def test_it_works_without_inertia(yard) -> None:
+def test_it_works_without_inertial_samples(yard) -> None:
     turning = yard(rate_rad_s=0.3)
     increments = followed(turning, 1.0, has_imu=False)
     T_from_to = turning.T_from_to(increments[-1].from_s, increments[-1].to_s)
     assert angle_between(increments[-1].T_from_to[:3, :3], T_from_to[:3, :3]) < 0.004
 
 
-def test_scans_of_another_lidar_are_left_alone(yard) -> None:
+def test_scans_of_another_lidar_are_ignored(yard) -> None:
     odometry = started(yard())
     other = LidarScan(0.1, "lidar_vertical", np.ones((100, 3)) * 5, np.full(100, 0.1))
     assert odometry.add_scan(other) is None
@@ -93,7 +93,7 @@ def test_scans_of_another_lidar_are_left_alone(yard) -> None:
     assert odometry.add_scan(yard().scan(0.2)) is not None
 
 
-def test_a_scan_of_another_place_is_refused_and_the_track_goes_on(yard) -> None:
+def test_a_scan_of_another_place_is_refused_and_the_track_continues(yard) -> None:
     standing = yard()
     odometry = started(standing)
     odometry.add_scan(standing.scan(0.1))

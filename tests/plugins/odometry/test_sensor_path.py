@@ -1,4 +1,4 @@
-"""A path undoes the distortion that its own motion makes."""
+"""A path removes the distortion that its own motion causes."""
 
 import numpy as np
 from executive_plugins.odometry.sensor_path import SensorPath
@@ -12,7 +12,7 @@ def way(t: float) -> np.ndarray:
     return pose(exp_so3(t * np.array([0.1, -0.2, 0.9])), t * np.array([1.0, 0.5, -0.2]))
 
 
-def test_points_of_the_world_fall_together_again() -> None:
+def test_undistorted_points_coincide() -> None:
     rng = np.random.default_rng(0)
     world = rng.uniform(-10, 10, (200, 3))
     stamps = np.sort(rng.uniform(0, 0.1, 200))
@@ -26,7 +26,7 @@ def test_points_of_the_world_fall_together_again() -> None:
     assert np.abs(seen - undistorted).max() > 0.5
 
 
-def test_the_pose_at_a_sample_is_that_sample_and_the_ends_hold() -> None:
+def test_poses_at_samples_are_exact_and_constant_beyond_the_ends() -> None:
     stamps = np.linspace(0, 0.1, 11)
     path = SensorPath.of(stamps, np.array([way(t) for t in stamps]))
     np.testing.assert_allclose(path.T_end_then(0.03), inverse(way(0.1)) @ way(0.03), atol=1e-12)

@@ -1,4 +1,4 @@
-"""The compiled inertial path against the same in matrices."""
+"""The compiled inertial path against the same equations in matrices."""
 
 import pickle
 
@@ -66,9 +66,7 @@ def T_map_imu(state: InertialState) -> np.ndarray:
     return pose(state.R_map_imu, state.p_map_imu)
 
 
-def test_going_on_is_the_strapdown_equations_and_a_report_a_chain_of_poses(
-    propagator, turn
-) -> None:
+def test_steps_follow_the_strapdown_equations_and_reports_compose_poses(propagator, turn) -> None:
     rng = np.random.default_rng(1)
     state, samples = some_state(rng), some_samples(rng, 7)
     propagator.take(packed(state, np.eye(15)))
@@ -92,7 +90,7 @@ def test_going_on_is_the_strapdown_equations_and_a_report_a_chain_of_poses(
     assert (said.stamp_s, said.status) == (samples[-1].stamp_s, "GLOBAL")
 
 
-def test_the_covariance_is_carried_on_and_moved_to_the_cabin(propagator) -> None:
+def test_the_covariance_is_propagated_and_expressed_at_the_cabin(propagator) -> None:
     rng = np.random.default_rng(2)
     state, samples = some_state(rng), some_samples(rng, 12)
     root = rng.normal(0, 0.1, (15, 15))
@@ -113,7 +111,7 @@ def test_the_covariance_is_carried_on_and_moved_to_the_cabin(propagator) -> None
     )
 
 
-def test_an_estimate_of_the_past_is_carried_on_and_only_the_map_steps(propagator) -> None:
+def test_a_past_estimate_is_propagated_and_only_the_map_frame_steps(propagator) -> None:
     rng = np.random.default_rng(3)
     state, samples = some_state(rng), some_samples(rng, 10)
     propagator.take(packed(state, np.eye(15)))
@@ -149,7 +147,7 @@ def test_more_samples_than_the_ring_holds_change_nothing(propagator) -> None:
     assert propagator.samples == len(samples)
 
 
-def test_what_the_turn_joint_says_after_a_sample_counts_in_its_report(
+def test_a_joint_sample_after_an_inertial_sample_changes_its_report(
     propagator, turn, machine
 ) -> None:
     propagator.take(packed(some_state(np.random.default_rng(5)), np.eye(15)))
@@ -173,9 +171,7 @@ def test_what_the_turn_joint_says_after_a_sample_counts_in_its_report(
         (0.9, [0, 0, 0], [0, 0, 9.8], GAP),
     ],
 )
-def test_a_sample_that_cannot_be_right_changes_nothing(
-    propagator, stamp_s, rate, force, code
-) -> None:
+def test_an_invalid_sample_changes_nothing(propagator, stamp_s, rate, force, code) -> None:
     propagator.take(packed(some_state(np.random.default_rng(7)), np.eye(15)))
     before = propagator.state("")
     assert (
@@ -185,7 +181,7 @@ def test_a_sample_that_cannot_be_right_changes_nothing(
     assert propagator.samples == 0
 
 
-def test_an_estimate_that_is_not_finite_is_not_taken(propagator) -> None:
+def test_an_estimate_that_is_not_finite_is_ignored(propagator) -> None:
     state = some_state(np.random.default_rng(8))
     propagator.take(packed(state, np.eye(15)))
     before = propagator.state("").T_map_cabin
@@ -193,7 +189,7 @@ def test_an_estimate_that_is_not_finite_is_not_taken(propagator) -> None:
     np.testing.assert_array_equal(propagator.state("").T_map_cabin, before)
 
 
-def test_states_are_kept_as_they_were_locked_and_may_be_sent_to_another_process(propagator) -> None:
+def test_states_are_immutable_and_can_be_pickled(propagator) -> None:
     rng = np.random.default_rng(9)
     propagator.take(packed(some_state(rng), np.eye(15)))
     kept, copies = [], []

@@ -1,4 +1,4 @@
-"""The gate on fixes beside an odometry that moves evenly."""
+"""The gate for fixes, with an odometry that moves at constant velocity."""
 
 import numpy as np
 import pytest
@@ -42,7 +42,7 @@ def test_a_jump_is_refused_by_its_innovation(gate, rng) -> None:
     assert reason.endswith("m off the estimate")
 
 
-def test_a_ramp_that_the_estimate_follows_is_refused_by_the_odometry_alone(rng) -> None:
+def test_a_ramp_that_the_estimate_follows_is_detected_by_the_odometry(rng) -> None:
     def first_refused_s(has_odometry: bool) -> float:
         gate = GnssGate(GnssGateSettings())
         for k in range(200):
@@ -68,19 +68,19 @@ def recovered_s(gate, rng, error, until_s=100.0, lost_s=0.0):
     return np.inf, ""
 
 
-def test_good_fixes_are_believed_after_a_second_in_a_row(gate, rng) -> None:
+def test_good_fixes_are_used_again_after_a_second(gate, rng) -> None:
     back_s, reason = recovered_s(gate, rng, lambda t: np.zeros(3))
     assert 0.75 < back_s < 1.0
     assert "in a row agree" in reason
 
 
-def test_a_wrong_fix_that_holds_is_not_believed_for_ten_seconds(gate, rng) -> None:
+def test_constant_wrong_fixes_are_not_used_for_ten_seconds(gate, rng) -> None:
     back_s, reason = recovered_s(gate, rng, lambda t: np.array([5.0, 0, 0]))
     assert 10.0 < back_s < 10.5
     assert "position reset" in reason
 
 
-def test_fixes_that_never_agree_are_believed_after_a_minute_all_the_same(gate, rng) -> None:
+def test_fixes_that_never_agree_are_used_after_a_minute(gate, rng) -> None:
     back_s, reason = recovered_s(gate, rng, lambda t: np.array([2.0 * round(20 * t), 0, 0]))
     assert back_s == np.inf  # each fix disagrees with the one before: there is nothing to believe
     gate = GnssGate(GnssGateSettings())
@@ -97,7 +97,7 @@ def test_drift_of_the_odometry_over_a_long_outage_is_allowed_for(gate, rng) -> N
     assert "0.5" in gate.verdict(way_m=60.0, lost_s=99.0)
 
 
-def test_what_is_agreed_on_reaches_back_no_further_than_recovery_takes(gate, rng) -> None:
+def test_agreeing_fixes_are_at_most_as_old_as_recovery_takes(gate, rng) -> None:
     recovered_s(gate, rng, lambda t: np.array([5.0, 0, 0]))
     stamps = [compared.fix.stamp_s for compared in gate.agreed(after_s=0.0)]
     assert len(stamps) >= 15

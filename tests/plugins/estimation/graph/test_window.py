@@ -1,6 +1,4 @@
-"""The window against a general optimiser, a split of its nodes, its own marginal, and equations
-without a solution.
-"""
+"""The window against a general optimiser, node insertion, marginals and unsolvable equations."""
 
 import gtsam
 import numpy as np
@@ -74,7 +72,7 @@ def test_preintegration_predicts_what_propagation_does(samples, first) -> None:
     assert_same(window.newest(), state, atol=2e-4)
 
 
-def test_a_node_put_in_late_gives_what_it_would_have_in_time(samples, first) -> None:
+def test_a_node_inserted_late_gives_the_same_result_as_in_time(samples, first) -> None:
     in_time, late = (GraphWindow(NOISE, samples, first, COVARIANCE) for _ in range(2))
     measured = fixes(in_time, (0.2, 0.4, 0.633, 0.8, 1.0))
     for fix in measured:
@@ -88,7 +86,7 @@ def test_a_node_put_in_late_gives_what_it_would_have_in_time(samples, first) -> 
     np.testing.assert_allclose(late.covariance, in_time.covariance, rtol=0.01, atol=1e-9)
 
 
-def test_forgetting_keeps_what_was_known(samples, first) -> None:
+def test_marginalisation_keeps_the_estimate(samples, first) -> None:
     whole, lagged = (GraphWindow(NOISE, samples, first, COVARIANCE) for _ in range(2))
     for fix in fixes(whole, np.arange(1, 20) / 10):
         for window in (whole, lagged):
@@ -124,7 +122,7 @@ def test_a_priors_error_is_the_states_error_over_its_covariance(first) -> None:
     )
 
 
-def test_taking_fixes_back_leaves_what_was_before_them(samples, first) -> None:
+def test_removing_fixes_restores_the_estimate_without_them(samples, first) -> None:
     window, clean = (GraphWindow(NOISE, samples, first, COVARIANCE) for _ in range(2))
     for fix in fixes(window, (0.2, 0.4)):
         add(window, fix)

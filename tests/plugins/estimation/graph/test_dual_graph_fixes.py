@@ -12,7 +12,7 @@ NO_STANDING = {"is_used": False}
 
 
 @pytest.mark.parametrize("fallback", ["relative", "pseudo_global"])
-def test_lidar_carries_it_through_an_outage_in_a_swing(
+def test_lidar_bounds_the_drift_in_an_outage_during_a_swing(
     fallback, cabin, begin, with_lidar, shifted, run, errors_m, reasons
 ) -> None:
     estimator = begin(standing=NO_STANDING, smoother={"lag_s": 1.5, "fallback": fallback})
@@ -73,7 +73,7 @@ def test_spikes_of_good_covariance_move_nothing(
     assert states[-1].status == "GLOBAL"
 
 
-def test_a_plateau_of_a_metre_is_waited_out_on_lidar(
+def test_fixes_that_are_off_by_a_metre_for_a_while_are_not_used(
     cabin, begin, with_lidar, shifted, run, errors_m
 ) -> None:
     estimator = begin()
@@ -85,7 +85,7 @@ def test_a_plateau_of_a_metre_is_waited_out_on_lidar(
     assert back < 14.5
 
 
-def test_a_slow_ramp_is_flagged_and_taken_back(
+def test_a_slow_ramp_is_reported_and_its_fixes_are_removed(
     cabin, begin, with_lidar, shifted, run, errors_m, reasons
 ) -> None:
     estimator = begin(standing=NO_STANDING)
@@ -98,7 +98,7 @@ def test_a_slow_ramp_is_flagged_and_taken_back(
     assert states[-1].status in ("FALLBACK", "RECOVERING")
 
 
-def test_a_change_of_datum_is_believed_in_the_end_and_flagged(
+def test_a_change_of_datum_is_accepted_after_a_while_and_reported(
     cabin, begin, with_lidar, shifted, run, reasons
 ) -> None:
     estimator = begin()

@@ -1,4 +1,4 @@
-"""A chassis that looks as if it stood, and does not."""
+"""A chassis that looks as if it were at rest, but moves."""
 
 import numpy as np
 import pytest
@@ -28,19 +28,19 @@ def belief() -> StandstillCheck:
     return StandstillCheck(SmootherSettings())
 
 
-def test_a_drive_that_is_known_to_the_estimate_is_not_taken_for_standing(belief) -> None:
+def test_a_drive_that_the_estimate_contains_is_not_mistaken_for_rest(belief) -> None:
     standing = Standstill(1.0, ARM, None)
     assert belief.contradicts(standing, moving([0.2, 0, 0]), known(0.01))
     assert not belief.is_accepted(1.9)
     assert belief.is_accepted(2.0)
 
 
-def test_an_estimate_that_does_not_know_its_speed_is_told_by_a_standing_chassis(belief) -> None:
+def test_an_estimate_of_uncertain_speed_accepts_a_standstill(belief) -> None:
     assert not belief.contradicts(Standstill(1.0, ARM, None), moving([0.2, 0, 0]), known(0.2))
     assert belief.is_accepted(1.0)
 
 
-def test_a_sensor_that_swings_about_the_turn_axis_stands(belief) -> None:
+def test_a_sensor_that_swings_about_the_turn_axis_counts_as_at_rest(belief) -> None:
     rate = np.array([0.0, 0.0, 0.8])
     swinging = moving(-np.cross(rate, ARM), rate)
     assert not belief.contradicts(Standstill(1.0, ARM, None), swinging, known(0.001))

@@ -1,4 +1,4 @@
-"""The filter with lidar: increments carry it through an outage, and its bookkeeping is right."""
+"""The filter with lidar: drift in an outage, and the covariance of the clone."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ STD = np.repeat([0.003, 0.02], 3)
 
 
 def increments(cabin, machine, end_s):
-    """Yield noisy motions of the lidar, ten a second."""
+    """Yield noisy motions of the lidar at 10 Hz."""
     rng = np.random.default_rng(5)
     T_cabin_lidar = machine.sensors["lidar_horizontal"].T_link_sensor
     for k in range(1, round(10 * end_s)):
@@ -52,7 +52,7 @@ def outage_error(cabin, machine, with_lidar):
     return worst
 
 
-def test_lidar_carries_it_through_an_outage(cabin, machine):
+def test_lidar_bounds_the_drift_in_an_outage(cabin, machine):
     with_lidar = outage_error(cabin, machine, with_lidar=True)
     assert with_lidar < 0.5  # a hundred increments of 2 cm and 3 mrad each
     assert with_lidar < 0.7 * outage_error(cabin, machine, with_lidar=False)
@@ -96,7 +96,7 @@ def test_the_derivative_by_both_errors_is_that_of_finite_differences(kalman):
         kalman.state, kalman._R, kalman._p = state, R, p
 
 
-def test_a_perfect_increment_ties_the_two_poses(kalman):
+def test_an_exact_increment_fixes_the_relative_pose(kalman):
     T = pose(
         kalman._R.T @ kalman.state.R_map_imu, kalman._R.T @ (kalman.state.p_map_imu - kalman._p)
     )
@@ -127,7 +127,7 @@ def test_a_fix_moves_the_clone_with_the_state(kalman):
     np.testing.assert_allclose(kalman._R, R @ exp_so3((K @ residual)[15:18]), atol=1e-9)
 
 
-def test_an_increment_that_does_not_join_the_last_one_begins_anew(cabin, machine):
+def test_an_increment_that_does_not_follow_the_last_one_only_clones(cabin, machine):
     estimator = ErrorStateEkf(ErrorStateEkfSettings(), machine)
     estimator.start()
     for observation in cabin.observations(4.0):

@@ -1,4 +1,4 @@
-"""One antenna: the heading comes from the first metres, whichever way they lead."""
+"""One antenna: the heading comes from the first metres, in any direction of motion."""
 
 import numpy as np
 import pytest

@@ -37,7 +37,7 @@ def test_a_very_sharp_measurement_leaves_the_covariance_positive_definite() -> N
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf])
-def test_what_is_no_number_is_not_believed(wrong) -> None:
+def test_values_that_are_nan_are_refused(wrong) -> None:
     P, H, residual, noise = problem(15, 3, seed=3)
     residual[1] = wrong
     assert corrected(P, H, residual, noise, 1e9) is None
@@ -45,7 +45,7 @@ def test_what_is_no_number_is_not_believed(wrong) -> None:
     assert corrected(P, H, np.zeros(3), noise, 1e9) is None
 
 
-def test_read_only_arrays_are_taken_and_left_as_they_are() -> None:
+def test_read_only_arrays_are_accepted_and_unchanged() -> None:
     P, H, residual, noise = problem(15, 3, seed=4)
     copies = [a.copy() for a in (P, H, residual, noise)]
     for a in (P, H, residual, noise):

@@ -1,4 +1,4 @@
-"""A drive so smooth that the chassis' inertial sensor sees no difference from standing."""
+"""A drive so smooth that the chassis' inertial sensor cannot tell it from rest."""
 
 from dataclasses import replace
 
@@ -48,14 +48,14 @@ def worst_m(drive, estimator, observations, after_s) -> float:
 
 
 @pytest.mark.parametrize("kind", [DualGraph, GnssImuFilter])
-def test_it_is_not_taken_for_standing(kind, drive, machine) -> None:
+def test_it_is_not_mistaken_for_rest(kind, drive, machine) -> None:
     estimator = kind(kind.Settings(), machine)
     estimator.start()
     assert worst_m(drive, estimator, drive.observations(12.0), 3.0) < 0.04
     assert {reason for reason in estimator.refused if "outlier" in reason} == set()
 
 
-def test_a_filter_in_doubt_about_its_place_does_not_believe_that_it_stands(drive, start) -> None:
+def test_a_filter_with_inflated_covariance_does_not_use_standstill(drive, start) -> None:
     def back_and_forth(observation):
         is_wrong = isinstance(observation, GnssFix) and 9.0 < observation.stamp_s < 14.0
         if not is_wrong:

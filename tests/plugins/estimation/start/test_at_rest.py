@@ -1,6 +1,4 @@
-"""The first state at rest: level by both accelerometers, what stays unknown, and fixes that say
-they are noisy.
-"""
+"""The first state at rest: level by both accelerometers, correlations, and noisy fixes."""
 
 from dataclasses import replace
 
@@ -87,7 +85,7 @@ def test_the_chassis_accelerometer_halves_the_variance_of_the_tilt(cabin, begin)
     assert together.covariance[0, 0] == pytest.approx(alone.covariance[0, 0] / 2, rel=0.1)
 
 
-def test_a_chassis_sensor_that_is_mounted_otherwise_is_left_out(cabin, begin) -> None:
+def test_a_chassis_sensor_that_disagrees_by_too_much_is_not_used(cabin, begin) -> None:
     estimator = begin()
     for observation in cabin.observations(3.0):
         if isinstance(observation, ImuSample) and observation.frame == "imu_base":
@@ -99,7 +97,9 @@ def test_a_chassis_sensor_that_is_mounted_otherwise_is_left_out(cabin, begin) ->
     assert np.linalg.norm(off) < 0.01
 
 
-def test_fixes_five_times_noisier_are_no_motion_if_they_say_so(cabin, begin, errors_m, run) -> None:
+def test_noisy_fixes_are_no_motion_if_their_covariance_is_large(
+    cabin, begin, errors_m, run
+) -> None:
     def noisier(observation, rng):
         if not isinstance(observation, GnssFix):
             return observation
@@ -134,7 +134,9 @@ def test_less_certain_fixes_leave_the_first_state_less_certain() -> None:
         ("joints", {"velocity": np.full(10, 0.2)}, "the cabin turns on its chassis at 0.2"),
     ],
 )
-def test_what_a_start_waits_for_is_told_now_and_then(kind, change, reason, cabin, begin) -> None:
+def test_the_reason_for_waiting_is_reported_every_few_seconds(
+    kind, change, reason, cabin, begin
+) -> None:
     estimator = begin()
     for observation in cabin.observations(5.5):
         frame = getattr(observation, "frame", getattr(observation, "antenna", "joints"))
@@ -152,7 +154,7 @@ def test_what_a_start_waits_for_is_told_now_and_then(kind, change, reason, cabin
     assert all(reason in told.reason and told.after == "INITIALISING" for told in account)
 
 
-def test_a_machine_that_drives_is_told_by_its_fixes(cabin, begin) -> None:
+def test_a_driving_machine_is_detected_by_its_fixes(cabin, begin) -> None:
     estimator = begin()
     for observation in cabin.observations(4.0):
         if isinstance(observation, GnssFix):

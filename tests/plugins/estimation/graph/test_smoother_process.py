@@ -1,4 +1,4 @@
-"""The smoother's process: answers, dies, hangs, and is replaced."""
+"""The smoother's process: it answers, dies, hangs, and is replaced."""
 
 import os
 import signal
@@ -121,7 +121,7 @@ def test_a_child_that_is_killed_is_replaced_at_the_next_measurement_by_one_that_
     np.testing.assert_allclose(rest.p, np.zeros(3), atol=1e-3)
 
 
-def test_a_child_that_hangs_is_replaced_when_its_time_is_up(rest, host, monkeypatch) -> None:
+def test_a_child_that_hangs_is_replaced_after_its_deadline(rest, host, monkeypatch) -> None:
     assert (
         DualGraphSettings().answer_within_s <= 1.0
     )  # so that with one update it is back within two seconds
@@ -150,9 +150,7 @@ def test_a_child_that_hangs_is_replaced_when_its_time_is_up(rest, host, monkeypa
     np.testing.assert_allclose(rest.p, np.zeros(3), atol=1e-3)
 
 
-def test_a_child_that_answers_is_not_replaced_however_long_it_goes_on(
-    rest, host, monkeypatch
-) -> None:
+def test_a_child_that_answers_is_never_replaced(rest, host, monkeypatch) -> None:
     rest.feed_until_answered()
     feed_until_a_spare_is_ready(rest)
     clock = SimpleNamespace(offset_s=0.0)
@@ -169,7 +167,7 @@ def test_a_child_that_answers_is_not_replaced_however_long_it_goes_on(
     assert host.restarts == 0
 
 
-def test_one_in_reserve_does_not_disturb_the_one_at_work(rest, host) -> None:
+def test_a_spare_child_does_not_disturb_the_active_one(rest, host) -> None:
     rest.feed_until_answered()
     feed_until_a_spare_is_ready(rest)
     handled = host._handled[0]
@@ -178,7 +176,7 @@ def test_one_in_reserve_does_not_disturb_the_one_at_work(rest, host) -> None:
     assert host._handled[0] >= handled
 
 
-def test_without_measurements_the_child_notices_that_time_passes(rest, host) -> None:
+def test_without_measurements_the_child_still_reports_changes_of_mode(rest, host) -> None:
     rest.feed_until_answered()
     heard = []
     rest.feed_until(
@@ -187,7 +185,7 @@ def test_without_measurements_the_child_notices_that_time_passes(rest, host) -> 
     assert "no fix for" in heard[-1].changes[0].reason
 
 
-def test_a_new_beginning_drops_answers_to_the_old_one(rest, host) -> None:
+def test_a_new_start_ignores_answers_to_the_old_one(rest, host) -> None:
     rest.feed_until_answered()
     rest.feed_until(lambda _: rest.k % 5 == 0)  # a fix is under way
     rest.begin(np.array([5.0, 0, 0]))

@@ -1,4 +1,4 @@
-"""What lies in the block that two processes share is what was put there."""
+"""Estimates and samples in the shared block are read as they were written."""
 
 import numpy as np
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
@@ -43,7 +43,7 @@ def test_an_estimate_is_unpacked_as_it_was_packed() -> None:
     assert got.R_map_imu.any()  # a copy
 
 
-def test_an_estimate_with_a_number_missing_is_seen() -> None:
+def test_an_estimate_with_a_nan_is_detected() -> None:
     rng = np.random.default_rng(3)
     row = packed(some_state(rng), np.eye(15))
     assert is_finite(row)
@@ -53,7 +53,7 @@ def test_an_estimate_with_a_number_missing_is_seen() -> None:
         assert not is_finite(broken)
 
 
-def test_samples_are_read_around_the_end_of_the_ring_and_those_that_are_gone_are_left_out() -> None:
+def test_samples_are_read_across_the_end_of_the_ring_without_overwritten_ones() -> None:
     block = np.zeros(1, LIVE)
     for number in range(
         SAMPLES, SAMPLES + 3

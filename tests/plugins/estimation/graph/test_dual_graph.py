@@ -26,7 +26,7 @@ def test_a_swinging_cabin_is_followed_to_millimetres(cabin, begin, run, errors_m
     assert estimator.changes == []
 
 
-def test_covariance_is_honest(cabin, begin, with_lidar, run) -> None:
+def test_errors_are_within_the_covariance(cabin, begin, with_lidar, run) -> None:
     squares = []
     for state in run(begin(), with_lidar(cabin, cabin.observations(20.0)))[::10]:
         if state.is_ready:
@@ -48,14 +48,14 @@ def test_velocity_and_rate_are_those_of_the_cabin(cabin, begin, run) -> None:
         np.testing.assert_allclose(state.w_map_cabin_in_cabin, [0, 0, cabin.turn(t)[1]], atol=2e-3)
 
 
-def test_a_standing_chassis_holds_the_estimate_without_satellites(
+def test_a_chassis_at_rest_bounds_the_drift_without_satellites(
     cabin, begin, shifted, run, errors_m
 ) -> None:
     observations = shifted(cabin.observations(20.0), lambda t: None if t > 10 else np.zeros(3))
     assert errors_m(cabin, run(begin(), observations)).max() < 0.05
 
 
-def test_refuses_to_begin_while_the_cabin_turns(cabin, begin, run) -> None:
+def test_it_does_not_start_while_the_cabin_turns(cabin, begin, run) -> None:
     cabin.rest_s, cabin.period_s, cabin.swing_rad = 0.0, 8.0, 2.0
     assert {s.status for s in run(begin(), cabin.observations(7.0))} == {INITIALISING}
 
@@ -65,7 +65,7 @@ def test_the_same_samples_give_the_same_state(cabin, begin, with_lidar, run) -> 
     np.testing.assert_array_equal(first.T_map_cabin, second.T_map_cabin)
 
 
-def test_in_a_process_of_its_own_it_follows_the_cabin_as_well(cabin, begin, run, errors_m) -> None:
+def test_in_a_separate_process_it_follows_the_cabin_as_well(cabin, begin, run, errors_m) -> None:
     estimator = begin(process=True)
     states = []
     for observation in cabin.observations(9.0):

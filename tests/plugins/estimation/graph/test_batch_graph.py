@@ -1,6 +1,4 @@
-"""The whole recording at once: against the window, against the truth through an outage, and without
-a step anywhere.
-"""
+"""Batch smoothing against the window, and against the truth through an outage."""
 
 from dataclasses import replace
 
@@ -51,7 +49,7 @@ def buffer(recording: Recording) -> SampleBuffer:
     return samples
 
 
-def test_its_newest_state_is_that_of_a_window_that_forgets_nothing(recording) -> None:
+def test_the_newest_state_equals_that_of_a_window_without_marginalisation(recording) -> None:
     graph = WholeGraph(recording, SmootherSettings(), NOISE)
     window = GraphWindow(NOISE, buffer(recording), *recording.first)
     for fix in recording.measurements:
@@ -68,7 +66,7 @@ def test_its_newest_state_is_that_of_a_window_that_forgets_nothing(recording) ->
         )
 
 
-def test_a_wrong_fix_is_left_out(recording) -> None:
+def test_an_outlying_fix_is_left_out(recording) -> None:
     wrong = replace(
         recording.measurements[20], p_map_antenna=recording.measurements[20].p_map_antenna + 2.0
     )
@@ -79,7 +77,7 @@ def test_a_wrong_fix_is_left_out(recording) -> None:
     np.testing.assert_allclose(after[10].p_map_imu, before[10].p_map_imu, atol=1e-4)
 
 
-def test_between_nodes_it_leads_from_one_to_the_next_without_a_step(recording) -> None:
+def test_states_between_nodes_have_no_step_at_the_nodes(recording) -> None:
     graph = WholeGraph(recording, SmootherSettings(), NOISE)
     nodes = graph.solve()
     path = [state for node in range(len(nodes) - 1) for state in graph.between(nodes, node)]
@@ -112,12 +110,12 @@ def test_an_outage_is_bridged_from_both_ends(cabin) -> None:
     np.testing.assert_allclose(np.diff(p, axis=0), 0.01 * 0.5 * (v[1:] + v[:-1]), atol=1e-3)
 
 
-def test_without_a_beginning_there_is_no_trajectory(cabin) -> None:
+def test_without_a_first_state_there_is_no_trajectory(cabin) -> None:
     nowhere = [o for o in cabin.observations(3.0) if not isinstance(o, GnssFix)]
     assert BatchGraph(DualGraphSettings(), cabin.machine).smooth(nowhere) == []
 
 
-def test_the_map_is_that_of_the_datum(cabin) -> None:
+def test_the_map_starts_at_the_datum(cabin) -> None:
     datum = geodetic_from_enu(np.array([10.0, 20.0, 30.0]), np.array([47.4084, 8.5106, 440.0]))
     settings = DualGraphSettings(datum=tuple(map(float, datum)))
     state = BatchGraph(settings, cabin.machine).smooth(cabin.observations(4.0))[-1]

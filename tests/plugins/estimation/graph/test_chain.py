@@ -1,4 +1,4 @@
-"""The chain against GTSAM's own elimination, and what it remembers."""
+"""The chain against GTSAM's own elimination, and its reuse of earlier results."""
 
 import gtsam
 import numpy as np
@@ -47,7 +47,7 @@ def test_the_solution_is_that_of_gtsam(factors) -> None:
     np.testing.assert_allclose(solved(chain).vector(), reference(factors).vector(), atol=1e-9)
 
 
-def test_what_is_new_at_the_end_leaves_the_beginning_as_it_was(factors) -> None:
+def test_new_factors_at_the_end_leave_the_elimination_of_the_beginning(factors) -> None:
     chain = GraphChain()
     chain.eliminate(range(6), factors)
     old = [done.conditional for done in chain.backwards()][:1:-1]
@@ -61,7 +61,7 @@ def test_what_is_new_at_the_end_leaves_the_beginning_as_it_was(factors) -> None:
     )
 
 
-def test_nodes_that_are_dropped_leave_what_they_said_of_the_others(factors) -> None:
+def test_dropped_nodes_leave_their_marginal(factors) -> None:
     chain = GraphChain()
     chain.eliminate(range(6), factors)
     rests = chain.drop(3)
@@ -73,7 +73,7 @@ def test_nodes_that_are_dropped_leave_what_they_said_of_the_others(factors) -> N
         np.testing.assert_allclose(marginal.at(key), whole.at(key), atol=1e-9)
 
 
-def test_a_copy_forgets_alone(factors) -> None:
+def test_a_copy_is_independent(factors) -> None:
     chain = GraphChain()
     chain.eliminate(range(6), factors)
     twin = chain.copy()
@@ -81,5 +81,5 @@ def test_a_copy_forgets_alone(factors) -> None:
     assert (len(chain), len(twin)) == (6, 0)
 
 
-def test_a_key_knows_its_node() -> None:
+def test_a_key_gives_its_node() -> None:
     assert {node_of(key) for key in keys(1234)} == {1234}

@@ -36,13 +36,13 @@ def test_covariance_is_carried_by_the_transition_of_errors() -> None:
     )
 
 
-def test_what_ties_the_state_to_another_is_carried_by_the_same_transition() -> None:
+def test_the_cross_covariance_is_propagated_by_the_same_transition() -> None:
     state, cross = some_state(), np.random.default_rng(7).normal(0, 0.1, (15, 6))
     expected = error_transition(state, STEP_S) @ cross
     np.testing.assert_allclose(carry_cross(state, cross, STEP_S), expected, rtol=1e-9, atol=1e-12)
 
 
-def test_going_through_samples_is_going_from_one_to_the_next() -> None:
+def test_propagation_through_samples_equals_single_steps() -> None:
     state, rng = some_state(), np.random.default_rng(8)
     samples = [Inertial(1.0 + k / 100, *rng.normal(0, 1, (2, 3))) for k in range(1, 6)]
     one_by_one = state

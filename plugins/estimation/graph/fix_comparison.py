@@ -1,0 +1,58 @@
+"""Comparison of a fix with the estimate of a window and with lidar odometry."""
+
+import numpy as np
+from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.gate.gnss_gate import Compared
+from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.graph.lidar_chain import LidarChain
+from executive_plugins.estimation.graph.window import GraphWindow
+from executive_plugins.estimation.inertial.measurement_models import antenna_residual
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import InertialState
+
+from executive.arrays import Float
+from executive.geometry.pose import inverse, pose, transform
+
+_SCAN_S = 0.3  # longest time between a fix and the scan whose odometry it is compared with
+
+
+def compared(fix: Fix, window: GraphWindow, chain: LidarChain, noise: InertialNoise) -> Compared:
+    """Compare a fix with the estimate of a window, and with the odometry alone.
+
+    Without a recent scan, the estimate takes the place of the odometry.
+    """
+    state, P = predicted(window, fix.stamp_s, noise)
+    residual, H = antenna_residual(state, fix.arm_imu, fix.p_map_antenna)
+    S = H @ P @ H.T + fix.covariance
+    scan = chain.before(fix.stamp_s, _SCAN_S)
+    if scan is None or scan[0] <= window.oldest_s:
+        slack_m = 3 * float(np.sqrt(np.linalg.eigvalsh(H @ P @ H.T)[-1]))
+        return Compared(fix, residual, S, fix.p_map_antenna - residual, np.eye(3), False, slack_m)
+    T_chain_imu, R_map_chain = _reckoned(window, state, *scan)
+    return Compared(fix, residual, S, transform(T_chain_imu, fix.arm_imu), R_map_chain, True)
+
+
+def predicted(
+    window: GraphWindow, stamp_s: float, noise: InertialNoise
+) -> tuple[InertialState, Float]:
+    """Return the estimate of a window at a time [s], and its covariance (15, 15).
+
+    The covariance is that of the newest node, propagated over the time since.
+    """
+    state, ahead_s = window.state_at(stamp_s), stamp_s - window.newest_s
+    if ahead_s <= 0:
+        return state, window.covariance
+    return state, ErrorStateFilter(state, window.covariance, noise).covariance_after(ahead_s)
+
+
+def _reckoned(
+    window: GraphWindow, state: InertialState, scan_s: float, T_chain_scan: Float
+) -> tuple[Float, Float]:
+    """Return the IMU in the lidar chain by odometry, and the chain's attitude in the map.
+
+    The pose is propagated from the last scan. The shapes are (4, 4) and (3, 3).
+    """
+    at_scan = window.state_at(scan_s)
+    T_map_scan = pose(at_scan.R_map_imu, at_scan.p_map_imu)
+    T_scan_imu = inverse(T_map_scan) @ pose(state.R_map_imu, state.p_map_imu)
+    return T_chain_scan @ T_scan_imu, T_map_scan[:3, :3] @ T_chain_scan[:3, :3].T
