@@ -3,8 +3,12 @@
 import json
 import subprocess
 import sys
+from importlib import metadata
 
 import pytest
+from typer.main import get_command
+
+from executive.commands.main import app
 
 HEAVY = (
     "open3d",
@@ -117,3 +121,41 @@ def test_shows_a_whole_mission_for_machines(tmp_path):
     )
     assert shown["plugins"]["robot"]["site"]["stones"]["count"] == 3
     assert set(shown["trees"]) == {"main", "map_and_segment"}
+
+
+def test_prints_its_version():
+    assert executive("--version").stdout == f"executive {metadata.version('executive')}\n"
+
+
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("executive comp", "compare-estimators"),
+        ("executive grasp-d", "grasp-data"),
+        ("executive plugins doc", "doctor"),
+        ("executive segment --js", "--json"),
+    ],
+)
+def test_bash_completes_verbs_and_options(typed, offered):
+    asked = {
+        "_EXECUTIVE_COMPLETE": "complete_bash",
+        "COMP_WORDS": typed,
+        "COMP_CWORD": str(typed.count(" ")),
+    }
+    code = (
+        f"import os, sys; os.environ.update({asked!r}); sys.argv = ['executive']; "
+        "from executive.commands.main import main; main()"
+    )
+    assert python(code).stdout.split() == [offered]
+
+
+def test_every_verb_has_a_summary_that_fits_and_an_example():
+    top = get_command(app)
+    context = top.make_context("executive", [], resilient_parsing=True)
+    verbs = {name: top.get_command(context, name) for name in top.list_commands(context)}
+    inner = verbs.pop("plugins")
+    verbs |= {f"plugins {name}": verb for name, verb in inner.commands.items()}
+    assert len(verbs) > 15
+    for name, verb in verbs.items():
+        assert len(verb.help.partition("\n")[0]) <= 48, name  # what `executive --help` has room for
+        assert f"Example: executive {name}" in verb.help, name
