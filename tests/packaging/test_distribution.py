@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 NAMES = {"executive", "executive_plugins", "executive_robot_models", "executive_trees"}
 FOREIGN = ("plugins", "trees", "robot_models")
