@@ -10,6 +10,7 @@ from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSetting
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis
+from executive.geometry.voxels import voxel_means
 from executive.messages.segment import Segment
 
 Z = np.array([0.0, 0.0, 1.0])
@@ -164,3 +165,17 @@ def test_a_turned_stone_is_seen_afresh(objects: SqliteObjects) -> None:
     assert (stone.id, stone.seen_from_above) == (1, False)
     assert objects.history(1)[-1].kind == "replaced"
     assert np.ptp(stone.points_map[:, 2]) == pytest.approx(1.0, abs=0.06)
+
+
+def test_the_frame_of_a_replaced_stone_moves_by_the_means_of_both_views(
+    objects: SqliteObjects,
+) -> None:
+    """Box centres differ from means where a view is one-sided; no fit decides between them."""
+    first = objects.observe([segment(block((3, 0, 0)))], 0.0, True)[0]
+    turned = transform(pose(about_axis(np.array([0, 1.0, 0]), np.pi / 2)), block((0, 0, 0), 1))
+    one_sided = turned[turned[:, 0] < 0.1] + [3.3, 0.0, 0.0]
+    stone = objects.observe([segment(one_sided)], 1.0, False)[0]
+    assert objects.history(1)[-1].kind == "replaced"
+    expected = voxel_means(one_sided, 0.03).mean(axis=0) - first.points_map.mean(axis=0)
+    moved = stone.T_map_object[:3, 3] - first.T_map_object[:3, 3]
+    np.testing.assert_allclose(moved, expected, atol=1e-6)
