@@ -29,6 +29,7 @@ from executive.commands.missions.schema import schema
 from executive.commands.missions.show import show
 from executive.commands.plugins.doctor import doctor
 from executive.commands.plugins.list import list_plugins
+from executive.commands.plugins.new import new_plugin
 from executive.commands.plugins.show import show_plugin
 from executive.commands.plugins.test import hold_plugin
 from executive.commands.stones.objects import objects
@@ -84,6 +85,7 @@ _PLUGIN_VERBS: dict[str, Callable[..., None]] = {
     "show": show_plugin,
     "doctor": doctor,
     "test": hold_plugin,
+    "new": new_plugin,
 }
 for name, verb in _VERBS.items():
     app.command(name)(verb)

@@ -7,12 +7,28 @@ from executive.config import NoSettings, Settings
 
 
 class Plugin:
-    """Base of all plugins.
+    """Base of all plugins, and what every one of them promises.
 
     `__init__(self, settings, …)` stores its arguments only. The parameters after `settings` are
     filled in by name: `machine` (executive.machine.machine.Machine), `rng`
     (numpy.random.Generator), or the name of another capability, whose selected plugin is then
     given. `start` and `close` own resources.
+
+    Every verb of every interface keeps these rules, and `executive plugins test` checks them:
+
+    - Units are SI; a name says the frame of an array (`points_map`, `T_map_base`: the pose of the
+      base in the map). Shapes are given where the verb or the message is described.
+    - Arrays that are handed in are read-only and shared: copy one before writing to a part of it.
+      Arrays that are handed out are not written to afterwards.
+    - One seed gives one answer, bit for bit: chance comes from the generator that is handed in, and
+      time from the stamps. Nothing sleeps, prints, or reads a clock.
+    - What can fail for physical reasons is a value: an empty tuple, None, `accepted=False` with a
+      reason. An input that holds nothing useful (empty, one point, not finite, of another shape)
+      gives such a value or a DataError; no value holds a NaN. Any other exception is a fault of the
+      plugin, and ends the mission in a safe stop.
+    - Verbs are called within a tick, in one thread, and must be done within a share of it, unless
+      `latency_s` names them: those are computed as jobs, beside the tick where `is_stateless`.
+    - Answers, inputs and settings can be pickled, for a verb may be computed in another process.
     """
 
     # Name of the capability that the interface stands for, as mission files write it. Interfaces
@@ -42,4 +58,4 @@ class Plugin:
         """Acquire resources; called once, before the first verb."""
 
     def close(self) -> None:
-        """Release resources; called once, also after an error."""
+        """Release resources; also after an error, after a `start` that failed, or a second time."""

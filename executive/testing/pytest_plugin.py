@@ -45,6 +45,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Give each check the plugins that it is for, and the hostile inputs of their capability."""
+    if "leaf" in metafunc.fixturenames:
+        metafunc.parametrize("leaf", _leaves(metafunc.config))
     if "subject" not in metafunc.fixturenames:
         return
     subjects = _subjects(metafunc.config, getattr(metafunc.module, "CAPABILITY", None))
@@ -92,6 +94,14 @@ def _subject(config: pytest.Config, one: registry.Installed, wanted: str | None)
         if wanted is not None:
             raise pytest.UsageError(str(error)) from error
         return None  # it has settings without a default: ask for it by name, with --set
+
+
+def _leaves(config: pytest.Config) -> list[Any]:
+    """Return the chosen leaves by name."""
+    wanted, name = config.getoption("--capability"), config.getoption("--plugin")
+    names = [one.name for one in registry.installed(registry.BEHAVIOURS)]
+    chosen = [n for n in names if wanted in (None, "leaf") and name in (None, n)]
+    return [pytest.param(registry.load(registry.BEHAVIOURS, n), id=n) for n in chosen]
 
 
 def _hostile(subject: Subject) -> list[str]:

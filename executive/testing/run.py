@@ -20,6 +20,7 @@ from executive.testing import suites
 from executive.testing.finding import Finding, Outcome, words
 from executive.testing.subject import subject_of
 
+LEAF = "leaf"
 _SUITES = Path(suites.__file__).parent
 _PLUGINS = ("executive.testing.pytest_plugin", "no:cacheprovider", "no:terminal")
 _QUIET = (*(f"-p{name}" for name in _PLUGINS), "--import-mode=importlib", "-s", f"-c{os.devnull}")
@@ -61,14 +62,24 @@ def hold_to_contract(trial: Trial) -> tuple[Finding, ...]:
         ConfigError: If there is no such plugin, it cannot be imported, or its settings are wrong.
     """
     capability = trial.capability
-    known = (*registry.capabilities(), registry.SMOOTHERS)
+    if capability == LEAF:
+        return _hold_leaf(trial)
+    known = (*registry.capabilities(), registry.SMOOTHERS, LEAF)
     if capability not in known:
         raise ConfigError(f"no capability '{capability}'{did_you_mean(capability, known)}")
     plugin_class = registry.load(capability, trial.name)
     subject_of(capability, trial.name, trial.options, trial.model).machine  # noqa: B018 - checks
     names = ("contract", "settings", "lifecycle", "answers", capability)
+    return _run(trial, plugin_class, names)
+
+
+def _hold_leaf(trial: Trial) -> tuple[Finding, ...]:
+    return _run(trial, registry.load(registry.BEHAVIOURS, trial.name), ("leaf",))
+
+
+def _run(trial: Trial, under_test: type[Any], names: tuple[str, ...]) -> tuple[Finding, ...]:
     paths = [str(p) for name in names if (p := _SUITES / f"test_{name}.py").is_file()]
-    collector, output = _Collector(plugin_class), io.StringIO()
+    collector, output = _Collector(under_test), io.StringIO()
     arguments = [*_QUIET, f"--rootdir={_SUITES}", *trial.arguments(), *paths]
     with _without_foreign_plugins(), contextlib.redirect_stderr(output):
         status = pytest.main(arguments, plugins=[collector])

@@ -83,3 +83,16 @@ def test_its_settings_are_checked_with_their_place(site, tmp_path):
     refused = command("check", "my_mission.yaml", site=site, cwd=tmp_path)
     assert refused.returncode == 2
     assert "my_mission.yaml:5:" in refused.stderr
+
+
+@pytest.mark.slow
+def test_it_keeps_its_contract(site, tmp_path):
+    held = command("plugins", "test", "monitoring", "boom_watch", site=site, cwd=tmp_path)
+    assert held.returncode == 0, held.stdout
+    assert "executive plugins test monitoring boom_watch" in PAGE.read_text()
+
+
+def test_a_new_package_is_written(site, tmp_path):
+    words = re.search(r"executive (plugins new .*)", PAGE.read_text()).group(1).split()
+    assert command(*words, site=site, cwd=tmp_path).returncode == 0
+    assert (tmp_path / "steep_ground" / "pyproject.toml").is_file()

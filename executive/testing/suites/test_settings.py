@@ -58,7 +58,7 @@ def test_each_number_has_a_bound(subject: Subject) -> None:
     free = [
         path
         for path, field in fields_of(subject.plugin_class.Settings)
-        if _is_number(field.annotation) and not _is_bounded(field)
+        if is_number(field.annotation) and not is_bounded(field)
     ]
     assert not free, f"no bound (gt, ge, lt or le): {', '.join(free)}"
 
@@ -77,9 +77,11 @@ def test_its_settings_survive_a_mission_file_and_a_pickle(subject: Subject) -> N
     assert again == settings
 
 
-def _is_number(annotation: Any) -> bool:
+def is_number(annotation: Any) -> bool:
+    """Return whether a field holds one number, or may hold none."""
     return annotation in (int, float, int | None, float | None)
 
 
-def _is_bounded(field: FieldInfo) -> bool:
+def is_bounded(field: FieldInfo) -> bool:
+    """Return whether a field has a lower or an upper bound."""
     return any(getattr(one, bound, None) is not None for one in field.metadata for bound in BOUNDS)

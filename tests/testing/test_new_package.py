@@ -1,0 +1,74 @@
+"""A package of `plugins new` passes the kit, for each capability, as soon as it is installed."""
+
+import re
+from collections.abc import Callable
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+from executive import registry
+from executive.errors import ConfigError
+from executive.testing.new_package import new_package
+from executive.testing.run import Trial, hold_to_contract
+from executive.tree.load import load_mission
+
+TEMPLATES = [
+    one.name.removesuffix(".py.txt") for one in (files("executive.testing") / "templates").iterdir()
+]
+MISSION = """\
+api: 1
+mission: try_it
+extends: map_site
+plugins:
+  robot: kinematic
+  segmentation: {plugin: fresh_segmentation, margin_m: 0.2}
+trees:
+  main:
+    sequence:
+      - run: FreshLeaf
+        with: {duration: 2 s}
+"""
+
+Install = Callable[..., Path]
+
+
+def put_on_the_path(install: Install, capability: str, folder: Path) -> str:
+    """Write a new package, install its module, and return the name that it announces."""
+    name = f"fresh_{capability}"
+    module, project, *_ = new_package(capability, name, folder)
+    group, announced, target = re.search(
+        r'"executive\.(\w+)\.v1"\]\n(\w+) = "(.*)"', project.read_text()
+    ).groups()
+    install(name, {module.name: module.read_text()}, {group: {announced: target}})
+    return announced
+
+
+def test_there_is_a_template_for_each_capability() -> None:
+    assert sorted(TEMPLATES) == sorted([*registry.capabilities(), registry.SMOOTHERS, "leaf"])
+
+
+@pytest.mark.parametrize("capability", sorted(TEMPLATES))
+def test_a_new_package_passes_the_kit(install: Install, capability: str, tmp_path: Path) -> None:
+    name = put_on_the_path(install, capability, tmp_path)
+    findings = hold_to_contract(Trial(capability, name))
+    assert [one.line() for one in findings if one.outcome == "fail"] == []
+    assert sum(one.outcome == "pass" for one in findings) >= 7
+
+
+def test_a_mission_selects_what_was_made(install: Install, tmp_path: Path) -> None:
+    for capability in ("segmentation", "leaf"):
+        put_on_the_path(install, capability, tmp_path)
+    (tmp_path / "try_it.yaml").write_text(MISSION)
+    mission = load_mission(str(tmp_path / "try_it.yaml"), [])
+    assert mission.plugins["segmentation"][0].settings.margin_m == 0.2
+
+
+def test_a_folder_that_exists_and_a_name_that_is_none_are_refused(tmp_path: Path) -> None:
+    new_package("segmentation", "mine", tmp_path)
+    with pytest.raises(ConfigError, match="exists already"):
+        new_package("segmentation", "mine", tmp_path)
+    with pytest.raises(ConfigError, match="is no name"):
+        new_package("segmentation", "My-Plugin", tmp_path)
+    with pytest.raises(ConfigError, match="Did you mean 'segmentation'"):
+        new_package("segmentaton", "other", tmp_path)
