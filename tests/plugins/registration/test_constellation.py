@@ -46,3 +46,22 @@ def test_motions_keep_the_grounds_on_each_other() -> None:
 def test_one_stone_is_no_constellation() -> None:
     one = (np.zeros((1, 3)), LEVEL)
     assert constellation_transforms(one, one, 0.5, 1.0, 10).shape == (0, 4, 4)
+
+
+def test_the_best_motion_is_the_planar_fit_of_all_stones_that_support_it() -> None:
+    """A motion from two stones alone would carry all of their error.
+
+    The expected motion is the least-squares fit of complex numbers t = a s + b with |a| = 1.
+    """
+    rng = np.random.default_rng(3)
+    seen = np.column_stack([rng.uniform(-5, 5, (6, 2)), np.full(6, 0.4)])
+    T = pose(from_rpy(0, 0, 1.2), np.array([7.0, -3.0, 0.0]))
+    source = transform(inverse(T), seen) + rng.normal(0, 0.1, (6, 3)) * [1, 1, 0]
+    found = constellation_transforms((seen, LEVEL), (source, LEVEL), 0.5, 1.0, 10)[0]
+    t, s = (x[:, 0] + 1j * x[:, 1] for x in (seen, source))
+    a = np.vdot(s - s.mean(), t - t.mean())
+    a /= abs(a)
+    b = t.mean() - a * s.mean()
+    np.testing.assert_allclose(found[:2, 0], [a.real, a.imag], atol=1e-9)
+    np.testing.assert_allclose(found[:2, 3], [b.real, b.imag], atol=1e-9)
+    np.testing.assert_allclose(found[2], [0, 0, 1, 0], atol=1e-9)

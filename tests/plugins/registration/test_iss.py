@@ -48,3 +48,22 @@ def test_too_few_neighbours_shape_no_normal() -> None:
     assert not normals.any()
     assert not saliencies.any()
     assert len(salient_points(saliencies, *neighbours_within(points, points, 0.1))) == 0
+
+
+def saliency_of_an_apex(half_axes_m: tuple[float, float], depth_m: float) -> float:
+    """Return the saliency of a point above the middle of an elliptic ring of twelve points."""
+    angle = np.arange(12) * 2 * np.pi / 12
+    ring = np.column_stack([*(np.array(half_axes_m)[:, None] * [np.cos(angle), np.sin(angle)]),
+                            np.full(12, -depth_m)])  # fmt: skip
+    points = np.vstack([np.zeros(3), ring])
+    return float(surface_shapes(points, *neighbours_within(points, points, 0.3))[1][0])
+
+
+def test_a_point_stands_out_only_if_all_three_axes_are_told_apart() -> None:
+    """Zhong 2009, Eq. (4): with two equal eigenvalues, two axes can be turned at will.
+
+    The ring's scatter about the apex is a²/2, b²/2 and h².
+    """
+    assert saliency_of_an_apex((0.10, 0.07), 0.03) > 0
+    assert saliency_of_an_apex((0.10, 0.10), 0.03) == 0  # the two largest are equal
+    assert saliency_of_an_apex((0.10, 0.07), 0.07 / np.sqrt(2)) == 0  # the two smallest are equal
