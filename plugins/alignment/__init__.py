@@ -1,1 +1,1 @@
-"""alignment plugins."""
+"""Alignment plugins."""

@@ -1,6 +1,4 @@
-"""Alignment of distributions: each point carries the shape of its surroundings (Segal 2009,
-generalised ICP).
-"""
+"""Generalised ICP (Segal 2009): each point carries the covariance of its neighbourhood."""
 
 from executive_plugins.alignment.local_fit import AlignmentSettings, fit
 
@@ -11,7 +9,7 @@ from executive.messages.cloud import Cloud
 
 
 class GicpSettings(AlignmentSettings):
-    """How finely to look, and what to believe."""
+    """Resolution and acceptance of an alignment."""
 
 
 class Gicp(Aligner):

@@ -13,11 +13,11 @@ from executive.geometry.pose import inverse, transform
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 
-_FARTHEST = 3  # reaches that a point may move: a smooth surface can slide on itself without end
+_FARTHEST = 3  # largest travel of a point in reaches: a smooth surface may slide along itself
 
 
 class AlignmentSettings(Settings):
-    """How finely to look, and what to believe."""
+    """Resolution and acceptance of an alignment."""
 
     voxel_m: Meters = Field(
         0.05, gt=0, le=1, description="Grid to which both clouds are thinned [m]."
@@ -54,8 +54,8 @@ def fit(
     Args:
         kind: `GICP` or `PLANE_ICP`.
         settings: Resolution and gate.
-        target: Where to.
-        source: What is moved.
+        target: The cloud that stays.
+        source: The cloud that is moved.
         T_guess: T_target_source to begin with, shape (4, 4).
         max_distance_m: Reach of correspondences [m].
 

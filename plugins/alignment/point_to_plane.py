@@ -1,6 +1,4 @@
-"""Alignment along the target's normals (Chen and Medioni 1992): cheap, and at its best on smooth
-surfaces.
-"""
+"""Point-to-plane ICP (Chen and Medioni 1992): fast, and best on smooth surfaces."""
 
 from executive_plugins.alignment.local_fit import AlignmentSettings, fit
 
@@ -11,7 +9,7 @@ from executive.messages.cloud import Cloud
 
 
 class PointToPlaneSettings(AlignmentSettings):
-    """How finely to look, and what to believe."""
+    """Resolution and acceptance of an alignment."""
 
 
 class PointToPlane(Aligner):

@@ -1,5 +1,6 @@
-"""Groups of matches that agree on one rigid motion: two true matches keep their distance (Sec. 4.4
-step 4).
+"""Groups of matches that agree on one rigid motion (Mascaro 2020, Sec. 4.4 step 4).
+
+Two correct matches have the same distance from each other in both clouds.
 """
 
 import numpy as np
@@ -8,15 +9,15 @@ from scipy.spatial.distance import cdist
 from executive.arrays import Bool, Float
 from executive.geometry.rigid_fit import rigid_fit
 
-_SEEDS = 60  # matches that a group grows from, those with most agreement first
-_LEAST_GROUP = 4
-_LEAST_LEVER_M = 0.25  # closer keypoints say nothing about rotation
+_SEEDS = 60  # matches that groups are grown from, those that agree with most others
+_LEAST_GROUP = 4  # matches of a group
+_LEAST_LEVER_M = 0.25  # closer keypoints do not determine the rotation
 
 
 def consistent_transforms(
     target: Float, source: Float, tolerance_m: float, scale_error: float, count: int
 ) -> Float:
-    """Return the rigid motions that most matches vote for, most votes first.
+    """Return the rigid motions that most matches agree on, the most matches first.
 
     Args:
         target: Matched keypoints in the target [m], shape (M, 3).
@@ -51,8 +52,9 @@ def _agreement(target: Float, source: Float, tolerance_m: float, scale_error: fl
 
 
 def _grow(agrees: Bool, seed: int) -> list[int]:
-    """Take in matches greedily, those with most friends among the seed's friends first, while all
-    agree.
+    """Return a group of matches that all agree with each other, grown greedily from a seed.
+
+    Candidates agree with the seed; those that agree with most other candidates come first.
     """
     friends = np.flatnonzero(agrees[seed])
     order = friends[np.argsort(-agrees[np.ix_(friends, friends)].sum(axis=1), kind="stable")]

@@ -1,9 +1,9 @@
-"""Rigid motions guessed from where the segments stand, as stars are told by their constellation.
+"""Candidate motions from the arrangement of the segments' centroids, without descriptors.
 
 Deviation from Mascaro 2020, Sec. 4.4 step 4, where motions come from descriptors alone: FPFH
-descriptors of a partly seen stone match in one case of ten. Pairs of centroids with the same
-distance, on the two ground planes laid over each other, give a motion each; they go through the
-same vote and the same gate as those from descriptors.
+descriptors of a partly seen stone match in one case of ten. Here, each two pairs of centroids of
+the same distance give a planar motion that also aligns the ground planes. These motions are ranked
+and tested like those from descriptors.
 """
 
 from itertools import combinations
@@ -14,8 +14,8 @@ from executive.arrays import Float
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rigid_fit import rigid_fit
 
-_LEAST_PAIR_M = 0.8  # closer centroids say too little about the heading
-_DUPLICATE_M = 0.3  # motions that move the centroids alike are one
+_LEAST_PAIR_M = 0.8  # closer centroids do not determine the heading well
+_DUPLICATE_M = 0.3  # motions are the same if no centroid differs by more
 
 
 def constellation_transforms(
@@ -25,14 +25,13 @@ def constellation_transforms(
     vote_m: float,
     count: int,
 ) -> Float:
-    """Return motions that lay pairs of source centroids over pairs of target centroids, best voted
-    first.
+    """Return motions that align pairs of centroids, those that most centroids support first.
 
     Args:
         target: Segment centroids (N, 3) and ground plane (4,) of the target.
         source: The same of the source.
-        tolerance_m: Allowed difference of a pair's distances [m]; a half-seen stone's centroid is
-            off by 0.3 m.
+        tolerance_m: Allowed difference of a pair's distances [m]; the centroid of a stone seen from
+            one side is off by up to 0.3 m.
         vote_m: Distance up to which a third centroid supports a motion [m].
         count: Most motions to return.
 
@@ -69,7 +68,7 @@ def _level(plane: Float) -> Float:
 
 
 def _hypotheses(t: Float, s: Float, tolerance_m: float) -> Float:
-    """Return planar motions (R | t) of all pairs of pairs with like distances, shape (H, 2, 3)."""
+    """Return the planar motions (R | t) of all two pairs of similar distance, shape (H, 2, 3)."""
     found = []
     for i, j in combinations(range(len(s)), 2):
         d_s = s[j] - s[i]
@@ -87,8 +86,9 @@ def _hypotheses(t: Float, s: Float, tolerance_m: float) -> Float:
 
 
 def _planar(heading: Float, t: Float, s: Float, vote_m: float) -> Float:
-    """Refit a planar motion on all centroids that support it, as a pose between the levelled
-    frames.
+    """Return a planar motion refitted to all centroids that support it, shape (4, 4).
+
+    It is the pose between the frames that `_level` makes.
     """
     moved = s[:, :2] @ heading[:, :2].T + heading[:, 2]
     distances = np.linalg.norm(moved[:, None] - t[None, :, :2], axis=2)
@@ -105,4 +105,4 @@ def _planar(heading: Float, t: Float, s: Float, vote_m: float) -> Float:
     return T
 
 
-_UP = np.array([0.0, 0.0, 1.0])  # a second layer of points keeps the refit upright
+_UP = np.array([0.0, 0.0, 1.0])  # offset of a second layer of points, which keeps the refit upright

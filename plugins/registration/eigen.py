@@ -1,5 +1,6 @@
-"""Eigenvectors of symmetric 3×3 matrices by Jacobi's rotations: no call into a library, the same
-bits everywhere.
+"""Eigenvectors of symmetric 3×3 matrices by Jacobi rotations.
+
+Other than a linear algebra library, it gives the same bits on every processor.
 """
 
 import numpy as np
@@ -7,14 +8,12 @@ from numba import njit
 
 from executive.arrays import Float
 
-_SWEEPS = 8  # convergence is quadratic: five do for doubles
+_SWEEPS = 8  # convergence is quadratic: five sweeps reach double precision
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def sorted_eigenvectors(matrix: Float) -> tuple[Float, Float]:
-    """Return the eigenvalues, largest first, shape (3,), and the eigenvectors as rows, shape (3,
-    3).
-    """
+    """Return the eigenvalues (3,), largest first, and their eigenvectors as rows (3, 3)."""
     A, V = matrix.copy(), np.eye(3)
     for _ in range(_SWEEPS):
         if A[0, 1] ** 2 + A[0, 2] ** 2 + A[1, 2] ** 2 <= 1e-30 * (A[0, 0] + A[1, 1] + A[2, 2]) ** 2:
@@ -33,9 +32,7 @@ def sorted_eigenvectors(matrix: Float) -> tuple[Float, Float]:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _rotate(A: Float, V: Float, p: int, q: int) -> None:
-    """Turn the plane of axes p and q until A[p, q] is zero, in place (Golub and Van Loan, Sec.
-    8.5).
-    """
+    """Rotate axes p and q, in place, so that A[p, q] becomes 0 (Golub and Van Loan, Sec. 8.5)."""
     if A[p, q] == 0.0:
         return
     theta = (A[q, q] - A[p, p]) / (2 * A[p, q])

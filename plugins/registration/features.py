@@ -18,8 +18,8 @@ class Features:
 def match(target: Features, source: Features, nearest: int) -> tuple[Float, Float]:
     """Return the coordinates of matched keypoints, target and source, each (M, 3).
 
-    Each source keypoint goes with its few nearest descriptors in the target (Sec. 4.4 step 3): one
-    matrix product.
+    Each source keypoint is matched with its nearest descriptors in the target (Sec. 4.4 step 3),
+    found by one matrix product.
     """
     count = min(nearest, len(target.points))
     if not count or not len(source.points):

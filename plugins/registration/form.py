@@ -1,8 +1,8 @@
-"""How far two surfaces differ in form, whatever the noise and the density of their points.
+"""The difference in form of two surfaces, independent of noise and density of their points.
 
-The distance to the nearest point grows with the gaps between points: thinly seen, the right stone
-is as far off as another one densely seen. Heights above the surface do not, and their means over a
-patch are nearly free of noise.
+The distance to the nearest point grows with the gaps between points, so that it cannot tell a
+thinly sampled view of the right stone from a dense view of another. Heights above the surface do
+not grow, and their means over a patch are nearly free of noise.
 """
 
 import numpy as np
@@ -11,19 +11,19 @@ from scipy.spatial import cKDTree
 
 from executive.arrays import Float
 
-_PATCH_M = 0.10  # radius: some twenty points at 3 cm
+_PATCH_M = 0.10  # radius of a patch: some twenty points 3 cm apart
 
 
 def form_error(surface: Surface, points: Float, reach_m: float) -> float:
     """Return the root mean square over patches of a surface's mean height above another [m].
 
     Args:
-        surface: The one, about a stone's whole round.
-        points: The other, thinned evenly [m], shape (N, 3); those beyond the reach are left out.
-        reach_m: Farthest points that are the same surface [m].
+        surface: The one surface, all around a stone.
+        points: The other, of even density [m], shape (N, 3).
+        reach_m: Points farther from the surface are left out [m].
 
     Returns:
-        Infinity if no point is within reach.
+        The error [m]; infinity if no point is within reach.
     """
     distances, rows = surface.nearest(points, reach_m)
     near = np.isfinite(distances)

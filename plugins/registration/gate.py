@@ -1,8 +1,7 @@
-"""Whether a registration is to be believed: how well, how widely and on how many stones the clouds
-agree.
+"""Measures by which a registration is accepted: how closely and how far surfaces coincide.
 
-Centroid votes and inlier counts are no gate: wrong motions were seen to match four to seven stones.
-Surfaces are.
+The number of matched centroids or of inliers is not enough: wrong motions have matched four to
+seven stones. So surfaces are compared.
 """
 
 from dataclasses import dataclass
@@ -18,7 +17,7 @@ from executive.messages.alignment import Alignment
 
 @dataclass(frozen=True, slots=True)
 class Nearness:
-    """How near one surface's points are to another surface.
+    """Distances of one surface's points from another surface.
 
     Attributes:
         points: Number of points.
@@ -55,10 +54,10 @@ class Agreement:
 
     @property
     def better(self) -> Nearness:
-        """The way with the larger share.
+        """The direction of comparison with the larger share.
 
-        A half-seen or thinly seen stone lies wholly on the whole, dense one, but not vice versa; a
-        wrong stone does neither.
+        All of a view from one side lies on the whole stone, but not the other way round. A view of
+        another stone has a small share in both directions.
         """
         return max(self.source, self.target, key=lambda way: way.share)
 
@@ -77,7 +76,7 @@ NOTHING = Agreement(Nearness(0, 0, 0.0), Nearness(0, 0, 0.0))
 
 
 def measure(target: Float, moved: Float, truncation_m: float, voxel_m: float) -> Agreement:
-    """Measure both ways between points in one frame, each thinned to an even density."""
+    """Compare two sets of points in both directions, after thinning both to one density."""
     a, b = thinned(target, voxel_m), thinned(moved, voxel_m)
     return Agreement(_near(b, a, truncation_m), _near(a, b, truncation_m))
 

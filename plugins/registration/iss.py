@@ -1,6 +1,4 @@
-"""Intrinsic shape signatures (Zhong 2009): points whose surroundings stand out in all three
-directions.
-"""
+"""ISS keypoints (Zhong 2009): points whose neighbourhood varies in all three directions."""
 
 import numpy as np
 from executive_plugins.registration.eigen import sorted_eigenvectors
@@ -8,28 +6,29 @@ from numba import njit
 
 from executive.arrays import Float, Int
 
-_LEAST_NEIGHBOURS = 6  # fewer shape no normal and no keypoint
-_LARGEST_RATIO = (
-    0.975  # of consecutive eigenvalues: above, the axes are not told apart (Zhong's γ21 and γ32)
-)
+_LEAST_NEIGHBOURS = 6  # fewer determine neither a normal nor a keypoint
+# Largest ratio of consecutive eigenvalues, Zhong's γ21 and γ32. Axes of a larger ratio cannot be
+# told apart.
+_LARGEST_RATIO = 0.975
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def surface_shapes(points: Float, starts: Int, rows: Int) -> tuple[Float, Float]:
     """Return outward normals and saliencies of one segment's points.
 
-    Normals point away from the segment's centroid, which needs no gravity and gives the same side
-    in both maps.
+    Normals point away from the segment's centroid, which is the same side in both maps whatever
+    their frames.
 
     Args:
-        points: Of one segment [m], shape (N, 3).
-        starts: Of the neighbours within the salient radius, shape (N + 1,).
-        rows: Of the neighbours, themselves included.
+        points: Points of one segment [m], shape (N, 3).
+        starts: Where each point's neighbours within the salient radius begin in `rows`, shape
+            (N + 1,).
+        rows: Indices of the neighbours; each point is its own neighbour, too.
 
     Returns:
-        Unit normals, shape (N, 3), zero where there are too few neighbours; smallest eigenvalues of
-        the scatter, neighbours weighted by one over their own number of neighbours, shape (N,),
-        zero at what is no keypoint.
+        Unit normals (N, 3), zero where there are too few neighbours. Saliencies (N,): the smallest
+        eigenvalue of the scatter in which each neighbour is weighted by one over its own number of
+        neighbours; zero where the axes cannot be told apart.
     """
     normals, saliencies = np.zeros(points.shape), np.zeros(len(points))
     middle = np.array([points[:, 0].mean(), points[:, 1].mean(), points[:, 2].mean()])
@@ -56,9 +55,7 @@ def surface_shapes(points: Float, starts: Int, rows: Int) -> tuple[Float, Float]
 def _moments(
     points: Float, starts: Int, rows: Int, i: int, sums: tuple[Float, Float, Float]
 ) -> float:
-    """Sum up weighted and plain second moments and first moments about point i; return the sum of
-    weights.
-    """
+    """Compute, in place, the moments of the neighbours about point i; return the sum of weights."""
     scatter, covariance, mean = sums
     scatter[:], covariance[:], mean[:] = 0.0, 0.0, 0.0
     weight_sum = 0.0
@@ -78,7 +75,7 @@ def _moments(
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def salient_points(saliencies: Float, starts: Int, rows: Int) -> Int:
-    """Return the points that are more salient than all their neighbours, in order of the points."""
+    """Return the rows of the points that no neighbour exceeds in saliency, in rising order."""
     chosen = np.empty(len(saliencies), dtype=np.int64)
     count = 0
     for i in range(len(saliencies)):

@@ -1,4 +1,4 @@
-"""One way to propose motions, to be tried until one passes the gate."""
+"""The interface of methods that propose candidate motions."""
 
 from abc import ABC, abstractmethod
 
@@ -9,10 +9,14 @@ from executive.messages.segment import Segmentation
 
 
 class MotionProposer(ABC):
-    """Propose motions that may lay a source over a target; never decide."""
+    """Proposes motions that may align a source with a target; `SegmentRegistrar` tests them."""
 
     @abstractmethod
     def propose(self, target: Segmentation, source: Segmentation, watch: Stopwatch) -> list[Float]:
-        """Return T_target_source of candidates, each (4, 4), the likeliest first;
-        times its stages.
+        """Return T_target_source of candidates, each (4, 4), the likeliest first.
+
+        Args:
+            target: Segments of the target.
+            source: Segments of the source.
+            watch: Receives the time of each stage.
         """

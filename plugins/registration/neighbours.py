@@ -1,5 +1,6 @@
-"""Neighbours of points within a radius, as one table: row i's neighbours are `rows[starts[i] :
-starts[i + 1]]`.
+"""Neighbours of points within a radius, in one table.
+
+The neighbours of query i are `rows[starts[i] : starts[i + 1]]`.
 """
 
 import numpy as np
@@ -10,12 +11,12 @@ from executive.arrays import Float, Int
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def neighbours_within(points: Float, queries: Float, radius_m: float) -> tuple[Int, Int]:
-    """Find all points within a radius of each query; the order within a row follows from the points
-    alone.
+    """Find all points within a radius of each query, in an order that only the points determine.
 
     Args:
-        points: Of one segment, since all cells of its box are laid out [m], shape (N, 3), N ≥ 1.
-        queries: Within the box of the points [m], shape (M, 3).
+        points: Points of one segment [m], shape (N, 3), N ≥ 1. Memory grows with the volume of
+            their bounding box.
+        queries: Positions within that box [m], shape (M, 3).
         radius_m: The radius, itself included.
 
     Returns:

@@ -1,6 +1,4 @@
-"""Global registration on segments, whatever proposes the motions: votes rank them,
-surfaces decide.
-"""
+"""Global registration on segments: test the proposed motions, refine the best, accept or refuse."""
 
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -49,13 +47,13 @@ class SegmentRegistrar(Registrar):
 
     @abstractmethod
     def _proposers(self) -> tuple[MotionProposer, ...]:
-        """Return what proposes motions, in the order in which they are tried."""
+        """Return the methods that propose motions, in the order in which they are tried."""
 
     def register(self, target: Cloud, source: Cloud, rng: np.random.Generator) -> Alignment:
-        """Find the similarity that lays a survey over the map; deterministic, `rng` is not used.
+        """Find the similarity from a survey to the map; deterministic, `rng` is not used.
 
-        Coordinates are taken about each cloud's mean, so that national coordinates keep their
-        digits.
+        Computations use coordinates relative to each cloud's mean, so that large national
+        coordinates lose no precision.
 
         Returns:
             The motion, accepted or refused. With fewer stones in view than `min_matched` it is
@@ -76,7 +74,7 @@ class SegmentRegistrar(Registrar):
         return replace(found, T_target_source=T, timings_ms=watch.timings_ms())
 
     def find(self, target: Cloud, model: Cloud) -> Alignment:
-        """Find one object however it lies; see `single_object`."""
+        """Find one object in any pose; see `single_object`."""
         return ObjectFinder(self._settings, self._segmentation, self._proposers()).find(
             target, model
         )
@@ -127,11 +125,11 @@ class SegmentRegistrar(Registrar):
         stones: Surface,
         candidates: Sequence[Float],
     ) -> Similarity | None:
-        """Refine candidates a little on the segments, and take the one whose surfaces lie best on
-        each other.
+        """Refine candidates a little on the segments, and return the one with the best surface fit.
 
-        Deviation from the paper, which takes the one of most matched centroids: those of half-seen
-        stones are off. The votes only rank the candidates, and the first clear fit ends the search.
+        Deviation from the paper, which takes the candidate with most matched centroids: those of
+        stones seen from one side are off. Here, their number only gives the order in which
+        candidates are tried, and the first clear fit ends the search.
         """
         s = self._settings
         points = thinned(_joined(source.segments), 2 * s.fine_voxel_m)
@@ -159,7 +157,7 @@ class SegmentRegistrar(Registrar):
     ) -> Similarity:
         """Align the segments (step 5), then the whole clouds with their scale.
 
-        The ground is thinned more than the stones: it levels the motion, and is smooth.
+        The ground, which determines the level of the motion, is smooth and so thinned more.
         """
         s = self._settings
         moving = thinned(_joined(source.segments), s.fine_voxel_m)
@@ -178,7 +176,7 @@ class SegmentRegistrar(Registrar):
         return refine(surface, points, near, narrow, s.max_scale_error)
 
     def _judge(self, target: Segmentation, source: Segmentation, fine: Similarity) -> Alignment:
-        """Pass the gate on the segments whose centroids have been matched (step 5)."""
+        """Accept or refuse a motion by the segments whose centroids have been matched (step 5)."""
         s = self._settings
         pairs = self._matched(target, source, fine)
         agreements = {

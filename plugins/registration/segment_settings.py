@@ -1,6 +1,4 @@
-"""What all registrations on segments share: the sizes of the search, the refinement,
-and the gate.
-"""
+"""Settings that all registrations on segments share: search, refinement, acceptance."""
 
 from pydantic import Field
 
@@ -8,16 +6,16 @@ from executive.config import Meters, Settings
 
 
 class SegmentSettings(Settings):
-    """Sizes of the search, and the gate."""
+    """Settings of the search, the refinement and the acceptance."""
 
     voxel_m: Meters = Field(
-        0.03, gt=0, description="Grid to which the source is thinned, the map's own [m]."
+        0.03, gt=0, description="Grid to which the source is thinned, that of the map [m]."
     )
     consistency_m: Meters = Field(
         0.08, gt=0, description="Allowed difference of two matches' distances [m]."
     )
     candidates: int = Field(
-        10, ge=1, le=100, description="Most motions of each origin that are looked at, b."
+        10, ge=1, le=100, description="Most candidate motions of each method, b."
     )
     pair_tolerance_m: Meters = Field(
         0.5, gt=0, description="Allowed difference of two centroids' distances [m]."
@@ -29,13 +27,13 @@ class SegmentSettings(Settings):
         0.03, ge=0, le=0.2, description="Largest error of the source's scale, as a share."
     )
     coarse_reach_m: Meters = Field(
-        0.5, gt=0, description="Reach of correspondences at a candidate [m]."
+        0.5, gt=0, description="Largest distance of correspondences at a candidate [m]."
     )
     fine_voxel_m: Meters = Field(
-        0.08, gt=0, description="Grid of the points of stones that refine the motion [m]."
+        0.08, gt=0, description="Grid of the stones' points for the refinement [m]."
     )
     ground_voxel_m: Meters = Field(
-        0.16, gt=0, description="Grid of the points of ground that refine the motion [m]."
+        0.16, gt=0, description="Grid of the ground's points for the refinement [m]."
     )
     truncation_m: Meters = Field(
         0.10, gt=0, description="Distance beyond which points do not overlap [m]."
@@ -47,5 +45,5 @@ class SegmentSettings(Settings):
         0.6, ge=0, le=1, description="Smallest accepted share of points that overlap."
     )
     min_matched: int = Field(
-        3, ge=1, description="Fewest stones that must agree; fewer in view are refused."
+        3, ge=1, description="Fewest stones that must agree; with fewer in view it is refused."
     )

@@ -1,7 +1,7 @@
-"""Rotation, translation and scale refined together, along the target's normals.
+"""Joint refinement of rotation, translation and scale by point-to-plane distances.
 
-A structure-from-motion cloud has its scale from camera positions, wrong by a percent: 5 cm over 5
-m, more than the gate allows. Aligners are rigid, so the scale is found here.
+The scale of a structure-from-motion cloud comes from camera positions and is wrong by a percent:
+5 cm over 5 m, more than is accepted. Aligners find rigid motions only, so the scale is found here.
 """
 
 from dataclasses import dataclass
@@ -70,7 +70,7 @@ def refine(
         surface: The target.
         source: Thinned source points [m], shape (N, 3).
         start: Where to begin.
-        reaches_m: Reach of correspondences in each step [m].
+        reaches_m: Largest distance of correspondences in each step [m].
         max_scale_error: The scale stays within 1 ± this.
     """
     now = start

@@ -7,7 +7,7 @@ from executive.clock import wall_s
 
 
 class Stopwatch:
-    """Collects milliseconds by stage."""
+    """Measures wall time by stage [ms]."""
 
     def __init__(self) -> None:
         self._begun_s = wall_s()

@@ -1,10 +1,9 @@
-"""Neighbours that merge: what hangs together at the coarse grid is taken apart where stones stand
-apart.
+"""Splitting of clusters that hold several stones.
 
 Deviation from Mascaro 2020, Sec. 4.3, where one distance separates objects: a distance that holds a
-thinly seen stone together joins neighbours up to 14 cm apart. Here a heap is looked at again on a
-finer grid, and from above, and what comes apart is believed if each part is a stone by itself and
-together they are nearly all of the heap.
+thinly sampled stone together joins neighbours up to 14 cm apart. Here, each cluster is split on a
+finer grid and by valleys of its upper surface. A split is accepted if each part has the size of a
+stone and the parts hold nearly all points of the cluster.
 """
 
 from dataclasses import dataclass
@@ -23,17 +22,17 @@ _DENSE = 1.5
 
 @dataclass(frozen=True, slots=True)
 class ClusterSplitter:
-    """When a heap is several stones.
+    """Splits clusters into stones.
 
     Attributes:
-        fine_voxel_m: Grid edge of the second look [m].
+        fine_voxel_m: Grid edge of the finer clustering [m].
         cell_m: Grid edge of the view from above [m].
         least_drop: From a summit to the pass between two, as a share of the lower summit's height.
-        least_points: Points of a stone.
-        least_extent_m: Longest side of a stone [m].
-        least_height_m: Height of a stone [m].
-        least_share: Of a heap's points that belong to its stones before the rest is given to the
-            nearest.
+        least_points: Fewest points of a stone.
+        least_extent_m: Smallest longest side of a stone [m].
+        least_height_m: Smallest height of a stone [m].
+        least_share: Smallest share of a cluster's points that its parts must hold; the other points
+            are then assigned to the nearest part.
     """
 
     fine_voxel_m: float
@@ -45,7 +44,7 @@ class ClusterSplitter:
     least_share: float
 
     def split(self, points: Float, places: Float, heights: Float) -> list[Int]:
-        """Return rows of the points of each stone in a heap: one if it is one.
+        """Return the rows of each stone's points in a cluster; all rows at once if it is one stone.
 
         Args:
             points: [m], shape (N, 3).
@@ -86,8 +85,9 @@ class ClusterSplitter:
         )
 
     def _is_dense(self, part: Float) -> bool:
-        """Tell whether a gap is more than thin sampling: most points have four others within 1.5
-        voxels.
+        """Return whether points are dense, so that a gap beside them is not just thin sampling.
+
+        They are if most of them have four others within 1.5 voxels.
         """
         some = part[:: max(len(part) // 200, 1)]
         fourth = cKDTree(part).query(some, k=5)[0][:, 4]

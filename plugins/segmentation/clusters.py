@@ -25,7 +25,8 @@ def connected_clusters(points: Float, groups: Int, voxel_m: float) -> Int:
     """Label the points of a cloud by connected component of its occupied voxels, never across
     groups.
 
-    Gaps below one voxel never separate, gaps above two always do: the middle depends on the grid.
+    Gaps below one voxel never separate two clusters, gaps above two voxels always do; in between it
+    depends on where the grid lies.
     The partition does not depend on the order of the points.
 
     Args:

@@ -1,4 +1,4 @@
-"""Segmentation by geometry: take the ground away, and what still hangs together is an object."""
+"""Segmentation by geometry: remove the ground, then cluster what is left into objects."""
 
 from collections.abc import Sequence
 
@@ -25,11 +25,11 @@ from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment, Segmentation
 
 _GROUND_SAMPLE = 20_000  # points that shape the ground: 50 in a square metre over ±10 m
-_WIDEST_HEAP_M = 20.0  # what is wider is no heap of stones
+_WIDEST_HEAP_M = 20.0  # wider clusters are not heaps of stones
 
 
 class GroundAndClustersSettings(Settings):
-    """How the ground ends and an object begins."""
+    """Limits between ground and objects, and between objects."""
 
     plane_margin_m: Meters = Field(
         0.10, gt=0, le=1, description="Height up to which points are ground, d_plane [m]."
@@ -47,7 +47,7 @@ class GroundAndClustersSettings(Settings):
         0.2, gt=0, description="Bending of the terrain grid against a cell full of points."
     )
     voxel_m: Meters = Field(
-        0.07, gt=0, le=1, description="Grid edge of the clustering: smaller gaps join [m]."
+        0.07, gt=0, le=1, description="Grid edge of the clustering; smaller gaps are bridged [m]."
     )
     fine_voxel_m: Meters = Field(
         0.04, gt=0, le=1, description="Grid edge on which neighbours are parted [m]."
@@ -57,9 +57,9 @@ class GroundAndClustersSettings(Settings):
         0.3, gt=0, le=1, description="Drop from a stone's top to the next, as a share."
     )
     core_share: float = Field(
-        0.85, gt=0, le=1, description="Share of a heap in its stones for parting it."
+        0.85, gt=0, le=1, description="Share of a cluster that its parts must hold to split it."
     )
-    min_points: int = Field(60, ge=10, description="Fewer points are no object.")
+    min_points: int = Field(60, ge=10, description="Fewest points of an object.")
     min_extent_m: Meters = Field(
         0.25, gt=0, description="An object's longest side is at least this [m]."
     )

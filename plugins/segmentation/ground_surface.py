@@ -1,4 +1,4 @@
-"""The ground's slow undulation above its mean plane, as a stiff height grid.
+"""The height of uneven ground above its mean plane, as a stiff grid.
 
 Deviation from Mascaro 2020, Sec. 4.3: there one plane with a margin of 10 cm is the ground. On
 rough terrain slopes then stay in the cloud as false segments, and stones in hollows are cut too

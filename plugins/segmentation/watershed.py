@@ -1,4 +1,4 @@
-"""Where one heap of points is several stones: valleys in its upper surface."""
+"""Watershed of the upper surface of a cluster: valleys between stones."""
 
 import numpy as np
 from executive_plugins.segmentation.union_find import root_of, set_labels

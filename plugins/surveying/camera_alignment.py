@@ -1,4 +1,4 @@
-"""Scale, heading and level of a reconstruction, from where the drone says it was."""
+"""Scale, heading and level of a reconstruction, from the drone's recorded positions."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from executive.arrays import Bool, Float
 from executive.errors import DataError
 from executive.geometry.rigid_fit import similarity_fit
 
-_TRIALS = 100  # random triples; with a third of outliers, one in four is clean
+_TRIALS = 100  # random triples; with a third of outliers, one in four has none
 _SIGMAS = 2.5  # a position farther off than this is an outlier
 _LEAST_WIDTH = 0.1  # spread across the line of flight, as a share of that along it
 

@@ -1,4 +1,4 @@
-"""Where a drone says its pictures were taken: a table beside them, or the GPS tags within them."""
+"""Recorded positions of a drone's pictures, from a table beside them or from their GPS tags."""
 
 import csv
 from collections.abc import Mapping, Sequence

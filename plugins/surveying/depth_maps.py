@@ -1,4 +1,4 @@
-"""Depth maps of posed pictures: which neighbours each is compared with, and what others confirm."""
+"""Depth maps of posed pictures: choice of neighbours, measurement and mutual confirmation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ from executive.errors import DataError
 
 _PLANES_MOST = 250
 _STEP_PIXELS = 1.25  # between planes: half a pixel between views 25° apart
-_CHANCE = 3  # so many of the highest and of the lowest sparse points may be wrong
+_CHANCE = 3  # number of the highest and of the lowest sparse points that may be wrong
 
 
 class DepthSettings(Settings):
-    """How finely and how strictly depth is measured."""
+    """Resolution of the depth maps, and how strictly depths are tested."""
 
     pixel_m: Meters = Field(
         0.022, gt=0.001, le=1, description="A pixel of the depth maps on the ground [m]."
@@ -34,7 +34,7 @@ class DepthSettings(Settings):
     angle_rad: Radians = Field(
         0.3, gt=0.02, le=1, description="Best angle between two views of a point [rad]."
     )
-    least_score: float = Field(0.6, ge=0, lt=1, description="Lowest correlation that is believed.")
+    least_score: float = Field(0.6, ge=0, lt=1, description="Lowest accepted correlation.")
     confirmed_by: int = Field(
         2, ge=1, le=20, description="Other depth maps that must show the same point."
     )
@@ -168,7 +168,7 @@ def _unit(vectors: Float) -> Float:
 def measure_depth(
     views: Sequence[View], neighbours: list[list[int]], planes: SweepPlanes, s: DepthSettings
 ) -> list[Float]:
-    """Return one depth map a view [m], NaN where it is not to be believed."""
+    """Return one depth map for each view [m], NaN where the depth is not accepted."""
     maps = []
     for view, others in zip(views, neighbours, strict=True):
         depth = np.full(view.grey.shape, np.nan)

@@ -1,4 +1,4 @@
-"""A drone's flight over the site: where it takes its pictures, and the rays of each."""
+"""A drone's flight over the site: the position and the rays of each picture."""
 
 from dataclasses import dataclass
 
@@ -10,9 +10,7 @@ from executive.config import Meters, Radians, Settings
 
 
 class FlightSettings(Settings):
-    """About twenty pictures from above and around: slanted ones from an outer ring, steep ones from
-    an inner one.
-    """
+    """Settings of a flight: slanted pictures from an outer ring, steep ones from an inner ring."""
 
     cameras: int = Field(20, ge=3, le=200, description="Number of pictures.")
     centre_m: tuple[float, float] = Field(
@@ -39,7 +37,7 @@ class Picture:
 
 
 def take_pictures(settings: FlightSettings, rng: np.random.Generator) -> list[Picture]:
-    """Fly both rings, with a pilot's unsteadiness; three pictures in four are slanted."""
+    """Return the pictures of both rings, three in four from the outer one, with random errors."""
     slanted = settings.cameras - settings.cameras // 4
     return [
         *_ring(settings, slanted, 0.65, 0.35, rng),
@@ -50,8 +48,14 @@ def take_pictures(settings: FlightSettings, rng: np.random.Generator) -> list[Pi
 def _ring(
     settings: FlightSettings, count: int, radius: float, aim: float, rng: np.random.Generator
 ) -> list[Picture]:
-    """Fly an ellipse; radius and aim are where cameras are and where they look, as a share of the
-    ground's sides.
+    """Return pictures from an ellipse around the middle of the ground.
+
+    Args:
+        settings: The flight.
+        count: Number of pictures.
+        radius: Half-axes of the ellipse, as a share of the ground's sides.
+        aim: The same of the ellipse that the pictures look at.
+        rng: Source of the errors of angle and height.
     """
     pictures = []
     for angle in 2 * np.pi * (np.arange(count) + rng.uniform(-0.3, 0.3, count)) / max(count, 1):

@@ -1,6 +1,4 @@
-"""A drone's flight in strips, for photographs: where it takes them, and where it believes that it
-does.
-"""
+"""A drone's flight in strips, for photographs: true and recorded positions."""
 
 import numpy as np
 from pydantic import Field

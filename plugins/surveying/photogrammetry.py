@@ -1,4 +1,4 @@
-"""From photographs to a cloud: the whole method, on the processor alone."""
+"""Photogrammetry: from photographs to a cloud, without a graphics card."""
 
 from dataclasses import dataclass
 
@@ -53,7 +53,7 @@ class PhotogrammetrySettings(Settings):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Photogrammetry:
-    """A cloud, and how it came about.
+    """A cloud, and how it was made.
 
     Attributes:
         cloud: In the frame `survey`: metric, z up, about the mean of the rough positions.

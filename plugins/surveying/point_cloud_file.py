@@ -1,4 +1,4 @@
-"""A survey that someone else made: a point cloud from a file."""
+"""A survey that is read from a point cloud file."""
 
 from pathlib import Path
 from typing import ClassVar
@@ -18,7 +18,7 @@ FRAME = "survey"
 
 
 class PointCloudFileSettings(Settings):
-    """Which file, and what to expect of it."""
+    """The file, and the limits of an acceptable cloud."""
 
     path: Path = Field(description="PLY, PCD, LAS, LAZ or XYZ file; coordinates in metres.")
     voxel_m: Meters = Field(

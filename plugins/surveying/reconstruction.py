@@ -1,6 +1,4 @@
-"""What structure from motion makes of a site: noise, a smooth warp, a rough scale, a frame of its
-own.
-"""
+"""Simulated errors of structure from motion: noise, a smooth warp, a wrong scale, another frame."""
 
 import numpy as np
 from pydantic import Field
@@ -13,7 +11,7 @@ _WAVES = 3  # of the warp, for each axis
 
 
 class ReconstructionSettings(Settings):
-    """How far a reconstruction is off."""
+    """Size of a reconstruction's errors."""
 
     depth_noise_m: Meters = Field(
         0.012, ge=0, le=0.2, description="Standard deviation along the ray [m]."

@@ -23,7 +23,7 @@ FRAME = "survey"
 
 
 class SimulatedDroneSettings(Settings):
-    """The flight, and what becomes of its pictures."""
+    """The flight, and the errors of the reconstruction."""
 
     flight: FlightSettings = Field(FlightSettings(), description="Where pictures are taken.")
     reconstruction: ReconstructionSettings = Field(

@@ -1,6 +1,4 @@
-"""Where pictures were taken, and sparse points, by structure from motion on the processor
-(pycolmap).
-"""
+"""Camera poses and sparse points by structure from motion, without a graphics card (pycolmap)."""
 
 import tempfile
 from dataclasses import dataclass
@@ -70,7 +68,7 @@ class Model:
 
 
 def load_pycolmap() -> Any:
-    """Import the package, which takes half a second, and keep it from talking.
+    """Import the package, which takes half a second, and silence its log.
 
     Raises:
         MissingExtraError: If it is not installed.

@@ -66,3 +66,10 @@ def test_a_joint_is_found_by_its_name_and_an_unknown_one_is_named() -> None:
     assert sample.of("b") == (2.0, 4.0, 6.0)
     with pytest.raises(Exception, match="no joint 'c' in the sample; it has a, b"):
         sample.of("c")
+
+
+def test_the_motion_begins_at_its_first_sample_and_rests_before_it() -> None:
+    moving = JointTrajectory(("a",), [0.0, 1.0], [[0.0], [1.0]], [[0.5], [0.0]])
+    np.testing.assert_allclose(moving.at(0.0), ([0.0], [0.5]))
+    np.testing.assert_allclose(moving.at(-0.1), ([0.0], [0.0]))
+    np.testing.assert_allclose(moving.at(1.1), ([1.0], [0.0]))

@@ -42,3 +42,10 @@ def test_bumps_are_told_where_the_mean_distance_is_that_of_a_ball() -> None:
 
 def test_nothing_within_reach_is_no_form_at_all() -> None:
     assert form_error(SURFACE, ball(2.0, 100, 1), REACH_M) == np.inf
+
+
+def test_the_side_that_estimated_normals_point_to_does_not_matter() -> None:
+    signs = np.where(np.random.default_rng(2).random(len(SURFACE.normals)) < 0.5, -1.0, 1.0)
+    flipped = Surface(SURFACE.points, SURFACE.normals * signs[:, None])
+    points = ball(0.52, 3000, 1)
+    assert form_error(flipped, points, REACH_M) == form_error(SURFACE, points, REACH_M)
