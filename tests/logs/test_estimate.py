@@ -245,8 +245,10 @@ def test_the_command_answers_and_a_cut_log_ends_with_status_2(car_log, tmp_path)
 
 def test_a_setting_of_the_user_takes_precedence_over_what_the_log_asks_for(car_log):
     material = Material.read(car_log, EstimateOptions())
-    asked = prepare(material, "estimation", NAME, ())
-    given = prepare(material, "estimation", NAME, ("rest.duration_s=1.5", "datum=null"))
+    options = ("estimation.rest.duration_s=1.5 s", "estimation.datum=null")
+    asked, given = (
+        prepare(material, "estimation", NAME, log_choices(chosen)) for chosen in ((), options)
+    )
     assert asked.datum == tuple(material.datum)
     assert given.datum is None
     assert given._settings.rest.duration_s == 1.5
