@@ -216,3 +216,10 @@ def test_what_is_no_log_ends_with_2(load, tmp_path, capsys) -> None:
     (tmp_path / "broken.mcap").write_bytes(b"no log")
     assert ended(load("drive_log"), [str(tmp_path / "broken.mcap")]) == 2
     assert "broken.mcap" in capsys.readouterr().err
+
+
+def test_a_trial_of_mappers_takes_observations_as_a_mission_does(load) -> None:
+    trial = load("trials.mapping_trials")
+    one = trial.trial("truth", trial.TrueState(), ["voxel_map"], trial.as_it_is)
+    one.process([object()])
+    assert len(one.fan.cloud().points) == 0

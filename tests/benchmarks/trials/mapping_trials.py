@@ -16,13 +16,24 @@ from executive.geometry.pose import interpolate, transform
 from executive.machine.machine import load_machine
 from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
-from executive.mission.streams import Streams
+from executive.mission.streams import StreamListener, Streams
 
 MACHINE = load_machine("m545")
 LIDARS = tuple(sensor.name for sensor in MACHINE.sensors_of("lidar"))
 DATUM = np.array([47.4084, 8.5106, 440.0])
 ESTIMATORS = ("gnss_imu_filter", "dual_graph")
 MAPPERS = ("voxel_map", "pose_graph")
+
+
+class Unheard(StreamListener):
+    """Ignore verdicts and changes of status; an error of a plugin ends the benchmark."""
+
+    def _nothing(self, value: Any) -> None: ...
+
+    take_verdict = take_status = take_unknown = _nothing
+
+    def take_error(self, capability: str, plugin: Any, error: Exception) -> None:
+        raise error
 
 
 class TrueState:
@@ -66,6 +77,8 @@ def _state(stamp_s: float, T: np.ndarray, status: str) -> BaseState:
 class Fan:
     """Forward every call to several mappers, and time their scan pairs."""
 
+    takes = ()  # no observation beyond the scan pairs
+
     def __init__(self, mappers: dict[str, Any]) -> None:
         self.mappers = mappers
         self.pair_ms: dict[str, list[float]] = {name: [] for name in mappers}
@@ -106,7 +119,7 @@ def plugin(capability: str, name: str, **services: Any) -> Any:
 
 def trial(name: str, estimator: Any, mappers: Iterable[str], worsen: Callable) -> Trial:
     fan = Fan({mapper: plugin("mapping", mapper, machine=MACHINE) for mapper in mappers})
-    streams = Streams({"estimation": estimator, "mapping": fan}, LIDARS, lambda verdict: None)
+    streams = Streams({"estimation": estimator, "mapping": fan}, LIDARS, Unheard())
     return Trial(name, estimator, fan, streams, worsen)
 
 

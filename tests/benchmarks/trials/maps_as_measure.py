@@ -26,7 +26,7 @@ from executive.messages.lidar import LidarScan
 from executive.mission.run import Options, Run
 from executive.mission.streams import Streams
 from executive.tree.load import load_mission
-from trials.mapping_trials import plugin
+from trials.mapping_trials import Unheard, plugin
 
 ESTIMATORS = ("dual_graph", "error_state_ekf", "gnss_imu_filter")
 SWING = Path(__file__).with_name("one_swing.yaml")
@@ -122,7 +122,7 @@ def mapped(
     lidars = [sensor.name for sensor in machine.sensors_of("lidar")]
     mapper = plugin("mapping", "voxel_map", machine=machine)
     plugins = {"estimation": estimator, "odometry": odometry, "mapping": mapper}
-    streams = Streams(plugins, lidars, lambda verdict: None)
+    streams = Streams(plugins, lidars, Unheard())
     for observations in ticks(log, drops):
         streams.process(observations)
     points = np.array(mapper.cloud().points)
