@@ -23,4 +23,9 @@ class Monitor(Plugin, ABC):
 
     @abstractmethod
     def update(self, sample: JointSample) -> Verdict | None:
-        """Take one sample; a verdict at the moment when trouble is recognised, once a hold."""
+        """Take one joint sample, at each tick and in order of stamps; it must be fast.
+
+        Returns:
+            A verdict at the moment when trouble is recognised, once a hold, with the monitor's
+            installed name; None otherwise. A sample twice or out of order changes nothing.
+        """

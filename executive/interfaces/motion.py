@@ -18,7 +18,15 @@ class MotionPlanner(Plugin, ABC):
 
     @abstractmethod
     def move(self, request: MoveRequest) -> MotionPlan:
-        """Plan a motion of the gripper."""
+        """Plan a motion of the gripper from rest to rest; deterministic. It may be slow: a job.
+
+        Returns:
+            A trajectory of all arm joints within their limits, or None with the reason, such as a
+            goal out of reach or a collision.
+
+        Raises:
+            DataError: If the start has another number of joints than the arm.
+        """
 
     @abstractmethod
     def swing(self, start: Float, angle_rad: float, duration_s: float) -> MotionPlan:

@@ -26,7 +26,13 @@ class LidarOdometry(Plugin, ABC):
 
     @abstractmethod
     def add_scan(self, scan: LidarScan) -> LidarIncrement | None:
-        """Match one scan; None for the first, or where the match is not to be trusted."""
+        """Match one scan with those before it; called in order of arrival, within the tick.
+
+        Returns:
+            The motion of the sensor since the scan that it was matched with, or None: for the
+            first scan, an empty one, one out of order, one of another sensor, after a long silence,
+            and where the match is not to be trusted.
+        """
 
     def add_imu(self, sample: ImuSample) -> None:
         """Take an inertial sample, to undistort scans by; all samples up to a scan's stamp come

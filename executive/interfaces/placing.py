@@ -19,13 +19,19 @@ class PlacementPlanner(Plugin, ABC):
 
     @abstractmethod
     def slots(self, segmentation: Segmentation, T_map_base: Float, count: int) -> tuple[Slot, ...]:
-        """Return up to `count` places on free ground in reach, best first."""
+        """Return up to `count` places on free ground in reach, best first, numbered from 1.
+
+        Deterministic; it may be slow: a job. Ground that offers no place gives an empty tuple.
+
+        Raises:
+            DataError: If the pose of the chassis is not finite or of another shape.
+        """
 
     @abstractmethod
     def plan(
         self, stone: Stone, slot: Slot, T_map_gripper: Float, cloud: Cloud, T_map_base: Float
     ) -> tuple[Placement, ...]:
-        """Return ways to set the stone down, best first.
+        """Return ways to set the stone down, best first; empty if there is none. Deterministic.
 
         Args:
             stone: The held stone, its model at its pose when the gripper stood at `T_map_gripper`.

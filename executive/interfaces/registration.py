@@ -16,8 +16,17 @@ class Registrar(Plugin, ABC):
 
     @abstractmethod
     def register(self, target: Cloud, source: Cloud, rng: np.random.Generator) -> Alignment:
-        """Return the transform, accepted or refused with a reason; a wrong one accepted is the
-        worst outcome.
+        """Lay a survey over the map, without a guess; the same generator state gives the same
+        answer. It may be slow: a job.
+
+        Args:
+            target: The map, in the frame `map` [m].
+            source: The survey in its own frame; its scale may be off by some per cent.
+            rng: The only source of chance.
+
+        Returns:
+            The transform, accepted or refused with a reason; a wrong one accepted is the worst
+            outcome. An empty cloud, or one without objects, is refused.
         """
 
     def find(self, target: Cloud, model: Cloud) -> Alignment:

@@ -18,7 +18,11 @@ class Segmenter(Plugin, ABC):
         """Split a cloud into its ground and the objects on it; deterministic.
 
         Gravity need not be along z to the degree: the ground's normal is within 30° of the frame's
-        z axis.
+        z axis. Segments are points of the cloud, in its frame, the one of most points first. It may
+        be slow: a job.
+
+        Raises:
+            DataError: If the cloud is empty or shows no ground.
         """
 
     @abstractmethod

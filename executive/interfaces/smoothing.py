@@ -20,6 +20,8 @@ class TrajectorySmoother(LogPlugin, ABC):
 
         The answer is empty if no state was ever found.
 
+        Deterministic; it may take as long as the recording.
+
         Args:
-            observations: In order of arrival.
+            observations: In order of arrival; stamps may be older than those before.
         """

@@ -12,7 +12,7 @@ class Viewer(Plugin, ABC):
 
     @abstractmethod
     def open(self, path: str) -> None:
-        """Record into a file. Called once, after `start`."""
+        """Record into a file. Called once, after `start`; only with `--record`."""
 
     @abstractmethod
     def show(self, stamp_s: float, entity: str, value: object) -> None:

@@ -1,6 +1,10 @@
 """A package of `plugins new` passes the kit, for each capability, as soon as it is installed."""
 
+import json
+import os
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
@@ -11,7 +15,6 @@ from executive import registry
 from executive.errors import ConfigError
 from executive.testing.new_package import new_package
 from executive.testing.run import Trial, hold_to_contract
-from executive.tree.load import load_mission
 
 TEMPLATES = [
     one.name.removesuffix(".py.txt") for one in (files("executive.testing") / "templates").iterdir()
@@ -19,9 +22,9 @@ TEMPLATES = [
 MISSION = """\
 api: 1
 mission: try_it
-extends: map_site
 plugins:
   robot: kinematic
+  estimation: gnss_imu_filter
   segmentation: {plugin: fresh_segmentation, margin_m: 0.2}
 trees:
   main:
@@ -56,12 +59,27 @@ def test_a_new_package_passes_the_kit(install: Install, capability: str, tmp_pat
     assert sum(one.outcome == "pass" for one in findings) >= 7
 
 
-def test_a_mission_selects_what_was_made(install: Install, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_what_was_made_runs_in_a_mission_of_its_own_process(
+    install: Install, tmp_path: Path
+) -> None:
     for capability in ("segmentation", "leaf"):
         put_on_the_path(install, capability, tmp_path)
     (tmp_path / "try_it.yaml").write_text(MISSION)
-    mission = load_mission(str(tmp_path / "try_it.yaml"), [])
-    assert mission.plugins["segmentation"][0].settings.margin_m == 0.2
+    paths = [str(tmp_path / "site"), os.environ.get("PYTHONPATH", "")]
+    done = subprocess.run(
+        [Path(sys.executable).with_name("executive"), "run", "try_it.yaml", "--json"],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    report = json.loads(done.stdout)
+    assert report["outcome"] == "success"
+    assert report["ended_s"] - report["started_s"] >= 2.0
 
 
 def test_a_folder_that_exists_and_a_name_that_is_none_are_refused(tmp_path: Path) -> None:
