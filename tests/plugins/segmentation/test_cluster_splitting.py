@@ -97,3 +97,12 @@ def test_a_pass_parts_two_summits_if_it_is_deep(pass_m: float, count: int) -> No
     assert len(np.unique(found)) == count
     if count == 2:
         assert (found[places[:, 0] < -0.06] != found[places[:, 0] > 0.06][0]).all()
+
+
+def test_points_in_close_pairs_are_not_dense() -> None:
+    """Two returns of one spot say nothing about the gaps between spots, here of 10 cm."""
+    spots = np.mgrid[0:8, 0:8, 0:1].reshape(3, -1).T * 0.10
+    pairs = np.vstack([spots, spots + [0.01, 0, 0]])
+    splitter = ClusterSplitter(0.04, 0.05, 0.3, 60, 0.25, 0.16, 0.85)
+    assert not splitter._is_dense(pairs)
+    assert splitter._is_dense(spots * 0.3)
