@@ -54,7 +54,11 @@ class Estimator(LogPlugin, ABC):
 
     @abstractmethod
     def state(self) -> BaseState:
-        """Return the newest state; `BaseState.is_ready` tells whether it may be used."""
+        """Return the newest state; `BaseState.is_ready` tells whether it may be used.
+
+        It is `INITIALISING` until enough was measured. Called several times a tick: be fast.
+        A measurement twice, out of order, or of an unknown sensor changes no pose.
+        """
 
     def account(self) -> Sequence[StatusChange]:
         """Return the changes of the status since the start, with their reasons.

@@ -243,3 +243,30 @@ def test_an_unknown_capability_and_an_unknown_plugin_are_refused() -> None:
         hold_to_contract(Trial("segmentatoin", "ground_and_clusters"))
     with pytest.raises(ConfigError, match="ground_and_clusters"):
         hold_to_contract(Trial("segmentation", "ground_and_cluster"))
+
+
+FAULTY_LEAF = '''
+from executive.leaf.action import Condition
+from executive.leaf.outcome import Outcome, succeeded
+
+
+class Mine(Condition):
+    """Reads the machine's name too early, and does not say what its port is."""
+
+    def __init__(self, settings, context):
+        super().__init__(settings, context)
+        self._name = context.machine().name
+
+    def check(self, stone: int) -> Outcome[None]:
+        """Succeed."""
+        return succeeded()
+'''
+
+
+def test_a_faulty_leaf_is_caught_by_name(install: Callable[..., Path]) -> None:
+    install("faulty", {"faulty.py": FAULTY_LEAF}, {"behaviour": {"Mine": "faulty:Mine"}})
+    findings = hold_to_contract(Trial("leaf", "Mine"))
+    failed = {one.check: one for one in findings if one.outcome == "fail"}
+    assert sorted(failed) == ["each port is described", "it is made without a mission"]
+    assert "stone" in failed["each port is described"].reason
+    assert "faulty.py:" in failed["it is made without a mission"].place

@@ -79,3 +79,11 @@ def test_every_shipped_capability_has_an_exercise_for_all_its_verbs(capability: 
     verbs = getattr(registry.interface(capability), "__abstractmethods__", ())
     called = [verb for verb in verbs if f".{verb}(" in source or ".add(" in source]
     assert sorted(called) == sorted(verbs)
+
+
+@pytest.mark.parametrize("name", [one.name for one in registry.installed(registry.BEHAVIOURS)])
+def test_a_shipped_leaf_keeps_its_contract(name: str) -> None:
+    findings = hold_to_contract(Trial("leaf", name))
+    failed = [one.line() for one in findings if one.outcome is Outcome.FAIL]
+    assert not failed, "\n".join(failed)
+    assert len(findings) >= 8
