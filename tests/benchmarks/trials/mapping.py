@@ -142,6 +142,8 @@ def relocate(seed: int, kept: Path | None) -> tuple[dict[str, Any], dict[str, fl
 class Company:
     """The mission's own mapper; removals and additions are forwarded to the others."""
 
+    takes = ()  # no observation beyond the scan pairs
+
     def __init__(self, own: Any, others: Sequence[Fan]) -> None:
         self._own, self._others = own, others
 
