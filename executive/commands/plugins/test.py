@@ -22,7 +22,7 @@ def hold_plugin(
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Hold an installed plugin, robot or leaf to its contract.
+    """Hold a plugin, robot or leaf to its contract.
 
     One line a check. Exit status 1 says that a check failed.
 
