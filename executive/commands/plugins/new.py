@@ -15,7 +15,7 @@ def new_plugin(
     into: Annotated[Path, typer.Option(help="Folder to make the new one in.")] = Path(),
     as_json: JsonOption = False,
 ) -> None:
-    """Write a small package that passes `plugins test`.
+    """Write a package that passes `plugins test`.
 
     Example: executive plugins new segmentation steep_ground
     """
