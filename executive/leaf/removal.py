@@ -32,5 +32,6 @@ def remove_from_map(context: Context, stone: Stone, least_radius_m: float) -> tu
     mapper, radius_m = context.use(Mapper), max(least_radius_m, removal_radius(stone))
     removed = mapper.remove_sphere(stone.centroid_map, radius_m)
     cut = context.use(ObjectDatabase).surface_within(stone.centroid_map, radius_m, stone.id)
-    mapper.add_surface(cut)
+    if len(cut):
+        mapper.add_surface(cut)
     return removed, len(cut)

@@ -213,7 +213,7 @@ class Hermite(MotionPlanner):
         )
 
     def _checked(self, q: Float) -> Float:
-        return checked("arm positions", q, len(self._machine.joints))
+        return checked("the vector of arm positions", q, len(self._machine.joints))
 
 
 def _refused(reason: str) -> MotionPlan:

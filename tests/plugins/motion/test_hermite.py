@@ -256,7 +256,7 @@ def test_reach_keeps_the_open_gripper_off_the_machine(make_planner) -> None:
 
 
 def test_a_start_of_another_arm_is_refused(make_planner) -> None:
-    with pytest.raises(ShapeError, match=r"arm positions have shape \(5,\), expected \(7,\)"):
+    with pytest.raises(ShapeError, match=r"arm positions has shape \(5,\), expected \(7\)"):
         ask(make_planner("m545"), np.eye(4), np.zeros(5))
 
 
