@@ -9,6 +9,7 @@ from typing import Any
 from executive.clock import SimulatedClock, WallClock, wall_s
 from executive.clouds.ply_writer import write_ply
 from executive.errors import ConfigError, ExecutiveError, RobotError
+from executive.events.event import plain
 from executive.events.mission import Faulted
 from executive.interfaces.robot import RobotSettings
 from executive.journal import Journal
@@ -104,7 +105,7 @@ class Run:
                 ending = self._afterwards(ending, self._save_map)
                 ending = self._afterwards(ending, lambda: truth.update(self._truth()))
                 ending = self._afterwards(ending, self._assembly.close)
-                report = self._report(ending, wall) | truth
+                report: dict[str, Any] = plain(self._report(ending, wall) | truth)
                 write_report(self.folder.report, report)
             finally:
                 if self._setup.recorder is not None:
