@@ -291,3 +291,12 @@ def test_a_mission_written_out_loads_again_as_the_same(
     assert "angle: 1.5707963267948966" in written
     assert 'label: "yes"' in written
     assert 'tool: "1e3"' in written
+
+
+def test_a_slow_child_in_the_middle_of_a_reactive_sequence_is_refused(load: Any) -> None:
+    trees = (
+        "trees:\n  main:\n    reactive_sequence:\n      - check: Calm\n      - run: Scan\n"
+        "      - wait: 1 s\n"
+    )
+    with pytest.raises(MissionFileError, match="Scan takes time, and a reactive_sequence"):
+        load(trees)
