@@ -19,10 +19,12 @@ export OMP_NUM_THREADS ?= 2
 mission: setup
 	$(BIN)/executive run pick_and_place $(ARGS)
 
+# A file of tests to a core, so that what is slow to set up is set up once.
+test: export OMP_NUM_THREADS = 1
 test: setup
-	$(BIN)/python -m pytest $(ARGS)
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile $(ARGS)
 
-# All but missions and slow tests, a file of tests to a core: what is slow to set up is set up once.
+# All but missions and slow tests.
 test-fast: export OMP_NUM_THREADS = 1
 test-fast: setup
 	$(BIN)/python -m pytest -m "not mission and not slow" --numprocesses auto --dist loadfile $(ARGS)

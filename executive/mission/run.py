@@ -8,7 +8,7 @@ from typing import Any
 
 from executive.clock import SimulatedClock, WallClock, wall_s
 from executive.clouds.ply_writer import write_ply
-from executive.errors import ConfigError, ExecutiveError, RobotError
+from executive.errors import ConfigError, DataError, ExecutiveError, RobotError
 from executive.events.event import plain
 from executive.events.mission import Faulted
 from executive.interfaces.robot import RobotSettings
@@ -94,6 +94,7 @@ class Run:
 
         Raises:
             ConfigError: If a plugin cannot start with its settings; nothing has moved then.
+            DataError: If a file that a plugin needs is missing or wrong; nothing has moved then.
         """
         started_s = wall_s()
         with run_log(self.folder.log):
@@ -117,6 +118,12 @@ class Run:
     def _run(self, after_tick: Callable[[Mission], None]) -> Ending:
         try:
             self._start()
+        except (ConfigError, DataError):  # wrong settings or files; nothing has moved
+            self._assembly.close()
+            raise
+        except Exception as error:  # an error of a plugin before the loop
+            return self._faulted(error)
+        try:
             self._mission = Mission(
                 self._setup, lambda runtime: build_tree(self._description, runtime), halt
             )
@@ -124,10 +131,7 @@ class Run:
                 return self._mission.run(after_tick)
         except Aborted as error:
             return Ending("stopped", str(error))
-        except ConfigError:
-            self._assembly.close()
-            raise
-        except Exception as error:  # an error of a plugin before or after the loop
+        except Exception as error:  # an error that escaped the loop itself
             return self._faulted(error)
 
     def _start(self) -> None:

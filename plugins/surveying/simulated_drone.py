@@ -13,7 +13,7 @@ from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Settings
-from executive.errors import ConfigError, DataError
+from executive.errors import DataError
 from executive.geometry.voxels import voxel_means
 from executive.interfaces.robot import Robot, Scene
 from executive.interfaces.surveying import Survey
@@ -47,17 +47,9 @@ class SimulatedDrone(Survey):
         self._settings = settings
         self._robot = robot
 
-    def start(self) -> None:
-        """Check that there is a site to fly over.
-
-        Raises:
-            ConfigError: If the robot is no simulated one.
-        """
-        self._scene()
-
     def _scene(self) -> Scene:
         if not isinstance(self._robot, Scene):
-            raise ConfigError(
+            raise DataError(
                 "surveying: simulated_drone flies over a simulated site, and the robot "
                 f"{type(self._robot).__name__} "
                 "has none; use point_cloud_file"
@@ -68,7 +60,7 @@ class SimulatedDrone(Survey):
         """Fly, reconstruct, and return the cloud in the frame `survey`.
 
         Raises:
-            DataError: If no picture shows any ground.
+            DataError: If the robot is not a simulated one, or no picture shows any ground.
         """
         seen = self._seen(rng)
         if not len(seen):

@@ -13,7 +13,7 @@ from executive_plugins.surveying.simulated_drone import SimulatedDrone, Simulate
 from scipy.spatial import cKDTree
 
 from executive.arrays import Float
-from executive.errors import ConfigError, DataError
+from executive.errors import DataError
 from executive.geometry.rigid_fit import similarity_fit
 from executive.geometry.voxels import voxel_means
 from executive.interfaces.robot import Scene
@@ -132,8 +132,11 @@ def test_one_seed_gives_one_survey() -> None:
 
 
 def test_refuses_a_robot_without_a_scene() -> None:
-    with pytest.raises(ConfigError, match="the robot Blind has none; use point_cloud_file"):
-        drone(Blind()).start()
+    """At the survey and not at the start: a mission that surveys nothing runs without a scene."""
+    blind = drone(Blind())
+    blind.start()
+    with pytest.raises(DataError, match="the robot Blind has none; use point_cloud_file"):
+        blind.survey(np.random.default_rng(0))
 
 
 def test_says_when_there_is_no_ground_below() -> None:
