@@ -7,7 +7,7 @@ from executive.behaviours.begin_round import BeginRound
 from executive.behaviours.find_free_slots import FindFreeSlots
 from executive.behaviours.no_stone_left import NoStoneLeft
 from executive.behaviours.select_largest import SelectLargest
-from executive.behaviours.set_aside import SetAside
+from executive.behaviours.set_aside import SetAside, SetAsideSettings
 from executive.behaviours.some_stone_placed import SomeStonePlaced
 from executive.behaviours.take_up_again import TakeUpAgain
 from executive.errors import DataError
@@ -122,3 +122,9 @@ def test_the_mission_is_done_when_some_stone_is_placed(stand, database):
     ended = stand.tick(SomeStonePlaced)
     assert ended.status == "SUCCESS"
     assert ended.reason == "1 of 2 stones placed"
+
+
+def test_the_reason_of_setting_aside_is_any_text_but_none():
+    assert SetAsideSettings(reason="x").reason == "x"
+    with pytest.raises(ValueError, match="reason"):
+        SetAsideSettings(reason="")

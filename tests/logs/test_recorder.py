@@ -55,3 +55,14 @@ def test_the_log_names_its_machine_and_when_things_came(recorded):
 def test_a_missing_folder_is_named_in_the_error(tmp_path):
     with pytest.raises(ConfigError, match="--record-log"):
         Recorder(tmp_path / "no" / "run.mcap", load_machine("m545"), "m545")
+
+
+def test_an_orientation_that_was_not_measured_is_marked_as_ros_says(recorded):
+    """sensor_msgs/Imu: a first element of -1 in the covariance means that there is no estimate."""
+    _, log = recorded
+    (message,) = [
+        found.message
+        for found in log._source.messages(list(log._topics))
+        if hasattr(found.message, "orientation_covariance")
+    ]
+    assert message.orientation_covariance[0] == -1.0

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from executive_plugins.grasping.sampling.ground import fill_ground, fit_ground
+from executive_plugins.grasping.sampling.ground import Ground, fill_ground, fit_ground
 
 BOX = np.array([[x, y, z] for x in (-0.4, 0.4) for y in (-0.4, 0.4) for z in (0.1, 0.7)])
 
@@ -60,3 +60,15 @@ def test_without_surroundings_the_ground_is_level_at_the_lowest_point() -> None:
     ground = fit_ground(np.empty((0, 3)), BOX, np.random.default_rng(0))
     np.testing.assert_array_equal(ground.normal, [0, 0, 1])
     np.testing.assert_allclose(ground.height(np.array([[3.0, -2.0]])), [0.1])
+
+
+def test_on_a_steep_plane_the_height_is_the_samples_own() -> None:
+    """Samples that lie on the plane deviate from it by nothing, however it is tilted."""
+    normal = np.array([0.5, -0.3, 0.7]) / np.linalg.norm([0.5, -0.3, 0.7])
+    xy = np.stack(np.meshgrid(np.arange(-2.0, 2.1, 0.5), np.arange(-2.0, 2.1, 0.5)), -1)
+    xy = xy.reshape(-1, 2)
+    z = (0.4 - xy @ normal[:2]) / normal[2]
+    ground = Ground(normal, 0.4, np.column_stack([xy, z]), 0.5)
+    np.testing.assert_allclose(ground.height(xy), z, atol=1e-9)
+    bare = Ground(normal, 0.4, np.empty((0, 3)), 0.5)
+    np.testing.assert_allclose(bare.height(xy), z, atol=1e-9)
