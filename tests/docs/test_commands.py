@@ -75,6 +75,9 @@ def mistake_of(words: list[str]) -> str:
     """Parse a command without running it; return what is wrong with it, empty if nothing is."""
     command: Any = typer.main.get_command(app)
     context, rest = None, words[1:]
+    if rest == ["--install-completion"]:  # to parse it is to write to the user's home
+        known = {option for parameter in command.params for option in parameter.opts}
+        return "" if rest[0] in known else f"no option {rest[0]}"
     try:
         while hasattr(command, "resolve_command") and not rest[0].startswith("-"):
             context = command.context_class(command, parent=context)
