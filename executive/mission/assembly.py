@@ -1,5 +1,6 @@
 """Makes the selected plugins in the order of the data, and gives each what it asks for."""
 
+import logging
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -37,6 +38,8 @@ class Assembly:
                 plugin.close()
             except Exception as error:  # the others are closed all the same
                 errors.append(error)
+        for other in errors[1:]:  # the first is raised; the log has them all
+            logging.getLogger(__name__).error("a plugin failed while it was closed", exc_info=other)
         if errors:
             raise errors[0]
 
@@ -91,9 +94,15 @@ def assemble(selections: Selections, model: str, seed: int) -> Assembly:
 
 def selected_plugins(plugins: Mapping[str, Any]) -> Iterator[tuple[str, str, Plugin]]:
     """Yield capability, name and plugin of all plugins of a mission."""
+    for capability, plugin in each_plugin(plugins):
+        yield capability, registry.name_of(capability, type(plugin)), plugin
+
+
+def each_plugin(plugins: Mapping[str, Any]) -> Iterator[tuple[str, Plugin]]:
+    """Yield capability and plugin of all plugins of a mission."""
     for capability, several in plugins.items():
         for plugin in several if isinstance(several, tuple) else (several,):
-            yield capability, registry.name_of(capability, type(plugin)), plugin
+            yield capability, plugin
 
 
 def needed_for(selections: Selections, capability: str) -> dict[str, tuple[Selection, ...]]:

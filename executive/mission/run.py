@@ -88,6 +88,7 @@ class Run:
             can_fail=_can_fail(description),
         )
         self._mission: Mission | None = None
+        self._is_closed = False
 
     def execute(self, after_tick: Callable[[Mission], None]) -> Result:
         """Run to the end and write the report.
@@ -105,21 +106,20 @@ class Run:
                 truth: dict[str, Any] = {}
                 ending = self._afterwards(ending, self._save_map)
                 ending = self._afterwards(ending, lambda: truth.update(self._truth()))
-                ending = self._afterwards(ending, self._assembly.close)
+                ending = self._afterwards(ending, self._close)
                 report: dict[str, Any] = plain(self._report(ending, wall) | truth)
                 write_report(self.folder.report, report)
             finally:
                 if self._setup.recorder is not None:
                     self._setup.recorder.close()
+                self._close_after_error()
                 self._setup.journal.close()
-                self._setup.jobs.close()
         return Result(report, self.folder, ending.exit_status)
 
     def _run(self, after_tick: Callable[[Mission], None]) -> Ending:
         try:
             self._start()
         except (ConfigError, DataError):  # wrong settings or files; nothing has moved
-            self._assembly.close()
             raise
         except Exception as error:  # an error of a plugin before the loop
             return self._faulted(error)
@@ -141,6 +141,20 @@ class Run:
             plugins["objects"].open(str(self.folder.objects))
         if "viewing" in plugins:
             plugins["viewing"].open(str(self.folder.recording))
+
+    def _close(self) -> None:
+        """Close jobs and then plugins, once: a job that still runs uses its plugin."""
+        if not self._is_closed:
+            self._is_closed = True
+            self._setup.jobs.close()
+            self._assembly.close()
+
+    def _close_after_error(self) -> None:
+        """Close what an error left open; that error is reported, and one of closing is logged."""
+        try:
+            self._close()
+        except Exception:  # must not replace the error that is on its way
+            logging.getLogger(__name__).exception("a plugin failed while it was closed")
 
     def _afterwards(self, ending: Ending, step: Callable[[], None]) -> Ending:
         """Do a step after the loop; an error of a plugin there is a fault, and loses nothing."""

@@ -22,6 +22,7 @@ from executive.messages.motion import Motion
 from executive.messages.observation import Observation
 from executive.messages.status_change import StatusChange
 from executive.messages.verdict import Verdict
+from executive.mission.assembly import each_plugin
 
 _HISTORY_S = 1.0  # a scan pair spans at most two revolutions of 0.1 s, plus the sensors' latency
 
@@ -189,9 +190,4 @@ class Streams:
 
 def _observers(plugins: Mapping[str, Any]) -> list[tuple[str, Plugin]]:
     """Return capability and plugin of those that ask for observations by type."""
-    found = []
-    for capability, several in plugins.items():
-        for plugin in several if isinstance(several, tuple) else (several,):
-            if getattr(plugin, "takes", ()):
-                found.append((capability, plugin))
-    return found
+    return [(c, plugin) for c, plugin in each_plugin(plugins) if getattr(plugin, "takes", ())]
