@@ -265,3 +265,19 @@ def test_the_machine_is_at_rest_after_a_fault(run, monkeypatch):
     status, _, _ = run(SCAN)
     assert status == 3
     assert stops
+
+
+def test_of_several_errors_of_closing_the_first_is_reported_and_all_are_logged(
+    run, monkeypatch, tmp_path
+):
+    closed = []
+    monkeypatch.setattr(f"{MAPS}.close", raising(IndexError("no such voxel"), "close"))
+    monkeypatch.setattr(f"{MOVES}.close", raising(KeyError("no such joint"), "close"))
+    monkeypatch.setattr(f"{FINDS}.close", lambda self: closed.append("segmentation"))
+    status, said, _ = run("trees: {main: {wait: 0.2 s}}\n")
+    log = (tmp_path / "run" / "log.txt").read_text(encoding="utf-8")
+    assert status == 3
+    assert "failed in 'close'" in said
+    assert "no such voxel" in log
+    assert "no such joint" in log
+    assert closed == ["segmentation"]
