@@ -277,7 +277,7 @@ def test_of_several_errors_of_closing_the_first_is_reported_and_all_are_logged(
     status, said, _ = run("trees: {main: {wait: 0.2 s}}\n")
     log = (tmp_path / "run" / "log.txt").read_text(encoding="utf-8")
     assert status == 3
-    assert "failed in 'close'" in said
+    assert "motion plugin 'hermite' failed" in said
     assert "no such voxel" in log
     assert "no such joint" in log
     assert closed == ["segmentation"]
