@@ -39,6 +39,8 @@ BEHAVIOURS = "behaviour"
 ORACLES = "oracle"
 SMOOTHERS = "smoothing"  # of whole recordings: no mission selects one
 EXTRAS = "extra"  # the extra of its package that a plugin needs
+WORKS = "work"  # kinds of bulk work that a campaign can spread
+METRICS = "metric"  # what is measured on a run
 VERBS = "verb"  # functions with typer's annotations: sub-commands of the command line
 
 
@@ -232,7 +234,17 @@ def describe(capability: str, name: str) -> dict[str, Any]:
 def diagnose() -> list[dict[str, str]]:
     """Import every installed plugin, behaviour and verb, and return which are broken, and why."""
     findings = []
-    groups = (INTERFACES, *capabilities(), SMOOTHERS, BEHAVIOURS, ORACLES, EXERCISES, VERBS)
+    groups = (
+        INTERFACES,
+        *capabilities(),
+        SMOOTHERS,
+        BEHAVIOURS,
+        ORACLES,
+        EXERCISES,
+        WORKS,
+        METRICS,
+        VERBS,
+    )
     for capability in groups:
         for one in installed(capability):
             problem = ""

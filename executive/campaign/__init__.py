@@ -1,0 +1,1 @@
+"""Campaigns: many runs with their limits, results, statistics and report."""

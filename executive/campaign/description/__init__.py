@@ -1,0 +1,1 @@
+"""A campaign file, checked, and the trials that follow from it."""

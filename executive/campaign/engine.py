@@ -1,0 +1,1 @@
+"""A campaign from its description to its results."""

@@ -1,0 +1,1 @@
+"""Whole missions as bulk work."""

@@ -1,0 +1,71 @@
+"""Metrics: what is measured on one run, from what the run leaves behind."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from executive.events.event import Event
+
+
+@dataclass(frozen=True, slots=True)
+class TimedEvent:
+    """An event of the journal with the mission's time [s]."""
+
+    time_s: float
+    event: Event
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunRecord:
+    """What one run left behind.
+
+    Attributes:
+        report: Its report (docs/how-to/read_a_run.md), as JSON holds it; the section `truth` is
+            there after simulated runs only.
+        events: The journal in order.
+    """
+
+    report: Mapping[str, Any]
+    events: Sequence[TimedEvent] = field(default=())
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """A count out of a number of trials within one run, such as stones placed out of stones."""
+
+    hits: int
+    of: int
+
+
+@dataclass(frozen=True, slots=True)
+class Values:
+    """Measured values of one run, such as the error of each placed stone; may be empty."""
+
+    values: tuple[float, ...]
+
+
+Measurement = Share | Values
+
+
+class Metric(ABC):
+    """One metric; a package brings its own in the entry-point group `executive.metric.v1`.
+
+    Attributes:
+        title: What is measured, in a few words.
+        unit: Unit of the values, such as `m`; empty for shares and counts.
+        is_more_better: Whether a larger share or value is the better one.
+        is_share: Whether `measure` returns shares; else it returns values. A run without a
+            result (crash, time limit) counts as no hit in every share, and has no values.
+        description: The definition, in one or two sentences.
+    """
+
+    title: ClassVar[str]
+    unit: ClassVar[str] = ""
+    is_more_better: ClassVar[bool] = True
+    is_share: ClassVar[bool] = False
+    description: ClassVar[str] = ""
+
+    @abstractmethod
+    def measure(self, run: RunRecord) -> Measurement | None:
+        """Measure one run; None if the run holds nothing to measure it on."""
