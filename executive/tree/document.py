@@ -58,24 +58,31 @@ class _Open:
     key: tuple[str, Mark] | None = None
 
 
-def read_file(path: Path, name: str, problems: Problems) -> Value | None:
-    """Read a file, called `name` in messages; return None if it cannot be parsed."""
+def read_file(path: Path, name: str, problems: Problems, kind: str = "mission") -> Value | None:
+    """Read a file, called `name` in messages; return None if it cannot be parsed.
+
+    Args:
+        path: The file.
+        name: What messages call it.
+        problems: Takes the mistakes.
+        kind: What the file describes: a mission, a campaign.
+    """
     try:
         with path.open("rb") as file:
             data = file.read(_MAX_BYTES + 1)
     except IsADirectoryError:
-        problems.error(Mark(name), "this is a folder, not a mission file")
+        problems.error(Mark(name), f"this is a folder, not a {kind} file")
         return None
     except (OSError, ValueError) as error:
         problems.error(Mark(name), f"cannot be read: {getattr(error, 'strerror', None) or error}")
         return None
     if len(data) > _MAX_BYTES:
-        problems.error(Mark(name), f"more than {_MAX_BYTES:,} bytes: this is no mission file")
+        problems.error(Mark(name), f"more than {_MAX_BYTES:,} bytes: this is no {kind} file")
         return None
-    return read_bytes(data, name, problems)
+    return read_bytes(data, name, problems, kind)
 
 
-def read_bytes(data: bytes, name: str, problems: Problems) -> Value | None:
+def read_bytes(data: bytes, name: str, problems: Problems, kind: str = "mission") -> Value | None:
     """Read a document from bytes."""
     try:
         text = data.decode("utf-8-sig")
@@ -86,17 +93,17 @@ def read_bytes(data: bytes, name: str, problems: Problems) -> Value | None:
             f"not UTF-8 text (byte 0x{data[error.start]:02x}); save it as UTF-8",
         )
         return None
-    return read_text(text, name, problems)
+    return read_text(text, name, problems, kind)
 
 
-def read_text(text: str, name: str, problems: Problems) -> Value | None:
+def read_text(text: str, name: str, problems: Problems, kind: str = "mission") -> Value | None:
     """Read a document from text."""
     odd = _UNPRINTABLE.search(text)
     if odd:
         mark = _mark_after(name, text[: odd.start()])
         problems.error(
             mark,
-            f"a control character (U+{ord(odd.group()):04X}) does not belong into a mission file",
+            f"a control character (U+{ord(odd.group()):04X}) does not belong into a {kind} file",
         )
         return None
     try:
@@ -110,7 +117,7 @@ def read_text(text: str, name: str, problems: Problems) -> Value | None:
         problems.error(Mark(name), f"not YAML: {' '.join(str(error).split())}")
         return None
     if document is None:
-        problems.error(Mark(name, 1, 1), "the file is empty; a mission begins with 'api: 1'")
+        problems.error(Mark(name, 1, 1), f"the file is empty; a {kind} begins with 'api: 1'")
     return document
 
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
 from executive.tree.dataflow import Dataflow
 from executive.tree.language import LeafUse, LoopSettings, MissionFile, Selection, Tree
-from executive.tree.override import apply_override
+from executive.tree.override import Override, apply_override
 from executive.tree.plugin_reader import PluginReader, layered
 from executive.tree.problem import Problems
 from executive.tree.reading import Reading
@@ -17,13 +17,14 @@ from executive.tree.value import Table, TableEntry, merged
 
 
 def load_mission(
-    path_or_name: str, overrides: Sequence[str] = (), catalogue: Catalogue | None = None
+    path_or_name: str, overrides: Sequence[Override] = (), catalogue: Catalogue | None = None
 ) -> MissionFile:
     """Load a mission: a file, or the name of a shipped one, with settings that override its own.
 
     Args:
         path_or_name: A path that ends in `.yaml`, or a shipped mission's name.
-        overrides: `capability.field=value` or `loop.field=value`, later ones over earlier ones.
+        overrides: `capability.field=value` or `loop.field=value`, later ones over earlier ones;
+            settings of another file with their places there.
         catalogue: What can be chosen; all that is installed by default.
 
     Raises:
@@ -62,7 +63,7 @@ def _mission(
 
 
 def _settings(
-    found: Sequence[Layer], overrides: Sequence[str], reading: Reading
+    found: Sequence[Layer], overrides: Sequence[Override], reading: Reading
 ) -> tuple[Table, Table]:
     mark = found[-1].table.mark
     loop, plugins = Table({}, mark), Table({}, mark)

@@ -1,5 +1,7 @@
 """`--set capability.field.sub=value`: the last layer of settings, checked as in a file."""
 
+from dataclasses import dataclass
+
 from executive.errors import did_you_mean
 from executive.tree.document import read_text
 from executive.tree.plugin_reader import normal
@@ -10,19 +12,32 @@ from executive.tree.value import Listing, Scalar, Table, TableEntry, Value, merg
 LOOP = "loop"
 
 
+@dataclass(frozen=True, slots=True)
+class PlacedSetting:
+    """A setting that another file lays over a mission; mistakes are reported at its place there.
+
+    Attributes:
+        key: `capability.field`.
+        value: Its value.
+        mark: Place of the key.
+    """
+
+    key: str
+    value: Value
+    mark: Mark
+
+
+Override = str | PlacedSetting
+
+
 def apply_override(
-    option: str, loop: Table, plugins: Table, reading: Reading
+    option: Override, loop: Table, plugins: Table, reading: Reading
 ) -> tuple[Table, Table]:
-    """Apply one option to the settings of the loop and of the plugins; errors name the option."""
-    mark = Mark(one_line(f"--set {option}"))
-    key, equals, text = option.partition("=")
-    path = key.strip().split(".")
-    if not equals or not all(path) or not path[0]:
-        reading.problems.error(mark, "expected capability.field=value")
+    """Apply one setting to those of the loop and of the plugins; errors name the option."""
+    setting = option if isinstance(option, PlacedSetting) else parsed_option(option, reading)
+    if setting is None:
         return loop, plugins
-    value = _value(text, mark, reading)
-    if value is None:
-        return loop, plugins
+    path, value, mark = setting.key.split("."), setting.value, setting.mark
     if path[0] == LOOP:
         return _laid(loop, path[1:], value, mark, reading), plugins
     if path[0] not in reading.catalogue.capabilities():
@@ -30,6 +45,17 @@ def apply_override(
         reading.problems.error(mark, f"no '{path[0]}' to set{near}")
         return loop, plugins
     return loop, _in_plugins(plugins, path, value, mark, reading)
+
+
+def parsed_option(option: str, reading: Reading) -> PlacedSetting | None:
+    """Return what `--set capability.field=value` says, or None after a mistake was noted."""
+    mark = Mark(one_line(f"--set {option}"))
+    key, equals, text = option.partition("=")
+    if not equals or not all(key.strip().split(".")):
+        reading.problems.error(mark, "expected capability.field=value")
+        return None
+    value = _value(text, mark, reading)
+    return None if value is None else PlacedSetting(key.strip(), value, mark)
 
 
 def _value(text: str, mark: Mark, reading: Reading) -> Value | None:
