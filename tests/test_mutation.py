@@ -159,6 +159,17 @@ def test_tests_are_those_that_mirror_hold_and_import_a_file(load) -> None:
     assert related(TESTS.parent, "executive/config.py")[0] == ("tests/test_config.py",)
 
 
+def test_recorded_results_of_the_mirror_run_first(load) -> None:
+    related = load("mutants.related_tests").related
+    assert related(TESTS.parent, "plugins/monitoring/jaw_slip.py")[0] == (
+        "tests/plugins/monitoring/test_jaw_slip.py",
+        "tests/recorded/plugins/monitoring",
+    )
+    room = related(TESTS.parent, "plugins/estimation/filters/ekf_state.py")[0]
+    assert room[-1] == "tests/recorded/plugins/estimation"
+    assert not related(TESTS.parent, "executive/arrays.py")[0][1:]
+
+
 LEAF = '''class Both:
     """A leaf."""
 

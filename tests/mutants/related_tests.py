@@ -3,6 +3,7 @@
 from functools import cache
 from pathlib import Path
 
+RECORDED = Path("tests/recorded")
 SUITES = Path("executive/testing/suites")  # what every plugin of a capability must do
 BESIDE = {"leaf": ("tests/behaviours", "tests/mission"), "behaviours": ("tests/mission",)}
 
@@ -10,27 +11,39 @@ BESIDE = {"leaf": ("tests/behaviours", "tests/mission"), "behaviours": ("tests/m
 def related(root: Path, file: str) -> list[tuple[str, ...]]:
     """Return what to run for a file, the nearest first; none if no test concerns it.
 
-    Nearest are the test files of its name in its mirror; then come the whole mirror, for a plugin
-    the suite of its capability, and all other test files that import it. The mirror of
-    `executive/a/b.py` is `tests/a`, that of `plugins/x/room/y.py` is `tests/plugins/x/room` if
-    there is one, else `tests/plugins/x`.
+    Nearest are the test files of its name in its mirror and the recorded results of its mirror;
+    then come the whole mirror, for a plugin the suite of its capability, and all other test files
+    that import it. The mirror of `executive/a/b.py` is `tests/a`, that of `plugins/x/room/y.py` is
+    `tests/plugins/x/room` if there is one, else `tests/plugins/x`; recorded results are in the
+    same folders under `tests/recorded`.
     """
     path = Path(file)
     is_plugin = path.parts[0] == "plugins"
-    mirror = _mirror(root, Path("tests") / Path(*path.parts[0 if is_plugin else 1 :]))
+    place = Path(*path.parts[0 if is_plugin else 1 :])
+    mirror = _mirror(root, Path("tests") / place)
     near = [p.relative_to(root) for p in sorted((root / mirror).rglob(f"test_{path.stem}.py"))]
+    near += _recorded(root, place)
     wide = [mirror.as_posix()] if mirror != Path("tests") else []
     wide += [] if is_plugin else BESIDE.get(path.parts[1], ())
     others = [
         p.as_posix()
         for p in _importing(root, _module(path))
-        if p not in near and not any(p.is_relative_to(folder) for folder in wide)
+        if not any(p.is_relative_to(folder) for folder in (*near, *wide))
     ]
     stages = [[p.as_posix() for p in near], [p for p in wide if (root / p).is_dir()]]
     if is_plugin and (root / SUITES / f"test_{path.parts[1]}.py").is_file():
         kit = ["-p", "executive.testing.pytest_plugin", "--capability", path.parts[1]]
         stages.append([*kit, SUITES.as_posix()])
     return [tuple(stage) for stage in (*stages, others) if stage]
+
+
+def _recorded(root: Path, place: Path) -> list[Path]:
+    """Return the folder of recorded results that mirrors a file, if there is one."""
+    for folder in place.parents:
+        mirror = RECORDED / folder
+        if any((root / mirror).rglob("test_*.py")) and folder not in (Path(), Path("plugins")):
+            return [mirror]
+    return []
 
 
 def _mirror(root: Path, path: Path) -> Path:

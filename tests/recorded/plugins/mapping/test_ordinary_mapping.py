@@ -1,0 +1,8 @@
+"""What mapping plugins answer to the ordinary inputs of the conformance kit."""
+
+import pytest
+
+
+@pytest.mark.parametrize("name", ["voxel_map", "pose_graph"])
+def test_answer(recorded, exercised, name) -> None:
+    recorded(exercised("mapping", name))

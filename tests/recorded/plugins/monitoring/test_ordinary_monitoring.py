@@ -1,0 +1,8 @@
+"""What monitoring plugins answer to the ordinary inputs of the conformance kit."""
+
+import pytest
+
+
+@pytest.mark.parametrize("name", ["jaw_slip", "payload_drop"])
+def test_answer(recorded, exercised, name) -> None:
+    recorded(exercised("monitoring", name))

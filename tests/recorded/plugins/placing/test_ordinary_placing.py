@@ -1,0 +1,8 @@
+"""What placing plugins answer to the ordinary inputs of the conformance kit."""
+
+import pytest
+
+
+@pytest.mark.parametrize("name", ["slots"])
+def test_answer(recorded, exercised, name) -> None:
+    recorded(exercised("placing", name))
