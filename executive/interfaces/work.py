@@ -41,9 +41,6 @@ class Work(ABC):
     # Glob patterns of the files that are kept with the results when a run on another machine ends.
     keeps: ClassVar[tuple[str, ...]] = ()
 
-    # Modules that take long to import; they are imported once, before the processes of runs begin.
-    preload: ClassVar[tuple[str, ...]] = ()
-
     def inputs(self, arguments: Settings) -> Mapping[str, Path]:
         """Return the files and folders that a run reads, by a name that `arguments` determine.
 
@@ -51,6 +48,14 @@ class Work(ABC):
         what belongs to an installed package.
         """
         return {}
+
+    def prepare(self, arguments: Settings) -> None:  # noqa: B027 - optional
+        """Import and compute what takes long and is the same for every run with these arguments.
+
+        It is called in the process from which the processes of runs are forked, so that they find
+        modules imported and caches filled. It must start no thread, use no random numbers and
+        write nothing. An error is ignored here: `run` meets it again and reports it.
+        """
 
     @abstractmethod
     def run(self, piece: Piece) -> Mapping[str, Any]:

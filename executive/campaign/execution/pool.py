@@ -6,6 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from executive.campaign.trial import Outcome, Trial
+from executive.errors import ExecutiveError
+
+
+class DiskFullError(ExecutiveError):
+    """No space is left for results: it costs no run, but the campaign cannot go on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +51,7 @@ class Pool(ABC):
         Raises:
             ConfigError: If a worker cannot do this campaign's work at all: it lacks a plugin, or
                 has another version of the package. No run counts as failed by that.
+            DiskFullError: If a run found no space to write to. It does not count as failed either.
         """
 
     @abstractmethod
