@@ -10,10 +10,17 @@ from executive.events.event import Event
 
 @dataclass(frozen=True, slots=True)
 class TimedEvent:
-    """An event of the journal with the mission's time [s]."""
+    """An event of the journal.
+
+    Attributes:
+        time_s: The mission's time [s].
+        event: What happened.
+        node: Path of the node that recorded it; empty for the mission itself.
+    """
 
     time_s: float
     event: Event
+    node: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,7 +63,8 @@ class Metric(ABC):
         unit: Unit of the values, such as `m`; empty for shares and counts.
         is_more_better: Whether a larger share or value is the better one.
         is_share: Whether `measure` returns shares; else it returns values. A run without a
-            result (crash, time limit) counts as no hit in every share, and has no values.
+            result (crash, time limit) counts as the worst in every share, which is no hit where
+            more is better, and has no values.
         description: The definition, in one or two sentences.
     """
 

@@ -18,6 +18,8 @@ from executive.journal import Entry
 from executive.messages.verdict import Trouble
 from executive.mission.picks import Pick
 
+NEAR_M = 0.30  # a stone within this distance of its slot, by the truth, counts as placed
+
 
 @dataclass(frozen=True, slots=True)
 class Ending:
@@ -122,9 +124,9 @@ def _truth_lines(truth: Mapping[str, Any] | None) -> list[str]:
     lines = []
     errors = [s["slot_error_m"] for s in truth["stones"] if s.get("slot_error_m") is not None]
     if errors:
-        near = sum(error <= 0.30 for error in errors)
+        near = sum(error <= NEAR_M for error in errors)
         lines.append(
-            f"  truth      {near} of {len(errors)} within 0.30 m of their slot"
+            f"  truth      {near} of {len(errors)} within {NEAR_M:.2f} m of their slot"
             f" (median {np.median(errors):.2f} m, worst {max(errors):.2f} m), "
             f"{len(truth['collisions'])} collisions"
         )

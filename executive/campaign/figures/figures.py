@@ -1,5 +1,6 @@
 """The figures of a campaign: what its tables, pictures, verdicts and documents are made of."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -8,7 +9,7 @@ from executive.campaign.figures.bound import Bound
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """A confidence interval of 95 %; NaN where nothing can be said."""
+    """A confidence interval of 95 %; an end is NaN where nothing can be said on that side."""
 
     low: float
     high: float
@@ -27,7 +28,12 @@ class Estimate:
         hits: Of a share: hits of all runs together; else 0.
         of: Of a share: trials of all runs together; of values: number of values.
         statistics: `share` with its interval, or `median`, `p90`, `p95`, `max`, `min`, each
-            with its interval.
+            with its interval. Of `max` and `min` no sample tells more than that they are at least,
+            or at most, what was seen.
+        assumed: Of a share: trials, among `of`, of runs that did not end by themselves. They count
+            as the worst, and their number was taken from the same seed in another cell, or from the
+            median of the runs that tell.
+        problems: Number of runs in which the metric raised an error; these are not counted.
     """
 
     metric: str
@@ -38,6 +44,8 @@ class Estimate:
     hits: int
     of: int
     statistics: Mapping[str, tuple[float, Interval]]
+    assumed: int = 0
+    problems: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,13 +58,15 @@ class Difference:
         baseline: The level that is compared with.
         level: The level that is compared.
         others: Levels of the other factors.
-        pairs: Number of seeds that both have.
+        pairs: Number of seeds in which both measured something.
         better: Pairs in which the level did better than the baseline.
         worse: Pairs in which it did worse. Both together are the discordant pairs.
         difference: Level minus baseline: of shares, or the median of the paired differences.
         interval: Its confidence interval of 95 %.
         verdict: `better`, `worse`, `alike` (no difference that matters) or `too_few` (runs).
         words: The verdict as a sentence; for `too_few` with the number of seeds that would tell.
+        left_out: Seeds that both have, but in which one measured nothing.
+        p_value: Of McNemar's exact test, where the metric is a share of runs; else NaN.
     """
 
     metric: str
@@ -71,6 +81,8 @@ class Difference:
     interval: Interval
     verdict: str
     words: str
+    left_out: int = 0
+    p_value: float = math.nan
 
 
 @dataclass(frozen=True, slots=True)

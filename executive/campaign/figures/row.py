@@ -1,8 +1,10 @@
 """One run as statistics see it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from executive.campaign.figures.measurement import measurements_from
+from executive.campaign.trial import Outcome, Status, Trial
 from executive.interfaces.metric import Measurement
 
 
@@ -18,6 +20,9 @@ class Row:
             exceeded a limit did not, and counts as failed.
         measurements: What each metric measured, by the metric's installed name; a metric that had
             nothing to measure is absent.
+        is_faulted: Whether an error of a plugin or a leaf ended the mission. A share that it could
+            not measure counts as in a run without an answer.
+        problems: Why a metric could not be measured, by its name: the error with `file:line`.
     """
 
     number: int
@@ -25,3 +30,24 @@ class Row:
     levels: Mapping[str, str]
     has_answer: bool
     measurements: Mapping[str, Measurement]
+    is_faulted: bool = False
+    problems: Mapping[str, str] = field(default_factory=dict)
+
+
+def row_of(trial: Trial, outcome: Outcome) -> Row:
+    """Return the row of a trial of the work `mission`, from its outcome in the ledger.
+
+    Raises:
+        DataError: If the answer's measurements are not what `measure` returns.
+    """
+    answer = outcome.answer
+    measurements, problems = measurements_from(answer.get("measurements", {}))
+    return Row(
+        number=trial.number,
+        seed=trial.seed,
+        levels=trial.levels,
+        has_answer=outcome.status is Status.DONE,
+        measurements=measurements,
+        is_faulted=answer.get("report", {}).get("outcome") == "fault",
+        problems=problems,
+    )

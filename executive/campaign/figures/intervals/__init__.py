@@ -1,0 +1,1 @@
+"""Confidence intervals of 95 %: of shares, of quantiles, of paired differences."""

@@ -1,0 +1,1 @@
+"""The metrics of missions; each has one definition, shown on docs/metrics.md."""
