@@ -35,7 +35,7 @@ def quantile_interval(values: Float, sites: Float, probability: float) -> Interv
         return Interval(math.nan, math.nan)
     at = quantile(values, probability)
     _, inverse = np.unique(sites, return_inverse=True)
-    of: Float = np.bincount(inverse).astype(np.float64)
+    of: Float = np.bincount(inverse, weights=np.ones(len(values)))
     below: Float = np.bincount(inverse, weights=values <= at, minlength=len(of))
     independent = max(1, math.floor(effective_trials(below, of) + 1e-9))
     lower, upper = _ranks(independent, probability)
