@@ -54,11 +54,12 @@ def parsed_option(option: str, reading: Reading) -> PlacedSetting | None:
     if not equals or not all(key.strip().split(".")):
         reading.problems.error(mark, "expected capability.field=value")
         return None
-    value = _value(text, mark, reading)
+    value = option_value(text, mark, reading)
     return None if value is None else PlacedSetting(key.strip(), value, mark)
 
 
-def _value(text: str, mark: Mark, reading: Reading) -> Value | None:
+def option_value(text: str, mark: Mark, reading: Reading) -> Value | None:
+    """Return the value that an option's text holds, or None after a mistake was noted."""
     found = Problems()
     value = read_text(text, mark.file, found) if text.strip(" ") else Scalar(None, mark)
     for problem in found.all():

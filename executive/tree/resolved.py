@@ -40,8 +40,12 @@ from executive.tree.sources import API
 
 def resolved_yaml(mission: MissionFile) -> str:
     """Return a complete mission file; loading it gives the same mission."""
-    document = resolved_document(mission)
-    return yaml.dump(document, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
+    return yaml_text(resolved_document(mission))
+
+
+def yaml_text(document: Mapping[str, Any]) -> str:
+    """Return a document as YAML 1.2, without aliases; reading it gives the same document."""
+    return yaml.dump(dict(document), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
 
 
 def resolved_document(mission: MissionFile) -> dict[str, Any]:

@@ -85,7 +85,7 @@ def layers(mission: str, reading: Reading) -> list[Layer]:
 
 
 def _layer(path: Path, reading: Reading) -> Layer | None:
-    value = read_file(path, _shown(path), reading.problems)
+    value = read_file(path, shown(path), reading.problems)
     table = reading.table(value, "a mission file") if value is not None else None
     if table is None:
         return None
@@ -144,7 +144,7 @@ def _joined(tables: Sequence[Table], reading: Reading) -> Table:
 
 
 def _library(path: Path, reading: Reading) -> Table | None:
-    value: Value | None = read_file(path, _shown(path), reading.problems)
+    value: Value | None = read_file(path, shown(path), reading.problems)
     table = reading.table(value, "a file of subtrees") if value is not None else None
     if table is None:
         return None
@@ -157,7 +157,8 @@ def _library(path: Path, reading: Reading) -> Table | None:
     return reading.table(trees, "'trees'")
 
 
-def _shown(path: Path) -> str:
+def shown(path: Path) -> str:
+    """Return how messages call a file: relative to the current folder if it is below it."""
     here = Path.cwd()
     return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
 

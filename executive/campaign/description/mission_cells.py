@@ -1,0 +1,97 @@
+"""Cells whose runs are missions: each mission is loaded with its settings, and resolved."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from executive.campaign.description.cells import Cell
+from executive.campaign.description.mission_arguments import MissionArguments
+from executive.campaign.description.paths import Paths, Place, part_at, relative_paths
+from executive.errors import did_you_mean
+from executive.tree.language import MissionFile, Selection
+from executive.tree.load import load_mission
+from executive.tree.override import LOOP
+from executive.tree.problem import Mark, MissionFileError
+from executive.tree.reading import Reading
+from executive.tree.resolved import resolved_yaml
+from executive.tree.sources import shipped_names
+from executive.tree.value import Table, Value
+
+WORK = "mission"  # the installed name of the work that runs missions
+
+
+class MissionCells:
+    """Checks the cells of missions."""
+
+    def __init__(self, table: Table, paths: Paths, reading: Reading) -> None:
+        """Take the campaign's table, to which a missing mission is reported."""
+        self._table = table
+        self._paths = paths
+        self._reading = reading
+        self._found: dict[Mark, str | None] = {}
+
+    def arguments(self, cell: Cell) -> Mapping[str, Any] | None:
+        """Return the arguments of the runs of a cell, or None after every mistake was noted."""
+        name = self._name_of(cell)
+        mission = self._loaded(name, cell) if name else None
+        if name is None or mission is None:
+            return None
+        places = set(_paths_in(mission, cell))
+        if places:
+            self._paths.add(places)
+            mission = self._loaded(name, cell.with_absolute(self._paths))
+        if mission is None:
+            return None
+        return MissionArguments(mission=resolved_yaml(mission)).model_dump(mode="json")
+
+    def _name_of(self, cell: Cell) -> str | None:
+        value = cell.mission
+        if value is None:
+            told = "'missions' is missing: files, or names of shipped missions"
+            self._reading.fail(self._table, told)
+            return None
+        if value.mark not in self._found:
+            self._found[value.mark] = self._find(value)
+        return self._found[value.mark]
+
+    def _find(self, value: Value) -> str | None:
+        """Return the absolute path of a mission, or the name of a shipped one."""
+        text = self._reading.text(value, "a mission")
+        if text is None or text in shipped_names():
+            return text
+        path = self._paths.absolute(value.mark, text)
+        if path.is_file():
+            self._paths.add([(value.mark, text)])
+            return str(path)
+        beside = (one.name for one in path.parent.glob("*.yaml"))
+        near = did_you_mean(text, [*shipped_names(), *beside])
+        self._reading.fail(value, f"no file and no shipped mission '{text}'{near}")
+        return None
+
+    def _loaded(self, name: str, cell: Cell) -> MissionFile | None:
+        try:
+            mission = load_mission(name, cell.settings, self._reading.catalogue)
+        except MissionFileError as error:
+            for problem in error.problems:
+                self._reading.problems.error(problem.mark, problem.message)
+            return None
+        for problem in mission.warnings:
+            self._reading.problems.warning(problem.mark, problem.message)
+        return mission
+
+
+def _paths_in(mission: MissionFile, cell: Cell) -> Iterator[Place]:
+    """Yield the places of relative paths among the settings of a cell."""
+    for setting in cell.settings:
+        owner, _, path = setting.key.partition(".")
+        if owner != LOOP:
+            for checked in _checked(mission.plugins.get(owner, ()), path):
+                yield from relative_paths(setting.value, checked)
+
+
+def _checked(selections: tuple[Selection, ...], path: str) -> Iterator[Any]:
+    """Yield what was checked at a path: of the plugin, or of the one that the path names first."""
+    for one in selections:
+        if len(selections) == 1:
+            yield part_at(one.settings, path)
+        elif path.partition(".")[0] == one.name:
+            yield part_at(one.settings, path.partition(".")[2])
