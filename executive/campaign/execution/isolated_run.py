@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from executive.campaign.execution.chosen_work import work_of
+from executive.campaign.execution.disk_space import is_space_left
 from executive.campaign.execution.fork_protocol import Begin, Ended, LastWord
 from executive.campaign.execution.process_ties import die_with
 from executive.campaign.execution.run_answer import RunAnswer, fingerprint, write_answer
@@ -20,7 +21,6 @@ from executive.errors import ConfigError
 from executive.interfaces.work import Piece
 
 OUTPUT = "output.txt"  # what the run and its libraries printed
-_RESERVE_BYTES = 1 << 20  # less free space than this is a full disk
 _LONGEST_REASON = 2000
 
 
@@ -93,10 +93,8 @@ def _refusal(error: BaseException, folder: Path) -> LastWord:
 
 def _is_disk_full(error: BaseException, folder: Path) -> bool:
     """Return whether space is missing: many libraries hide it behind an error of their own."""
-    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
-        return True
-    there = os.statvfs(folder)
-    return there.f_bavail * there.f_frsize < _RESERVE_BYTES
+    is_told = isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT)
+    return is_told or not is_space_left(folder)
 
 
 def _place(error: BaseException) -> str:

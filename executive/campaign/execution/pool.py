@@ -6,11 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from executive.campaign.trial import Outcome, Trial
-from executive.errors import ExecutiveError
-
-
-class DiskFullError(ExecutiveError):
-    """No space is left for results: it costs no run, but the campaign cannot go on."""
+from executive.errors import ConfigError
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +20,18 @@ class Lost:
 
     number: int
     reason: str
+
+
+class RefusedError(ConfigError):
+    """A run's work refuses its arguments, such as a plugin that is not installed.
+
+    Attributes:
+        number: The trial's number; the pool has forgotten the run.
+    """
+
+    def __init__(self, number: int, reason: str) -> None:
+        super().__init__(reason)
+        self.number = number
 
 
 class Pool(ABC):
@@ -49,6 +57,7 @@ class Pool(ABC):
         """Return the runs that have ended since the last call; wait for one until the time is over.
 
         Raises:
+            RefusedError: If a run's work refuses its arguments.
             ConfigError: If a worker cannot do this campaign's work at all: it lacks a plugin, or
                 has another version of the package. No run counts as failed by that.
             DiskFullError: If a run found no space to write to. It does not count as failed either.

@@ -7,12 +7,12 @@ from pathlib import Path
 from executive.campaign.execution.fork_client import ForkClient
 from executive.campaign.execution.fork_protocol import Ended, Exited
 from executive.campaign.execution.isolated_run import OUTPUT
-from executive.campaign.execution.pool import DiskFullError, Lost
+from executive.campaign.execution.disk_space import DiskFullError
+from executive.campaign.execution.pool import Lost, RefusedError
 from executive.campaign.execution.process_tree import ProcessTree
 from executive.campaign.execution.run_answer import RunAnswer, read_answer
 from executive.campaign.trial import Outcome, Status, Trial
 from executive.clock import wall_s
-from executive.errors import ConfigError
 
 _LOOK_EVERY_S = 0.2  # at memory: a look takes some milliseconds
 _PREPARING_S = 600.0  # for imports before the first run
@@ -50,7 +50,7 @@ class Running:
         tries in the outcome is 1.
 
         Raises:
-            ConfigError: If the work refuses its arguments: every run would end so.
+            RefusedError: If the work refuses its arguments.
             DiskFullError: If no space is left for the run's files.
         """
         if self._result is not None:
@@ -115,7 +115,7 @@ class Running:
     def _outcome(self, exited: Exited) -> Outcome:
         word = exited.last_word
         if word is not None and word.ended is Ended.REFUSED:
-            raise ConfigError(word.reason)
+            raise RefusedError(self._trial.number, word.reason)
         if word is not None and word.ended is Ended.DISK_FULL:
             raise DiskFullError(word.reason)
         answer = read_answer(self._folder, self._trial)

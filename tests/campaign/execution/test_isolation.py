@@ -8,8 +8,9 @@ from pathlib import Path
 import psutil
 import pytest
 
+from executive.campaign.execution.disk_space import DiskFullError
 from executive.campaign.execution.isolation import Isolation
-from executive.campaign.execution.pool import DiskFullError, Lost
+from executive.campaign.execution.pool import Lost
 from executive.campaign.trial import Outcome, Status, Trial
 from executive.errors import ConfigError
 

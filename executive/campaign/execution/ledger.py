@@ -1,0 +1,282 @@
+"""The results of a campaign on disk: what was asked for, begun, and came of it.
+
+Every change is on the disk before the next step (SQLite with a write-ahead log, fully
+synchronous), so that a campaign that is killed at any moment goes on from here: a claim whose
+campaign has ended counts as not begun, and a result is written once. The lock of the folder is the
+lease of all claims: whoever holds it is the only writer.
+"""
+
+import json
+import sqlite3
+import zlib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+from executive.campaign.execution.disk_space import DiskFullError, is_space_left
+from executive.campaign.trial import Limits, Outcome, Status, Trial
+from executive.errors import DataError
+
+_SCHEMA = """
+CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS sessions (
+    session INTEGER PRIMARY KEY, begun TEXT NOT NULL, owner TEXT NOT NULL, command TEXT NOT NULL,
+    version TEXT NOT NULL, source TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS trials (
+    number INTEGER PRIMARY KEY, work TEXT NOT NULL, arguments TEXT NOT NULL, seed INTEGER NOT NULL,
+    levels TEXT NOT NULL, time_s REAL NOT NULL, memory_bytes INTEGER NOT NULL);
+CREATE TABLE IF NOT EXISTS tries (
+    number INTEGER NOT NULL REFERENCES trials, try INTEGER NOT NULL,
+    session INTEGER NOT NULL REFERENCES sessions, state TEXT NOT NULL, reason TEXT NOT NULL,
+    PRIMARY KEY (number, try)) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS outcomes (
+    number INTEGER PRIMARY KEY REFERENCES trials, status TEXT NOT NULL, reason TEXT NOT NULL,
+    answer BLOB NOT NULL, wall_s REAL NOT NULL, cpu_s REAL NOT NULL,
+    peak_memory_bytes INTEGER NOT NULL, tries INTEGER NOT NULL, worker TEXT NOT NULL);
+"""
+
+_SELECT_TRIALS = """
+SELECT number, work, arguments, seed, levels, time_s, memory_bytes FROM trials ORDER BY number
+"""
+_SELECT_OUTCOMES = """
+SELECT number, status, reason, answer, wall_s, cpu_s, peak_memory_bytes, tries, worker
+FROM outcomes ORDER BY number
+"""
+_PENDING = """
+SELECT number FROM trials
+WHERE number NOT IN (SELECT number FROM outcomes)
+AND number NOT IN (SELECT number FROM tries WHERE state = 'claimed')
+ORDER BY number
+"""
+
+
+class TryState(Enum):
+    """What became of one try of a trial."""
+
+    CLAIMED = "claimed"  # begun by the session that works, or by one that was killed
+    FINISHED = "finished"  # its outcome is the trial's
+    RELEASED = "released"  # stopped with its campaign; it counts for nothing
+    LOST = "lost"  # its worker is gone
+    PUT_BACK = "put_back"  # its outcome was discarded, to try again
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """One time that `executive campaign` worked in the folder.
+
+    Attributes:
+        begun: Date and time, UTC, ISO 8601.
+        owner: Host and process.
+        command: Its command line.
+        version: Version of this package.
+        source: Fingerprint of the sources of this package.
+    """
+
+    begun: str
+    owner: str
+    command: str
+    version: str
+    source: str
+
+
+class Ledger:
+    """The ledger of one campaign; the holder of the folder's lock is its only writer."""
+
+    def __init__(self, path: Path) -> None:
+        """Open it, and make it if it is not there.
+
+        Raises:
+            DataError: If the file is no ledger.
+            DiskFullError: If there is no space for it.
+        """
+        self._path = path
+        self._session = 0
+        with self._errors():
+            self._database = sqlite3.connect(path, isolation_level=None)
+            self._database.execute("PRAGMA journal_mode = WAL")
+            self._database.execute("PRAGMA synchronous = FULL")
+            self._database.executescript(_SCHEMA)
+
+    @property
+    def digest(self) -> str | None:
+        """Hash of the trials that it was made for; None if it is new."""
+        with self._errors():
+            found = self._database.execute("SELECT value FROM meta WHERE key = 'digest'").fetchone()
+        return str(found[0]) if found else None
+
+    def begin(self, trials: Sequence[Trial], digest: str) -> None:
+        """Write down what is asked for."""
+        with self._transaction() as database:
+            database.execute("INSERT INTO meta VALUES ('digest', ?)", (digest,))
+            database.executemany(
+                "INSERT INTO trials VALUES (?, ?, ?, ?, ?, ?, ?)", map(_trial_row, trials)
+            )
+
+    def add_session(self, session: Session) -> None:
+        """Write down who works in the folder from now on."""
+        with self._transaction() as database:
+            values = (session.begun, session.owner, session.command)
+            cursor = database.execute(
+                "INSERT INTO sessions (begun, owner, command, version, source)"
+                " VALUES (?, ?, ?, ?, ?)",
+                (*values, session.version, session.source),
+            )
+            self._session = cursor.lastrowid or 0
+
+    def sessions(self) -> list[Session]:
+        """Return all sessions in their order."""
+        with self._errors():
+            found = self._database.execute(
+                "SELECT begun, owner, command, version, source FROM sessions ORDER BY session"
+            )
+            return [Session(*row) for row in found]
+
+    def trials(self) -> Iterator[Trial]:
+        """Return the trials in their order."""
+        with self._errors():
+            yield from map(_trial, self._database.execute(_SELECT_TRIALS))
+
+    def outcomes(self) -> Iterator[Outcome]:
+        """Return the outcomes in the order of their trials."""
+        with self._errors():
+            yield from map(_outcome, self._database.execute(_SELECT_OUTCOMES))
+
+    def pending(self) -> list[int]:
+        """Return the numbers of the trials that are neither finished nor claimed, in order."""
+        with self._errors():
+            return [number for (number,) in self._database.execute(_PENDING)]
+
+    def claims(self) -> list[tuple[int, int]]:
+        """Return number and try of what is claimed."""
+        with self._errors():
+            return self._database.execute(
+                "SELECT number, try FROM tries WHERE state = 'claimed' ORDER BY number"
+            ).fetchall()
+
+    def claim(self, number: int) -> int:
+        """Claim a trial, before its run begins; return the number of the try, from 1."""
+        with self._transaction() as database:
+            last = database.execute("SELECT max(try) FROM tries WHERE number = ?", (number,))
+            tries = (last.fetchone()[0] or 0) + 1
+            database.execute(
+                "INSERT INTO tries VALUES (?, ?, ?, ?, '')",
+                (number, tries, self._session, TryState.CLAIMED.value),
+            )
+            return tries
+
+    def release(self, number: int, state: TryState, reason: str = "") -> None:
+        """Give up the claim of a trial, which is pending again."""
+        with self._transaction() as database:
+            self._close_claim(database, number, state, reason)
+
+    def finish(self, outcome: Outcome) -> None:
+        """Write the outcome of a claimed trial.
+
+        Raises:
+            sqlite3.IntegrityError: If the trial has an outcome already, or there is no such trial.
+        """
+        with self._transaction() as database:
+            database.execute(
+                "INSERT INTO outcomes VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", _outcome_row(outcome)
+            )
+            self._close_claim(database, outcome.number, TryState.FINISHED, outcome.reason)
+
+    def lost(self, number: int) -> int:
+        """Return how many tries of a trial lost their worker since it was put back."""
+        with self._errors():
+            found = self._database.execute(
+                "SELECT count(*) FROM tries WHERE number = ? AND state = 'lost' AND try >"
+                " (SELECT coalesce(max(try), 0) FROM tries WHERE number = ? AND state = 'put_back')",
+                (number, number),
+            )
+            return int(found.fetchone()[0])
+
+    def put_back(self, status: Status) -> int:
+        """Discard the outcomes of a status, so that their trials are run again; return how many."""
+        with self._transaction() as database:
+            database.execute(
+                "UPDATE tries SET state = ? WHERE state = 'finished' AND number IN"
+                " (SELECT number FROM outcomes WHERE status = ?)",
+                (TryState.PUT_BACK.value, status.value),
+            )
+            return database.execute(
+                "DELETE FROM outcomes WHERE status = ?", (status.value,)
+            ).rowcount
+
+    def close(self) -> None:
+        """Leave one file that can be read from anywhere, also where nothing can be written."""
+        with suppress(sqlite3.Error):
+            self._database.execute("PRAGMA journal_mode = DELETE")
+        self._database.close()
+
+    def _close_claim(
+        self, database: sqlite3.Connection, number: int, state: TryState, reason: str
+    ) -> None:
+        database.execute(
+            "UPDATE tries SET state = ?, reason = ? WHERE number = ? AND state = 'claimed'",
+            (state.value, reason, number),
+        )
+
+    @contextmanager
+    def _transaction(self) -> Iterator[sqlite3.Connection]:
+        """Do all of it or nothing; it is on the disk afterwards."""
+        with self._errors():
+            self._database.execute("BEGIN IMMEDIATE")
+            try:
+                yield self._database
+                self._database.execute("COMMIT")
+            except BaseException:
+                with suppress(sqlite3.Error):  # a full disk may have rolled it back already
+                    self._database.execute("ROLLBACK")
+                raise
+
+    @contextmanager
+    def _errors(self) -> Iterator[None]:
+        """Turn what SQLite says of a full disk or of another file into what a person can act on."""
+        try:
+            yield
+        except sqlite3.IntegrityError:
+            raise
+        except sqlite3.DatabaseError as error:
+            if _is_disk_full(error, self._path):
+                raise DiskFullError(f"no space is left for {self._path}") from error
+            raise DataError(f"{self._path}: {error}") from error
+
+
+def _is_disk_full(error: sqlite3.DatabaseError, path: Path) -> bool:
+    """Return whether space is missing; an error of input or output may hide it."""
+    code = getattr(error, "sqlite_errorcode", 0) & 0xFF
+    if code == sqlite3.SQLITE_FULL:
+        return True
+    return code == sqlite3.SQLITE_IOERR and not is_space_left(path.parent)
+
+
+def _trial_row(trial: Trial) -> tuple[object, ...]:
+    arguments, levels = json.dumps(dict(trial.arguments)), json.dumps(dict(trial.levels))
+    limits = trial.limits
+    return (
+        *(trial.number, trial.work, arguments, trial.seed, levels),
+        *(limits.time_s, limits.memory_bytes),
+    )
+
+
+def _trial(row: tuple[Any, ...]) -> Trial:
+    number, work, arguments, seed, levels, time_s, memory_bytes = row
+    limits = Limits(time_s, memory_bytes)
+    return Trial(number, work, json.loads(arguments), seed, json.loads(levels), limits)
+
+
+def _outcome_row(outcome: Outcome) -> tuple[object, ...]:
+    answer = zlib.compress(json.dumps(dict(outcome.answer)).encode())
+    return (
+        *(outcome.number, outcome.status.value, outcome.reason, answer, outcome.wall_s),
+        *(outcome.cpu_s, outcome.peak_memory_bytes, outcome.tries, outcome.worker),
+    )
+
+
+def _outcome(row: tuple[Any, ...]) -> Outcome:
+    number, status, reason, answer, *took = row
+    return Outcome(number, Status(status), reason, json.loads(zlib.decompress(answer)), *took)
