@@ -49,7 +49,7 @@ class Work(ABC):
         """
         return {}
 
-    def prepare(self, arguments: Settings) -> None:  # noqa: B027 - optional
+    def prepare(self, arguments: Settings, inputs: Mapping[str, Path]) -> None:  # noqa: B027
         """Import and compute what takes long and is the same for every run with these arguments.
 
         It is called in the process from which the processes of runs are forked, so that they find

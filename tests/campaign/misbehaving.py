@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from executive.config import Settings
@@ -26,7 +27,7 @@ class Misbehaving(Work):
 
     Arguments = Arguments
 
-    def prepare(self, arguments: Settings) -> None:
+    def prepare(self, arguments: Settings, inputs: Mapping[str, Path]) -> None:
         if os.environ.get("MISBEHAVING_PREPARES") == "badly":
             os._exit(7)
 

@@ -18,7 +18,6 @@ from executive.campaign.execution.chosen_work import work_of
 from executive.campaign.execution.fork_protocol import Begin, Begun, Exited, LastWord
 from executive.campaign.execution.isolated_run import run_and_exit
 from executive.campaign.execution.process_ties import adopt_orphans
-from executive.campaign.trial import Trial
 
 _LONGEST_WORD_BYTES = 65536  # capacity of a pipe; a last word is far shorter
 
@@ -61,7 +60,7 @@ class ForkServer:
                 _kill_group(pid)
 
     def _begin(self, asked: Begin) -> None:
-        self._prepare(asked.trial)
+        self._prepare(asked)
         reading, writing = os.pipe()
         sys.stdout.flush()
         sys.stderr.flush()
@@ -78,14 +77,14 @@ class ForkServer:
         self._children[pid] = _Child(asked.run, reading)
         self._connection.send(Begun(asked.run, pid))
 
-    def _prepare(self, trial: Trial) -> None:
-        key = f"{trial.work} {sorted(trial.arguments.items())!r}"
+    def _prepare(self, asked: Begin) -> None:
+        key = f"{asked.trial.work} {sorted(asked.trial.arguments.items())!r}"
         if key in self._prepared:
             return
         self._prepared.add(key)
         with suppress(Exception):  # whatever it is, the run meets it again and reports it
-            work, arguments = work_of(trial)
-            work.prepare(arguments)
+            work, arguments = work_of(asked.trial)
+            work.prepare(arguments, asked.inputs)
         gc.collect()
         gc.freeze()  # the collector of a child then leaves the shared pages alone
 

@@ -9,6 +9,7 @@ lease of all claims: whoever holds it is the only writer.
 import json
 import sqlite3
 import zlib
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -144,6 +145,18 @@ class Ledger:
         with self._errors():
             yield from map(_outcome, self._database.execute(_SELECT_OUTCOMES))
 
+    def counts(self) -> Counter[Status]:
+        """Return the number of outcomes by status."""
+        with self._errors():
+            found = self._database.execute("SELECT status, count(*) FROM outcomes GROUP BY status")
+            return Counter({Status(status): count for status, count in found})
+
+    def done(self) -> list[int]:
+        """Return the numbers of the trials that have an answer."""
+        with self._errors():
+            found = self._database.execute("SELECT number FROM outcomes WHERE status = 'done'")
+            return [number for (number,) in found]
+
     def pending(self) -> list[int]:
         """Return the numbers of the trials that are neither finished nor claimed, in order."""
         with self._errors():
@@ -188,9 +201,9 @@ class Ledger:
         """Return how many tries of a trial lost their worker since it was put back."""
         with self._errors():
             found = self._database.execute(
-                "SELECT count(*) FROM tries WHERE number = ? AND state = 'lost' AND try >"
-                " (SELECT coalesce(max(try), 0) FROM tries WHERE number = ? AND state = 'put_back')",
-                (number, number),
+                "SELECT count(*) FROM tries WHERE number = ?1 AND state = 'lost' AND try >"
+                " (SELECT coalesce(max(try), 0) FROM tries WHERE number = ?1 AND state = 'put_back')",
+                (number,),
             )
             return int(found.fetchone()[0])
 
