@@ -202,7 +202,8 @@ class Ledger:
         with self._errors():
             found = self._database.execute(
                 "SELECT count(*) FROM tries WHERE number = ?1 AND state = 'lost' AND try >"
-                " (SELECT coalesce(max(try), 0) FROM tries WHERE number = ?1 AND state = 'put_back')",
+                " (SELECT coalesce(max(try), 0) FROM tries"
+                " WHERE number = ?1 AND state = 'put_back')",
                 (number,),
             )
             return int(found.fetchone()[0])
