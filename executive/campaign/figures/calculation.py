@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from executive.campaign.figures.bound import Bound
-from executive.campaign.figures.cell import cells_of
+from executive.campaign.figures.cell import cells_of, measured_by
 from executive.campaign.figures.comparison import Comparison
 from executive.campaign.figures.difference import differences_of
 from executive.campaign.figures.estimate import estimates_of
@@ -35,9 +35,15 @@ def figures_of(
     named += [name for comparison in comparisons for name in comparison.metrics]
     installed = {name: metric(name) for name in dict.fromkeys(named)}
     cells = cells_of(sorted(rows, key=lambda row: row.number))
-    estimates = tuple(estimates_of(installed, cells))
-    return Figures(
-        estimates=estimates,
-        differences=tuple(differences_of(comparisons, installed, cells)),
-        judgements=tuple(judgements_of(bounds, estimates)),
+    measured = {name: measured_by(name, one, cells) for name, one in installed.items()}
+    estimates = tuple(
+        estimate
+        for name, found in measured.items()
+        for estimate in estimates_of(name, cells, found)
     )
+    differences = tuple(
+        difference
+        for comparison in comparisons
+        for difference in differences_of(comparison, installed, cells, measured)
+    )
+    return Figures(estimates, differences, tuple(judgements_of(bounds, estimates)))

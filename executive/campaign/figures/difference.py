@@ -2,60 +2,49 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from executive.arrays import Float
-from executive.campaign.figures.cell import Levels, Samples, Shares, samples_of, shares_of
+from executive.campaign.figures.cell import Levels, Samples, Shares
 from executive.campaign.figures.comparison import Comparison
 from executive.campaign.figures.figures import Difference, Interval
 from executive.campaign.figures.intervals.pairs import (
     difference_of_shares,
-    mcnemar,
     medians_by_seed,
+    sign_test,
 )
-from executive.campaign.figures.intervals.quantile import quantile_interval
+from executive.campaign.figures.intervals.quantile import quantile, quantile_interval
 from executive.campaign.figures.row import Row
-from executive.campaign.figures.verdict import verdict_of
+from executive.campaign.figures.verdict import Pairs, verdict_of
 from executive.interfaces.metric import Metric
 
-
-@dataclass(frozen=True, slots=True)
-class _Pairs:
-    """What the pairs of a level and its baseline say."""
-
-    pairs: int
-    gains: Float  # level minus baseline by pair, shape (K,)
-    difference: float
-    interval: Interval
-    margin: float
-    p_value: float = math.nan
+_NOTHING = (math.nan, Interval(math.nan, math.nan))
 
 
 def differences_of(
-    comparisons: Sequence[Comparison],
+    comparison: Comparison,
     metrics: Mapping[str, Metric],
     cells: Mapping[Levels, Sequence[Row]],
+    measured: Mapping[str, Mapping[Levels, Shares | Samples]],
 ) -> Iterator[Difference]:
-    """Yield each level's difference from the baseline, for each combination of other levels."""
-    for comparison in comparisons:
-        for name in comparison.metrics:
-            metric = metrics[name]
-            if metric.is_share:
-                shares = shares_of(name, metric.is_more_better, cells)
-            for base, levels in _opposed(comparison, cells):
-                found = (
-                    _of_shares(shares[levels], shares[base], comparison.margin)
-                    if metric.is_share
-                    else _of_values(
-                        samples_of(name, cells[levels]),
-                        samples_of(name, cells[base]),
-                        comparison.margin,
-                    )
-                )
-                both = {row.seed for row in cells[levels]} & {row.seed for row in cells[base]}
-                yield _difference(comparison, name, metric, levels, len(both), found)
+    """Yield each level's difference from the baseline, for each combination of other levels.
+
+    Args:
+        comparison: What is compared with what.
+        metrics: Metrics by name.
+        cells: Runs by levels.
+        measured: What each metric says in each cell.
+    """
+    seeds = {levels: {row.seed for row in rows} for levels, rows in cells.items()}
+    for name in comparison.metrics:
+        for base, levels in _opposed(comparison, cells):
+            match measured[name][levels], measured[name][base]:
+                case Shares() as own, Shares() as other:
+                    found = _of_shares(own, other, comparison.margin, metrics[name])
+                case Samples() as own, Samples() as other:
+                    found = _of_values(own, other, comparison.margin, metrics[name])
+            both = len(seeds[levels] & seeds[base])
+            yield _difference(comparison, name, levels, both, found)
 
 
 def _opposed(
@@ -72,55 +61,73 @@ def _opposed(
             yield base, levels
 
 
-def _of_shares(own: Shares, base: Shares, margin: float) -> _Pairs:
+def _of_shares(own: Shares, base: Shares, margin: float, metric: Metric) -> Pairs:
     _, i, j = np.intersect1d(own.seeds, base.seeds, assume_unique=True, return_indices=True)
     tried = (own.of[i] > 0) & (base.of[j] > 0)
     i, j = i[tried], j[tried]
     hits, of, base_hits, base_of = own.hits[i], own.of[i], base.hits[j], base.of[j]
-    if not len(i):
-        return _Pairs(0, np.zeros(0), math.nan, Interval(math.nan, math.nan), margin)
-    difference, interval = difference_of_shares(hits, of, base_hits, base_of)
-    gains = hits / of - base_hits / base_of
-    is_of_runs = bool((of == 1).all() and (base_of == 1).all())
-    p_value = mcnemar(int((gains > 0).sum()), int((gains < 0).sum())) if is_of_runs else math.nan
-    return _Pairs(len(i), gains, difference, interval, margin, p_value)
+
+    def measured(at: np.ndarray) -> tuple[float, Interval]:
+        return difference_of_shares(hits[at], of[at], base_hits[at], base_of[at])
+
+    difference, interval = measured(np.arange(len(i))) if len(i) else _NOTHING
+    return Pairs(
+        gains=hits / of - base_hits / base_of,
+        difference=difference,
+        interval=interval,
+        margin=margin,
+        sign=_sign(metric),
+        unit="points",
+        interval_of=lambda at: measured(at)[1],
+    )
 
 
-def _of_values(own: Samples, base: Samples, margin: float) -> _Pairs:
+def _of_values(own: Samples, base: Samples, margin: float, metric: Metric) -> Pairs:
     seeds, medians = medians_by_seed(own.seeds, own.values)
     base_seeds, base_medians = medians_by_seed(base.seeds, base.values)
     _, i, j = np.intersect1d(seeds, base_seeds, assume_unique=True, return_indices=True)
     gains = medians[i] - base_medians[j]
-    if not len(gains):
-        return _Pairs(0, gains, math.nan, Interval(math.nan, math.nan), math.nan)
-    interval = quantile_interval(gains, np.arange(len(gains), dtype=float), 0.5)
-    matters = margin * abs(float(np.median(base_medians[j])))
-    return _Pairs(len(gains), gains, float(np.median(gains)), interval, matters)
+
+    def interval_of(at: np.ndarray) -> Interval:
+        return quantile_interval(gains[at], np.arange(len(at), dtype=np.float64), 0.5)
+
+    return Pairs(
+        gains=gains,
+        difference=quantile(gains, 0.5),
+        interval=interval_of(np.arange(len(gains))),
+        margin=margin * abs(quantile(base_medians[j], 0.5)),
+        sign=_sign(metric),
+        unit=metric.unit,
+        interval_of=interval_of,
+    )
+
+
+def _sign(metric: Metric) -> int:
+    return 1 if metric.is_more_better else -1
 
 
 def _difference(
-    comparison: Comparison,
-    name: str,
-    metric: Metric,
-    levels: Levels,
-    both: int,
-    found: _Pairs,
+    comparison: Comparison, name: str, levels: Levels, both: int, found: Pairs
 ) -> Difference:
-    sign = 1 if metric.is_more_better else -1
-    verdict, words = verdict_of(found.difference, found.interval, found.margin, sign, found.pairs)
+    verdict, words = verdict_of(found)
+    better = int((found.sign * found.gains > 0).sum())
+    worse = int((found.sign * found.gains < 0).sum())
+    left_out = both - len(found.gains)
+    if left_out:
+        words += f"; {left_out} seeds are left out, because one of the two measured nothing there"
     return Difference(
         metric=name,
         factor=comparison.factor,
         baseline=comparison.baseline,
         level=dict(levels)[comparison.factor],
         others={factor: level for factor, level in levels if factor != comparison.factor},
-        pairs=found.pairs,
-        better=int((sign * found.gains > 0).sum()),
-        worse=int((sign * found.gains < 0).sum()),
+        pairs=len(found.gains),
+        better=better,
+        worse=worse,
         difference=found.difference,
         interval=found.interval,
         verdict=verdict,
         words=words,
-        left_out=both - found.pairs,
-        p_value=found.p_value,
+        left_out=left_out,
+        p_value=sign_test(better, worse),
     )

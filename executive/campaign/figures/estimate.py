@@ -5,18 +5,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from executive.campaign.figures.cell import (
-    Levels,
-    Samples,
-    Shares,
-    samples_of,
-    shares_of,
-)
+from executive.campaign.figures.cell import Levels, Samples, Shares
 from executive.campaign.figures.figures import Estimate, Interval
 from executive.campaign.figures.intervals.quantile import quantile, quantile_interval
 from executive.campaign.figures.intervals.share import clustered
 from executive.campaign.figures.row import Row
-from executive.interfaces.metric import Metric
 
 _QUANTILES = {"median": 0.5, "p90": 0.9, "p95": 0.95}
 _NOTHING = (math.nan, Interval(math.nan, math.nan))
@@ -25,16 +18,21 @@ Statistics = dict[str, tuple[float, Interval]]
 
 
 def estimates_of(
-    metrics: Mapping[str, Metric], cells: Mapping[Levels, Sequence[Row]]
+    name: str, cells: Mapping[Levels, Sequence[Row]], measured: Mapping[Levels, Shares | Samples]
 ) -> Iterator[Estimate]:
-    """Yield the estimate of each metric in each cell."""
-    for name, metric in metrics.items():
-        shares = shares_of(name, metric.is_more_better, cells) if metric.is_share else {}
-        for levels, rows in cells.items():
-            if metric.is_share:
-                yield _share(name, levels, rows, shares[levels])
-            else:
-                yield _values(name, levels, rows, samples_of(name, rows))
+    """Yield the estimate of a metric in each cell.
+
+    Args:
+        name: The metric.
+        cells: Runs by levels.
+        measured: What the metric says in each cell.
+    """
+    for levels, rows in cells.items():
+        found = measured[levels]
+        if isinstance(found, Shares):
+            yield _share(name, levels, rows, found)
+        else:
+            yield _values(name, levels, rows, found)
 
 
 def _share(name: str, levels: Levels, rows: Sequence[Row], shares: Shares) -> Estimate:

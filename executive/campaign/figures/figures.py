@@ -66,7 +66,8 @@ class Difference:
         verdict: `better`, `worse`, `alike` (no difference that matters) or `too_few` (runs).
         words: The verdict as a sentence; for `too_few` with the number of seeds that would tell.
         left_out: Seeds that both have, but in which one measured nothing.
-        p_value: Of McNemar's exact test, where the metric is a share of runs; else NaN.
+        p_value: Of the exact sign test on the discordant pairs; for a share of runs, such as
+            `success`, this is McNemar's exact test.
     """
 
     metric: str

@@ -50,15 +50,17 @@ def _correlation(one: Float, other: Float) -> float:
     return float(one @ other) / scale if scale > 0 else 0.0
 
 
-def mcnemar(better: int, worse: int) -> float:
-    """Return the two-sided p-value of McNemar's exact test on discordant pairs.
+def sign_test(better: int, worse: int) -> float:
+    """Return the two-sided p-value of the exact sign test on pairs that differ.
+
+    For one trial a pair it is McNemar's exact test.
 
     Source: McNemar 1947, Psychometrika 12, 153–157, with the exact binomial distribution.
     """
-    discordant = better + worse
-    if not discordant:
+    differing = better + worse
+    if not differing:
         return 1.0
-    return min(1.0, 2.0 * float(special.bdtr(min(better, worse), discordant, 0.5)))
+    return min(1.0, 2.0 * float(special.bdtr(min(better, worse), differing, 0.5)))
 
 
 def medians_by_seed(seeds: Float, values: Float) -> tuple[Float, Float]:

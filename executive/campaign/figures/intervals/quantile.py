@@ -1,6 +1,7 @@
 """Intervals of quantiles, free of assumptions on the distribution."""
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from scipy import special
@@ -9,6 +10,8 @@ from executive.arrays import Float
 from executive.campaign.figures.figures import Interval
 from executive.campaign.figures.intervals.level import TAIL
 from executive.campaign.figures.intervals.share import effective_trials
+
+_WINDOW = 10.0  # standard deviations of the number of values below a quantile; beyond is certain
 
 
 def quantile(values: Float, probability: float) -> float:
@@ -49,9 +52,14 @@ def quantile_interval(values: Float, sites: Float, probability: float) -> Interv
     )
 
 
+@lru_cache(maxsize=4096)
 def _ranks(n: int, probability: float) -> tuple[int, int]:
     """Return the ranks, from 1, between which the quantile of n values is; 0 and n + 1 for none."""
-    cumulative = special.bdtr(np.arange(n + 1), n, probability)  # of 0, 1 … n values below it
-    lower = int(np.searchsorted(cumulative, TAIL, side="right"))
-    upper = int(np.searchsorted(cumulative, 1 - TAIL, side="left")) + 1
+    deviation = math.sqrt(n * probability * (1 - probability))
+    first = max(0, math.floor(n * probability - _WINDOW * deviation))
+    last = min(n, math.ceil(n * probability + _WINDOW * deviation))
+    # Probability that 0, 1 … n values are below the quantile, where it is neither 0 nor 1.
+    cumulative = special.bdtr(np.arange(first, last + 1), n, probability)
+    lower = first + int(np.searchsorted(cumulative, TAIL, side="right"))
+    upper = first + int(np.searchsorted(cumulative, 1 - TAIL, side="left")) + 1
     return lower, upper
