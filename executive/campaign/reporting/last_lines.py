@@ -1,0 +1,50 @@
+"""The end of a run's journal, or of its log, as lines for a person; damage does not stop it."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from executive.campaign.reporting.wording import shortened
+
+_COUNT = 8
+_BYTES = 32_768  # read from the end of a file
+_WIDTH = 160
+# Matrices say nothing in a line.
+_LONGEST_VALUE = 60
+
+
+def last_lines(folder: Path) -> list[str]:
+    """Return the journal's last lines; without a journal those of the log."""
+    journal = [_of_journal(line) for line in _end(folder / "journal.jsonl")]
+    return journal or [shortened(line, _WIDTH) for line in _end(folder / "log.txt")]
+
+
+def _end(path: Path) -> list[str]:
+    try:
+        with path.open("rb") as file:
+            file.seek(0, 2)
+            size = file.tell()
+            file.seek(max(0, size - _BYTES))
+            text = file.read().decode("utf-8", errors="replace")
+    except OSError:
+        return []
+    lines = text.splitlines()
+    if size > _BYTES:
+        lines = lines[1:]  # the first one is cut
+    return [line for line in lines if line.strip()][-_COUNT:]
+
+
+def _of_journal(line: str) -> str:
+    try:
+        found = json.loads(line)
+        payload = {k: v for k, v in found["payload"].items() if len(str(v)) <= _LONGEST_VALUE}
+        told = " ".join(f"{key}={value}" for key, value in payload.items() if value != "")
+        return shortened(
+            f"{found['time_s']:9.2f} s  {found['kind']:18} {_node(found)}{told}", _WIDTH
+        )
+    except (ValueError, KeyError, TypeError, AttributeError):
+        return shortened(line, _WIDTH) + "  (not a whole line)"
+
+
+def _node(found: dict[str, Any]) -> str:
+    return f"{found['node']}  " if found["node"] else ""

@@ -1,0 +1,30 @@
+"""The command that repeats one run of a campaign."""
+
+import shlex
+from pathlib import Path
+
+from executive.campaign.reporting.result import Result
+from executive.campaign.reporting.run_path import run_path
+
+_WORK = "mission"
+
+
+def repetition(folder: Path, result: Result) -> str:
+    """Return the command that repeats a mission with equal settings and an equal seed.
+
+    The mission's file is the resolved one in the run's folder; where the run ended before it was
+    written, it is written beside the runs. Empty for work that is no mission.
+
+    Args:
+        folder: The campaign's folder.
+        result: The run.
+    """
+    trial = result.trial
+    if trial.work != _WORK or "mission" not in trial.arguments:
+        return ""
+    mission = run_path(folder, result) / "mission.yaml"
+    if not mission.is_file():
+        mission = folder / "repeat" / f"{trial.number}.yaml"
+        mission.parent.mkdir(parents=True, exist_ok=True)
+        mission.write_text(trial.arguments["mission"], encoding="utf-8")
+    return f"executive run {shlex.quote(str(mission))} --seed {trial.seed}"

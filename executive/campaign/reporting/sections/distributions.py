@@ -1,0 +1,86 @@
+"""Distributions of measured values, with medians and tails."""
+
+from collections.abc import Mapping, Sequence
+
+from executive.campaign.figures.figures import Estimate
+from executive.campaign.reporting.cells import Cells
+from executive.campaign.reporting.charts.distribution import MOST_LINES, distribution_chart
+from executive.campaign.reporting.charts.dots import Dot, dots_chart
+from executive.campaign.reporting.charts.picture import Picture
+from executive.campaign.reporting.charts.spec import ACCENT, TAIL
+from executive.campaign.reporting.page.markup import Markup, paragraph, tag
+from executive.campaign.reporting.page.page import Page
+from executive.campaign.reporting.result import Result
+from executive.campaign.reporting.sections.limits import limit_on
+from executive.campaign.reporting.summary import MetricWords, Summary
+from executive.campaign.reporting.wording import amount, interval
+from executive.interfaces.metric import Values
+
+_SHOWN = {"median": ("median", ACCENT), "p95": ("95th percentile", TAIL)}
+
+
+def distributions(
+    page: Page, summary: Summary, results: Sequence[Result], cells: Cells
+) -> list[Markup]:
+    """Return the charts of each metric of values: its distribution, and median and tail by cell."""
+    parts: list[Markup] = []
+    for metric, words in summary.campaign.metrics.items():
+        measured = [
+            one
+            for one in summary.figures.estimates
+            if one.metric == metric and "median" in one.statistics and one.of
+        ]
+        if not measured:
+            continue
+        parts += [tag("h3", words.title), paragraph(words.description, class_="note")]
+        if len(measured) <= MOST_LINES:
+            values = values_by_cell(metric, results, cells)
+            chart = distribution_chart(values, axis_title(words))
+            parts.append(page.chart(Picture(f"distribution-{metric}", words.title, chart)))
+        if len(measured) > 1:
+            parts.append(page.chart(_tails(metric, words, measured, summary, cells)))
+    return parts
+
+
+def values_by_cell(
+    metric: str, results: Sequence[Result], cells: Cells
+) -> Mapping[str, Sequence[float]]:
+    """Return a metric's values in ascending order by cell, in the order of the results."""
+    values: dict[str, list[float]] = {}
+    for result in results:
+        measured = result.measurements.get(metric)
+        if isinstance(measured, Values):
+            values.setdefault(cells.name(result.trial.levels), []).extend(measured.values)
+    return {name: sorted(found) for name, found in values.items()}
+
+
+def axis_title(words: MetricWords) -> str:
+    """Return the title of a metric's axis."""
+    return f"{words.title} [{words.unit}]" if words.unit else words.title
+
+
+def _tails(
+    metric: str,
+    words: MetricWords,
+    measured: Sequence[Estimate],
+    summary: Summary,
+    cells: Cells,
+) -> Picture:
+    dots = [
+        _dot(cells.name(one.levels), one, statistic, words, summary)
+        for one in measured
+        for statistic in _SHOWN
+        if statistic in one.statistics
+    ]
+    axis = {"title": f"{axis_title(words)}, with 95 % intervals"}
+    chart = dots_chart(dots, axis, dict(_SHOWN.values()))
+    return Picture(f"values-{metric}", f"{words.title}: median and tail", chart)
+
+
+def _dot(
+    name: str, estimate: Estimate, statistic: str, words: MetricWords, summary: Summary
+) -> Dot:
+    value, within = estimate.statistics[statistic]
+    told = f"{amount(value, words.unit)} ({interval(within, words.unit)}), {estimate.of} values"
+    limit = limit_on(summary, estimate, statistic)
+    return Dot(name, value, within, _SHOWN[statistic][0], told, limit)
