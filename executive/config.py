@@ -30,7 +30,7 @@ UNITS: dict[str, dict[str, float]] = {
     "angular speed": {"rad/s": 1.0, "deg/s": math.pi / 180},
     "density": {"kg/m3": 1.0, "t/m3": 1e3},
     "frequency": {"Hz": 1.0, "kHz": 1e3},
-    "memory": {"B": 1.0, "MB": 1e6, "GB": 1e9, "MiB": 2.0**20, "GiB": 2.0**30},
+    "data size": {"B": 1.0, "MB": 1e6, "GB": 1e9, "MiB": 2.0**20, "GiB": 2.0**30},
 }
 _QUANTITY = re.compile(
     r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/][A-Za-z0-9/]*)\s*"

@@ -10,6 +10,7 @@ from executive.tree.reading import Reading
 from executive.tree.value import Listing, Table, Value
 
 KEYS = ("factor", "baseline", "metrics", "margin")
+MARGIN = 0.05
 
 
 def default_comparisons(
@@ -52,17 +53,16 @@ class ComparisonReader:
 
     def _one(self, table: Table) -> Iterator[Comparison]:
         self._reading.known_keys(table, KEYS, "a comparison")
-        factor = self._factor(table)
-        baseline = table.get("baseline")
+        factor, baseline = self._factor(table), table.get("baseline")
         if baseline is None:
             self._reading.fail(table, "a comparison needs 'baseline': the level to compare with")
         given, margin = table.get("metrics"), table.get("margin")
         metrics = self._metrics if given is None else self._names.names(given, self._metrics)
-        share = 0.05 if margin is None else read_share(margin, "'margin'", self._reading)
-        if factor is None or baseline is None or share is None:
+        share = MARGIN if margin is None else read_share(margin, "'margin'", self._reading)
+        if factor is None or baseline is None:
             return
         level = self._names.level(factor, baseline)
-        if level is not None:
+        if level is not None and share is not None:
             yield Comparison(factor, level, metrics, share)
 
     def _factor(self, table: Table) -> str | None:

@@ -27,7 +27,7 @@ def _bytes(value: Value, reading: Reading) -> int | None:
         reading.fail(value, f"'memory' is a size such as 4 GB, not {describe(value)}")
         return None
     try:
-        size = parse_quantity(value.value, "memory")
+        size = parse_quantity(value.value, "data size")
     except ValueError as error:
         reading.fail(value, f"'memory': {error}")
         return None

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from executive import registry
 from executive.campaign.description.factors import Factor, level_name
 from executive.campaign.figures.bound import STATISTICS, Bound
+from executive.campaign.figures.measurement import metric
 from executive.config import UNITS, parse_quantity
 from executive.errors import ConfigError, did_you_mean
 from executive.interfaces.metric import Metric
@@ -34,13 +35,13 @@ class MetricReader:
         """Return the names of the metrics, in order, and the bounds; all installed ones if none."""
         if value is None:
             return installed_metrics(), ()
-        metrics: dict[str, type[Metric]] = {}
+        metrics: dict[str, Metric] = {}
         bounds: list[Bound] = []
         for name, entry in self._entries(value).items():
-            metric = self._metric(name, entry.key_mark)
-            if metric is not None:
-                metrics[name] = metric
-                bounds += self._bounds(name, metric, entry.value)
+            found = self._metric(name, entry.key_mark)
+            if found is not None:
+                metrics[name] = found
+                bounds += self._bounds(name, found, entry.value)
         return tuple(metrics), tuple(bounds)
 
     def names(self, value: Value, reported: Sequence[str]) -> tuple[str, ...]:
@@ -66,20 +67,16 @@ class MetricReader:
             name: TableEntry(item.mark, Scalar(None, item.mark)) for name, item in names if name
         }
 
-    def _metric(self, name: str, mark: Mark) -> type[Metric] | None:
+    def _metric(self, name: str, mark: Mark) -> Metric | None:
         try:
-            metric = registry.load(registry.METRICS, name)
+            return metric(name)
         except ConfigError as error:
             self._reading.problems.error(mark, str(error))
             return None
-        if issubclass(metric, Metric):
-            return metric
-        self._reading.problems.error(mark, f"metric '{name}' ({metric.__qualname__}) is no Metric")
-        return None
 
     # --- bounds
 
-    def _bounds(self, name: str, metric: type[Metric], value: Value) -> Iterator[Bound]:
+    def _bounds(self, name: str, measured: Metric, value: Value) -> Iterator[Bound]:
         for item in value.items if isinstance(value, Listing) else (value,):
             if isinstance(item, Scalar) and item.value is None:
                 continue
@@ -90,18 +87,18 @@ class MetricReader:
             limits = without(table, [WHERE])
             if WHERE in table.entries and not limits.entries:
                 self._reading.fail(table, "'where' says for which levels a bound is; give a bound")
-            yield from self._of_a_table(name, metric, limits, where)
+            yield from self._of_a_table(name, measured, limits, where)
 
     def _of_a_table(
-        self, name: str, metric: type[Metric], table: Table, where: Mapping[str, str]
+        self, name: str, measured: Metric, table: Table, where: Mapping[str, str]
     ) -> Iterator[Bound]:
-        if metric.is_share:
+        if measured.is_share:
             for key in (one for one in table.entries if one in STATISTICS):
                 mark = table.entries[key].key_mark
                 told = f"'{name}' is a share: write 'at_least' or 'at_most' without '{key}'"
                 self._reading.problems.error(mark, told)
             rest = without(table, STATISTICS)
-            yield from self._limits(name, metric, SHARE, rest, where)
+            yield from self._limits(name, measured, SHARE, rest, where)
             return
         for key in (one for one in table.entries if one in LIMITS):
             mark = table.entries[key].key_mark
@@ -114,12 +111,12 @@ class MetricReader:
                 rest.entries[statistic].value, f"the bound of '{statistic}'"
             )
             if inner is not None:
-                yield from self._limits(name, metric, statistic, inner, where)
+                yield from self._limits(name, measured, statistic, inner, where)
 
     def _limits(
         self,
         name: str,
-        metric: type[Metric],
+        measured: Metric,
         statistic: str,
         table: Table,
         where: Mapping[str, str],
@@ -128,16 +125,16 @@ class MetricReader:
         self._reading.known_keys(table, LIMITS, what)
         for key in LIMITS:
             value = table.get(key)
-            limit = None if value is None else self._limit(key, value, metric)
+            limit = None if value is None else self._limit(key, value, measured)
             if limit is not None:
                 yield Bound(name, statistic, limit, key == "at_least", where)
 
-    def _limit(self, key: str, value: Value, metric: type[Metric]) -> float | None:
-        if metric.is_share:
+    def _limit(self, key: str, value: Value, measured: Metric) -> float | None:
+        if measured.is_share:
             return read_share(value, f"'{key}'", self._reading)
         try:
             if isinstance(value, Scalar):
-                return parse_in_unit(value.value, metric.unit)
+                return parse_in_unit(value.value, measured.unit)
             told = f"a number, not {describe(value)}"
         except ValueError as error:
             told = str(error)

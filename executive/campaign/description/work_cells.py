@@ -8,6 +8,7 @@ from executive.campaign.description.cells import Cell
 from executive.campaign.description.paths import Paths, relative_paths
 from executive.errors import ConfigError
 from executive.interfaces.work import Work
+from executive.tree.override import PlacedSetting
 from executive.tree.reading import Reading
 from executive.tree.settings import check_settings, settings_dump
 from executive.tree.value import Table, TableEntry, Value, merged
@@ -29,7 +30,7 @@ class WorkCells:
         """Return the arguments of the runs of a cell, or None after every mistake was noted."""
         given: Value = self._common
         for setting in cell.settings:
-            given = merged(given, _nested(setting.key, setting.value))
+            given = merged(given, _nested(setting))
         if not isinstance(given, Table):
             return None
         owner, problems = f"work '{self._name}'", self._reading.problems
@@ -60,7 +61,8 @@ def find_work(value: Value, reading: Reading) -> tuple[str, type[Work]] | None:
     return None
 
 
-def _nested(key: str, value: Value) -> Value:
-    for step in reversed(key.split(".")):
-        value = Table({step: TableEntry(value.mark, value)}, value.mark)
+def _nested(setting: PlacedSetting) -> Value:
+    value = setting.value
+    for step in reversed(setting.key.split(".")):
+        value = Table({step: TableEntry(setting.mark, value)}, setting.mark)
     return value
