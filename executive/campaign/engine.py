@@ -68,6 +68,7 @@ def run_campaign(
     folder = CampaignFolder(plan.folder)
     with closing(pool), _locked(folder), closing(Ledger(folder.results)) as ledger:
         _begin_session(ledger, campaign, plan)
+        folder.keep_description(campaign.text)
         runs = _Runs(campaign, folder, ledger, pool)
         runs.take_over()
         with _stop_requested() as stop:
@@ -98,6 +99,7 @@ class _Runs:
         self._counts: Counter[Status] = Counter()
         self._resumed = 0
         self._durations_s: list[float] = []
+        self._ended: list[Outcome] = []  # since progress was reported last
 
     @property
     def are_over(self) -> bool:
@@ -147,9 +149,9 @@ class _Runs:
             RunningTrial(number, now_s - begun_s) for number, (_, begun_s) in self._running.items()
         )
         left_s = self._left_s(sum(one.for_s for one in running))
-        return Progress(
-            len(self._trials), Counter(self._counts), running, left_s, stopped_by, self._resumed
-        )
+        ended, self._ended = tuple(self._ended), []
+        counts, total = Counter(self._counts), len(self._trials)
+        return Progress(total, counts, running, left_s, stopped_by, self._resumed, ended)
 
     def _left_s(self, done_s: float) -> float | None:
         """Return what is left of the work, at the mean duration so far, over the pool's room."""
@@ -166,6 +168,7 @@ class _Runs:
         del self._running[outcome.number]
         self._counts[outcome.status] += 1
         self._durations_s.append(outcome.wall_s)
+        self._ended.append(outcome)
 
     def _try_again(self, lost: Lost) -> None:
         tries, _ = self._running[lost.number]
@@ -227,7 +230,7 @@ def _difference(ledger: Ledger, campaign: Campaign) -> str:
     if len(there) != len(campaign.trials):
         return f"it has {len(there)} runs, this one has {len(campaign.trials)}"
     for old, new in zip(there, campaign.trials, strict=True):
-        for field in ("work", "seed", "levels", "arguments", "limits"):
+        for field in ("work", "seed", "levels", "arguments"):
             before, now = getattr(old, field), getattr(new, field)
             if before != now:
                 shown = "" if field == "arguments" else f": {before}, not {now}"

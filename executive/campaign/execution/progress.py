@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from executive.campaign.trial import Status
+from executive.campaign.trial import Outcome, Status
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +25,7 @@ class Progress:
         left_s: Estimated time to the end [s]; None before the first run of this session has ended.
         stopped_by: Name of the signal by which a person stopped it; empty if none did.
         resumed: Number of trials that were finished when this session began.
+        ended: What came of the runs that have ended since the last report of progress.
     """
 
     total: int
@@ -33,6 +34,7 @@ class Progress:
     left_s: float | None
     stopped_by: str = ""
     resumed: int = 0
+    ended: tuple[Outcome, ...] = ()
 
     @property
     def finished(self) -> int:
