@@ -3,8 +3,8 @@
 import shlex
 from pathlib import Path
 
+from executive.campaign.execution.folder import CampaignFolder
 from executive.campaign.reporting.result import Result
-from executive.campaign.reporting.run_path import run_path
 
 _WORK = "mission"
 
@@ -22,7 +22,7 @@ def repetition(folder: Path, result: Result) -> str:
     trial = result.trial
     if trial.work != _WORK or "mission" not in trial.arguments:
         return ""
-    mission = run_path(folder, result) / "mission.yaml"
+    mission = CampaignFolder(folder).run(trial.number, result.tries) / "mission.yaml"
     if not mission.is_file():
         mission = folder / "repeat" / f"{trial.number}.yaml"
         mission.parent.mkdir(parents=True, exist_ok=True)

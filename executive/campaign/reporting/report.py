@@ -1,44 +1,83 @@
 """The report of a campaign: page, pictures, tables and figures, in its folder."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 from executive.campaign.description.campaign import Campaign
+from executive.campaign.description.load import load_campaign
+from executive.campaign.execution.folder import CampaignFolder
+from executive.campaign.execution.ledger import Ledger, Session
+from executive.campaign.figures.calculation import figures_of
 from executive.campaign.figures.figures import Figures
 from executive.campaign.reporting.campaign_page import campaign_page
-from executive.campaign.reporting.result import results_of
+from executive.campaign.reporting.result import Result, results_of
 from executive.campaign.reporting.results_table import write_tables
 from executive.campaign.reporting.summary import Summary, head_of, write_summary
-from executive.campaign.trial import Outcome
+from executive.errors import ConfigError
 from executive.extras import require_extra
 
+PAGE = "report.html"
+FIGURES = "figures.json"
 
-def write_report(
-    folder: Path, campaign: Campaign, outcomes: Iterable[Outcome], figures: Figures
-) -> Path:
-    """Write `report.html`, `charts/*.png`, `results.csv`, `results.parquet` and `figures.json`.
+
+def report_campaign(folder: Path, campaign: Campaign | None = None) -> Figures:
+    """Compute the figures of a campaign from what has ended of it, and write its report.
+
+    The files are `figures.json`, `results.csv`, `results.parquet`, `charts/*.png` and
+    `report.html`. The ledger is read once.
 
     Args:
-        folder: The campaign's folder, with the runs below `runs/`.
-        campaign: What was asked for.
-        outcomes: What came of the trials that have ended; they are read one by one.
-        figures: The figures of these outcomes.
-
-    Returns:
-        The page.
+        folder: The campaign's folder.
+        campaign: What was asked for; read from the folder if None.
 
     Raises:
-        MissingExtraError: If the packages of the extra `reports` are not installed.
+        ConfigError: If the folder holds no results of a campaign.
+        MissionFileError: If the campaign's file there can no longer be read.
+        MissingExtraError: If the packages of the extra `reports` are not installed; the figures
+            are written nevertheless.
     """
+    campaign, results, sessions = read_campaign_folder(folder, campaign)
+    rows = [result.row for result in results]
+    figures = figures_of(rows, campaign.metrics, campaign.bounds, campaign.comparisons)
+    summary = Summary(head_of(campaign, results, sessions, figures), figures)
+    write_summary(folder / FIGURES, summary)
     require_extra("the report of a campaign", "reports")
-    results = list(results_of(campaign.trials, outcomes))
-    summary = Summary(head_of(campaign, results), figures)
-    write_summary(folder / "figures.json", summary)
-    write_tables(folder, results, list(campaign.factors), summary.campaign.metrics)
+    write_report(folder, summary, results)
+    return figures
+
+
+def read_campaign_folder(
+    folder: Path, campaign: Campaign | None = None
+) -> tuple[Campaign, list[Result], Sequence[Session]]:
+    """Return what was asked for, what has ended, and the sessions that worked on it.
+
+    The trials are those of the ledger, so that results can be read after a mission has changed.
+
+    Raises:
+        ConfigError: If the folder holds no results of a campaign.
+        MissionFileError: If the campaign's file there can no longer be read.
+    """
+    path = CampaignFolder(folder).results
+    if not path.is_file():
+        raise ConfigError(f"{folder} holds no campaign: there is no {path.name}")
+    with closing(Ledger(path)) as ledger:
+        sessions = ledger.sessions()
+        command = sessions[0].command if sessions else ""
+        campaign = campaign or load_campaign(str(folder), command=command)
+        if ledger.digest != campaign.digest:
+            campaign = replace(campaign, trials=tuple(ledger.trials()))
+        campaign = replace(campaign, digest=ledger.digest or "", command=command)
+        return campaign, list(results_of(campaign.trials, ledger.outcomes())), sessions
+
+
+def write_report(folder: Path, summary: Summary, results: Sequence[Result]) -> None:
+    """Write tables, pictures and the page of a campaign into its folder."""
+    write_tables(folder, results, list(summary.campaign.factors), summary.campaign.metrics)
     page = campaign_page(folder, summary, results)
     charts = folder / "charts"
     charts.mkdir(exist_ok=True)
     for picture in page.pictures:
         picture.write(charts)
-    page.write(folder / "report.html")
-    return folder / "report.html"
+    page.write(folder / PAGE)

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
+from executive.campaign.figures.row import Row, row_of
 from executive.campaign.trial import Outcome, Status, Trial
-from executive.interfaces.metric import Measurement, Share, Values
+from executive.interfaces.metric import Measurement
 
 SUCCESS = "success"
 
@@ -16,6 +16,7 @@ class Result:
 
     Attributes:
         trial: The trial.
+        row: What statistics see of it.
         status: How its run ended.
         outcome: Outcome of the mission: `success`, `failure`, `stopped` or `fault`; empty for a
             run without an answer, and for work that is no mission.
@@ -25,11 +26,10 @@ class Result:
         peak_memory_bytes: Its largest resident memory [byte].
         tries: How often it was begun.
         worker: Where it ran.
-        measurements: What each metric measured, by the metric's installed name.
-        problems: Why a metric could not be measured, by its name.
     """
 
     trial: Trial
+    row: Row
     status: Status
     outcome: str
     reason: str
@@ -38,22 +38,29 @@ class Result:
     peak_memory_bytes: int
     tries: int
     worker: str
-    measurements: Mapping[str, Measurement]
-    problems: Mapping[str, str]
 
     @property
     def has_answer(self) -> bool:
         """Return whether the run came to an end by itself."""
-        return self.status is Status.DONE
+        return self.row.has_answer
 
     @property
     def has_failed(self) -> bool:
         """Return whether the run has no answer, or is a mission that did not succeed."""
         return not self.has_answer or self.outcome not in ("", SUCCESS)
 
+    @property
+    def measurements(self) -> Mapping[str, Measurement]:
+        """Return what each metric measured."""
+        return self.row.measurements
+
 
 def results_of(trials: Iterable[Trial], outcomes: Iterable[Outcome]) -> Iterator[Result]:
-    """Join trials and their outcomes by number, in the order of the outcomes."""
+    """Join trials and their outcomes by number, in the order of the outcomes.
+
+    Raises:
+        DataError: If measurements are damaged.
+    """
     by_number = {trial.number: trial for trial in trials}
     for outcome in outcomes:
         yield _result(by_number[outcome.number], outcome)
@@ -61,9 +68,9 @@ def results_of(trials: Iterable[Trial], outcomes: Iterable[Outcome]) -> Iterator
 
 def _result(trial: Trial, outcome: Outcome) -> Result:
     report = outcome.answer.get("report") or {}
-    measured = outcome.answer.get("measurements") or {}
     return Result(
         trial=trial,
+        row=row_of(trial, outcome),
         status=outcome.status,
         outcome=str(report.get("outcome", "")),
         reason=outcome.reason or str(report.get("reason") or ""),
@@ -72,12 +79,4 @@ def _result(trial: Trial, outcome: Outcome) -> Result:
         peak_memory_bytes=outcome.peak_memory_bytes,
         tries=outcome.tries,
         worker=outcome.worker,
-        measurements={n: _measurement(m) for n, m in measured.items() if "problem" not in m},
-        problems={n: str(m["problem"]) for n, m in measured.items() if "problem" in m},
     )
-
-
-def _measurement(measured: Mapping[str, Any]) -> Measurement:
-    if "values" in measured:
-        return Values(tuple(measured["values"]))
-    return Share(measured["hits"], measured["of"])

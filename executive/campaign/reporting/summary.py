@@ -1,10 +1,10 @@
 """The summary of a campaign: its figures and what they were made of, as `figures.json` holds them.
 
     {"schema": 1,
-     "campaign": {"name", "description", "command", "version", "digest", "seeds": [...],
-                  "factors": {factor: [levels]}, "metrics": {name: {"title", "unit", "is_share",
-                  "is_more_better", "description"}}, "runs": {"asked", "done", "without_answer",
-                  "not_successful"}},
+     "campaign": {"name", "description", "command", "versions", "digest", "begun": [...],
+                  "seeds": [...], "factors": {factor: [levels]}, "metrics": {name: {"title",
+                  "unit", "is_share", "is_more_better", "description"}},
+                  "runs": {"asked", "done", "without_answer", "not_successful"}},
      "figures": {"estimates": [...], "differences": [...], "judgements": [...]}}
 
 The entries of `figures` have the fields of the classes of the same name in
@@ -15,19 +15,18 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from executive import registry
 from executive.campaign.description.campaign import Campaign
+from executive.campaign.execution.ledger import Session
 from executive.campaign.figures.figures import Figures
+from executive.campaign.figures.measurement import metric
 from executive.campaign.reporting.result import Result
-from executive.errors import DataError, ExecutiveError
+from executive.errors import DataError
 from executive.events.event import plain
-from executive.interfaces.metric import Metric
 
 _SCHEMA = 1
 
@@ -73,7 +72,8 @@ class Head:
         name: The campaign's name.
         description: What it answers.
         command: The command line that made it.
-        version: Version of this package.
+        versions: Versions of this package that ran it: one, unless it was continued with another.
+        begun: Date and time at which each session of it began, UTC, ISO 8601.
         digest: Hash over its trials.
         seeds: Its seeds, in ascending order.
         factors: Levels by factor.
@@ -84,7 +84,8 @@ class Head:
     name: str
     description: str
     command: str
-    version: str
+    versions: tuple[str, ...]
+    begun: tuple[str, ...]
     digest: str
     seeds: tuple[int, ...]
     factors: Mapping[str, tuple[str, ...]]
@@ -100,8 +101,11 @@ class Summary:
     figures: Figures
 
 
-def head_of(campaign: Campaign, results: Sequence[Result]) -> Head:
+def head_of(
+    campaign: Campaign, results: Sequence[Result], sessions: Sequence[Session], figures: Figures
+) -> Head:
     """Return the head of a campaign's report."""
+    named = (*campaign.metrics, *(one.metric for one in figures.estimates))
     answered = sum(result.has_answer for result in results)
     failed = sum(result.has_failed for result in results)
     without = len(results) - answered
@@ -109,23 +113,18 @@ def head_of(campaign: Campaign, results: Sequence[Result]) -> Head:
         name=campaign.name,
         description=campaign.description,
         command=campaign.command,
-        version=metadata.version("executive"),
+        versions=tuple(dict.fromkeys(one.version for one in sessions)),
+        begun=tuple(one.begun for one in sessions),
         digest=campaign.digest,
         seeds=tuple(sorted({trial.seed for trial in campaign.trials})),
         factors={name: tuple(levels) for name, levels in campaign.factors.items()},
-        metrics={name: _words(name, results) for name in campaign.metrics},
+        metrics={name: _words(name) for name in dict.fromkeys(named)},
         runs=Runs(len(campaign.trials), answered, without, failed - without),
     )
 
 
-def _words(name: str, results: Sequence[Result]) -> MetricWords:
-    """Return a metric's words; of one that is not installed here, what its results show."""
-    try:
-        found: type[Metric] = registry.load(registry.METRICS, name)
-    except ExecutiveError:
-        measured = (result.measurements[name] for result in results if name in result.measurements)
-        is_share = hasattr(next(measured, None), "hits")
-        return MetricWords(name, "", is_share, True, "This metric is not installed here.")
+def _words(name: str) -> MetricWords:
+    found = metric(name)
     return MetricWords(
         found.title, found.unit, found.is_share, found.is_more_better, found.description
     )

@@ -1,20 +1,17 @@
-"""Made-up campaigns: results drawn from stated distributions, and figures computed from them."""
+"""Made-up campaigns: results drawn from stated distributions, in a ledger."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 
 from executive.campaign.description.campaign import Campaign
+from executive.campaign.execution.folder import CampaignFolder
+from executive.campaign.execution.ledger import Ledger, Session
 from executive.campaign.figures.bound import Bound
 from executive.campaign.figures.comparison import Comparison
-from executive.campaign.figures.figures import (
-    Difference,
-    Estimate,
-    Figures,
-    Interval,
-    Judgement,
-)
 from executive.campaign.trial import Limits, Outcome, Status, Trial
 
 MISSION = "api: 1\nmission: made_up\ntrees:\n  main:\n    wait: 1 s\n"
@@ -82,74 +79,11 @@ def outcomes(of: Campaign, share: float = 0.85, seed: int = 0) -> Iterator[Outco
         yield Outcome(trial.number, Status.DONE, "", answer, wall_s, wall_s, peak, 1, "here:2")
 
 
-def figures(of: Campaign, found: Sequence[Outcome]) -> Figures:
-    """Return figures with intervals of a fixed width: their arithmetic is tested elsewhere."""
-    by_cell: dict[tuple[tuple[str, str], ...], list[Outcome]] = {}
-    for outcome in found:
-        by_cell.setdefault(tuple(of.trials[outcome.number].levels.items()), []).append(outcome)
-    estimates = [e for cell, some in by_cell.items() for e in _estimates(dict(cell), some)]
-    judgements = [
-        _judgement(bound, one)
-        for bound in of.bounds
-        for one in estimates
-        if one.metric == bound.metric
-    ]
-    return Figures(tuple(estimates), tuple(_differences(of, estimates)), tuple(judgements))
-
-
-def _estimates(levels: Mapping[str, str], found: Sequence[Outcome]) -> list[Estimate]:
-    measured = [one.answer["measurements"] for one in found if one.answer]
-    hits, without = sum(m["success"]["hits"] for m in measured), len(found) - len(measured)
-    values = [v for m in measured for v in m["placement_error"]["values"]]
-    share = hits / len(found)
-    statistics = {
-        name: (q, Interval(0.9 * q, 1.1 * q))
-        for name, level in (("median", 0.5), ("p90", 0.9), ("p95", 0.95), ("max", 1.0))
-        for q in [float(np.quantile(values, level))]
-    }
-    within = Interval(max(0.0, share - 0.1), min(1.0, share + 0.08))
-    count = len(found)
-    return [
-        Estimate("success", levels, count, without, count, hits, count, {"share": (share, within)}),
-        Estimate(
-            "placement_error", levels, count, without, len(measured), 0, len(values), statistics
-        ),
-    ]
-
-
-def _judgement(bound: Bound, one: Estimate) -> Judgement:
-    value, within = one.statistics[bound.statistic]
-    is_met = value >= bound.limit if bound.is_least else value <= bound.limit
-    is_sure = not within.low <= bound.limit <= within.high
-    return Judgement(bound, one.levels, value, within, is_met, is_sure)
-
-
-def _differences(of: Campaign, estimates: Sequence[Estimate]) -> Iterator[Difference]:
-    for comparison in of.comparisons:
-        shares = [one for one in estimates if one.metric == "success"]
-        for one in shares:
-            level = one.levels[comparison.factor]
-            others = {k: v for k, v in one.levels.items() if k != comparison.factor}
-            base = next(
-                b
-                for b in shares
-                if b.levels == {**one.levels, comparison.factor: comparison.baseline}
-            )
-            if level == comparison.baseline:
-                continue
-            difference = one.statistics["share"][0] - base.statistics["share"][0]
-            is_worse = difference < -0.1
-            yield Difference(
-                metric="success",
-                factor=comparison.factor,
-                baseline=comparison.baseline,
-                level=level,
-                others=others,
-                pairs=one.runs,
-                better=2,
-                worse=7,
-                difference=difference,
-                interval=Interval(difference - 0.09, difference + 0.09),
-                verdict="worse" if is_worse else "too_few",
-                words=f"{level} is worse." if is_worse else "Too few: 80 seeds would tell.",
-            )
+def write_ledger(folder: Path, of: Campaign, found: Iterable[Outcome]) -> None:
+    """Write the results of a campaign as the engine does."""
+    with closing(Ledger(CampaignFolder(folder).results)) as ledger:
+        ledger.begin(of.trials, of.digest)
+        ledger.add_session(Session("2026-01-02T03:04:05+00:00", "here:1", of.command, "0.2", "f00"))
+        for outcome in found:
+            ledger.claim(outcome.number)
+            ledger.finish(outcome)

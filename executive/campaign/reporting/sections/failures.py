@@ -5,12 +5,12 @@ from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
 
+from executive.campaign.execution.folder import CampaignFolder
 from executive.campaign.reporting.cells import Cells
 from executive.campaign.reporting.last_lines import last_lines
 from executive.campaign.reporting.page.markup import Markup, joined, paragraph, table, tag
 from executive.campaign.reporting.repetition import repetition
 from executive.campaign.reporting.result import Result
-from executive.campaign.reporting.run_path import run_path
 from executive.campaign.reporting.wording import number_ranges, plural, shortened
 
 MOST_SHOWN = 20  # with their journals
@@ -82,7 +82,8 @@ def _run(folder: Path, result: Result, cells: Cells) -> Markup:
     where = f"{cells.name(trial.levels)}, seed {trial.seed}, after {result.wall_s:.1f} s"
     if result.tries > 1:
         where += f", try {result.tries}"
-    command, lines = repetition(folder, result), last_lines(run_path(folder, result))
+    command = repetition(folder, result)
+    lines = last_lines(CampaignFolder(folder).run(trial.number, result.tries))
     return tag(
         "div",
         tag("h3", name),

@@ -19,7 +19,8 @@ def head_list(head: Head) -> Markup:
             ("Runs", counted + missing),
             ("Seeds", f"{number_ranges(head.seeds)} ({len(head.seeds):,} in all)"),
             *((f"Factor {name}", ", ".join(levels)) for name, levels in head.factors.items()),
-            ("Version", f"executive {head.version}"),
+            ("Version", f"executive {', '.join(head.versions)}"),
+            *((("Begun", ", ".join(head.begun)),) if head.begun else ()),
             ("Trials", tag("code", head.digest)),
         )
     )

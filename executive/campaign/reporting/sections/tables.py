@@ -98,7 +98,7 @@ def not_measured(summary: Summary, results: Sequence[Result], cells: Cells) -> l
     """Return which metrics hold nothing, or less than all runs, and why."""
     problems: dict[str, list[str]] = defaultdict(list)
     for result in results:
-        for metric, problem in result.problems.items():
+        for metric, problem in result.row.problems.items():
             problems[metric].append(problem)
     items = []
     for metric, words in summary.campaign.metrics.items():
