@@ -7,8 +7,10 @@ from typing import Any
 
 from executive.interfaces.robot import Robot
 from executive.messages.base_state import BaseState
+from executive.messages.cloud import Cloud
 from executive.messages.placement import Slot
 from executive.messages.stone import Stone
+from executive.messages.stone_event import StoneEvent
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,13 +26,26 @@ class Attempt:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MissionView:
-    """What a mission estimated, to be compared with the truth."""
+    """What a mission estimated, to be compared with the truth.
+
+    Attributes:
+        states: Estimated states, about one a second.
+        stones: The objects of the database at the end.
+        first_stones: Each as it was first seen.
+        slots: The slot on which the mission placed each stone, by the stone's id.
+        attempts: All attempts at stones in order of time.
+        histories: What happened to each object of the database, oldest first, by its id; None
+            without a database.
+        map_cloud: The map at the end, in the frame `map`; None without a mapper.
+    """
 
     states: Sequence[BaseState]
     stones: Sequence[Stone]
-    first_stones: Sequence[Stone]  # each as it was first seen
-    slots: Mapping[int, Slot]  # by stone id, the slot on which the mission placed it
+    first_stones: Sequence[Stone]
+    slots: Mapping[int, Slot]
     attempts: Sequence[Attempt]
+    histories: Mapping[int, Sequence[StoneEvent]] | None = None
+    map_cloud: Cloud | None = None
 
 
 class Oracle(ABC):
@@ -41,4 +56,4 @@ class Oracle(ABC):
 
     @abstractmethod
     def truth(self, view: MissionView) -> dict[str, Any]:
-        """Return the report's `truth` section: `stones`, `grasps`, `collisions`, `estimate`."""
+        """Return the report's `truth` section (docs/how-to/read_a_run.md)."""

@@ -1,6 +1,8 @@
 """The report of one run: request, outcome, counts, timings and, in simulation, the truth."""
 
 import json
+import resource
+import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,6 +21,7 @@ from executive.messages.verdict import Trouble
 from executive.mission.picks import Pick
 
 NEAR_M = 0.30  # a stone within this distance of its slot, by the truth, counts as placed
+_MAXRSS_BYTES = 1 if sys.platform == "darwin" else 1024  # unit of getrusage's resident memory
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +78,30 @@ def timings_from(durations_ms: Mapping[str, Sequence[float]]) -> dict[str, dict[
         }
         for stage, values in sorted(durations_ms.items())
         if values
+    }
+
+
+def cpu_s() -> float:
+    """Return the processor time of this process so far, and of its children that have ended [s]."""
+    spent = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in spent)
+
+
+def resources_since(begun_cpu_s: float) -> dict[str, float]:
+    """Return the processor time of a run [s] and the largest resident memory [byte].
+
+    The memory is that of this process since it began, and that of its largest child so far.
+
+    Args:
+        begun_cpu_s: What `cpu_s` returned when the run began.
+    """
+    own, children = (
+        resource.getrusage(who).ru_maxrss
+        for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    )
+    return {
+        "cpu_s": round(cpu_s() - begun_cpu_s, 3),
+        "peak_memory_bytes": (own + children) * _MAXRSS_BYTES,
     }
 
 

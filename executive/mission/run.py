@@ -21,7 +21,15 @@ from executive.mission.jobs import InlineRunner, Jobs, ProcessRunner, Runner, Th
 from executive.mission.mission import Mission, Setup
 from executive.mission.operator import Operator
 from executive.mission.picks import picks_from
-from executive.mission.report import Ending, counts_from, summary, timings_from, write_report
+from executive.mission.report import (
+    Ending,
+    counts_from,
+    cpu_s,
+    resources_since,
+    summary,
+    timings_from,
+    write_report,
+)
 from executive.mission.run_folder import RunFolder
 from executive.mission.run_log import run_log
 from executive.mission.truth import truth_of
@@ -89,6 +97,7 @@ class Run:
         )
         self._mission: Mission | None = None
         self._is_closed = False
+        self._begun_cpu_s = 0.0
 
     def execute(self, after_tick: Callable[[Mission], None]) -> Result:
         """Run to the end and write the report.
@@ -97,7 +106,7 @@ class Run:
             ConfigError: If a plugin cannot start with its settings; nothing has moved then.
             DataError: If a file that a plugin needs is missing or wrong; nothing has moved then.
         """
-        started_s = wall_s()
+        started_s, self._begun_cpu_s = wall_s(), cpu_s()
         with run_log(self.folder.log):
             try:
                 ending = self._run(after_tick)
@@ -205,6 +214,7 @@ class Run:
             "picks": [pick.as_report() for pick in picks],
             "counts": counts_from(entries, picks),
             "ignored_observations": self._ignored(),
+            "resources": resources_since(self._begun_cpu_s),
             "timings_ms": timings_from(durations),
         }
 

@@ -18,12 +18,17 @@ def truth_of(robot_name: str, mission: Mission, picks: Sequence[Pick]) -> dict[s
         return {}
     plugins = mission.services.plugins
     oracle: Oracle = registry.load(registry.ORACLES, robot_name)(plugins["robot"])
+    objects = plugins.get("objects")
+    stones = () if objects is None else objects.stones()
+    histories = None if objects is None else {one.id: objects.history(one.id) for one in stones}
     view = MissionView(
         states=mission.states,
-        stones=plugins["objects"].stones() if "objects" in plugins else (),
+        stones=stones,
         first_stones=tuple(mission.first_stones.values()),
         slots=_slots(picks),
         attempts=attempts_from(picks),
+        histories=histories,
+        map_cloud=plugins["mapping"].cloud() if "mapping" in plugins else None,
     )
     return {"truth": oracle.truth(view)}
 

@@ -7,6 +7,8 @@ import numpy as np
 from executive_plugins.robot.mujoco.robot import MujocoRobot
 from executive_plugins.robot.mujoco.site.terrain import TERRAIN
 from executive_plugins.robot.mujoco.truth.contact_log import Span
+from executive_plugins.robot.mujoco.truth.surface import map_distances
+from executive_plugins.robot.mujoco.truth.tracking import SAME_STONE_M, Tracking
 from executive_plugins.robot.mujoco.truth.truth_log import TruthLog
 
 from executive.arrays import Float
@@ -17,7 +19,6 @@ from executive.interfaces.robot import Robot
 from executive.messages.base_state import BaseState
 from executive.messages.stone import Stone
 
-_SAME_STONE_M = 0.7  # largest distance of an estimated centroid from the true one of its stone
 _LIFTED_M = 0.15  # rise from which a stone counts as lifted
 _DROPPED_M = 0.15  # fall from which a stone counts as dropped; releases are lower
 # Distance from the palm beyond that at the top: below the first a stone is held, above the second
@@ -34,10 +35,12 @@ class MujocoOracle(Oracle):
         if not isinstance(robot, MujocoRobot):
             raise TypeError(f"the oracle of the simulated robot was given a {type(robot).__name__}")
         self._log = robot.truth_log
+        self._site = robot.world.site
         self._hand = {robot.world.machine.gripper_link, *robot.world.machine.gripper.links}
 
     def truth(self, view: MissionView) -> dict[str, Any]:
-        """Return `stones`, `grasps`, `collisions`, `ground_contacts`, `estimate`.
+        """Return `stones`, `grasps`, `collisions`, `ground_contacts`, `estimate`, `objects`,
+        `realignments`, `map`.
 
         `ground_contacts` counts contacts of gripper or jaws with the ground. They are not
         collisions, since the jaws close around a stone that lies on it.
@@ -54,7 +57,18 @@ class MujocoOracle(Oracle):
                 span.link in self._hand and span.other == TERRAIN for span in spans
             ),
             "estimate": _estimate(view.states, self._log),
+            **self._database(view),
+            "map": {}
+            if view.map_cloud is None
+            else map_distances(view.map_cloud.points, self._site, self._log),
         }
+
+    def _database(self, view: MissionView) -> dict[str, Any]:
+        """Return `objects` and `realignments`; both are empty without a database."""
+        if view.histories is None:
+            return {"objects": {}, "realignments": []}
+        tracking = Tracking(self._log, view.histories)
+        return {"objects": tracking.objects(), "realignments": tracking.realignments()}
 
     def _nearest(self, attempt: Attempt) -> int:
         """Return the index of the stone that an attempt was for, by true centroids.
@@ -133,13 +147,13 @@ def _match(log: TruthLog, first: Stone) -> tuple[int, float] | None:
     if not log.stones:
         return None
     distances = np.linalg.norm(log.centroids(0.0) - first.centroid_map, axis=1)
-    if distances.min() < _SAME_STONE_M:
+    if distances.min() < SAME_STONE_M:
         return int(np.argmin(distances)), 0.0
     times = np.arange(0.0, log.end_s, 1.0)
     later: Float = np.array(
         [np.linalg.norm(log.centroids(t) - first.centroid_map, axis=1) for t in times]
     )
-    if not later.size or later.min() >= _SAME_STONE_M:
+    if not later.size or later.min() >= SAME_STONE_M:
         return None
     k, stone = np.unravel_index(int(np.argmin(later)), later.shape)
     return int(stone), float(times[k])

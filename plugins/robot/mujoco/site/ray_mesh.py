@@ -38,6 +38,17 @@ class RayMesh:
         )
         return np.asarray(hits["t_hit"].numpy())
 
+    def distances(self, points: Float) -> NDArray[np.float32]:
+        """Return the distance of each point to the nearest surface [m], inf for none, shape (N,).
+
+        Args:
+            points: Points in the frame of the meshes [m], shape (N, 3).
+        """
+        if self._is_empty:
+            return np.full(len(points), np.inf, dtype=np.float32)
+        tensor = o3d.core.Tensor.from_numpy(np.ascontiguousarray(points, dtype=np.float32))
+        return np.asarray(self._scene.compute_distance(tensor, nthreads=1).numpy())
+
 
 def moved(mesh: Mesh, T: Float) -> Mesh:
     """Return the mesh transformed into another frame."""

@@ -15,8 +15,10 @@ from executive.geometry.rotation import about_axis, quaternion_wxyz
 from executive.interfaces.oracle import Attempt, MissionView
 from executive.machine.machine import load_machine
 from executive.messages.base_state import BaseState
+from executive.messages.cloud import Cloud
 from executive.messages.placement import Slot
 from executive.messages.stone import Stone, StoneState
+from executive.messages.stone_event import StoneEvent
 
 MACHINE = load_machine("m545")
 SETTINGS = MujocoSettings.model_validate(
@@ -122,6 +124,74 @@ def test_database_errors_compare_the_tracked_frame_with_the_true_motion() -> Non
     report = show.truth(first_stones=[first], stones=[stone(1, wrong)])["stones"][0]
     assert report["database_error_m"] == pytest.approx(0.05)
     assert report["database_error_rad"] == pytest.approx(0.1)
+
+
+def events_of(show: Show, found: Float, **poses: Float) -> list[StoneEvent]:
+    """Return a history: found at the start, then changes at present, in order."""
+    now = [
+        StoneEvent(show.time_s - STEP_S, kind, StoneState.PLACED, T) for kind, T in poses.items()
+    ]
+    return [StoneEvent(0.0, "found", StoneState.ON_GROUND, found), *now]
+
+
+def test_tells_the_error_of_a_pose_before_and_after_its_realignment() -> None:
+    show = Show()
+    T_found = pose(t=position(show, "stone_1") + np.array([0.2, 0.0, 0.1]))
+    moved = np.array([1.0, -2.0, 0.3])
+    show.put("stone_1", position(show, "stone_1") + moved)
+    show.play(0.2)
+    T_true = pose(t=T_found[:3, 3] + moved)
+    T_settled = pose(about_axis(np.array([0.0, 0.0, 1.0]), 0.2), T_true[:3, 3] + [0.03, 0.04, 0.0])
+    T_realigned = pose(t=T_true[:3, 3] + np.array([0.0, 0.0, 0.01]))
+    events = events_of(show, T_found, grasp=T_found, release=T_settled, realign=T_realigned)
+    (entry,) = show.truth(histories={5: events})["realignments"]
+    assert (entry["stone"], entry["round"], entry["was_realigned"]) == (1, 1, True)
+    assert entry["settled_error_m"] == pytest.approx(0.05)
+    assert entry["settled_error_rad"] == pytest.approx(0.2)
+    assert entry["error_m"] == pytest.approx(0.01)
+    assert entry["error_rad"] == pytest.approx(0, abs=1e-6)
+
+
+def test_a_release_without_realignment_keeps_the_error_of_the_gripper_s_motion() -> None:
+    show = Show()
+    T_found = pose(t=position(show, "stone_2"))
+    off = pose(t=T_found[:3, 3] + np.array([0.0, 0.3, 0.4]))
+    releases = [*events_of(show, T_found, release=off), *events_of(show, T_found, release=T_found)]
+    entries = show.truth(histories={1: releases})["realignments"]
+    assert [(one["stone"], one["round"], one["was_realigned"]) for one in entries] == [
+        (2, 1, False),
+        (2, 2, False),
+    ]
+    assert [one["error_m"] for one in entries] == pytest.approx([0.5, 0.0], abs=1e-9)
+    assert entries[0]["error_m"] == entries[0]["settled_error_m"]
+
+
+def test_counts_stones_that_are_known_known_twice_or_none_at_all() -> None:
+    show = Show()
+    near = pose(t=position(show, "stone_1") + np.array([0.3, 0.0, 0.0]))
+    nowhere = pose(t=FAR)
+    histories = {i: events_of(show, T) for i, T in enumerate([near, near, nowhere], 1)}
+    truth = show.truth(histories=histories)
+    assert truth["objects"] == {"stones": 2, "known": 1, "twice": 1, "ghosts": 1}
+    assert truth["realignments"] == []
+    assert show.truth()["objects"] == {}  # without a database
+
+
+def test_measures_the_distance_of_the_map_to_the_ground_and_the_stones_of_the_end() -> None:
+    show = Show()
+    vertices, _ = show.robot.world.site.terrain.mesh()
+    on_ground = vertices[np.abs(vertices[:, :2]).max(axis=1) < 9]
+    exact = show.truth(map_cloud=Cloud("map", on_ground))["map"]["distance_m"]
+    assert exact == pytest.approx({"median": 0.0, "p95": 0.0}, abs=1e-5)
+    lifted = Cloud("map", on_ground + np.array([0.0, 0.0, 6.0]))
+    assert show.truth(map_cloud=lifted)["map"]["distance_m"]["median"] > 4
+    show.put("stone_1", FAR)
+    show.play(0.2)
+    stone_1 = show.robot.world.site.stones[0]
+    T_stone = show.robot.truth_log.T_world_stone(0, show.robot.truth_log.end_s)
+    skin = Cloud("map", stone_1.vertices @ T_stone[:3, :3].T + T_stone[:3, 3])
+    assert show.truth(map_cloud=skin)["map"]["distance_m"]["p95"] == pytest.approx(0.0, abs=1e-5)
+    assert show.truth(map_cloud=Cloud("map", np.zeros((0, 3))))["map"] == {}
 
 
 def test_a_stone_first_seen_after_it_was_moved_is_recognised_there() -> None:
