@@ -2,6 +2,7 @@
 
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from executive_plugins.robot.kinematic import KinematicRobot
 from executive.events.mission import PhaseChanged
 from executive.journal import read_journal
 from executive.mission.interrupts import Aborted
+from executive.mission.report import cpu_s
 from executive.mission.run import Options, Run
 from executive.tree.load import load_mission
 
@@ -61,6 +63,14 @@ def test_a_mission_runs_to_its_end(tmp_path):
     ):
         assert path.exists(), path
     assert json.loads(result.folder.report.read_text()) == result.report
+
+
+def test_the_report_says_what_the_run_took(tmp_path):
+    begun_s = cpu_s()
+    taken = run(tmp_path, SWING).report["resources"]
+    assert 0 < taken["cpu_s"] <= cpu_s() - begun_s + 1e-3  # of this run, not of the whole process
+    own = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss  # kibibytes on Linux
+    assert taken["peak_memory_bytes"] >= 0.5 * own  # it may have grown a little since
 
 
 def test_the_resolved_mission_runs_again_to_the_same_journal(tmp_path):
