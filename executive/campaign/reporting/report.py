@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from executive.campaign.description.campaign import Campaign
@@ -10,7 +10,6 @@ from executive.campaign.description.load import load_campaign
 from executive.campaign.execution.folder import CampaignFolder
 from executive.campaign.execution.ledger import Ledger, Session
 from executive.campaign.figures.calculation import figures_of
-from executive.campaign.figures.figures import Figures
 from executive.campaign.reporting.campaign_page import campaign_page
 from executive.campaign.reporting.result import Result, results_of
 from executive.campaign.reporting.results_table import write_tables
@@ -22,7 +21,15 @@ PAGE = "report.html"
 FIGURES = "figures.json"
 
 
-def report_campaign(folder: Path, campaign: Campaign | None = None) -> Figures:
+@dataclass(frozen=True, slots=True)
+class CampaignReport:
+    """What the results of a campaign say so far: its summary, and every run that has ended."""
+
+    summary: Summary
+    results: Sequence[Result]
+
+
+def report_campaign(folder: Path, campaign: Campaign | None = None) -> CampaignReport:
     """Compute the figures of a campaign from what has ended of it, and write its report.
 
     The files are `figures.json`, `results.csv`, `results.parquet`, `charts/*.png` and
@@ -38,14 +45,19 @@ def report_campaign(folder: Path, campaign: Campaign | None = None) -> Figures:
         MissingExtraError: If the packages of the extra `reports` are not installed; the figures
             are written nevertheless.
     """
+    report = summarise_campaign(folder, campaign)
+    write_report(folder, report)
+    return report
+
+
+def summarise_campaign(folder: Path, campaign: Campaign | None = None) -> CampaignReport:
+    """Compute the figures of a campaign, and write `figures.json` alone."""
     campaign, results, sessions = read_campaign_folder(folder, campaign)
     rows = [result.row for result in results]
     figures = figures_of(rows, campaign.metrics, campaign.bounds, campaign.comparisons)
     summary = Summary(head_of(campaign, results, sessions, figures), figures)
     write_summary(folder / FIGURES, summary)
-    require_extra("the report of a campaign", "reports")
-    write_report(folder, summary, results)
-    return figures
+    return CampaignReport(summary, results)
 
 
 def read_campaign_folder(
@@ -72,8 +84,14 @@ def read_campaign_folder(
         return campaign, list(results_of(campaign.trials, ledger.outcomes())), sessions
 
 
-def write_report(folder: Path, summary: Summary, results: Sequence[Result]) -> None:
-    """Write tables, pictures and the page of a campaign into its folder."""
+def write_report(folder: Path, report: CampaignReport) -> None:
+    """Write tables, pictures and the page of a campaign into its folder.
+
+    Raises:
+        MissingExtraError: If the packages of the extra `reports` are not installed.
+    """
+    require_extra("the report of a campaign", "reports")
+    summary, results = report.summary, report.results
     write_tables(folder, results, list(summary.campaign.factors), summary.campaign.metrics)
     page = campaign_page(folder, summary, results)
     charts = folder / "charts"

@@ -133,11 +133,14 @@ def _words(name: str) -> MetricWords:
 def write_summary(path: Path, summary: Summary) -> None:
     """Write `figures.json`, whole or not at all."""
     partial = path.with_suffix(".partial")
-    text = json.dumps(
-        {"schema": _SCHEMA, **_without_nan(plain(summary))}, indent=1, ensure_ascii=False
-    )
+    text = json.dumps(document_of(summary), indent=1, ensure_ascii=False)
     partial.write_text(text + "\n", encoding="utf-8")
     partial.replace(path)
+
+
+def document_of(summary: Summary) -> dict[str, Any]:
+    """Return the content of `figures.json`."""
+    return {"schema": _SCHEMA, **_without_nan(plain(summary))}
 
 
 def read_summary(path: Path) -> Summary:
