@@ -2,6 +2,7 @@
 
 import hashlib
 import platform
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -10,6 +11,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from packaging.requirements import Requirement
+
+from executive import registry
 
 PACKAGES = ("executive", "executive_plugins", "executive_robot_models", "executive_trees")
 # What an installation consists of; other files in a source tree, such as an editor's, do not count.
@@ -28,12 +31,15 @@ class Fingerprint:
         python: Version of Python without the last number, such as `3.11`.
         distributions: Version by name of the installed packages that this one depends on, and of
             those that bring plugins.
+        plugins: What is installed with all that it needs, each as `capability.name`, such as
+            `registration.kiss_matcher`, `work.mission` or `metric.success`.
     """
 
     version: str
     sources: str
     python: str
     distributions: Mapping[str, str]
+    plugins: tuple[str, ...]
 
 
 @cache
@@ -45,6 +51,7 @@ def local_fingerprint() -> Fingerprint:
         sources=_digest_of_sources(),
         python=f"{major}.{minor}",
         distributions=_distributions(),
+        plugins=_plugins(),
     )
 
 
@@ -69,6 +76,11 @@ def differences(here: Fingerprint, there: Fingerprint) -> tuple[str, ...]:
     )
 
 
+def lacking(here: Fingerprint, there: Fingerprint) -> tuple[str, ...]:
+    """List the plugins that can be used here and not there, such as for want of an extra."""
+    return tuple(sorted(set(here.plugins) - set(there.plugins)))
+
+
 def _digest_of_sources() -> str:
     digest = hashlib.sha256()
     for package in PACKAGES:
@@ -87,12 +99,23 @@ def _files(package: str) -> Iterator[tuple[str, Path]]:
                 yield file.relative_to(root).as_posix(), file
 
 
+def _groups() -> tuple[str, ...]:
+    """Return the groups of entry points in which packages announce plugins."""
+    found = metadata.entry_points().groups
+    return tuple(sorted(one for one in found if re.fullmatch(r"executive\.\w+\.v1", one)))
+
+
+def _plugins() -> tuple[str, ...]:
+    groups = [group.split(".")[1] for group in _groups()]
+    found = (one for group in groups for one in registry.installed(group))
+    return tuple(f"{one.capability}.{one.name}" for one in found if not one.missing_extra)
+
+
 def _distributions() -> dict[str, str]:
     extras = set(metadata.metadata("executive").get_all("Provides-Extra") or ()) - set(TOOLS)
     requirements = map(Requirement, metadata.requires("executive") or ())
     names = {one.name for one in requirements if _is_of(one, extras)}
-    groups = [group for group in metadata.entry_points().groups if group.startswith("executive.")]
-    points = (point for group in groups for point in metadata.entry_points(group=group))
+    points = (point for group in _groups() for point in metadata.entry_points(group=group))
     names |= {point.dist.name for point in points if point.dist}
     return {name: version for name in names - {"executive"} if (version := _version(name))}
 
