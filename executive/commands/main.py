@@ -15,6 +15,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from executive.commands.campaigns.report import report
 from executive.commands.clouds.align import align
 from executive.commands.clouds.register import register
 from executive.commands.clouds.segment import segment
@@ -71,6 +72,7 @@ _VERBS: dict[str, Callable[..., None]] = {
     "check": check,
     "show": show,
     "schema": schema,
+    "report": report,
     "segment": segment,
     "register": register,
     "align": align,

@@ -6,20 +6,28 @@ from typing import Any
 
 from executive.campaign.reporting.wording import shortened
 
-_COUNT = 8
 _BYTES = 32_768  # read from the end of a file
 _WIDTH = 160
 # Matrices say nothing in a line.
 _LONGEST_VALUE = 60
 
 
-def last_lines(folder: Path) -> list[str]:
-    """Return the journal's last lines; without a journal those of the log."""
-    journal = [_of_journal(line) for line in _end(folder / "journal.jsonl")]
-    return journal or [shortened(line, _WIDTH) for line in _end(folder / "log.txt")]
+def last_lines(folder: Path, count: int = 8) -> list[str]:
+    """Return the last lines of the journal, and those of what the run printed before it broke off.
+
+    Args:
+        folder: The run's folder.
+        count: The largest number of lines of each.
+    """
+    lines = [_of_journal(line) for line in _end(folder / "journal.jsonl")[-count:]]
+    if not (folder / "report.json").is_file():
+        printed = [*_end(folder / "log.txt"), *_end(folder / "output.txt")]
+        lines += [shortened(line, _WIDTH) for line in printed[-count:]]
+    return lines
 
 
 def _end(path: Path) -> list[str]:
+    """Return the last whole lines of a file; none if it cannot be read."""
     try:
         with path.open("rb") as file:
             file.seek(0, 2)
@@ -31,7 +39,7 @@ def _end(path: Path) -> list[str]:
     lines = text.splitlines()
     if size > _BYTES:
         lines = lines[1:]  # the first one is cut
-    return [line for line in lines if line.strip()][-_COUNT:]
+    return [line for line in lines if line.strip()]
 
 
 def _of_journal(line: str) -> str:

@@ -27,6 +27,7 @@ from executive.campaign.figures.measurement import metric
 from executive.campaign.reporting.result import Result
 from executive.errors import DataError
 from executive.events.event import plain
+from executive.interfaces.metric import Metric
 
 _SCHEMA = 1
 
@@ -40,6 +41,13 @@ class MetricWords:
     is_share: bool
     is_more_better: bool
     description: str
+
+    @classmethod
+    def of(cls, metric: Metric) -> "MetricWords":
+        """Return the words of a metric."""
+        return cls(
+            metric.title, metric.unit, metric.is_share, metric.is_more_better, metric.description
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,15 +126,8 @@ def head_of(
         digest=campaign.digest,
         seeds=tuple(sorted({trial.seed for trial in campaign.trials})),
         factors={name: tuple(levels) for name, levels in campaign.factors.items()},
-        metrics={name: _words(name) for name in dict.fromkeys(named)},
+        metrics={name: MetricWords.of(metric(name)) for name in dict.fromkeys(named)},
         runs=Runs(len(campaign.trials), answered, without, failed - without),
-    )
-
-
-def _words(name: str) -> MetricWords:
-    found = metric(name)
-    return MetricWords(
-        found.title, found.unit, found.is_share, found.is_more_better, found.description
     )
 
 

@@ -1,0 +1,1 @@
+"""Verbs for many missions, and for the reports of one and of many."""
