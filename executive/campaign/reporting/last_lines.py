@@ -2,14 +2,12 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
+from executive.campaign.reporting.journal_line import journal_line
 from executive.campaign.reporting.wording import shortened
 
 _BYTES = 32_768  # read from the end of a file
 _WIDTH = 160
-# Matrices say nothing in a line.
-_LONGEST_VALUE = 60
 
 
 def last_lines(folder: Path, count: int = 8) -> list[str]:
@@ -45,14 +43,6 @@ def _end(path: Path) -> list[str]:
 def _of_journal(line: str) -> str:
     try:
         found = json.loads(line)
-        payload = {k: v for k, v in found["payload"].items() if len(str(v)) <= _LONGEST_VALUE}
-        told = " ".join(f"{key}={value}" for key, value in payload.items() if value != "")
-        return shortened(
-            f"{found['time_s']:9.2f} s  {found['kind']:18} {_node(found)}{told}", _WIDTH
-        )
+        return journal_line(found["time_s"], found["kind"], found["node"], found["payload"])
     except (ValueError, KeyError, TypeError, AttributeError):
         return shortened(line, _WIDTH) + "  (not a whole line)"
-
-
-def _node(found: dict[str, Any]) -> str:
-    return f"{found['node']}  " if found["node"] else ""

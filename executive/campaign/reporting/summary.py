@@ -141,7 +141,7 @@ def write_summary(path: Path, summary: Summary) -> None:
 
 def document_of(summary: Summary) -> dict[str, Any]:
     """Return the content of `figures.json`."""
-    return {"schema": _SCHEMA, **_without_nan(plain(summary))}
+    return {"schema": _SCHEMA, **without_nan(plain(summary))}
 
 
 def read_summary(path: Path) -> Summary:
@@ -167,14 +167,14 @@ def read_summary(path: Path) -> Summary:
         raise DataError(f"{path}: {place}: {first['msg']}") from error
 
 
-def _without_nan(value: Any) -> Any:
+def without_nan(value: Any) -> Any:
     """Return plain values with null for what JSON has no number for."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, list):
-        return [_without_nan(one) for one in value]
+        return [without_nan(one) for one in value]
     if isinstance(value, dict):
-        return {key: _without_nan(one) for key, one in value.items()}
+        return {key: without_nan(one) for key, one in value.items()}
     return value
 
 
