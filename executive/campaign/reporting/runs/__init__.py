@@ -1,0 +1,1 @@
+"""Single runs: the report of one, and two side by side."""

@@ -1,0 +1,128 @@
+"""One run as its folder holds it; what is damaged or absent is told, and the rest is read."""
+
+import json
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from executive import registry
+from executive.campaign.figures.measurement import measure, metric
+from executive.campaign.reporting.summary import MetricWords
+from executive.errors import ConfigError, DataError
+from executive.interfaces.metric import RunRecord, TimedEvent
+from executive.journal import Entry, read_journal
+from executive.mission.run_folder import RunFolder
+
+
+@dataclass(frozen=True)
+class ReadRun:
+    """What of a run could be read.
+
+    Attributes:
+        folder: Its folder.
+        report: Its report; empty if there is none.
+        entries: The lines of its journal, up to the first damaged one.
+        mission: Its resolved mission file as plain values; empty if there is none.
+        damages: What could not be read, each with its place.
+    """
+
+    folder: Path
+    report: Mapping[str, Any]
+    entries: Sequence[Entry]
+    mission: Mapping[str, Any]
+    damages: tuple[str, ...]
+
+    @property
+    def command(self) -> str:
+        """Return the command that repeats the run; empty without its mission or its seed."""
+        if not self.mission or "seed" not in self.report:
+            return ""
+        mission = RunFolder(self.folder).mission
+        return f"executive run {shlex.quote(str(mission))} --seed {self.report['seed']}"
+
+    @cached_property
+    def measurements(self) -> Mapping[str, Mapping[str, Any]]:
+        """Return what every installed metric measures, as `measure` says it."""
+        if not self.report:
+            return {}
+        events = tuple(TimedEvent(one.time_s, one.event, one.node) for one in self.entries)
+        record = RunRecord(self.report, events)
+        found: dict[str, Mapping[str, Any]] = {}
+        for one in registry.installed(registry.METRICS):
+            try:
+                found |= measure(record, (one.name,))
+            except registry.BrokenPluginError as error:
+                found[one.name] = {"problem": str(error)}
+        return found
+
+
+def read_run(folder: Path) -> ReadRun:
+    """Read the folder of a run.
+
+    Raises:
+        ConfigError: If it is no folder of a run.
+    """
+    run = RunFolder(folder)
+    damages: list[str] = []
+    if not (run.report.is_file() or run.journal.is_file()):
+        told = "is no folder of a run: it holds neither report.json nor journal.jsonl"
+        raise ConfigError(f"{folder} {told if folder.is_dir() else 'is no folder'}")
+    report = _report(run.report, damages)
+    entries = _entries(run.journal, damages)
+    mission = _mission(run.mission, damages)
+    return ReadRun(folder, report, entries, mission, tuple(damages))
+
+
+def words_of(name: str) -> MetricWords:
+    """Return a metric's words; of one that cannot be imported, its name."""
+    try:
+        return MetricWords.of(metric(name))
+    except ConfigError as error:
+        return MetricWords(name, "", False, True, str(error))
+
+
+def _report(path: Path, damages: list[str]) -> Mapping[str, Any]:
+    try:
+        report = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        damages.append(f"{path}: there is no report: the run goes on, or was killed")
+    except (OSError, ValueError) as error:
+        damages.append(f"{path}: not a report of a run: {error}")
+    else:
+        if isinstance(report, dict) and "outcome" in report:
+            return report
+        damages.append(f"{path}: not a report of a run: it has no field 'outcome'")
+    return {}
+
+
+def _entries(path: Path, damages: list[str]) -> list[Entry]:
+    entries: list[Entry] = []
+    try:
+        entries.extend(read_journal(path))  # keeps what was read before an error
+    except FileNotFoundError:
+        damages.append(f"{path}: there is no journal")
+    except DataError as error:
+        damages.append(f"{error}; the {len(entries)} lines before it are read")
+    except (OSError, UnicodeDecodeError) as error:
+        damages.append(f"{path}: not a journal: {error}")
+    return entries
+
+
+def _mission(path: Path, damages: list[str]) -> Mapping[str, Any]:
+    try:
+        found = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        damages.append(f"{path}: there is no mission file")
+    except (OSError, ValueError, yaml.YAMLError) as error:
+        told = " ".join(str(error).split())
+        damages.append(f"{path}: not a mission file: {told}")
+    else:
+        if isinstance(found, dict):
+            return found
+        damages.append(f"{path}: not a mission file: it holds no mapping")
+    return {}

@@ -1,0 +1,111 @@
+"""Two runs side by side: what differs in their settings, their course and their figures."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+from typing import Any
+
+from executive.campaign.reporting.runs.read_run import ReadRun
+from executive.journal import Entry
+
+Two = tuple[Any, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class FirstDifference:
+    """The first entry of two journals that is not the same.
+
+    Attributes:
+        number: Its number in both, from 0.
+        entries: The entries; None where a journal has ended before.
+    """
+
+    number: int
+    entries: tuple[Entry | None, Entry | None]
+
+
+@dataclass(frozen=True, slots=True)
+class RunComparison:
+    """What two runs have apart; each mapping holds the values of both by their name.
+
+    Attributes:
+        runs: The runs.
+        settings: Settings and nodes of the mission that differ, by their path in the file.
+        endings: Seed, outcome, reason, mission time and wall time.
+        counts: The report's counts that differ.
+        measurements: What each metric measured on both, None where it measured nothing.
+        timings: Median wall time of each stage [ms].
+        picks: Relocations in their order.
+        first_difference: Where the journals part; None if they are the same.
+    """
+
+    runs: tuple[ReadRun, ReadRun]
+    settings: Mapping[str, Two]
+    endings: Mapping[str, Two]
+    counts: Mapping[str, Two]
+    measurements: Mapping[str, Two]
+    timings: Mapping[str, Two]
+    picks: Sequence[tuple[str, str]]
+    first_difference: FirstDifference | None
+
+
+_ENDINGS = ("mission", "seed", "outcome", "reason", "ended_s", "wall_s")
+
+
+def compare_runs(one: ReadRun, other: ReadRun) -> RunComparison:
+    """Compare two runs."""
+    reports = one.report, other.report
+    medians = [
+        {stage: of["median"] for stage, of in report.get("timings_ms", {}).items()}
+        for report in reports
+    ]
+    return RunComparison(
+        runs=(one, other),
+        settings=_differing(dict(_flat(one.mission)), dict(_flat(other.mission))),
+        endings={name: (reports[0].get(name), reports[1].get(name)) for name in _ENDINGS},
+        counts=_differing(reports[0].get("counts", {}), reports[1].get("counts", {})),
+        measurements=_both(one.measurements, other.measurements),
+        timings=_both(*medians),
+        picks=tuple(zip_longest(_picks(reports[0]), _picks(reports[1]), fillvalue="")),
+        first_difference=_first_difference(one.entries, other.entries),
+    )
+
+
+def _both(one: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Two]:
+    """Return the values of both by their name, in the order of the first."""
+    return {name: (one.get(name), other.get(name)) for name in [*one, *(other.keys() - one.keys())]}
+
+
+def _differing(one: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Two]:
+    return {name: (a, b) for name, (a, b) in _both(one, other).items() if a != b}
+
+
+def _flat(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the scalars of a file with their paths, such as `plugins.robot.model`."""
+    if isinstance(value, Mapping) and value:
+        for key, inner in value.items():
+            yield from _flat(inner, f"{path}.{key}" if path else str(key))
+    elif isinstance(value, list) and value:
+        for number, inner in enumerate(value):
+            yield from _flat(inner, f"{path}[{number}]")
+    else:
+        yield path, value
+
+
+def _picks(report: Mapping[str, Any]) -> Iterator[str]:
+    for pick in report.get("picks", ()):
+        attempts = ", ".join(attempt["outcome"] for attempt in pick["attempts"])
+        slot = f", slot {pick['slot']}" if pick["placed"] else ""
+        aside = f", set aside: {pick['set_aside']}" if pick.get("set_aside") else ""
+        yield f"stone {pick['object']}: {attempts}{slot}{aside}"
+
+
+def _first_difference(one: Sequence[Entry], other: Sequence[Entry]) -> FirstDifference | None:
+    for number, (a, b) in enumerate(zip_longest(one, other)):
+        if a is None or b is None or _content(a) != _content(b):
+            return FirstDifference(number, (a, b))
+    return None
+
+
+def _content(entry: Entry) -> tuple[object, ...]:
+    return (entry.tick, entry.time_s, entry.kind, entry.node, repr(entry.event.payload()))
