@@ -1,6 +1,7 @@
 """Metrics of a mission as a whole."""
 
-from executive.interfaces.metric import Metric, RunRecord, Share
+from executive.campaign.figures.metrics.report import truth
+from executive.interfaces.metric import Metric, RunRecord, Share, Values
 
 
 class Success(Metric):
@@ -15,3 +16,32 @@ class Success(Metric):
 
     def measure(self, run: RunRecord) -> Share:
         return Share(int(run.report["outcome"] == "success"), 1)
+
+
+class Collisions(Metric):
+    """Contacts that should not be."""
+
+    title = "collisions"
+    is_more_better = False
+    description = (
+        "Number of contacts of the machine in a run, by the simulator's truth, except those of"
+        " gripper and jaws with the ground and with the stone that they are to grasp."
+    )
+
+    def measure(self, run: RunRecord) -> Values | None:
+        found = truth(run).get("collisions")
+        return None if found is None else Values((len(found),))
+
+
+class PluginFailures(Metric):
+    """Errors of plugins that a mission went on after."""
+
+    title = "errors of plugins passed over"
+    is_more_better = False
+    description = (
+        "Number of errors in a run that plugins raised which were selected with `on_error: fail`,"
+        " so that the mission went on."
+    )
+
+    def measure(self, run: RunRecord) -> Values:
+        return Values((run.report["counts"]["plugin_failures"],))

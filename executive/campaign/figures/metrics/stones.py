@@ -1,8 +1,9 @@
 """Metrics of the stones at their slots, by the simulator's truth."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
+from executive.campaign.figures.metrics.report import stones
 from executive.interfaces.metric import Metric, RunRecord, Share, Values
 from executive.mission.report import NEAR_M
 
@@ -19,8 +20,8 @@ class Placed(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share | None:
-        stones = _stones(run)
-        return Share(sum(_is_near(stone) for stone in stones), len(stones)) if stones else None
+        found = stones(run)
+        return Share(sum(_is_near(one) for one in found), len(found)) if found else None
 
 
 class FirstAttempt(Metric):
@@ -35,17 +36,19 @@ class FirstAttempt(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share | None:
-        stones = _stones(run)
-        if not stones:
+        found = stones(run)
+        if not found:
             return None
         first: dict[int, Mapping[str, Any]] = {}
         for pick in run.report["picks"]:
             first.setdefault(pick["object"], pick)
         at_once = {
-            stone for stone, pick in first.items() if pick["placed"] and len(pick["attempts"]) == 1
+            number
+            for number, pick in first.items()
+            if pick["placed"] and len(pick["attempts"]) == 1
         }
-        hits = sum(_is_near(stone) and stone["held_object"] in at_once for stone in stones)
-        return Share(hits, len(stones))
+        hits = sum(_is_near(one) and one["held_object"] in at_once for one in found)
+        return Share(hits, len(found))
 
 
 class PlacementError(Metric):
@@ -60,13 +63,23 @@ class PlacementError(Metric):
     )
 
     def measure(self, run: RunRecord) -> Values | None:
-        errors = [stone["slot_error_m"] for stone in _stones(run)]
+        errors = [one["slot_error_m"] for one in stones(run)]
         return Values(tuple(error for error in errors if error is not None)) if errors else None
 
 
-def _stones(run: RunRecord) -> Sequence[Mapping[str, Any]]:
-    found: Sequence[Mapping[str, Any]] = run.report.get("truth", {}).get("stones", ())
-    return found
+class Attempts(Metric):
+    """Attempts that each relocation took."""
+
+    title = "attempts a relocation"
+    is_more_better = False
+    description = (
+        "Number of attempts of each relocation of a stone, whether it ended at a slot or not; an"
+        " attempt begins with the choice of a grasp that a path leads to."
+    )
+
+    def measure(self, run: RunRecord) -> Values | None:
+        picks = run.report["picks"]
+        return Values(tuple(len(pick["attempts"]) for pick in picks)) if picks else None
 
 
 def _is_near(stone: Mapping[str, Any]) -> bool:

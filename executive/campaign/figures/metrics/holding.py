@@ -1,0 +1,111 @@
+"""Metrics of lifting and holding: what happened by the truth, and what the mission noticed."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from executive.campaign.figures.metrics.report import attempts, truth
+from executive.interfaces.metric import Metric, RunRecord, Share, Values
+from executive.messages.verdict import Trouble
+
+_NOTICED = (Trouble.DROP, Trouble.SLIP)  # either ends the attempt and saves what can be saved
+
+
+class Lifted(Metric):
+    """Attempts that lift the stone."""
+
+    title = "attempts that lift the stone"
+    is_share = True
+    description = "Attempts that lifted the stone, by the simulator's truth, out of all attempts."
+
+    def measure(self, run: RunRecord) -> Share | None:
+        told = list(_told(run))
+        return Share(sum(grasp["lifted"] for _, grasp in told), len(told)) if told else None
+
+
+class Held(Metric):
+    """Lifted stones that do not fall."""
+
+    title = "lifted stones held to the end"
+    is_share = True
+    description = (
+        "Attempts whose stone did not fall out of the jaws, by the simulator's truth, out of those"
+        " that lifted it."
+    )
+
+    def measure(self, run: RunRecord) -> Share | None:
+        lifted = [grasp for _, grasp in _told(run) if grasp["lifted"]]
+        return Share(sum(not grasp["dropped"] for grasp in lifted), len(lifted)) if lifted else None
+
+
+class DropsFound(Metric):
+    """Drops that the mission noticed."""
+
+    title = "drops found"
+    is_share = True
+    description = (
+        "Attempts that the mission ended with the outcome `drop` or `slip`, out of those whose"
+        " stone fell by the simulator's truth."
+    )
+
+    def measure(self, run: RunRecord) -> Share | None:
+        if "grasps" not in truth(run):
+            return None
+        dropped = [outcome for outcome, grasp in _told(run) if grasp["dropped"]]
+        return Share(sum(outcome in _NOTICED for outcome in dropped), len(dropped))
+
+
+class DropsMissed(Metric):
+    """Drops that the mission did not notice."""
+
+    title = "drops missed"
+    is_more_better = False
+    description = (
+        "Number of attempts in a run whose stone fell by the simulator's truth, and which the"
+        " mission ended with another outcome than `drop` or `slip`."
+    )
+
+    def measure(self, run: RunRecord) -> Values | None:
+        if "grasps" not in truth(run):
+            return None
+        missed = (grasp["dropped"] and outcome not in _NOTICED for outcome, grasp in _told(run))
+        return Values((sum(missed),))
+
+
+class FalseAlarms(Metric):
+    """Reported drops of stones that did not fall."""
+
+    title = "false alarms"
+    is_share = True
+    is_more_better = False
+    description = (
+        "Attempts that the mission ended with the outcome `drop`, out of those whose stone did not"
+        " fall by the simulator's truth."
+    )
+
+    def measure(self, run: RunRecord) -> Share | None:
+        if "grasps" not in truth(run):
+            return None
+        kept = [outcome for outcome, grasp in _told(run) if not grasp["dropped"]]
+        return Share(sum(outcome == Trouble.DROP for outcome in kept), len(kept))
+
+
+class Slips(Metric):
+    """Slips that the mission noticed."""
+
+    title = "slips noticed"
+    is_more_better = False
+    description = (
+        "Number of slips that monitors reported in a run. The mission sets such a stone down where"
+        " it is and tries again."
+    )
+
+    def measure(self, run: RunRecord) -> Values:
+        return Values((run.report["counts"]["slips"],))
+
+
+def _told(run: RunRecord) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Yield each attempt's outcome by the mission, and what the truth says of it."""
+    grasps = truth(run).get("grasps")
+    if grasps is not None:
+        outcomes = [one["outcome"] for one in attempts(run)]
+        yield from zip(outcomes, grasps, strict=True)

@@ -1,0 +1,113 @@
+"""Metrics of the state estimate, the map and the drone's map on it."""
+
+from executive.campaign.figures.metrics.report import truth
+from executive.events.site import SiteSurveyed, SurveyRegistered
+from executive.interfaces.metric import Metric, RunRecord, Share, Values
+
+
+class _Estimator(Metric):
+    """A statistic of the error of the estimated cabin position over a run."""
+
+    unit = "m"
+    is_more_better = False
+    statistic = ""
+
+    def measure(self, run: RunRecord) -> Values | None:
+        found = truth(run).get("estimate")
+        return Values((found["error_m"][self.statistic],)) if found else None
+
+
+class EstimatorError(_Estimator):
+    """Mean error of the estimated cabin position over a run."""
+
+    title = "error of the estimated position, mean of a run"
+    statistic = "mean"
+    description = (
+        "Distance of the estimated position of the cabin from the true one: the mean over a run,"
+        " once a second from when the estimate is usable."
+    )
+
+
+class EstimatorErrorMax(_Estimator):
+    """Largest error of the estimated cabin position over a run."""
+
+    title = "error of the estimated position, largest of a run"
+    statistic = "max"
+    description = (
+        "Distance of the estimated position of the cabin from the true one: the largest of a run,"
+        " looked at once a second from when the estimate is usable."
+    )
+
+
+class MapError(Metric):
+    """Distance of the map from the true surface."""
+
+    title = "distance of the map from the true surface"
+    unit = "m"
+    is_more_better = False
+    description = (
+        "Distance of the points of the map at the end to the true surface of ground and stones at"
+        " that time: the median over the points of a run."
+    )
+
+    def measure(self, run: RunRecord) -> Values | None:
+        found = truth(run).get("map")
+        return Values((found["distance_m"]["median"],)) if found else None
+
+
+class Registrations(Metric):
+    """Registrations of the drone's map that were accepted."""
+
+    title = "registrations accepted"
+    is_share = True
+    description = (
+        "Registrations of the drone's map that their own test accepted, out of all that were tried."
+        " A mission tries from its first dense map on until one is accepted, so that one refusal"
+        " does no harm: see `registered`."
+    )
+
+    def measure(self, run: RunRecord) -> Share | None:
+        counts = run.report["counts"]
+        if not counts["registrations"]:
+            return None
+        return Share(counts["registrations_accepted"], counts["registrations"])
+
+
+class Registered(Metric):
+    """Runs in which the drone's map was registered."""
+
+    title = "missions that register the drone's map"
+    is_share = True
+    description = (
+        "Runs in which at least one registration of the drone's map was accepted, out of those that"
+        " tried."
+    )
+
+    def measure(self, run: RunRecord) -> Share | None:
+        counts = run.report["counts"]
+        return (
+            Share(int(counts["registrations_accepted"] > 0), 1) if counts["registrations"] else None
+        )
+
+
+class RegistrationTime(Metric):
+    """When the drone's map is first registered."""
+
+    title = "time to the first accepted registration"
+    unit = "s"
+    is_more_better = False
+    description = (
+        "Mission time from when the drone's map is there to the first registration of it that is"
+        " accepted, in runs that have one."
+    )
+
+    def measure(self, run: RunRecord) -> Values | None:
+        surveyed_s = [one.time_s for one in run.events if isinstance(one.event, SiteSurveyed)]
+        accepted_s = [
+            one.time_s
+            for one in run.events
+            if isinstance(one.event, SurveyRegistered) and one.event.accepted
+        ]
+        if not surveyed_s:
+            return None
+        return Values(tuple(time_s - surveyed_s[0] for time_s in accepted_s[:1]))
