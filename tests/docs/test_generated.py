@@ -22,7 +22,7 @@ def pages() -> dict[Path, str]:
     return script("generate").pages()
 
 
-@pytest.mark.parametrize("name", ["words.md", "robot_yaml.md", "journal_events.md"])
+@pytest.mark.parametrize("name", ["words.md", "robot_yaml.md", "journal_events.md", "metrics.md"])
 def test_a_page_is_what_the_script_would_write(name: str, pages: dict[Path, str]) -> None:
     assert (DOCS / name).read_text(encoding="utf-8") == pages[DOCS / name], (
         f"docs/{name} is out of date: run `python docs/generate.py`"

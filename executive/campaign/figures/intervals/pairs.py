@@ -9,6 +9,8 @@ from executive.arrays import Float
 from executive.campaign.figures.figures import Interval
 from executive.campaign.figures.intervals.share import clustered
 
+_CONTINUITY = 0.5  # of the sum of products of residuals: n/2 of Newcombe's `ad − bc`
+
 
 def difference_of_shares(
     hits: Float, of: Float, base_hits: Float, base_of: Float
@@ -16,7 +18,8 @@ def difference_of_shares(
     """Return the difference of two shares, level minus baseline, with its interval.
 
     The interval joins the two intervals of the shares and the correlation of the pairs. With one
-    trial a pair it is Newcombe's for paired proportions.
+    trial a pair it is Newcombe's for paired proportions, whose correlation is corrected for
+    continuity.
 
     Args:
         hits: Hits of the level by pair, shape (K,).
@@ -30,7 +33,9 @@ def difference_of_shares(
     """
     share, base = float(hits.sum() / of.sum()), float(base_hits.sum() / base_of.sum())
     own, other = clustered(hits, of), clustered(base_hits, base_of)
-    correlation = _correlation(hits - share * of, base_hits - base * base_of)
+    is_single = bool((of == 1).all() and (base_of == 1).all())
+    correction = _CONTINUITY if is_single else 0.0
+    correlation = _correlation(hits - share * of, base_hits - base * base_of, correction)
     difference = share - base
     low = _joined(share - own.low, other.high - base, correlation)
     high = _joined(own.high - share, base - other.low, correlation)
@@ -41,13 +46,17 @@ def _joined(one: float, other: float, correlation: float) -> float:
     return math.sqrt(max(0.0, one**2 - 2 * correlation * one * other + other**2))
 
 
-def _correlation(one: Float, other: Float) -> float:
+def _correlation(one: Float, other: Float, correction: float) -> float:
     """Return the correlation of residuals; 0 where one of them does not vary.
 
-    For one trial a pair the residuals' correlation is the coefficient phi of the table of pairs.
+    For one trial a pair it is the coefficient phi of the table of pairs. A positive one is made
+    smaller by the correction.
     """
     scale = math.sqrt(float(one @ one) * float(other @ other))
-    return float(one @ other) / scale if scale > 0 else 0.0
+    product = float(one @ other)
+    if product > 0:
+        product = max(0.0, product - correction)
+    return product / scale if scale > 0 else 0.0
 
 
 def sign_test(better: int, worse: int) -> float:
