@@ -165,7 +165,7 @@ def test_recorded_results_of_the_mirror_run_first(load) -> None:
         "tests/plugins/monitoring/test_jaw_slip.py",
         "tests/recorded/plugins/monitoring",
     )
-    room = related(TESTS.parent, "plugins/estimation/filters/ekf_state.py")[0]
+    room = related(TESTS.parent, "plugins/estimation/filters/error_state_ekf.py")[0]
     assert room[-1] == "tests/recorded/plugins/estimation"
     assert not related(TESTS.parent, "executive/arrays.py")[0][1:]
 

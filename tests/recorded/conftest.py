@@ -1,13 +1,18 @@
 """The fixture that compares an answer with the recorded one."""
 
-import importlib.util
+import importlib
 import json
-from collections.abc import Callable
+import pkgutil
+import runpy
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from pydantic.fields import FieldInfo
 
+from executive.config import Settings
 from executive.machine.machine import Machine, load_machine
 from executive.testing.exercise import exercise_of
 from executive.testing.subject import subject_of
@@ -17,16 +22,7 @@ RECORDER = "recorder"  # the name of the plugin of pytest that `record.py` bring
 RELATIVE = 1e-9  # plain arithmetic differs by less between processors and versions of libraries
 
 
-def _values() -> Any:
-    spec = importlib.util.spec_from_file_location("recorded_values", HERE / "values.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-VALUES = _values()
+VALUES = SimpleNamespace(**runpy.run_path(str(HERE / "values.py")))
 
 
 @pytest.fixture
@@ -61,6 +57,37 @@ def recorded(request: pytest.FixtureRequest) -> Callable[..., None]:
 def machine() -> Machine:
     """The shipped machine."""
     return load_machine("m545")
+
+
+@pytest.fixture
+def settings_in() -> Callable[[str], Any]:
+    """Return the defaults and bounds of all settings of a package, which users write files by."""
+
+    def classes(of: type[Settings]) -> Iterator[type[Settings]]:
+        for one in of.__subclasses__():
+            yield one
+            yield from classes(one)
+
+    def fields(package: str) -> Any:
+        for module in pkgutil.walk_packages(
+            importlib.import_module(package).__path__, package + "."
+        ):
+            importlib.import_module(module.name)
+        found = [one for one in classes(Settings) if f"{one.__module__}.".startswith(f"{package}.")]
+        return {
+            one.__name__: {
+                name: [repr(field.get_default(call_default_factory=True)), _bounds(field)]
+                for name, field in one.model_fields.items()
+            }
+            for one in sorted(found, key=lambda one: one.__qualname__)
+        }
+
+    return fields
+
+
+def _bounds(field: FieldInfo) -> str:
+    known = (one for one in field.metadata if type(one).__module__ == "annotated_types")
+    return " ".join(sorted(map(repr, known)))
 
 
 @pytest.fixture

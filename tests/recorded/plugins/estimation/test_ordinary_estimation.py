@@ -6,3 +6,7 @@ import pytest
 @pytest.mark.parametrize("name", ["gnss_imu_filter", "error_state_ekf", "dual_graph"])
 def test_answer(recorded, exercised, name) -> None:
     recorded(exercised("estimation", name))
+
+
+def test_settings(recorded, settings_in) -> None:
+    recorded(settings_in("executive_plugins.estimation"))

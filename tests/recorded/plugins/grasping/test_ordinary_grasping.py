@@ -7,3 +7,7 @@ import pytest
 def test_answer(recorded, exercised, name) -> None:
     # The network computes in single precision.
     recorded(exercised("grasping", name), relative=1e-5)
+
+
+def test_settings(recorded, settings_in) -> None:
+    recorded(settings_in("executive_plugins.grasping"))

@@ -6,3 +6,7 @@ import pytest
 @pytest.mark.parametrize("name", ["sqlite"])
 def test_answer(recorded, exercised, name) -> None:
     recorded(exercised("objects", name))
+
+
+def test_settings(recorded, settings_in) -> None:
+    recorded(settings_in("executive_plugins.objects"))
