@@ -15,7 +15,8 @@ from executive.campaign.execution.disk_space import DiskFullError, is_space_left
 from executive.campaign.figures.measurement import measure, record_of
 from executive.config import Settings
 from executive.interfaces.work import Piece, Work
-from executive.mission.run import Options, Run
+from executive.mission.assembly import Selections, assemble, needed_for
+from executive.mission.run import Options, Run, model_of
 from executive.tree.language import MissionFile
 from executive.tree.load import load_mission
 
@@ -34,8 +35,13 @@ class MissionWork(Work):
         return dict(_paths_in(_description(_text(arguments), ())))
 
     def prepare(self, arguments: Settings, inputs: Mapping[str, Path]) -> None:
-        """Read the mission, which imports its plugins."""
-        _description(_text(arguments), _moved(inputs))
+        """Read the mission, and let its stateless plugins start once: they import and compile."""
+        description = _description(_text(arguments), _moved(inputs))
+        assembly = assemble(_stateless(description), model_of(description), seed=0)
+        try:
+            assembly.start()
+        finally:
+            assembly.close()
 
     def run(self, piece: Piece) -> Mapping[str, Any]:
         description = _description(_text(piece.arguments), _moved(piece.inputs))
@@ -43,6 +49,20 @@ class MissionWork(Work):
         if result.report["outcome"] == "fault" and not is_space_left(piece.folder):
             raise DiskFullError(f"no space is left for {piece.folder}")
         return {"report": result.report, "measurements": _measured(piece.folder)}
+
+
+def _stateless(description: MissionFile) -> Selections:
+    """Return the plugins that neither have a state nor need one that does, such as the robot."""
+    chosen = description.plugins
+    return {
+        capability: several
+        for capability, several in chosen.items()
+        if all(
+            registry.load(name, one.name).is_stateless
+            for name, needed in needed_for(chosen, capability).items()
+            for one in needed
+        )
+    }
 
 
 def _nothing(_: object) -> None:

@@ -77,7 +77,7 @@ class Run:
         self._description = description
         self._options = options
         self._selections = _selections(description, options)
-        self._model = _model(description)
+        self._model = model_of(description)
         self._assembly = _assembled(self._selections, self._model, options.seed)
         self.folder = RunFolder.create(options.run_dir, description.name)
         self.folder.mission.write_text(resolved_yaml(description), encoding="utf-8")
@@ -260,7 +260,12 @@ def _can_fail(description: MissionFile) -> frozenset[tuple[str, str]]:
     )
 
 
-def _model(description: MissionFile) -> str:
+def model_of(description: MissionFile) -> str:
+    """Return the name or folder of the machine of a mission.
+
+    Raises:
+        ConfigError: If the settings of its robot name none.
+    """
     settings = description.plugins["robot"][0].settings
     if not isinstance(settings, RobotSettings):
         raise ConfigError(

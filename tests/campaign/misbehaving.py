@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,6 +15,8 @@ from typing import Any
 from executive.config import Settings
 from executive.errors import ConfigError
 from executive.interfaces.work import Piece, Work
+
+_prepared: list[str] = []
 
 
 class Arguments(Settings):
@@ -28,15 +31,22 @@ class Misbehaving(Work):
     Arguments = Arguments
 
     def prepare(self, arguments: Settings, inputs: Mapping[str, Path]) -> None:
+        _prepared.append("here")
         if os.environ.get("MISBEHAVING_PREPARES") == "badly":
             os._exit(7)
+        if os.environ.get("MISBEHAVING_PREPARES") == "with a thread":
+            threading.Thread(target=time.sleep, args=(1000,), daemon=True).start()
 
     def run(self, piece: Piece) -> Mapping[str, Any]:
         arguments = piece.arguments
         assert isinstance(arguments, Arguments)
         getattr(self, arguments.behaviour)(piece, arguments)
         time.sleep(arguments.for_s)
-        return {"seed": piece.seed, "inputs": {k: str(v) for k, v in piece.inputs.items()}}
+        return {
+            "seed": piece.seed,
+            "inputs": {k: str(v) for k, v in piece.inputs.items()},
+            "prepared": len(_prepared),
+        }
 
     def answer(self, piece: Piece, arguments: Arguments) -> None:
         pass

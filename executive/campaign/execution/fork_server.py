@@ -16,8 +16,8 @@ from multiprocessing.connection import Connection, wait
 
 from executive.campaign.execution.chosen_work import work_of
 from executive.campaign.execution.fork_protocol import Begin, Begun, Exited, LastWord
-from executive.campaign.execution.isolated_run import run_and_exit
-from executive.campaign.execution.process_ties import adopt_orphans
+from executive.campaign.execution.isolated_run import exec_run, run_and_exit
+from executive.campaign.execution.process_ties import adopt_orphans, number_of_threads
 
 _LONGEST_WORD_BYTES = 65536  # capacity of a pipe; a last word is far shorter
 
@@ -71,6 +71,8 @@ class ForkServer:
             for child in self._children.values():
                 os.close(child.last_word)
             os.close(reading)
+            if number_of_threads() > 1:  # a lock that one of them holds would stay locked
+                exec_run(asked, writing)
             run_and_exit(asked, writing)
         os.close(writing)
         os.set_blocking(reading, False)

@@ -9,6 +9,7 @@ import signal
 import socket
 import sys
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import NoReturn
 
 from executive.campaign.execution.chosen_work import work_of
@@ -22,6 +23,20 @@ from executive.interfaces.work import Piece
 
 OUTPUT = "output.txt"  # what the run and its libraries printed
 _LONGEST_REASON = 2000
+
+
+def exec_run(asked: Begin, last_word: int) -> NoReturn:
+    """Do a run in this process, which was forked for it, but import everything anew.
+
+    A parent with several threads leaves its locks in whatever state they are to a forked process.
+    """
+    with TemporaryFile() as file:
+        pickle.dump(asked, file)
+        file.seek(0)
+        os.dup2(file.fileno(), sys.stdin.fileno())
+    os.set_inheritable(last_word, True)
+    module = "executive.campaign.execution.isolated_run"
+    os.execv(sys.executable, [sys.executable, "-m", module, str(last_word)])
 
 
 def run_and_exit(asked: Begin, last_word: int) -> NoReturn:
@@ -103,3 +118,7 @@ def _place(error: BaseException) -> str:
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next
     return f"{trace.tb_frame.f_code.co_filename}:{trace.tb_lineno}" if trace else "no place"
+
+
+if __name__ == "__main__":
+    run_and_exit(pickle.load(sys.stdin.buffer), int(sys.argv[1]))

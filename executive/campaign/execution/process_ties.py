@@ -1,9 +1,11 @@
-"""Ties between a process and its parent that Linux offers; elsewhere they are left out."""
+"""What a process and its parent have to do with each other; on Linux, more than elsewhere."""
 
 import ctypes
 import os
 import signal
 import sys
+
+import psutil
 
 _PR_SET_PDEATHSIG = 1
 _PR_SET_CHILD_SUBREAPER = 36
@@ -23,6 +25,11 @@ def die_with(parent: int) -> None:
 def adopt_orphans() -> None:
     """Become the parent of descendants whose own parent ends, so that none is left behind."""
     _prctl(_PR_SET_CHILD_SUBREAPER, 1)
+
+
+def number_of_threads() -> int:
+    """Return the number of threads of this process, those of libraries included."""
+    return psutil.Process().num_threads()
 
 
 def _prctl(option: int, value: int) -> None:

@@ -51,7 +51,7 @@ def is_gone(pid: int) -> bool:
 def test_a_run_leaves_its_answer_and_what_it_took(end) -> None:
     outcome = end("answer", for_s=0.05)
     assert outcome.status is Status.DONE
-    assert outcome.answer == {"seed": 1, "inputs": {}}
+    assert outcome.answer == {"seed": 1, "inputs": {}, "prepared": 1}
     assert outcome.wall_s >= 0.05
     assert outcome.cpu_s > 0
     assert outcome.peak_memory_bytes > 10 * MEBIBYTE
@@ -183,6 +183,15 @@ def test_a_server_that_cannot_prepare_says_why(
     result = ended(isolation, trial(), tmp_path / "run")
     assert isinstance(result, Lost)
     assert "ended" in result.reason
+
+
+def test_after_a_preparation_that_leaves_threads_a_run_imports_anew(
+    end, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MISBEHAVING_PREPARES", "with a thread")
+    outcome = end("answer")
+    assert outcome.status is Status.DONE
+    assert outcome.answer["prepared"] == 0
 
 
 def test_the_environment_of_the_campaign_is_left_alone(end) -> None:
