@@ -84,7 +84,8 @@ class Misbehaving(Work):
         """Begin a child in the session, and one in a session of its own; both outlive the work."""
         for name, is_apart in (("child", False), ("apart", True)):
             child = subprocess.Popen(["sleep", "1000"], start_new_session=is_apart)
-            (piece.folder / name).write_text(str(child.pid))
+            (piece.folder / "unfinished").write_text(str(child.pid))
+            (piece.folder / "unfinished").rename(piece.folder / name)
 
     def has_children_and_hangs(self, piece: Piece, arguments: Arguments) -> None:
         self.has_children(piece, arguments)

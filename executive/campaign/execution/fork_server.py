@@ -64,6 +64,7 @@ class ForkServer:
         reading, writing = os.pipe()
         sys.stdout.flush()
         sys.stderr.flush()
+        has_threads = number_of_threads() > 1
         pid = os.fork()
         if pid == 0:
             signal.set_wakeup_fd(-1)
@@ -71,7 +72,7 @@ class ForkServer:
             for child in self._children.values():
                 os.close(child.last_word)
             os.close(reading)
-            if number_of_threads() > 1:  # a lock that one of them holds would stay locked
+            if has_threads:
                 exec_run(asked, writing)
             run_and_exit(asked, writing)
         os.close(writing)
