@@ -29,7 +29,7 @@ def adopt_orphans() -> None:
 
 def number_of_threads() -> int:
     """Return the number of threads of this process, those of libraries included."""
-    return psutil.Process().num_threads()
+    return int(psutil.Process().num_threads())
 
 
 def _prctl(option: int, value: int) -> None:
