@@ -51,6 +51,11 @@ class Misbehaving(Work):
     def answer(self, piece: Piece, arguments: Arguments) -> None:
         pass
 
+    def computes(self, piece: Piece, arguments: Arguments) -> None:
+        end_s = time.process_time() + arguments.for_s
+        while time.process_time() < end_s:
+            sum(range(10_000))
+
     def threads(self, piece: Piece, arguments: Arguments) -> None:
         (piece.folder / "omp").write_text(os.environ["OMP_NUM_THREADS"])
 
