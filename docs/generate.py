@@ -142,10 +142,10 @@ runs is McNemar's. The verdict is one of these:
 - `too_few`: neither. The number of seeds that would probably tell is given: for a power of 80 %, if
   further seeds are like those seen.
 
-With a true difference of 10 points on 100 paired seeds, `worse` is told with a probability of
-97 % for `success` where nearly no seed improves (0 against 10 of 100), 81 % with 2 against 12 and
-63 % with 5 against 15; for `placed`, with seven stones a site, of more than 95 %, and on 50 seeds
-of 83 % to 95 %.
+With a true difference of 10 points on 100 paired seeds, `worse` is told for `success` with a
+probability of 98 % where no seed improves and 10 of 100 get worse, of 80 % with 2 against 12, and
+of 60 % with 5 against 15. For `placed`, with seven stones a site, it is told with more than 95 %,
+and on 50 seeds with 83 % to 95 %.
 
 **A bound** is met if the figure is within it. It is sure if the whole interval is.
 """
