@@ -15,6 +15,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from executive.commands.campaigns.campaign import campaign
 from executive.commands.campaigns.compare import compare
 from executive.commands.campaigns.report import report
 from executive.commands.clouds.align import align
@@ -73,6 +74,7 @@ _VERBS: dict[str, Callable[..., None]] = {
     "check": check,
     "show": show,
     "schema": schema,
+    "campaign": campaign,
     "report": report,
     "compare": compare,
     "segment": segment,
