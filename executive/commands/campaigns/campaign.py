@@ -4,7 +4,6 @@ import os
 import shlex
 import sys
 from datetime import UTC, datetime
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -150,8 +149,9 @@ def _pool(jobs: int | None, scheduler: str | None) -> "Pool":
     if jobs is not None:
         raise ConfigError("--jobs: the workers of the scheduler say how many runs they take")
     require_extra("--scheduler", "cluster")
-    pool: Pool = import_module("executive.campaign.execution.cluster_pool").ClusterPool(scheduler)
-    return pool
+    from executive.campaign.execution.cluster_pool import ClusterPool
+
+    return ClusterPool(scheduler)
 
 
 def _run(asked: "Campaign", plan: "Plan", pool: "Pool", quiet: bool) -> "Progress":

@@ -10,7 +10,7 @@ from executive.campaign.reporting.cells import Cells
 from executive.campaign.reporting.repetition import repetition
 from executive.campaign.reporting.report import CampaignReport
 from executive.campaign.reporting.summary import MetricWords, Runs, Summary
-from executive.campaign.reporting.wording import NOTHING, figure, interval
+from executive.campaign.reporting.wording import NOTHING, figure, interval, plural
 from executive.commands.campaigns.progress import run_words
 
 _FIGURES = 40  # lines; the report holds the rest
@@ -20,26 +20,24 @@ _STATISTICS = ("share", "median", "p95")
 def ending(folder: Path, report: CampaignReport, progress: Progress) -> Iterator[str]:
     """Yield the lines that tell how a campaign ended."""
     summary = report.summary
+    figures = summary.figures
     yield f"{summary.campaign.name}: {_runs(summary.campaign.runs)}"
     yield from _shortened(list(_figures(summary)))
-    for difference in summary.figures.differences:
-        yield f"  {_difference(difference, summary)}"
-    missed = [one for one in summary.figures.judgements if not one.is_met]
-    for one in missed:
-        yield f"MISSED {_judgement(one, summary)}"
-    if summary.figures.judgements and not missed:
-        yield f"all {len(summary.figures.judgements)} bounds are met"
+    yield from _shortened([_difference(one, summary) for one in figures.differences if one.pairs])
+    missed = [one for one in figures.judgements if not one.is_met]
+    yield from (f"missed: {_judgement(one, summary)}" for one in missed)
+    if figures.judgements and not missed:
+        yield f"every bound is met ({len(figures.judgements)})"
     failed = next((one for one in report.results if one.has_failed), None)
     if failed is not None:
         yield f"first failure: {run_words(failed)}"
         command = repetition(folder, failed)
         if command:
             yield f"  repeat it  {command}"
-    yield f"  folder     {folder}"
     if not progress.is_complete:
-        why = f", stopped by {progress.stopped_by}" if progress.stopped_by else ""
-        yield f"{summary.campaign.runs.missing} runs have not ended{why}; what has ended is kept"
+        yield f"{plural(summary.campaign.runs.missing, 'run')} left; what has ended is kept"
         yield f"  go on      executive campaign {shlex.quote(str(folder))} --resume"
+    yield f"  folder     {folder}"
 
 
 def _runs(runs: Runs) -> str:
@@ -55,14 +53,20 @@ def _runs(runs: Runs) -> str:
 
 def _figures(summary: Summary) -> Iterator[str]:
     cells = Cells(summary.campaign.factors)
-    for one in summary.figures.estimates:
-        metric = summary.campaign.metrics[one.metric]
-        yield f"  {one.metric:20} {cells.name(one.levels):24} {_estimate(one, metric)}"
+    told = [one for one in summary.figures.estimates if one.of]
+    names = {id(one): (one.metric, cells.name(one.levels)) for one in told}
+    widths = [max((len(name[i]) for name in names.values()), default=0) for i in (0, 1)]
+    for one in told:
+        name, cell = names[id(one)]
+        words = _estimate(one, summary.campaign.metrics[one.metric])
+        yield f"  {name:{widths[0]}}  {cell:{widths[1]}}  {words}"
+    silent = dict.fromkeys(one.metric for one in summary.figures.estimates)
+    silent = {name: None for name in silent if name not in {one.metric for one in told}}
+    if silent:
+        yield f"  nothing to measure: {', '.join(silent)}"
 
 
 def _estimate(one: Estimate, metric: MetricWords) -> str:
-    if not one.statistics:
-        return f"nothing measured in {one.runs} runs"
     parts = []
     for name in _STATISTICS:
         if name not in one.statistics:
@@ -73,13 +77,13 @@ def _estimate(one: Estimate, metric: MetricWords) -> str:
         named = "" if name == "share" else f"{name} "
         parts.append(f"{named}{words}" + ("" if range_ == NOTHING else f" ({range_})"))
     counted = f"{one.hits} of {one.of}" if metric.is_share else f"{one.of} values"
-    return f"{', '.join(parts)}; {counted} in {one.runs} runs"
+    return f"{', '.join(parts)}; {counted} in {plural(one.runs, 'run')}"
 
 
 def _difference(one: Difference, summary: Summary) -> str:
     others = Cells(summary.campaign.factors).name(one.others) if one.others else ""
     where = f" at {others}" if others else ""
-    return f"{one.metric}: {one.level} against {one.baseline}{where}: {one.words}"
+    return f"  {one.metric}: {one.level} against {one.baseline}{where}: {one.words}"
 
 
 def _judgement(one: Judgement, summary: Summary) -> str:
@@ -91,9 +95,9 @@ def _judgement(one: Judgement, summary: Summary) -> str:
     side = "at least" if bound.is_least else "at most"
     cell = Cells(summary.campaign.factors).name(one.levels) if one.levels else ""
     where = f" ({cell})" if cell else ""
-    sure = "" if one.is_sure else "; too few runs to be sure"
-    got = "nothing was measured" if value == NOTHING else f"it is {value}"
-    return f"{named}{bound.metric}{where}: {got}, and was to be {side} {limit}{sure}"
+    sure = "" if one.is_sure else "; more runs may show otherwise"
+    got = "has nothing to measure" if value == NOTHING else f"is {value}"
+    return f"{named}{bound.metric}{where} {got}, {side} {limit} was asked for{sure}"
 
 
 def _shortened(lines: Sequence[str]) -> Sequence[str]:

@@ -79,10 +79,9 @@ class PlainLines:
 class LiveTable:
     """Counts, the running runs and the last failures, redrawn a few times a second."""
 
-    def __init__(self, trials: Sequence[Trial]) -> None:
+    def __init__(self, trials: Sequence[Trial], console: Console | None = None) -> None:
         self._trials = {trial.number: trial for trial in trials}
-        self._console = Console(stderr=True)
-        self._live = Live(console=self._console, auto_refresh=False)
+        self._live = Live(console=console or Console(stderr=True), auto_refresh=False)
         self._failures: deque[Result] = deque(maxlen=_FAILURES)
         self._failed = 0
         self._drawn_s = 0.0
