@@ -177,7 +177,7 @@ def test_the_live_table_shows_what_runs_what_failed_and_the_time_left() -> None:
     with LiveTable(trials, console) as table:
         table(progress)
     shown = screen.getvalue()
-    assert "2 of 30 runs  1 failed  18 running  about 1 h 02 min left" in shown
+    assert "2 of 30 runs  1 failed  18 running  about 1 h 01 min left" in shown
     assert "run 0 (seed 40, stones=scans) crashed in 12 s: segmentation fault" in shown
     assert " 2  " in shown
     assert "1 min 38 s" in shown

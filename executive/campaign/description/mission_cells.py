@@ -1,7 +1,11 @@
 """Cells whose runs are missions: each mission is loaded with its settings, and resolved."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
+
+from pydantic import BaseModel
 
 from executive.campaign.description.cells import Cell
 from executive.campaign.description.mission_arguments import MissionArguments
@@ -9,12 +13,12 @@ from executive.campaign.description.paths import Paths, Place, part_at, relative
 from executive.errors import did_you_mean
 from executive.tree.language import MissionFile, Selection
 from executive.tree.load import load_mission
-from executive.tree.override import LOOP
+from executive.tree.override import LOOP, PlacedSetting
 from executive.tree.problem import Mark, MissionFileError
 from executive.tree.reading import Reading
 from executive.tree.resolved import resolved_yaml
 from executive.tree.sources import shipped_names
-from executive.tree.value import Table, Value
+from executive.tree.value import Scalar, Table, Value
 
 WORK = "mission"  # the installed name of the work that runs missions
 
@@ -35,10 +39,12 @@ class MissionCells:
         mission = self._loaded(name, cell) if name else None
         if name is None or mission is None:
             return None
-        places = set(_paths_in(mission, cell))
-        if places:
-            self._paths.add(places)
-            mission = self._loaded(name, cell.with_absolute(self._paths))
+        self._paths.add(_paths_in(mission, cell))
+        absolute = cell.with_absolute(self._paths)
+        own = tuple(_own_paths(mission, absolute))
+        if own or absolute != cell:
+            absolute = replace(absolute, settings=(*absolute.settings, *own))
+            mission = self._loaded(name, absolute)
         if mission is None:
             return None
         return MissionArguments(mission=resolved_yaml(mission)).model_dump(mode="json")
@@ -86,6 +92,30 @@ def _paths_in(mission: MissionFile, cell: Cell) -> Iterator[Place]:
         if owner != LOOP:
             for checked in _checked(mission.plugins.get(owner, ()), path):
                 yield from relative_paths(setting.value, checked)
+
+
+def _own_paths(mission: MissionFile, cell: Cell) -> Iterator[PlacedSetting]:
+    """Yield settings that make the mission's own relative paths absolute.
+
+    As with `executive run`, they are relative to the current folder.
+    """
+    given = tuple(f"{one.key}." for one in cell.settings)
+    mark = Mark("a path in the mission")
+    for capability, several in mission.plugins.items():
+        for one in several:
+            owner = f"{capability}.{one.name}" if len(several) > 1 else capability
+            for key, path in _relative(one.settings, owner):
+                if not f"{key}.".startswith(given):
+                    yield PlacedSetting(key, Scalar(str(path.resolve()), mark), mark)
+
+
+def _relative(settings: BaseModel, owner: str) -> Iterator[tuple[str, Path]]:
+    for field in type(settings).model_fields:
+        value = getattr(settings, field)
+        if isinstance(value, BaseModel):
+            yield from _relative(value, f"{owner}.{field}")
+        elif isinstance(value, Path) and not value.is_absolute():
+            yield f"{owner}.{field}", value
 
 
 def _checked(selections: tuple[Selection, ...], path: str) -> Iterator[Any]:

@@ -13,11 +13,12 @@ from rich.text import Text
 
 from executive.campaign.execution.progress import Progress
 from executive.campaign.reporting.result import Result, results_of
-from executive.campaign.trial import Trial
+from executive.campaign.trial import Status, Trial
 from executive.clock import wall_s
 
 _REFRESH_S = 0.25  # on the wall
 _FAILURES = 6  # of the last ones
+_BAR = 24  # columns
 _RUNNING = 16  # the rest of the running ones is counted
 
 
@@ -83,14 +84,14 @@ class LiveTable:
         self._trials = {trial.number: trial for trial in trials}
         self._live = Live(console=console or Console(stderr=True), auto_refresh=False)
         self._failures: deque[Result] = deque(maxlen=_FAILURES)
-        self._failed = 0
+        self._unsuccessful = 0  # missions of this session that ended without success
         self._drawn_s = 0.0
 
     def __call__(self, progress: Progress) -> None:
         for result in _ended(self._trials, progress):
             if result.has_failed:
                 self._failures.append(result)
-                self._failed += 1
+                self._unsuccessful += result.has_answer
         now_s = wall_s()
         if now_s - self._drawn_s >= _REFRESH_S or not progress.running:
             self._drawn_s = now_s
@@ -104,14 +105,17 @@ class LiveTable:
         self._live.stop()
 
     def _picture(self, progress: Progress) -> Group:
+        answered = progress.counts.get(Status.DONE, 0)
+        failed = progress.finished - answered + self._unsuccessful
         head = Text.assemble(
             (f"{progress.finished} of {progress.total} runs", "bold"),
-            (f"  {self._failed} failed", "red" if self._failed else "dim"),
-            f"  {len(progress.running)} running  ",
-            (time_left(progress.left_s), "dim"),
+            (f"  {failed} failed", "red" if failed else "dim"),
+            f"  {len(progress.running)} running",
+            (f"  {time_left(progress.left_s)}".rstrip(), "dim"),
         )
-        bar = ProgressBar(total=progress.total, completed=progress.finished)
-        parts: list[Text | ProgressBar | Table] = [head, bar, self._running(progress)]
+        top = Table.grid(padding=(0, 2))
+        top.add_row(head, ProgressBar(progress.total, progress.finished, width=_BAR))
+        parts: list[Text | Table] = [top, self._running(progress)]
         if self._failures:
             parts.append(Text("last failures", style="bold"))
             parts += [Text(f"  {run_words(one)}", style="red") for one in self._failures]

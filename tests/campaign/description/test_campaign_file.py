@@ -240,6 +240,22 @@ def test_relative_paths_are_of_the_campaign_file(read: Read, folder: Path) -> No
     assert campaign.factors["surveying.path"] == ("clouds/a.ply", "/b.ply")
 
 
+def test_relative_paths_of_a_mission_are_of_the_current_folder_as_in_a_run(
+    read: Read,
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    plugin = "  surveying: {plugin: point_cloud_file, path: clouds/own.ply}\n"
+    mission = (folder / "waits.yaml").read_text().replace("trees:", f"{plugin}trees:")
+    (folder / "waits.yaml").write_text(mission)
+    here = tmp_path_factory.mktemp("here")
+    monkeypatch.chdir(here)
+    own, given = (read(text) for text in ("", "set: {surveying.path: given.ply}\n"))
+    assert plugins_of(own, 0)["surveying"]["path"] == str(here / "clouds" / "own.ply")
+    assert plugins_of(given, 0)["surveying"]["path"] == str(folder / "given.ply")
+
+
 # --- the same again
 
 
