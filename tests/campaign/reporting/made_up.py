@@ -31,7 +31,7 @@ def campaign(
     first = next(iter(factors), "")
     comparisons = (Comparison(first, factors[first][0], ("success",)),) if first else ()
     return Campaign(
-        name="Two estimators",
+        name="two_estimators",
         description="Whether the dual graph places stones more surely than the filter.",
         trials=trials,
         factors=factors,
