@@ -37,5 +37,10 @@ class Spread(Work):
         while time.thread_time() < until_s:
             pass
         stones = piece.inputs.get("stones")
-        content = {p.name: p.read_text() for p in stones.iterdir()} if stones else {}
+        content = {one.name: _beginning(one) for one in stones.iterdir()} if stones else {}
         return {"seed": piece.seed, "stones": content, "at": str(stones), "ppid": os.getppid()}
+
+
+def _beginning(path: Path) -> str:
+    with path.open() as file:
+        return file.read(100)
