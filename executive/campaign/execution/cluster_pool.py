@@ -223,7 +223,7 @@ def _refused(flight: _Flight, reason: str) -> ConfigError:
 
 
 def _connected(scheduler: str) -> Client:
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters becomes an error
+    _silence()
     try:
         return Client(
             scheduler, timeout=_CONNECT_S, set_as_default=False, name="executive-campaign"
@@ -233,3 +233,13 @@ def _connected(scheduler: str) -> Client:
             f"no scheduler answers at {scheduler} ({error}). Start one with `dask scheduler`, and "
             "workers with `dask worker ADDRESS --nthreads 1`"
         ) from error
+
+
+def _silence() -> None:
+    """Leave standard error to the campaign: what matters of a lost connection is an error of ours.
+
+    `distributed` gives several of its loggers a level of their own.
+    """
+    for name in list(logging.root.manager.loggerDict):
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL)
