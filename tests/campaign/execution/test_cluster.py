@@ -177,11 +177,11 @@ def test_a_worker_with_other_sources_is_refused_when_it_joins(
 
 def test_a_worker_without_the_package_is_refused(cluster, extra_worker, tmp_path) -> None:
     (tmp_path / "executive").mkdir()
-    (tmp_path / "executive" / "__init__.py").touch()
+    (tmp_path / "executive" / "__init__.py").write_text("raise ImportError('not installed')")
     extra_worker("bare", [tmp_path])
     pool = ClusterPool(cluster.address)
     try:
-        with pytest.raises(ClusterError, match=r"No module named 'executive\.campaign"):
+        with pytest.raises(ClusterError, match="not installed"):
             await_slots(pool, 3)
     finally:
         pool.close()
