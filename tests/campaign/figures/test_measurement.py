@@ -1,0 +1,165 @@
+"""Reading what a run left behind, and metrics of other packages."""
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from executive import registry
+from executive.campaign.figures.measurement import measure, measurements_from, record_of
+from executive.campaign.figures.row import row_of
+from executive.campaign.trial import Limits, Outcome, Status, Trial
+from executive.errors import ConfigError, DataError
+from executive.events.mission import MissionEnded
+from executive.interfaces.metric import RunRecord, Share, Values
+from executive.journal import Journal
+
+OTHERS = """
+from executive.interfaces.metric import Metric, Share, Values
+
+
+class Colour(Metric):
+    title = "colour"
+    is_share = True
+
+    def measure(self, run):
+        return Share(run.report["red"], 3)
+
+
+class Broken(Metric):
+    title = "broken"
+
+    def measure(self, run):
+        return Values((1.0 / run.report["nothing"],))
+
+
+class Endless(Metric):
+    title = "endless"
+
+    def measure(self, run):
+        return Values((float("inf"),))
+
+
+class Swapped(Metric):
+    title = "swapped"
+    is_share = True
+
+    def measure(self, run):
+        return Values((1.0,))
+
+
+class NoMetric:
+    pass
+"""
+
+
+@pytest.fixture
+def others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Install a package with metrics of its own."""
+    folder = tmp_path / "site"
+    info = folder / "others.egg-info"
+    info.mkdir(parents=True)
+    (folder / "other_metrics.py").write_text(OTHERS)
+    (info / "PKG-INFO").write_text("Metadata-Version: 2.1\nName: others\nVersion: 0.1\n")
+    classes = ("Colour", "Broken", "Endless", "Swapped", "NoMetric")
+    points = "".join(f"{one.lower()} = other_metrics:{one}\n" for one in classes)
+    (info / "entry_points.txt").write_text(f"[executive.metric.v1]\n{points}")
+    monkeypatch.syspath_prepend(str(folder))
+    registry.reread()
+    yield
+    monkeypatch.undo()
+    registry.reread()
+
+
+@pytest.fixture
+def run_folder(tmp_path: Path) -> Path:
+    folder = tmp_path / "run"
+    folder.mkdir()
+    (folder / "report.json").write_text(json.dumps({"outcome": "success", "red": 2, "nothing": 0}))
+    journal = Journal(folder / "journal.jsonl")
+    journal.append(3, 1.5, "main/0:Localise", MissionEnded("success", ""))
+    journal.append(4, 2.0, "", MissionEnded("success", ""))
+    journal.close()
+    return folder
+
+
+def test_reads_report_and_journal(run_folder: Path) -> None:
+    record = record_of(run_folder)
+    assert record.report["outcome"] == "success"
+    assert [(one.time_s, one.node) for one in record.events] == [
+        (1.5, "main/0:Localise"),
+        (2.0, ""),
+    ]
+
+
+def change(path: Path, old: str, new: str) -> None:
+    path.write_text(path.read_text().replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda f: (f / "report.json").unlink(), r"report\.json: there is no report"),
+        (lambda f: (f / "report.json").write_text("{"), r"report\.json: not a report of a run"),
+        (lambda f: (f / "report.json").write_text("[]"), r"report\.json: .* no field 'outcome'"),
+        (lambda f: (f / "journal.jsonl").unlink(), r"journal\.jsonl: there is no journal"),
+        (lambda f: change(f / "journal.jsonl", "1.5", "1.6"), r"journal\.jsonl:1: the line or one"),
+        (lambda f: (f / "journal.jsonl").write_bytes(b"\xff\n"), r"journal\.jsonl: not a journal"),
+    ],
+)
+def test_damaged_files_are_told_with_their_place(
+    run_folder: Path, damage: Callable[[Path], None], message: str
+) -> None:
+    damage(run_folder)
+    with pytest.raises(DataError, match=message):
+        record_of(run_folder)
+
+
+@pytest.mark.usefixtures("others")
+def test_a_metric_of_another_package_is_measured(run_folder: Path) -> None:
+    assert measure(record_of(run_folder), ["colour"]) == {"colour": {"hits": 2, "of": 3}}
+
+
+@pytest.mark.usefixtures("others")
+def test_a_metric_that_raises_costs_that_metric_alone_and_names_its_line(run_folder: Path) -> None:
+    found = measure(record_of(run_folder), ["broken", "success", "endless", "swapped"])
+    assert found["success"] == {"hits": 1, "of": 1}
+    assert "ZeroDivisionError" in found["broken"]["problem"]
+    assert "other_metrics.py:17" in found["broken"]["problem"]
+    assert "not finite" in found["endless"]["problem"]
+    assert "expected Share, got Values" in found["swapped"]["problem"]
+    measurements, problems = measurements_from(json.loads(json.dumps(found)))
+    assert measurements == {"success": Share(1, 1)}
+    assert set(problems) == {"broken", "endless", "swapped"}
+
+
+@pytest.mark.usefixtures("others")
+def test_an_unknown_metric_and_one_that_is_none_are_refused() -> None:
+    record = RunRecord({"outcome": "success"})
+    with pytest.raises(ConfigError, match="Did you mean 'success'"):
+        measure(record, ["sucess"])
+    with pytest.raises(ConfigError, match="NoMetric does not derive from Metric"):
+        measure(record, ["nometric"])
+
+
+def test_measurements_survive_json() -> None:
+    found, problems = measurements_from({"a": {"hits": 1, "of": 2}, "b": {"values": [1, 2.5]}})
+    assert found == {"a": Share(1, 2), "b": Values((1.0, 2.5))}
+    assert problems == {}
+    with pytest.raises(DataError, match=r"metric 'c': .* is no measurement"):
+        measurements_from({"c": {"hits": 1}})
+
+
+def trial() -> Trial:
+    return Trial(4, "mission", {}, 9, {"filter": "a"}, Limits(1.0, 1))
+
+
+def test_a_row_says_how_its_run_ended() -> None:
+    answer = {"report": {"outcome": "fault"}, "measurements": {"success": {"hits": 0, "of": 1}}}
+    done = row_of(trial(), Outcome(4, Status.DONE, answer=answer))
+    assert (done.number, done.seed, done.levels) == (4, 9, {"filter": "a"})
+    assert (done.has_answer, done.is_faulted) == (True, True)
+    assert done.measurements == {"success": Share(0, 1)}
+    killed = row_of(trial(), Outcome(4, Status.KILLED, "signal 9"))
+    assert (killed.has_answer, killed.is_faulted, killed.measurements) == (False, False, {})
