@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from executive.campaign.description.factors import Factor
-from executive.campaign.description.metrics import MetricReader, read_share
+from executive.campaign.description.metrics import MAIN, MetricReader, installed_metrics, read_share
 from executive.campaign.figures.comparison import Comparison
 from executive.errors import did_you_mean
 from executive.tree.reading import Reading
@@ -16,7 +16,7 @@ MARGIN = 0.05
 def default_comparisons(
     factors: Sequence[Factor], metrics: tuple[str, ...]
 ) -> tuple[Comparison, ...]:
-    """Compare the levels of each factor with its first one, on all metrics."""
+    """Compare the levels of each factor with its first one."""
     varied = (factor for factor in factors if len(factor.levels) > 1)
     return tuple(Comparison(one.name, one.levels[0].name, metrics) for one in varied)
 
@@ -33,13 +33,15 @@ class ComparisonReader:
     ) -> None:
         self._factors = factors
         self._metrics = metrics
+        is_named = metrics != installed_metrics()
+        self._default = metrics if is_named else tuple(one for one in MAIN if one in metrics)
         self._names = names
         self._reading = reading
 
     def read(self, value: Value | None) -> tuple[Comparison, ...]:
         """Return the comparisons; the default ones if the file says nothing."""
         if value is None:
-            return default_comparisons(self._factors, self._metrics)
+            return default_comparisons(self._factors, self._default)
         if not isinstance(value, Listing):
             self._reading.fail(value, "'compare' takes a list: [{factor: …, baseline: …}]")
             return ()
@@ -57,7 +59,7 @@ class ComparisonReader:
         if baseline is None:
             self._reading.fail(table, "a comparison needs 'baseline': the level to compare with")
         given, margin = table.get("metrics"), table.get("margin")
-        metrics = self._metrics if given is None else self._names.names(given, self._metrics)
+        metrics = self._default if given is None else self._names.names(given, self._metrics)
         share = MARGIN if margin is None else read_share(margin, "'margin'", self._reading)
         if factor is None or baseline is None:
             return

@@ -17,6 +17,9 @@ SHARE = "share"
 OF_VALUES = tuple(one for one in STATISTICS if one != SHARE)
 LIMITS = ("at_least", "at_most")
 WHERE = "where"
+# What is compared if a campaign names no metrics. Each comparison of a metric that does not differ
+# has a chance of one in twenty to say that it does, so that not all of them are compared.
+MAIN = ("success", "placed", "first_attempt", "placement_error", "cycle_time")
 
 
 def installed_metrics() -> tuple[str, ...]:
@@ -187,9 +190,10 @@ def parse_in_unit(value: object, unit: str) -> float:
     Raises:
         ValueError: If it is no number, or its unit is of another dimension.
     """
-    dimension = next((d for d, units in UNITS.items() if unit in units), None)
+    symbol = "B" if unit == "byte" else unit
+    dimension = next((d for d, units in UNITS.items() if symbol in units), None)
     if isinstance(value, str) and dimension is not None:
-        return parse_quantity(value, dimension) / UNITS[dimension][unit]
+        return parse_quantity(value, dimension) / UNITS[dimension][symbol]
     if isinstance(value, int | float) and not isinstance(value, bool) and value == value:
         return float(value)
     raise ValueError(f"expected a number{f' in {unit}' if unit else ''}, got {value!r}")

@@ -156,10 +156,17 @@ def _pool(jobs: int | None, scheduler: str | None) -> "Pool":
 
 def _run(asked: "Campaign", plan: "Plan", pool: "Pool", quiet: bool) -> "Progress":
     from executive.campaign.engine import run_campaign
+    from executive.campaign.execution.disk_space import DiskFullError
+    from executive.campaign.execution.pool import RefusedError
     from executive.commands.campaigns.progress import campaign_progress
 
-    with campaign_progress(asked.trials, quiet=quiet) as after_change:
-        return run_campaign(asked, plan, pool, after_change)
+    try:
+        with campaign_progress(asked.trials, quiet=quiet) as after_change:
+            return run_campaign(asked, plan, pool, after_change)
+    except (DiskFullError, RefusedError):
+        say("the campaign cannot go on; what has ended is kept. When the cause is removed:")
+        say(f"  go on      executive campaign {shlex.quote(str(plan.folder))} --resume")
+        raise
 
 
 def _conclude(asked: "Campaign", folder: Path, progress: "Progress", as_json: bool) -> int:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from executive.campaign.execution.progress import Progress
-from executive.campaign.figures.figures import Difference, Estimate, Judgement
+from executive.campaign.figures.figures import Difference, Estimate, Figures, Judgement
 from executive.campaign.reporting.cells import Cells
 from executive.campaign.reporting.repetition import repetition
 from executive.campaign.reporting.report import CampaignReport
@@ -53,17 +53,29 @@ def _runs(runs: Runs) -> str:
 
 def _figures(summary: Summary) -> Iterator[str]:
     cells = Cells(summary.campaign.factors)
-    told = [one for one in summary.figures.estimates if one.of]
+    asked = _asked(summary.figures)
+    told = [one for one in summary.figures.estimates if one.of and one.metric in asked]
     names = {id(one): (one.metric, cells.name(one.levels)) for one in told}
     widths = [max((len(name[i]) for name in names.values()), default=0) for i in (0, 1)]
     for one in told:
         name, cell = names[id(one)]
         words = _estimate(one, summary.campaign.metrics[one.metric])
         yield f"  {name:{widths[0]}}  {cell:{widths[1]}}  {words}"
-    silent = dict.fromkeys(one.metric for one in summary.figures.estimates)
-    silent = {name: None for name in silent if name not in {one.metric for one in told}}
+    silent = [name for name in asked if name not in {one.metric for one in told}]
     if silent:
         yield f"  nothing to measure: {', '.join(silent)}"
+    others = len({one.metric for one in summary.figures.estimates}) - len(asked)
+    if others:
+        yield f"  {plural(others, 'more metric')} in the report"
+
+
+def _asked(figures: Figures) -> Sequence[str]:
+    """Return the metrics that are bounded or compared; all if none is."""
+    bounded = (one.bound.metric for one in figures.judgements)
+    compared = (one.metric for one in figures.differences)
+    estimated = (one.metric for one in figures.estimates)
+    asked = {*bounded, *compared}
+    return tuple(dict.fromkeys(name for name in estimated if not asked or name in asked))
 
 
 def _estimate(one: Estimate, metric: MetricWords) -> str:

@@ -8,6 +8,7 @@ import yaml
 
 from executive.campaign.description.campaign import Campaign
 from executive.campaign.description.load import load_campaign
+from executive.campaign.description.metrics import MAIN
 from executive.campaign.description.reader import digest_of
 from executive.campaign.figures.bound import Bound
 from executive.campaign.figures.comparison import Comparison
@@ -192,19 +193,23 @@ metrics:
   success: [{at_least: 95 %, where: {a: x}}, {at_least: 0.5}]
   placement_error: {median: {at_most: 10 cm}, p95: {at_least: 0, at_most: 0.3}}
   cycle_time:
+  peak_memory: {max: {at_most: 2 GB}}
 """)
-    assert campaign.metrics == ("success", "placement_error", "cycle_time")
+    assert campaign.metrics == ("success", "placement_error", "cycle_time", "peak_memory")
     assert campaign.bounds == (
         Bound("success", "share", 0.95, True, {"a": "x"}),
         Bound("success", "share", 0.5, True),
         Bound("placement_error", "median", 0.1, False),
         Bound("placement_error", "p95", 0.0, True),
         Bound("placement_error", "p95", 0.3, False),
+        Bound("peak_memory", "max", 2e9, False),
     )
 
 
 def test_without_metrics_all_installed_ones_are_reported(read: Read) -> None:
-    assert {"success", "cycle_time"} <= set(read("").metrics)
+    campaign = read("factors: {loop.tick: [0.1, 0.2]}\n")
+    assert {"success", "cycle_time", "peak_memory"} <= set(campaign.metrics)
+    assert campaign.comparisons == (Comparison("loop.tick", "0.1", MAIN, 0.05),)
     assert read("metrics: [placed]\n").metrics == ("placed",)
 
 
