@@ -10,6 +10,7 @@ from executive.campaign.reporting.sections.differences import differences
 from executive.campaign.reporting.sections.distributions import distributions
 from executive.campaign.reporting.sections.failures import failures
 from executive.campaign.reporting.sections.head import head_list
+from executive.campaign.reporting.sections.phases import phases
 from executive.campaign.reporting.sections.shares import shares
 from executive.campaign.reporting.sections.tables import (
     estimate_tables,
@@ -36,6 +37,7 @@ def campaign_page(folder: Path, summary: Summary, results: Sequence[Result]) -> 
     page.section("Failures", *failures(folder, results, cells))
     page.section("Shares", *shares(page, summary, cells))
     page.section("Distributions", *distributions(page, summary, results, cells))
+    page.section("Phases", *phases(page, summary, cells))
     page.section("Paired differences", *differences(page, summary, cells))
     page.section("All figures", *estimate_tables(summary, cells))
     page.section("Resources", *([resource_table(results, cells)] if results else []))

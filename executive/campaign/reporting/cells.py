@@ -17,33 +17,30 @@ class Cells:
     factors: Mapping[str, Sequence[str]]
 
     def name(self, levels: Mapping[str, str]) -> str:
-        """Return a cell's name: the levels of the factors that have several.
+        """Return a cell's name for a row: the levels of the factors that have several.
 
-        With one such factor it is the bare level.
+        `title` names these factors.
         """
-        varied = [factor for factor in levels if len(self.factors.get(factor, ())) != 1]
-        if not varied:
-            return ALL_RUNS
-        if len(varied) == 1 and len(self.varied) == 1:
-            return levels[varied[0]]
-        return ", ".join(f"{self.factor(factor)}={levels[factor]}" for factor in varied)
+        return ", ".join(levels[factor] for factor in self._varied(levels)) or ALL_RUNS
 
-    def factor(self, name: str) -> str:
+    def words(self, levels: Mapping[str, str]) -> str:
+        """Return a cell's name for a sentence: `count=7, estimation=dual_graph`."""
+        varied = self._varied(levels)
+        return ", ".join(f"{self._short(one)}={levels[one]}" for one in varied) or ALL_RUNS
+
+    @property
+    def title(self) -> str:
+        """Return what the levels in a cell's name are levels of."""
+        return ", ".join(self._short(one) for one in self._varied(self.factors)) or "cell"
+
+    def _varied(self, levels: Mapping[str, object]) -> list[str]:
+        return [factor for factor in levels if len(self.factors.get(factor, ())) != 1]
+
+    def _short(self, name: str) -> str:
         """Return the last part of a factor's dotted name, or all of it if that is ambiguous."""
         tails = [_tail(other) for other in self.factors]
         return _tail(name) if tails.count(_tail(name)) <= 1 else name
 
-    @property
-    def varied(self) -> tuple[str, ...]:
-        """Return the factors with several levels."""
-        return tuple(name for name, levels in self.factors.items() if len(levels) > 1)
-
-    @property
-    def title(self) -> str:
-        """Return what a column of cells is called."""
-        return self.varied[0] if len(self.varied) == 1 else "cell"
-
 
 def _tail(name: str) -> str:
-    parts = name.removesuffix(".plugin").split(".")
-    return parts[-1]
+    return name.removesuffix(".plugin").rpartition(".")[2]

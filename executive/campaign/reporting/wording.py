@@ -47,9 +47,10 @@ def figure(value: float, unit: str, is_share: bool) -> str:
 
 def interval(of: Interval, unit: str = "", is_share: bool = False) -> str:
     """Return an interval; a dash where nothing can be said."""
-    if not (math.isfinite(of.low) and math.isfinite(of.high)):
-        return NOTHING
     low, high = figure(of.low, unit, is_share), figure(of.high, unit, is_share)
+    if NOTHING in (low, high):
+        one_side = f"≥ {low}" if low != NOTHING else f"≤ {high}"
+        return NOTHING if low == high else one_side
     unit_of_both = "%" if is_share else "MiB" if unit == "byte" else unit
     return f"{low.removesuffix(unit_of_both).rstrip()} to {high}"
 

@@ -41,11 +41,12 @@ def test_it_writes_page_pictures_tables_and_figures(folder: Path) -> None:
 
 def test_the_sections_are_in_the_order_in_which_they_are_needed(folder: Path) -> None:
     page = (folder / "report.html").read_text(encoding="utf-8").split("</main>")[0]
-    assert re.findall(r"<h2>(.*?)</h2>", page) == [
+    assert re.findall(r"<h2[^>]*>(.*?)</h2>", page) == [
         "Bounds",
         "Failures",
         "Shares",
         "Distributions",
+        "Phases",
         "Paired differences",
         "All figures",
         "Resources",

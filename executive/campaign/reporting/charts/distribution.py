@@ -9,13 +9,13 @@ MOST_LINES = len(PALETTE)  # more cells cannot be told apart by colour
 _STEPS = 100
 
 
-def distribution_chart(cells: Mapping[str, Sequence[float]], axis_title: str) -> Spec:
+def distribution_chart(cells: Mapping[str, Sequence[float]], axis: Mapping[str, str]) -> Spec:
     """Return empirical distribution functions with their medians and 95th percentiles.
 
     Args:
         cells: Values in ascending order by the cell's name, `MOST_LINES` at most. Beyond 100 values
             a line is drawn through percentiles.
-        axis_title: Title of the horizontal axis, with the unit.
+        axis: The horizontal axis: its `title` with the unit, and the `format` of its numbers.
     """
     shown = {name: values for name, values in cells.items() if values}
     points = [
@@ -31,7 +31,7 @@ def distribution_chart(cells: Mapping[str, Sequence[float]], axis_title: str) ->
     x = {
         "field": "value",
         "type": "quantitative",
-        "axis": {"title": axis_title, "tickCount": 6},
+        "axis": {"tickCount": 6, **axis},
         "scale": {"type": _scale(shown.values()), "nice": True, "zero": False},
     }
     y = {
@@ -50,7 +50,7 @@ def distribution_chart(cells: Mapping[str, Sequence[float]], axis_title: str) ->
     tooltip = [
         {"field": "cell", "title": "cell"},
         {"field": "share", "title": "share up to", "format": ".0%"},
-        {"field": "value", "title": axis_title},
+        {"field": "value", "title": axis["title"]},
     ]
     encoding = {"x": x, "y": y, "color": colour}
     layers: list[Spec] = [
@@ -64,7 +64,7 @@ def distribution_chart(cells: Mapping[str, Sequence[float]], axis_title: str) ->
             "encoding": {**encoding, "tooltip": tooltip},
         },
     ]
-    return specification(points, layers, height=260)
+    return specification(points, layers, height=280)
 
 
 _TICKS = (0, 0.25, 0.5, 0.75, 0.95, 1)

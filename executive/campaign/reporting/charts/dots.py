@@ -42,6 +42,7 @@ def dots_chart(
     dots: Sequence[Dot],
     axis: Mapping[str, Any],
     colours: Mapping[str, str],
+    rows_title: str = "",
     scale: Mapping[str, Any] | None = None,
     is_about_zero: bool = False,
 ) -> Spec:
@@ -51,11 +52,12 @@ def dots_chart(
         dots: The dots, row by row; rows beyond `MOST_ROWS` are left out.
         axis: The horizontal axis: `title`, `format` …
         colours: Colour of each kind; with several kinds there is a legend.
+        rows_title: What the rows are.
         scale: The horizontal scale; from the data if None.
         is_about_zero: Whether a line marks zero.
     """
     names = list(dict.fromkeys(dot.name for dot in dots))[:MOST_ROWS]
-    y, height = rows(names)
+    y, height = rows(names, rows_title)
     x = {
         "field": "value",
         "type": "quantitative",
@@ -76,6 +78,7 @@ def dots_chart(
     ]
     layers: list[Spec] = [
         {
+            "transform": [{"filter": "isValid(datum.low)"}],
             "mark": {"type": "rule", "strokeWidth": 4, "opacity": 0.35},
             "encoding": {
                 "y": y,
@@ -107,13 +110,16 @@ def dots_chart(
 
 
 def _value(dot: Dot) -> dict[str, Any]:
+    low, high = dot.interval.low, dot.interval.high
+    if math.isnan(low) != math.isnan(high):  # one side alone is known: the line ends at the dot
+        low, high = (dot.value, high) if math.isnan(low) else (low, dot.value)
     return {
         "row": row_name(dot.name),
         "name": dot.name,
         "kind": dot.kind,
         "value": _number(dot.value),
-        "low": _number(dot.interval.low),
-        "high": _number(dot.interval.high),
+        "low": _number(low),
+        "high": _number(high),
         "words": dot.words,
         "limit": dot.limit,
     }

@@ -1,5 +1,6 @@
 """What all charts have in common: size, fonts, colours, and rows of cells."""
 
+import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -18,6 +19,7 @@ LIMIT = BAD
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 MOST_ROWS = 60  # of one chart; a table has the rest
 
+_LINE = 13  # height of a line of a label [px]
 _FONT = "Liberation Sans, Arial, Helvetica, sans-serif"
 _CONFIG: Spec = {
     "font": _FONT,
@@ -61,22 +63,42 @@ def specification(
     }
 
 
-def rows(names: Sequence[str]) -> tuple[Spec, Spec]:
+def rows(names: Sequence[str], title: str = "") -> tuple[Spec, Spec]:
     """Return the axis of a chart with a row for each name, and the height of a row.
 
     A long name is broken into lines, and no name is cut off.
+
+    Args:
+        names: The names, from top to bottom.
+        title: What they are, above them.
     """
     labels = [wrapped(name) for name in names]
-    lines = max((label.count("\n") + 1 for label in labels), default=1)
+    most = max((_lines(label) for label in labels), default=1)
+    # Vega begins a label at the middle of its row. The longest is raised by half of its height, and
+    # shorter ones begin with as many half lines as bring their middle to the same place.
+    halves = {
+        label: "\n" * (most - _lines(label)) + label.replace("\n", "\n\n") for label in labels
+    }
     axis = {
-        "labelExpr": "split(datum.label, '\\n')",
+        "labelExpr": f"split({json.dumps(halves)}[datum.label], '\\n')",
         "labelBaseline": "middle",
-        "labelLineHeight": 13,
-        "title": None,
+        "labelLineHeight": _LINE / 2,
+        "labelOffset": -(most - 1) * _LINE / 2,
+        "title": title or None,
+        "titleAngle": 0,
+        "titleAlign": "right",
+        "titleBaseline": "bottom",
+        "titleAnchor": "end",
+        "titleX": -6,
+        "titleY": -4,
         "grid": True,
     }
     encoding = {"field": "row", "type": "nominal", "sort": labels, "axis": axis}
-    return encoding, {"step": max(26, 13 * lines + 10)}
+    return encoding, {"step": max(26, _LINE * most + 10)}
+
+
+def _lines(label: str) -> int:
+    return label.count("\n") + 1
 
 
 def row_name(name: str) -> str:

@@ -40,6 +40,12 @@ def paragraph(*children: str, class_: str = "") -> Markup:
     return tag("p", *children, class_=class_) if class_ else tag("p", *children)
 
 
+def prose(text: str) -> Markup:
+    """Return a text in which what stands between backticks is code."""
+    parts = text.split("`")
+    return joined(tag("code", part) if n % 2 else part for n, part in enumerate(parts))
+
+
 def table(
     heads: Sequence[str], rows: Iterable[Sequence[str]], numbers: Sequence[int] = ()
 ) -> Markup:

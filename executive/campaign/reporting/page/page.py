@@ -1,6 +1,7 @@
 """A page of sections and charts, written as one HTML file that loads nothing."""
 
 import json
+from functools import cache
 from pathlib import Path
 
 from executive.campaign.reporting.charts.picture import Picture
@@ -24,6 +25,7 @@ class Page:
 
     def __init__(self, title: str, subtitle: str = "") -> None:
         self._title = title
+        self._sections: list[str] = []
         self._parts: list[Markup] = [tag("h1", title)]
         if subtitle:
             self._parts.append(tag("p", subtitle, class_="lead"))
@@ -35,7 +37,8 @@ class Page:
 
     def section(self, title: str, *parts: str) -> None:
         """Begin a section."""
-        self._parts.append(tag("h2", title))
+        self._parts.append(tag("h2", title, id=_anchor(title)))
+        self._sections.append(title)
         self.add(*parts)
 
     def chart(self, picture: Picture) -> Markup:
@@ -67,11 +70,17 @@ class Page:
             tag("style", Markup(STYLE)),
         )
         scripts = [tag("script", Markup(_vega())), tag("script", Markup(_DRAW))]
-        main = tag("main", *self._parts)
+        links = (tag("a", title, href=f"#{_anchor(title)}") for title in self._sections)
+        main = tag("main", tag("nav", *links), *self._parts)
         body = tag("body", main, *(scripts if self.pictures else []))
         return f"<!DOCTYPE html>\n{tag('html', head, body, lang='en')}\n"
 
 
+def _anchor(title: str) -> str:
+    return title.lower().replace(" ", "-")
+
+
+@cache
 def _vega() -> str:
     """Return the scripts that draw charts: Vega, Vega-Lite and vega-embed."""
     import vl_convert

@@ -11,6 +11,8 @@ h1 { font-size: 1.8rem; line-height: 1.2; margin: .5rem 0 .25rem; overflow-wrap:
 h2 { font-size: 1.3rem; margin: 2.5rem 0 .75rem; padding-top: .75rem;
   border-top: 1px solid var(--line); }
 h3 { font-size: 1.05rem; margin: 1.5rem 0 .25rem; }
+nav { display: flex; flex-wrap: wrap; gap: .2rem 1rem; font-size: .85rem; }
+a { color: #0b63a5; text-decoration: none; }
 p { margin: .4rem 0; max-width: 46rem; }
 .lead { font-size: 1.1rem; color: var(--soft); }
 .note { color: var(--soft); font-size: .9rem; }
@@ -46,6 +48,6 @@ summary { cursor: pointer; }
   h2, h3 { break-after: avoid; }
   .run, .chart, tr { break-inside: avoid; }
   .table { overflow: visible; }
-  a { color: inherit; text-decoration: none; }
+  nav { display: none; }
 }
 """

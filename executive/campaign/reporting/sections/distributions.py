@@ -8,12 +8,13 @@ from executive.campaign.reporting.charts.distribution import MOST_LINES, distrib
 from executive.campaign.reporting.charts.dots import Dot, dots_chart
 from executive.campaign.reporting.charts.picture import Picture
 from executive.campaign.reporting.charts.spec import ACCENT, TAIL
-from executive.campaign.reporting.page.markup import Markup, paragraph, tag
+from executive.campaign.reporting.page.markup import Markup, paragraph, prose, tag
 from executive.campaign.reporting.page.page import Page
 from executive.campaign.reporting.result import Result
 from executive.campaign.reporting.sections.limits import limit_on
+from executive.campaign.reporting.sections.phases import is_phase
 from executive.campaign.reporting.summary import MetricWords, Summary
-from executive.campaign.reporting.wording import amount, interval
+from executive.campaign.reporting.wording import amount, interval, plural
 from executive.interfaces.metric import Values
 
 _SHOWN = {"median": ("median", ACCENT), "p95": ("95th percentile", TAIL)}
@@ -25,6 +26,8 @@ def distributions(
     """Return the charts of each metric of values: its distribution, and median and tail by cell."""
     parts: list[Markup] = []
     for metric, words in summary.campaign.metrics.items():
+        if is_phase(words):
+            continue
         measured = [
             one
             for one in summary.figures.estimates
@@ -32,10 +35,16 @@ def distributions(
         ]
         if not measured:
             continue
-        parts += [tag("h3", words.title), paragraph(words.description, class_="note")]
+        parts += [tag("h3", words.title), paragraph(prose(words.description), class_="note")]
+        values = values_by_cell(metric, results, cells)
+        everywhere = {value for found in values.values() for value in found}
+        if len(everywhere) == 1:
+            count = sum(map(len, values.values()))
+            told = f"{plural(count, 'value')}, all {amount(everywhere.pop(), words.unit)}."
+            parts.append(paragraph(told))
+            continue
         if len(measured) <= MOST_LINES:
-            values = values_by_cell(metric, results, cells)
-            chart = distribution_chart(values, axis_title(words))
+            chart = distribution_chart(values, axis_of(words))
             parts.append(page.chart(Picture(f"distribution-{metric}", words.title, chart)))
         if len(measured) > 1:
             parts.append(page.chart(_tails(metric, words, measured, summary, cells)))
@@ -54,9 +63,10 @@ def values_by_cell(
     return {name: sorted(found) for name, found in values.items()}
 
 
-def axis_title(words: MetricWords) -> str:
-    """Return the title of a metric's axis."""
-    return f"{words.title} [{words.unit}]" if words.unit else words.title
+def axis_of(words: MetricWords) -> dict[str, str]:
+    """Return the axis of a metric: its title with the unit, and bytes as 400M."""
+    title = f"{words.title} [{words.unit}]" if words.unit else words.title
+    return {"title": title, "format": "~s"} if words.unit == "byte" else {"title": title}
 
 
 def _tails(
@@ -72,8 +82,9 @@ def _tails(
         for statistic in _SHOWN
         if statistic in one.statistics
     ]
-    axis = {"title": f"{axis_title(words)}, with 95 % intervals"}
-    chart = dots_chart(dots, axis, dict(_SHOWN.values()))
+    axis = axis_of(words)
+    axis["title"] += ", with 95 % intervals"
+    chart = dots_chart(dots, axis, dict(_SHOWN.values()), cells.title)
     return Picture(f"values-{metric}", f"{words.title}: median and tail", chart)
 
 

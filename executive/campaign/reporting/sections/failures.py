@@ -79,7 +79,7 @@ def _reasons(failed: Sequence[Result]) -> Markup:
 def _run(folder: Path, result: Result, cells: Cells) -> Markup:
     trial = result.trial
     name = f"Run {trial.number}: {status_words(result)}"
-    where = f"{cells.name(trial.levels)}, seed {trial.seed}, after {result.wall_s:.1f} s"
+    where = f"{cells.words(trial.levels)}, seed {trial.seed}, after {result.wall_s:.1f} s"
     if result.tries > 1:
         where += f", try {result.tries}"
     command = repetition(folder, result)

@@ -7,7 +7,7 @@ from executive.campaign.reporting.cells import Cells
 from executive.campaign.reporting.charts.dots import Dot, dots_chart
 from executive.campaign.reporting.charts.picture import Picture
 from executive.campaign.reporting.charts.spec import ACCENT
-from executive.campaign.reporting.page.markup import Markup, paragraph, tag
+from executive.campaign.reporting.page.markup import Markup, paragraph, prose, tag
 from executive.campaign.reporting.page.page import Page
 from executive.campaign.reporting.sections.limits import limit_on
 from executive.campaign.reporting.summary import Summary
@@ -24,25 +24,29 @@ def shares(page: Page, summary: Summary, cells: Cells) -> list[Markup]:
     if len({cells.name(one.levels) for one in measured}) == 1:
         metrics = summary.campaign.metrics
         named = [(metrics[one.metric].title, one) for one in measured]
-        return [page.chart(_picture("shares", "Shares", named, summary))]
+        return [page.chart(_picture("shares", "Shares", named, summary, "metric"))]
     parts: list[Markup] = []
     for metric, words in summary.campaign.metrics.items():
         named = [(cells.name(one.levels), one) for one in measured if one.metric == metric]
         if named:
-            picture = _picture(f"share-{metric}", words.title, named, summary)
+            picture = _picture(f"share-{metric}", words.title, named, summary, cells.title)
             parts += [
                 tag("h3", words.title),
-                paragraph(words.description, class_="note"),
+                paragraph(prose(words.description), class_="note"),
                 page.chart(picture),
             ]
     return parts
 
 
 def _picture(
-    name: str, title: str, named: Sequence[tuple[str, Estimate]], summary: Summary
+    name: str,
+    title: str,
+    named: Sequence[tuple[str, Estimate]],
+    summary: Summary,
+    rows_title: str,
 ) -> Picture:
     dots = [_dot(row, one, summary) for row, one in named]
-    return Picture(name, title, dots_chart(dots, _AXIS, {_SHARE: ACCENT}, _SCALE))
+    return Picture(name, title, dots_chart(dots, _AXIS, {_SHARE: ACCENT}, rows_title, _SCALE))
 
 
 def _dot(name: str, estimate: Estimate, summary: Summary) -> Dot:
