@@ -3,6 +3,7 @@
 import os
 import signal
 from contextlib import suppress
+from pathlib import Path
 
 import psutil
 
@@ -39,9 +40,24 @@ class ProcessTree:
                 process.kill()  # psutil compares the start, so that it kills no successor
 
     def _look(self) -> None:
-        for process in tuple(self._known.values()):
-            if process.pid != self._pid:
-                continue
-            with suppress(psutil.Error):
-                for descendant in process.children(recursive=True):
-                    self._known.setdefault(descendant.pid, descendant)
+        """Find descendants that are new; those of a parent that has ended are known from before."""
+        pending = [process.pid for process in self._known.values()]
+        while pending:
+            for pid in _children_of(pending.pop()):
+                if pid not in self._known:
+                    with suppress(psutil.NoSuchProcess):
+                        self._known[pid] = psutil.Process(pid)
+                        pending.append(pid)
+
+
+def _children_of(pid: int) -> list[int]:
+    """Return the children of a process; on Linux without reading every process of the computer."""
+    found: list[int] = []
+    try:
+        for task in Path(f"/proc/{pid}/task").iterdir():
+            found += map(int, (task / "children").read_text().split())
+    except OSError:  # it has ended, or this is another system
+        with suppress(psutil.Error):
+            if not Path("/proc/self/task").exists():
+                found = [child.pid for child in psutil.Process(pid).children()]
+    return found

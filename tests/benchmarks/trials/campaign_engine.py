@@ -83,9 +83,9 @@ def killed_at_random(folder: Path, kills: int, rng: np.random.Generator, runs: i
 
     Args:
         folder: A new folder.
-        kills: Number of kills by signal 9: of the campaign, of the process that forks its runs, or
-            of one of its runs.
-        rng: Draws moments and targets.
+        kills: Number of kills by signal 9: in turn of the campaign, of the process that forks its
+            runs, and of one of its runs.
+        rng: Draws the moments, and which run is killed.
         runs: Number of runs; when they are finished, no more is killed.
     """
     tally, killed, seen = Tally(runs), set[str](), dict[int, Outcome]()
@@ -95,7 +95,7 @@ def killed_at_random(folder: Path, kills: int, rng: np.random.Generator, runs: i
     while tally.kills.total() < kills and campaign.poll() != 0:
         if campaign.poll() is not None:
             campaign = _begun(folder, runs)
-        target = str(rng.choice(_TARGETS))
+        target = _TARGETS[tally.kills.total() % len(_TARGETS)]
         time.sleep(rng.uniform(0.0, 1.0))
         pid = None
         while pid is None and campaign.poll() is None:  # it takes a moment until it has runs
