@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from executive.commands.bulk import Where, spread
 from executive.commands.console import answer, one_of, say
 from executive.extras import require_extra
 
@@ -24,19 +25,36 @@ def grasp_data(
         str, typer.Option(help="Machine whose gripper lifts: name or folder.")
     ] = "m545",
     workers: Annotated[int, typer.Option(min=1, help="Number of parallel processes.")] = 1,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Use the workers of a dask scheduler: tcp://…"),
+    ] = None,
 ) -> None:
     """Make labels for grasp classifiers.
 
-    Generated stones are lifted in simulation, as they are seen under noise.
+    Generated stones are lifted in simulation, as they are seen under noise. What was interrupted
+    goes on with the same command. Exit status: 1 if a stone failed, or if it was stopped.
 
     Example: executive grasp-data labels --stones 600 --workers 2
     """
-    from executive_plugins.grasping.learning.labels import LabelSettings, make_labels
+    from executive_plugins.grasping.learning.labels import LabelSettings, claim, stone_file
 
     settings = LabelSettings(machine=machine, seed=seed, grasps_per_stone=grasps)
-    for done in make_labels(folder, stones, settings, workers):
+    claim(folder, settings)
+    missing = [index for index in range(stones) if not stone_file(folder, index).exists()]
+    done = stones - len(missing)
+
+    def take(index: int, made: Path) -> None:
+        nonlocal done
+        stone_file(made, index).replace(stone_file(folder, index))
+        done += 1
         say(f"\r{done} of {stones} stones", end="")
+
+    say(f"\r{done} of {stones} stones", end="")
+    where = Where(folder / "unfinished", workers, scheduler)
+    status = spread("grasp_labels", settings.model_dump(mode="json"), missing, where, take)
     say(f"\n  labels     {folder}")
+    raise typer.Exit(status)
 
 
 def grasp_train(

@@ -1,6 +1,5 @@
 """`executive campaign`: many runs, compared with statistics."""
 
-import os
 import shlex
 import sys
 from datetime import UTC, datetime
@@ -9,10 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from executive.commands.campaigns.pool import pool_of
 from executive.commands.console import answer, one_of, say
 from executive.commands.options import JsonOption, SetOption
 from executive.errors import ConfigError
-from executive.extras import MissingExtraError, require_extra
+from executive.extras import MissingExtraError
 
 if TYPE_CHECKING:
     from executive.campaign.description.campaign import Campaign
@@ -104,7 +104,7 @@ def campaign(  # noqa: PLR0913 - the options of the command line, each a paramet
     from executive.campaign.engine import Plan
 
     plan = Plan(folder or _fresh(asked.name), resume, statuses)
-    progress = _run(asked, plan, _pool(jobs, scheduler), quiet)
+    progress = _run(asked, plan, pool_of(jobs, scheduler), quiet)
     raise typer.Exit(_conclude(asked, plan.folder, progress, as_json))
 
 
@@ -139,19 +139,6 @@ def _fresh(name: str) -> Path:
 def _command() -> str:
     """Return the command line, as a person would type it."""
     return shlex.join(["executive", *sys.argv[1:]])
-
-
-def _pool(jobs: int | None, scheduler: str | None) -> "Pool":
-    if scheduler is None:
-        from executive.campaign.execution.local_pool import LocalPool
-
-        return LocalPool(jobs or len(os.sched_getaffinity(0)))
-    if jobs is not None:
-        raise ConfigError("--jobs: the workers of the scheduler say how many runs they take")
-    require_extra("--scheduler", "cluster")
-    from executive.campaign.execution.cluster_pool import ClusterPool
-
-    return ClusterPool(scheduler)
 
 
 def _run(asked: "Campaign", plan: "Plan", pool: "Pool", quiet: bool) -> "Progress":

@@ -1,15 +1,12 @@
 """Labelled grasps: pools on generated, partly seen stones, and simulated lifts of the true stones.
 
 There is one file per stone, which follows from the seed and the number of the stone alone. Making
-labels can therefore be interrupted, continued and distributed over processes with equal results.
+labels can therefore be interrupted, continued and distributed over computers with equal results.
 """
 
 import json
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from functools import cache, partial
-from multiprocessing import get_context
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -90,23 +87,20 @@ class Labels:
         )
 
 
-def make_labels(
-    folder: Path, stones: int, settings: LabelSettings, workers: int = 1
-) -> Iterator[int]:
-    """Make the missing files of stones 0 to `stones` − 1; yield the number of finished stones.
+def claim(folder: Path, settings: LabelSettings) -> None:
+    """Make a folder for labels, or see that its labels have the same settings.
 
     Raises:
         ConfigError: If the folder holds labels with other settings.
     """
-    _claim(folder, settings)
-    missing = [i for i in range(stones) if not _file(folder, i).exists()]
-    yield stones - len(missing)
-    if not missing:
-        return
-    make = partial(_label_stone, folder, settings)
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as processes:
-        for done, _ in enumerate(processes.map(make, missing), start=stones - len(missing) + 1):
-            yield done
+    folder.mkdir(parents=True, exist_ok=True)
+    path, wanted = folder / _DESCRIPTION, settings.model_dump(mode="json")
+    if not path.exists():
+        path.write_text(json.dumps(wanted, indent=2) + "\n")
+    elif json.loads(path.read_text()) != wanted:
+        raise ConfigError(
+            f"{path}: the folder holds labels with settings other than {wanted}; use another folder"
+        )
 
 
 def read_labels(folder: Path) -> Labels:
@@ -132,18 +126,8 @@ def read_description(folder: Path) -> dict[str, Any]:
     return described
 
 
-def _claim(folder: Path, settings: LabelSettings) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    path, wanted = folder / _DESCRIPTION, settings.model_dump(mode="json")
-    if not path.exists():
-        path.write_text(json.dumps(wanted, indent=2) + "\n")
-    elif json.loads(path.read_text()) != wanted:
-        raise ConfigError(
-            f"{path}: the folder holds labels with settings other than {wanted}; use another folder"
-        )
-
-
-def _file(folder: Path, index: int) -> Path:
+def stone_file(folder: Path, index: int) -> Path:
+    """Return the path of the labels of a stone."""
     return folder / f"stone_{index:05d}.npz"
 
 
@@ -153,14 +137,16 @@ def _read(path: Path) -> dict[str, NDArray[np.generic]]:
 
 
 @cache
-def _sampler(machine: str) -> tuple[Gripper, Sampler]:
+def sampler_of(machine: str) -> tuple[Gripper, Sampler]:
+    """Return the gripper of a machine, by name or folder, and what samples grasps for it."""
     gripper = load_machine(machine).gripper
     return gripper, Sampler(SamplingSettings(), gripper)  # cached: tabulating takes a second
 
 
-def _label_stone(folder: Path, settings: LabelSettings, index: int) -> None:
+def label_stone(folder: Path, settings: LabelSettings, index: int) -> None:
+    """Write the labels of one stone; its file follows from the settings and the index alone."""
     rng = np.random.default_rng((settings.seed, index))
-    gripper, sampler = _sampler(settings.machine)
+    gripper, sampler = sampler_of(settings.machine)
     hull = resting_stone(settings, rng)
     neighbours = tuple(
         convex_solid(resting_stone(settings, rng) + neighbour_place(rng))
@@ -177,10 +163,8 @@ def _label_stone(folder: Path, settings: LabelSettings, index: int) -> None:
     ]
     shown = features_of(scene, pool.taken(chosen), gripper)
     images = np.round(shown.images * GRAY_LEVELS).astype(np.uint8)
-    unfinished = _file(folder, index).with_suffix(".unfinished")
-    with unfinished.open("wb") as file:
+    with stone_file(folder, index).open("wb") as file:
         np.savez_compressed(file, images=images, numbers=shown.numbers, slip=np.array(slip_m))
-    unfinished.rename(_file(folder, index))
 
 
 def resting_stone(settings: LabelSettings, rng: np.random.Generator) -> Float:

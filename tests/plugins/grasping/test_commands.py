@@ -56,6 +56,33 @@ def test_labels_and_then_weights_come_from_two_commands(tmp_path: Path) -> None:
     load_net(weights)
 
 
+def test_labels_go_on_where_they_were_interrupted_and_are_the_same(tmp_path: Path) -> None:
+    words = ("grasp-data", str(tmp_path), "--stones", "3", "--grasps", "2", "--workers", "2")
+    assert executive(*words).returncode == 0
+    files = sorted(tmp_path.glob("stone_*.npz"))
+    before = [path.read_bytes() for path in files]
+    files[1].unlink()
+    left_behind = tmp_path / "unfinished" / "runs" / "0-1"  # by a process that was killed
+    left_behind.mkdir(parents=True)
+    again = executive(*words)
+    assert again.returncode == 0, again.stderr
+    assert "2 of 3 stones" in again.stderr
+    assert [path.read_bytes() for path in files] == before
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "labels.json",
+        *(path.name for path in files),
+    ]
+
+
+def test_a_machine_that_is_not_there_is_a_message_and_no_traceback(tmp_path: Path) -> None:
+    failed = executive(
+        "grasp-data", str(tmp_path), "--stones", "1", "--machine", str(tmp_path / "no_machine")
+    )
+    assert failed.returncode == 2
+    assert "no_machine" in failed.stderr
+    assert "Traceback" not in failed.stderr
+
+
 def test_an_unknown_architecture_is_a_message_and_no_traceback(tmp_path: Path) -> None:
     failed = executive("grasp-train", str(tmp_path), "out.safetensors", "--architecture", "resnet")
     assert failed.returncode == 2

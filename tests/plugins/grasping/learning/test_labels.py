@@ -8,10 +8,12 @@ from executive_plugins.grasping.classifier.grasp_features import NUMBERS
 from executive_plugins.grasping.classifier.grasp_images import CHANNELS, PIXELS
 from executive_plugins.grasping.classifier.outcome_net import load_net
 from executive_plugins.grasping.learning.grasp_training import train_weights
+from executive_plugins.grasping.learning.label_work import GraspLabels
 from executive_plugins.grasping.learning.labels import (
     Labels,
     LabelSettings,
-    make_labels,
+    claim,
+    label_stone,
     read_labels,
 )
 from executive_plugins.grasping.learning.training import (
@@ -24,6 +26,7 @@ from executive_plugins.grasping.learning.training import (
 )
 
 from executive.errors import ConfigError, DataError
+from executive.interfaces.work import Piece
 
 FEW = LabelSettings(grasps_per_stone=4)
 
@@ -31,7 +34,9 @@ FEW = LabelSettings(grasps_per_stone=4)
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("labels")
-    assert list(make_labels(path, 2, FEW)) == [0, 1, 2]
+    claim(path, FEW)
+    for index in range(2):
+        label_stone(path, FEW, index)
     return path
 
 
@@ -51,17 +56,25 @@ def test_labels_hold_images_numbers_and_outcomes_of_each_stone(folder: Path) -> 
     assert labels.stone.tolist() == [0] * 4 + [1] * 4
 
 
-def test_what_is_missing_is_made_again_and_the_same(folder: Path) -> None:
-    before = read_labels(folder)
-    (folder / "stone_00001.npz").unlink()
-    assert list(make_labels(folder, 2, FEW)) == [1, 2]
-    np.testing.assert_array_equal(read_labels(folder).images, before.images)
-    np.testing.assert_array_equal(read_labels(folder).is_lifted, before.is_lifted)
+def test_a_stone_follows_from_the_seed_and_its_number_alone(folder: Path, tmp_path: Path) -> None:
+    run = tmp_path / "run"
+    run.mkdir()
+    answer = GraspLabels().run(Piece(FEW, 1, run, {}))
+    assert answer == {"file": "stone_00001.npz"}
+    assert (run / "stone_00001.npz").read_bytes() == (folder / "stone_00001.npz").read_bytes()
+
+
+def test_a_machine_of_ones_own_is_an_input(tmp_path: Path) -> None:
+    machine = tmp_path / "machine"
+    machine.mkdir()
+    own = LabelSettings(machine=str(machine))
+    assert GraspLabels().inputs(own) == {"machine": machine}
+    assert GraspLabels().inputs(FEW) == {}
 
 
 def test_labels_of_other_settings_do_not_mix(folder: Path) -> None:
     with pytest.raises(ConfigError, match="settings other than"):
-        list(make_labels(folder, 2, LabelSettings(grasps_per_stone=4, seed=2)))
+        claim(folder, LabelSettings(grasps_per_stone=4, seed=2))
 
 
 def test_a_folder_without_labels_is_refused_with_the_cure(tmp_path: Path) -> None:
