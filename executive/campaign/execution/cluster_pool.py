@@ -7,6 +7,7 @@ With the scheduler's own repetitions (`retries`, `allowed-failures`) the number 
 unknown, and a run whose worker is only cut off could be in progress twice.
 """
 
+import asyncio
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +15,8 @@ from itertools import count
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
-from distributed import Client, Future
+from distributed import Client, Future, Security
+from distributed.comm import connect
 
 from executive.campaign.execution.chosen_work import inputs_of, work_of
 from executive.campaign.execution.cluster_workers import (
@@ -225,6 +227,7 @@ def _refused(flight: _Flight, reason: str) -> ConfigError:
 def _connected(scheduler: str) -> Client:
     _silence()
     try:
+        asyncio.run(_reach(scheduler))  # a client that cannot connect takes long to give up
         return Client(
             scheduler, timeout=_CONNECT_S, set_as_default=False, name="executive-campaign"
         )
@@ -233,6 +236,13 @@ def _connected(scheduler: str) -> Client:
             f"no scheduler answers at {scheduler} ({error}). Start one with `dask scheduler`, and "
             "workers with `dask worker ADDRESS --nthreads 1`"
         ) from error
+
+
+async def _reach(scheduler: str) -> None:
+    """Connect once; the settings of `distributed` say with which certificates."""
+    security = Security().get_connection_args("client")
+    comm = await connect(scheduler, timeout=_CONNECT_S, **security)
+    await comm.close()
 
 
 def _silence() -> None:
