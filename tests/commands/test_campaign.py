@@ -92,7 +92,8 @@ def test_a_campaign_runs_is_resumed_and_fails_on_a_missed_bound(
         "without_answer": 0,
         "not_successful": 2,
     }
-    assert "4/4  run 3 (seed 2, length=cut) failure" in done.err
+    assert "\n4/4  run " in done.err
+    assert "  run 3 (seed 2, length=cut) failure in " in done.err
     assert "first failure: run 1 (seed 1, length=cut) failure" in done.err
     assert "repeat it  executive run results/runs/1-1/mission.yaml --seed 1" in done.err
     files = {"campaign.yaml", "results.sqlite", "report.html", "figures.json", "results.csv"}

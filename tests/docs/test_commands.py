@@ -66,6 +66,7 @@ RUN_HERE = [
     line
     for line in EXECUTIVE
     if words_of(line)[1] in CHEAP
+    or "--dry" in words_of(line)
     or (words_of(line)[1] == "plugins" and "CAPABILITY" not in line and "boom_watch" not in line)
 ]
 OF_A_PACKAGE = ("boom_watch", "my_mission")  # test_write_a_plugin.py installs what these need
@@ -91,10 +92,15 @@ def mistake_of(words: list[str]) -> str:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A working directory with the missions that the README and the page on trees show."""
+    """A working directory with the files that the README and the pages on trees and campaigns
+    show.
+    """
     readme = PAGES[0].read_text(encoding="utf-8")
-    page = (ROOT / "docs" / "how-to" / "write_a_tree.md").read_text(encoding="utf-8")
-    for name, text in (("yard", readme), ("my_tree", readme), ("my_wall", page)):
+    how_to = ROOT / "docs" / "how-to"
+    page = (how_to / "write_a_tree.md").read_text(encoding="utf-8")
+    campaigns = (how_to / "campaigns.md").read_text(encoding="utf-8")
+    shown = {"yard": readme, "my_tree": readme, "my_wall": page, "grasping": campaigns}
+    for name, text in shown.items():
         mission = re.search(r"```yaml\n(.*?)```", text, re.S).group(1)
         (tmp_path / f"{name}.yaml").write_text(mission, encoding="utf-8")
     (tmp_path / "robot_models").symlink_to(ROOT / "robot_models")
