@@ -16,6 +16,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from executive.campaign.description.campaign import Campaign
+from executive.campaign.execution.disk_space import disk_errors
 from executive.campaign.execution.fingerprint import local_fingerprint
 from executive.campaign.execution.folder import CampaignFolder
 from executive.campaign.execution.folder_lock import FolderLock
@@ -66,7 +67,12 @@ def run_campaign(
         DiskFullError: If no space is left. What is finished is kept.
     """
     folder = CampaignFolder(plan.folder)
-    with closing(pool), _locked(folder), closing(Ledger(folder.results)) as ledger:
+    with (
+        closing(pool),
+        disk_errors(folder.path),
+        _locked(folder),
+        closing(Ledger(folder.results)) as ledger,
+    ):
         _begin_session(ledger, campaign, plan)
         folder.keep_description(campaign.text)
         runs = _Runs(campaign, folder, ledger, pool)
@@ -199,6 +205,11 @@ def _are_alike(one: Trial, other: Trial) -> bool:
 
 def _begin_session(ledger: Ledger, campaign: Campaign, plan: Plan) -> None:
     """Write down what is asked for, or see that it is what the folder was made for."""
+    if ledger.digest is None and any(CampaignFolder(plan.folder).runs.glob("*")):
+        raise ConfigError(
+            f"{plan.folder} holds runs, but the ledger of their results is gone; give another "
+            "--out, or remove the runs. Nothing was changed"
+        )
     if ledger.digest is None:
         ledger.begin(campaign.trials, campaign.digest)
     elif ledger.digest != campaign.digest:

@@ -110,5 +110,5 @@ class Misbehaving(Work):
     def fills_the_disk(self, piece: Piece, arguments: Arguments) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    def answers_no_json(self, piece: Piece, arguments: Arguments) -> None:
-        pass
+    def writes(self, piece: Piece, arguments: Arguments) -> None:
+        (piece.folder / "cloud").write_bytes(os.urandom(arguments.mebibytes << 20))

@@ -1,5 +1,6 @@
 """A campaign ends with one outcome a trial, whatever its runs do and whenever it is stopped."""
 
+import errno
 import os
 import signal
 from collections import Counter
@@ -13,10 +14,11 @@ from executive.campaign.description.campaign import Campaign
 from executive.campaign.engine import Plan, run_campaign
 from executive.campaign.execution.disk_space import DiskFullError
 from executive.campaign.execution.folder import CampaignFolder
-from executive.campaign.execution.ledger import Ledger
+from executive.campaign.execution.ledger import Ledger, Session
 from executive.campaign.execution.local_pool import LocalPool
 from executive.campaign.execution.pool import Lost, Pool, RefusedError
 from executive.campaign.execution.progress import Progress
+from executive.campaign.execution.run_answer import RunAnswer, fingerprint, write_answer
 from executive.campaign.trial import Outcome, Status, Trial
 from executive.errors import ConfigError
 
@@ -246,3 +248,41 @@ def test_a_full_disk_ends_it_and_later_it_goes_on(run, outcomes, trial) -> None:
     pool = ScriptedPool(done)
     assert run(trials, pool, is_resumed=True).is_complete
     assert {number for number, _ in pool.begun} == set(range(6)) - finished
+
+
+def test_a_disk_without_room_for_a_runs_folder_ends_it_too(run, trial) -> None:
+    class Full(ScriptedPool):
+        def begin(self, trial: Trial, folder: Path, tries: int) -> None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    with pytest.raises(DiskFullError, match=r"no space is left for .*out"):
+        run([trial()], Full(done))
+    assert run([trial()], ScriptedPool(done), is_resumed=True).is_complete
+
+
+def test_runs_without_their_ledger_are_not_written_over(run, trial, tmp_path: Path) -> None:
+    run([trial()], ScriptedPool(done))
+    CampaignFolder(tmp_path / "out").results.unlink()
+    with pytest.raises(ConfigError, match="ledger of their results is gone"):
+        run([trial()], ScriptedPool(done), is_resumed=True)
+
+
+def test_a_complete_answer_of_a_killed_campaign_is_adopted(run, outcomes, trial, tmp_path) -> None:
+    folder = CampaignFolder(tmp_path / "out")
+    trials = [trial(number=n) for n in range(3)]
+    folder.run(0, 1).mkdir(parents=True)
+    ledger = Ledger(folder.results)  # as a campaign leaves it that is killed with two runs
+    ledger.begin(trials, "digest")
+    ledger.add_session(Session("2026-01-01T00:00:00+00:00", "host:1", "", "0.2", "abc"))
+    assert (ledger.claim(0), ledger.claim(1)) == (1, 1)
+    answer = RunAnswer(fingerprint(trials[0]), {"n": 0}, 2.0, 1.5, 1 << 30, "host:17")
+    write_answer(folder.run(0, 1), answer)
+    ledger.close()
+    pool = ScriptedPool(done)
+    end = run(trials, pool, is_resumed=True)
+    assert end.is_complete
+    assert end.resumed == 1
+    assert sorted(pool.begun) == [(1, 2), (2, 1)]
+    assert outcomes()[0] == Outcome(
+        0, Status.DONE, "", {"n": 0}, 2.0, 1.5, 1 << 30, tries=1, worker="host:17"
+    )

@@ -1,10 +1,9 @@
 """The folder of a campaign."""
 
-import errno
 from dataclasses import dataclass
 from pathlib import Path
 
-from executive.campaign.execution.disk_space import DiskFullError
+from executive.campaign.execution.disk_space import disk_errors
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,12 +24,8 @@ class CampaignFolder:
             DiskFullError: If there is no space for it.
         """
         partial = self.description.with_suffix(".partial")
-        try:
+        with disk_errors(self.description):
             partial.write_text(text, encoding="utf-8")
-        except OSError as error:
-            if error.errno == errno.ENOSPC:
-                raise DiskFullError(f"no space is left for {self.description}") from error
-            raise
         partial.replace(self.description)
 
     @property
@@ -42,6 +37,11 @@ class CampaignFolder:
     def lock(self) -> Path:
         return self.path / "campaign.lock"
 
+    @property
+    def runs(self) -> Path:
+        """The folder with a folder for each try of each trial."""
+        return self.path / "runs"
+
     def run(self, number: int, tries: int) -> Path:
         """Return the folder of one try of a trial."""
-        return self.path / "runs" / f"{number}-{tries}"
+        return self.runs / f"{number}-{tries}"

@@ -1,6 +1,5 @@
 """What the process of one run does: take its place, do the work, leave the answer, exit."""
 
-import errno
 import faulthandler
 import os
 import pickle
@@ -13,7 +12,7 @@ from tempfile import TemporaryFile
 from typing import NoReturn
 
 from executive.campaign.execution.chosen_work import work_of
-from executive.campaign.execution.disk_space import is_space_left
+from executive.campaign.execution.disk_space import is_disk_full, is_space_left
 from executive.campaign.execution.fork_protocol import Begin, Ended, LastWord
 from executive.campaign.execution.process_ties import die_with
 from executive.campaign.execution.run_answer import RunAnswer, fingerprint, write_answer
@@ -98,18 +97,12 @@ def _worked(asked: Begin) -> LastWord:
 
 def _refusal(error: BaseException, folder: Path) -> LastWord:
     sys.excepthook(type(error), error, error.__traceback__)  # with its traceback, into the output
-    if _is_disk_full(error, folder):
+    if is_disk_full(error) or not is_space_left(folder):  # many libraries hide the reason
         return LastWord(Ended.DISK_FULL, f"no space is left for {folder}")
     if isinstance(error, ConfigError):
         return LastWord(Ended.REFUSED, str(error)[:_LONGEST_REASON])
     said = f"{type(error).__name__}: {error}"[:_LONGEST_REASON]
     return LastWord(Ended.RAISED, f"{said} ({_place(error)})")
-
-
-def _is_disk_full(error: BaseException, folder: Path) -> bool:
-    """Return whether space is missing: many libraries hide it behind an error of their own."""
-    is_told = isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT)
-    return is_told or not is_space_left(folder)
 
 
 def _place(error: BaseException) -> str:
