@@ -37,6 +37,8 @@ class MissionView:
         histories: What happened to each object of the database, oldest first, by its id; None
             without a database.
         map_cloud: The map at the end, in the frame `map`; None without a mapper.
+        registered_survey: The survey as the last accepted registration lays it over the map; None
+            without one.
     """
 
     states: Sequence[BaseState]
@@ -46,6 +48,7 @@ class MissionView:
     attempts: Sequence[Attempt]
     histories: Mapping[int, Sequence[StoneEvent]] | None = None
     map_cloud: Cloud | None = None
+    registered_survey: Cloud | None = None
 
 
 class Oracle(ABC):

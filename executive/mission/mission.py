@@ -28,6 +28,7 @@ from executive.leaf.store import Store
 from executive.logs.recorder import Recorder
 from executive.machine.kinematics import Kinematics
 from executive.messages.base_state import BaseState
+from executive.messages.cloud import Cloud
 from executive.messages.status_change import StatusChange
 from executive.messages.stone import Stone
 from executive.messages.verdict import Verdict
@@ -77,9 +78,9 @@ class Mission(Runtime, StreamListener):
         self.store = Store()
         self.phase = Phase.IDLE
         self.states: list[BaseState] = []
-        self.first_stones: dict[
-            int, Stone
-        ] = {}  # each as it was first shown, for the report's truth
+        # For the report's truth: each stone as it was first shown, and the newest survey.
+        self.first_stones: dict[int, Stone] = {}
+        self.survey: Cloud | None = None
         self._setup = setup
         self.journal = setup.journal
         self._tick = 0
@@ -121,6 +122,8 @@ class Mission(Runtime, StreamListener):
     def show(self, entity: str, value: object) -> None:
         if isinstance(value, Stone):
             self.first_stones.setdefault(value.id, value)
+        if entity == "survey" and isinstance(value, Cloud):
+            self.survey = value
         self._display.show(entity, value)
 
     def ask(self, node: str, question: str, default: bool | None) -> Question:

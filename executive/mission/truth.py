@@ -6,7 +6,10 @@ from typing import Any
 import numpy as np
 
 from executive import registry
+from executive.events.site import SurveyRegistered
+from executive.geometry.pose import transform
 from executive.interfaces.oracle import MissionView, Oracle
+from executive.messages.cloud import Cloud
 from executive.messages.placement import Slot
 from executive.mission.mission import Mission
 from executive.mission.picks import Pick, attempts_from, newest_releases
@@ -29,6 +32,7 @@ def truth_of(robot_name: str, mission: Mission, picks: Sequence[Pick]) -> dict[s
         attempts=attempts_from(picks),
         histories=histories,
         map_cloud=plugins["mapping"].cloud() if "mapping" in plugins else None,
+        registered_survey=_registered_survey(mission),
     )
     return {"truth": oracle.truth(view)}
 
@@ -39,3 +43,14 @@ def _slots(picks: Sequence[Pick]) -> dict[int, Slot]:
         stone: Slot(released.slot, np.array(released.slot_position))
         for stone, released in newest_releases(picks).items()
     }
+
+
+def _registered_survey(mission: Mission) -> Cloud | None:
+    """Return the survey where its last accepted registration lays it, in the frame `map`."""
+    events = (entry.event for entry in reversed(mission.journal.entries))
+    accepted = (one for one in events if isinstance(one, SurveyRegistered) and one.accepted)
+    found = next(accepted, None)
+    if found is None or mission.survey is None:
+        return None
+    points = transform(found.T_map_survey, found.scale * mission.survey.points)
+    return Cloud("map", points)

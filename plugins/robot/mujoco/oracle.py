@@ -7,7 +7,7 @@ import numpy as np
 from executive_plugins.robot.mujoco.robot import MujocoRobot
 from executive_plugins.robot.mujoco.site.terrain import TERRAIN
 from executive_plugins.robot.mujoco.truth.contact_log import Span
-from executive_plugins.robot.mujoco.truth.surface import map_distances
+from executive_plugins.robot.mujoco.truth.surface import TrueSurface
 from executive_plugins.robot.mujoco.truth.tracking import SAME_STONE_M, Tracking
 from executive_plugins.robot.mujoco.truth.truth_log import TruthLog
 
@@ -40,7 +40,7 @@ class MujocoOracle(Oracle):
 
     def truth(self, view: MissionView) -> dict[str, Any]:
         """Return `stones`, `grasps`, `collisions`, `ground_contacts`, `estimate`, `objects`,
-        `realignments`, `map`.
+        `realignments`, `map`, `registration`.
 
         `ground_contacts` counts contacts of gripper or jaws with the ground. They are not
         collisions, since the jaws close around a stone that lies on it.
@@ -58,10 +58,19 @@ class MujocoOracle(Oracle):
             ),
             "estimate": _estimate(view.states, self._log),
             **self._database(view),
-            "map": {}
-            if view.map_cloud is None
-            else map_distances(view.map_cloud.points, self._site, self._log),
+            **self._clouds(view),
         }
+
+    def _clouds(self, view: MissionView) -> dict[str, Any]:
+        """Return `map` and `registration`; each is empty without its cloud."""
+        found: dict[str, Any] = {"map": {}, "registration": {}}
+        if view.map_cloud is not None:
+            surface = TrueSurface(self._site, self._log, self._log.end_s)
+            found["map"] = surface.distances(view.map_cloud.points)
+        if view.registered_survey is not None:
+            at_first = TrueSurface(self._site, self._log, 0.0)  # as the survey saw it
+            found["registration"] = at_first.misplacement(view.registered_survey.points)
+        return found
 
     def _database(self, view: MissionView) -> dict[str, Any]:
         """Return `objects` and `realignments`; both are empty without a database."""

@@ -38,16 +38,22 @@ class RayMesh:
         )
         return np.asarray(hits["t_hit"].numpy())
 
-    def distances(self, points: Float) -> NDArray[np.float32]:
-        """Return the distance of each point to the nearest surface [m], inf for none, shape (N,).
+    def nearest(self, points: Float) -> tuple[Float, Float]:
+        """Return the nearest point of the surface to each point [m], and its triangle's unit
+        normal, both of shape (N, 3).
 
         Args:
             points: Points in the frame of the meshes [m], shape (N, 3).
+
+        Raises:
+            ValueError: If there is no surface.
         """
         if self._is_empty:
-            return np.full(len(points), np.inf, dtype=np.float32)
+            raise ValueError("a mesh without triangles has no nearest point")
         tensor = o3d.core.Tensor.from_numpy(np.ascontiguousarray(points, dtype=np.float32))
-        return np.asarray(self._scene.compute_distance(tensor, nthreads=1).numpy())
+        found = self._scene.compute_closest_points(tensor, nthreads=1)
+        nearest, normals = found["points"].numpy(), found["primitive_normals"].numpy()
+        return nearest.astype(np.float64), normals.astype(np.float64)
 
 
 def moved(mesh: Mesh, T: Float) -> Mesh:

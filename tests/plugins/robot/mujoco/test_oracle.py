@@ -10,7 +10,7 @@ from executive_plugins.robot.mujoco.oracle import MujocoOracle
 from executive_plugins.robot.mujoco.robot import MujocoRobot, MujocoSettings
 
 from executive.arrays import Float
-from executive.geometry.pose import pose
+from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import about_axis, quaternion_wxyz
 from executive.interfaces.oracle import Attempt, MissionView
 from executive.machine.machine import load_machine
@@ -192,6 +192,31 @@ def test_measures_the_distance_of_the_map_to_the_ground_and_the_stones_of_the_en
     skin = Cloud("map", stone_1.vertices @ T_stone[:3, :3].T + T_stone[:3, 3])
     assert show.truth(map_cloud=skin)["map"]["distance_m"]["p95"] == pytest.approx(0.0, abs=1e-5)
     assert show.truth(map_cloud=Cloud("map", np.zeros((0, 3))))["map"] == {}
+
+
+def test_tells_how_far_the_registered_survey_is_from_its_true_place() -> None:
+    show = Show()
+    site = show.robot.world.site
+    vertices, _ = site.terrain.mesh()
+    skins = [
+        stone.vertices @ T[:3, :3].T + T[:3, 3]
+        for stone, T in zip(site.stones, site.T_world_stones, strict=True)
+    ]
+    seen = np.concatenate([vertices[np.abs(vertices[:, :2]).max(axis=1) < 9], *skins])
+    show.put("stone_1", FAR)  # the survey saw it where it was
+    show.play(0.2)
+    exact = show.truth(registered_survey=Cloud("map", seen))["registration"]
+    assert exact["error_m"] < 1e-3
+    assert exact["error_rad"] < 1e-4
+    T_off = pose(about_axis(np.array([0.0, 0.0, 1.0]), 0.01), np.array([0.05, -0.03, 0.02]))
+    off = show.truth(registered_survey=Cloud("map", transform(T_off, seen)))["registration"]
+    middle = seen.mean(axis=0)
+    assert off["error_m"] == pytest.approx(
+        np.linalg.norm(transform(T_off, middle[None])[0] - middle), abs=5e-3
+    )
+    assert off["error_rad"] == pytest.approx(0.01, abs=1e-3)
+    nowhere = Cloud("map", seen + np.array([0.0, 0.0, 50.0]))
+    assert show.truth(registered_survey=nowhere)["registration"] == {}
 
 
 def test_a_stone_first_seen_after_it_was_moved_is_recognised_there() -> None:
