@@ -100,6 +100,30 @@ error was raised.
 A **share** counts hits out of trials in each run: stones of a site, attempts, or the run itself.
 **Values** are any number of measurements in each run. "Truth" is what the simulator knows, so that
 metrics by the truth are for simulated runs only.
+
+A metric of your own, here over an event that a leaf of your own records
+([write a tree](how-to/write_a_tree.md)):
+
+```python
+from executive.interfaces.metric import Metric, RunRecord, Values
+
+from my_package.events import StoneWeighed
+
+
+class Weight(Metric):
+    title = "mass of a stone"
+    unit = "kg"
+    description = "Mass of each stone that was weighed."
+
+    def measure(self, run: RunRecord) -> Values | None:
+        weighed = [one.event for one in run.events if isinstance(one.event, StoneWeighed)]
+        return Values(tuple(event.mass_kg for event in weighed)) if weighed else None
+```
+
+```toml
+[project.entry-points."executive.metric.v1"]
+weight = "my_package.metrics:Weight"
+```
 """
 STATISTICS = """\
 ## Statistics

@@ -86,6 +86,7 @@ def report(**changed: Any) -> dict[str, Any]:
             "estimate": {"error_m": {"mean": 0.02, "max": 0.05}},
             "objects": {"stones": 4, "known": 3, "twice": 1, "ghosts": 2},
             "realignments": [realignment(0.1, 0.02, was_realigned=True), realignment(0.3, 0.3)],
+            "registration": {"error_m": 0.03, "error_rad": 0.001},
             "map": {"distance_m": {"median": 0.004, "p95": 0.02}},
         },
     }
@@ -171,6 +172,7 @@ def test_shares(name: str, hits: int, of: int) -> None:
         ("carry_time", [16.0]),
         ("realign_time", [16.5]),
         ("registration_time", [5.0]),
+        ("registration_error", [0.03]),
         ("drops_missed", [0]),
         ("slips", [1]),
         ("collisions", [2]),
@@ -228,7 +230,14 @@ def test_only_success_is_success(outcome: str) -> None:
 
 def test_a_mission_that_picks_nothing_is_measured_without_error() -> None:
     made = report(picks=[], ended_s=0.0, counts=dict.fromkeys(report()["counts"], 0))
-    made["truth"] |= {"stones": [], "grasps": [], "estimate": {}, "objects": {}, "map": {}}
+    made["truth"] |= {
+        "stones": [],
+        "grasps": [],
+        "estimate": {},
+        "objects": {},
+        "map": {},
+        "registration": {},
+    }
     found = measure(RunRecord(made, ()), NAMES)
     assert not [one for one in found.values() if "problem" in one]
     assert found["cycle_time"] == {"values": []}

@@ -111,3 +111,19 @@ class RegistrationTime(Metric):
         if not surveyed_s:
             return None
         return Values(tuple(time_s - surveyed_s[0] for time_s in accepted_s[:1]))
+
+
+class RegistrationError(Metric):
+    """Distance of the registered drone's map from its true place."""
+
+    title = "error of the registration"
+    unit = "m"
+    is_more_better = False
+    description = (
+        "How far the middle of the drone's map, as the last accepted registration lays it over the"
+        " map, is from where the whole fits the true surface best, in runs that have one."
+    )
+
+    def measure(self, run: RunRecord) -> Values | None:
+        found = truth(run).get("registration")
+        return Values((found["error_m"],)) if found else None
