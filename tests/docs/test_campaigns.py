@@ -14,6 +14,7 @@ from executive.campaign.trial import Limits, Status
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "how-to" / "campaigns.md").read_text(encoding="utf-8")
+OWN = sorted((ROOT / "docs" / "campaigns").glob("*.yaml"))
 FILE = re.search(r"```yaml\n(.*?)```", PAGE, re.S).group(1)
 
 
@@ -44,3 +45,13 @@ def test_its_words_are_those_of_the_code() -> None:
     statuses = re.search(r"--again timed_out +# repeats these runs; also (.*), or failed", PAGE)
     others = {one.value for one in Status} - {"done", "timed_out"}
     assert set(statuses.group(1).split(", ")) == others
+
+
+@pytest.mark.parametrize("path", OWN, ids=lambda path: path.stem)
+def test_the_projects_own_campaigns_have_no_mistake(path: Path) -> None:
+    jsonschema = pytest.importorskip("jsonschema")
+    campaign = load_campaign(str(path))
+    assert campaign.name == path.stem
+    assert campaign.description
+    validator = jsonschema.Draft202012Validator(campaign_schema())
+    validator.validate(yaml.safe_load(path.read_text(encoding="utf-8")))

@@ -38,10 +38,12 @@ class Grid:
     cells: tuple[tuple[Mapping[str, str], Mapping[str, Any]], ...]
 
 
-def read_grid(table: Table, paths: Paths, reading: Reading) -> Grid:
+def read_grid(table: Table, paths: Paths, reading: Reading, *, has_cells: bool = True) -> Grid:
     """Return the grid; it lacks cells if there are mistakes, all of which are noted."""
     factors = _factors(table, reading)
     varied = tuple(factor for factor in factors if len(factor.levels) > 1)
+    if not has_cells:
+        return Grid("", varied, ())
     common = _section(table, "set", reading)
     settings = read_settings(common, reading) if common else ()
     work, checker = _checker(table, paths, reading)

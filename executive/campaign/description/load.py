@@ -42,8 +42,27 @@ def load_campaign(
     return read_campaign(table, Paths(folder), reading, command)
 
 
+def load_asked(folder: Path, command: str = "") -> Campaign:
+    """Return what the campaign in a folder reports, bounds and compares, without its trials.
+
+    Its missions are not read, so that results can be reported where these are not, or have changed.
+
+    Raises:
+        MissionFileError: If the campaign's file there has a mistake.
+    """
+    reading = Reading(InstalledCatalogue(), Problems())
+    table, _ = _table(str(folder), reading)
+    return read_campaign(table, Paths(folder), reading, command, has_trials=False)
+
+
+def is_campaign_folder(what: str) -> bool:
+    """Return whether the folder of a campaign is meant, not a shipped mission of that name."""
+    path = Path(what)
+    return (path / FILE).is_file() or (path.is_dir() and what not in shipped_names())
+
+
 def _table(what: str, reading: Reading) -> tuple[Table, Path]:
-    path = Path(what) / FILE if Path(what).is_dir() else find(what)
+    path = Path(what) / FILE if is_campaign_folder(what) else find(what)
     if path is None:
         near = did_you_mean(what, shipped_names())
         told = f"no campaign file, no mission file and no shipped mission of that name{near}"

@@ -34,8 +34,10 @@ KEYS = (
 )
 
 
-def read_campaign(table: Table, paths: Paths, reading: Reading, command: str) -> Campaign:
-    """Return the campaign of a table.
+def read_campaign(
+    table: Table, paths: Paths, reading: Reading, command: str, *, has_trials: bool = True
+) -> Campaign:
+    """Return the campaign of a table; without trials, no mission is read.
 
     Raises:
         MissionFileError: If there is any mistake; it holds all of them, with their places.
@@ -43,7 +45,7 @@ def read_campaign(table: Table, paths: Paths, reading: Reading, command: str) ->
     reading.known_keys(table, KEYS, "a campaign file")
     check_api(table, reading)
     name, description = _titles(table, reading)
-    grid = read_grid(table, paths, reading)
+    grid = read_grid(table, paths, reading, has_cells=has_trials)
     seeds = _seeds(table, reading)
     limits = table.get("limits")
     limits_table = None if limits is None else reading.table(limits, "'limits'")

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from executive.campaign.description.campaign import Campaign
-from executive.campaign.description.load import load_campaign
+from executive.campaign.description.load import load_asked
 from executive.campaign.execution.folder import CampaignFolder
 from executive.campaign.execution.ledger import Ledger, Session
 from executive.campaign.figures.calculation import figures_of
@@ -77,7 +77,7 @@ def read_campaign_folder(
     with closing(Ledger(path)) as ledger:
         sessions = ledger.sessions()
         command = sessions[0].command if sessions else ""
-        campaign = campaign or load_campaign(str(folder), command=command)
+        campaign = campaign or load_asked(folder, command)
         if ledger.digest != campaign.digest:
             campaign = replace(campaign, trials=tuple(ledger.trials()))
         campaign = replace(campaign, digest=ledger.digest or "", command=command)

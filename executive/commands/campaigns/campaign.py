@@ -121,7 +121,9 @@ def _statuses(again: "list[str] | tuple[str, ...]", resume: bool) -> "tuple[Stat
 
 def _folder(what: str, out: Path | None, resume: bool) -> Path | None:
     """Return the folder of results that was asked for; None if a new one is to be made."""
-    folder = out or (Path(what) if Path(what).is_dir() else None)
+    from executive.campaign.description.load import is_campaign_folder
+
+    folder = out or (Path(what) if is_campaign_folder(what) else None)
     if resume and folder is None:
         raise ConfigError("--resume: name the folder to go on in, by --out or instead of the file")
     if resume and folder is not None and not (folder / "results.sqlite").is_file():

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from executive.campaign.description.campaign import Campaign
-from executive.campaign.description.load import load_campaign
+from executive.campaign.description.load import is_campaign_folder, load_asked, load_campaign
 from executive.campaign.description.metrics import MAIN
 from executive.campaign.description.reader import digest_of
 from executive.campaign.figures.bound import Bound
@@ -292,3 +292,26 @@ compare: [{factor: mission, baseline: waits}]
     again = load_campaign(str(elsewhere))
     assert again == first
     assert len(first.trials) == 12
+
+
+def test_what_a_campaign_asked_for_is_read_without_its_missions(read: Read, folder: Path) -> None:
+    text = "factors: {loop.tick: [0.1, 0.2]}\nmetrics: {success: {at_least: 0.9}}\n"
+    first = read(text)
+    results = folder / "results"
+    results.mkdir()
+    (results / "campaign.yaml").write_text(first.text)
+    (folder / "waits.yaml").unlink()
+    asked = load_asked(results, "executive campaign …")
+    assert (asked.trials, asked.command) == ((), "executive campaign …")
+    for name in ("name", "factors", "metrics", "bounds", "comparisons"):
+        assert getattr(asked, name) == getattr(first, name)
+
+
+def test_a_folder_of_a_shipped_missions_name_does_not_hide_the_mission(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "relocate").mkdir()
+    assert not is_campaign_folder("relocate")
+    (tmp_path / "relocate" / "campaign.yaml").touch()
+    assert is_campaign_folder("relocate")
