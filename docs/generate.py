@@ -166,6 +166,9 @@ runs is McNemar's. The verdict is one of these:
 - `too_few`: neither. The number of seeds that would probably tell is given: for a power of 80 %, if
   further seeds are like those seen.
 
+Each verdict stands for itself: of twenty comparisons of variants that are equal, one is told as
+better or worse by chance. Decide before the campaign which comparison counts.
+
 With a true difference of 10 points on 100 paired seeds, `worse` is told for `success` with a
 probability of 98 % where no seed improves and 10 of 100 get worse, of 80 % with 2 against 12, and
 of 60 % with 5 against 15. For `placed`, with seven stones a site, it is told with more than 95 %,

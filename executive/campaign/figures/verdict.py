@@ -73,19 +73,24 @@ def _figure(pairs: Pairs) -> str:
     number = len(pairs.gains)
     if not number:
         return "no seed has both"
-    scale = 100 if pairs.unit == "points" else 1
+    scale, unit = _shown(pairs.unit)
     ends = (scale * pairs.interval.low, scale * pairs.interval.high)
     between = "no interval" if any(map(math.isnan, ends)) else f"{ends[0]:+.3g} to {ends[1]:+.3g}"
-    unit = f" {pairs.unit}" if pairs.unit else ""
     return f"{scale * pairs.difference:+.3g}{unit} ({between}) on {number} seeds"
 
 
 def _seldom(pairs: Pairs, better: int, worse: int) -> str:
-    unit = f" {pairs.unit}" if pairs.unit else ""
+    scale, unit = _shown(pairs.unit)
     return (
-        f"by more than {pairs.margin:.3g}{unit} better on {better} and worse on {worse} of"
-        f" {len(pairs.gains)} seeds, though in the median {pairs.difference:+.3g}{unit}"
+        f"by more than {scale * pairs.margin:.3g}{unit} better on {better} and worse on {worse} of"
+        f" {len(pairs.gains)} seeds, though in the median {scale * pairs.difference:+.3g}{unit}"
     )
+
+
+def _shown(unit: str) -> tuple[float, str]:
+    """Return what figures are multiplied by where people read them, and the unit behind them."""
+    shown = {"points": (100.0, " points"), "byte": (2.0**-20, " MiB"), "": (1.0, "")}
+    return shown.get(unit, (1.0, f" {unit}"))
 
 
 def _needed(pairs: Pairs) -> str:

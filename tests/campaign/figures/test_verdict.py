@@ -56,6 +56,11 @@ def test_less_is_better_where_the_metric_says_so() -> None:
     assert found.words.startswith("better: -5 m")
 
 
+def test_memory_is_told_in_mebibytes() -> None:
+    found = compared("peak_memory", values(*[2**30] * 20), values(*[2**30 + 2**28] * 20))
+    assert found.words.startswith("worse: +256 MiB (+256 to +256) on 20 seeds")
+
+
 def test_a_difference_within_the_margin_does_not_matter() -> None:
     found = compared("cycle_time", values(*[100.0] * 20), values(*[101.0] * 20))
     assert found.verdict == "alike"
