@@ -1,5 +1,6 @@
 """Made-up campaigns: results drawn from stated distributions, in a ledger."""
 
+import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from itertools import product
@@ -9,7 +10,7 @@ import numpy as np
 
 from executive.campaign.description.campaign import Campaign
 from executive.campaign.execution.folder import CampaignFolder
-from executive.campaign.execution.ledger import Ledger, Session
+from executive.campaign.execution.ledger import Ledger, Session, _outcome_row
 from executive.campaign.figures.bound import Bound
 from executive.campaign.figures.comparison import Comparison
 from executive.campaign.trial import Limits, Outcome, Status, Trial
@@ -79,11 +80,27 @@ def outcomes(of: Campaign, share: float = 0.85, seed: int = 0) -> Iterator[Outco
         yield Outcome(trial.number, Status.DONE, "", answer, wall_s, wall_s, peak, 1, "here:2")
 
 
-def write_ledger(folder: Path, of: Campaign, found: Iterable[Outcome]) -> None:
-    """Write the results of a campaign as the engine does."""
-    with closing(Ledger(CampaignFolder(folder).results)) as ledger:
+def write_ledger(
+    folder: Path, of: Campaign, found: Iterable[Outcome], is_durable: bool = True
+) -> None:
+    """Write the results of a campaign as the engine does.
+
+    Args:
+        folder: The campaign's folder.
+        of: The campaign.
+        found: What came of its trials.
+        is_durable: Whether each result is on the disk before the next; thousands take minutes so.
+    """
+    path = CampaignFolder(folder).results
+    with closing(Ledger(path)) as ledger:
         ledger.begin(of.trials, of.digest)
         ledger.add_session(Session("2026-01-02T03:04:05+00:00", "here:1", of.command, "0.2", "f00"))
-        for outcome in found:
-            ledger.claim(outcome.number)
-            ledger.finish(outcome)
+        if is_durable:
+            for outcome in found:
+                ledger.claim(outcome.number)
+                ledger.finish(outcome)
+    if not is_durable:
+        with closing(sqlite3.connect(path)) as database, database:
+            marks = ", ".join("?" * 9)
+            rows = map(_outcome_row, found)
+            database.executemany(f"INSERT INTO outcomes VALUES ({marks})", rows)

@@ -4,6 +4,8 @@ import csv
 import dataclasses
 import html
 import re
+import subprocess
+import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -14,6 +16,12 @@ from executive.campaign.figures.calculation import figures_of
 from executive.campaign.figures.row import row_of
 from executive.campaign.reporting.report import report_campaign
 from executive.campaign.reporting.summary import read_summary
+from executive.campaign.trial import Outcome, Status
+
+ANSWER = {
+    "report": {"outcome": "failure", "reason": "no stone was placed"},
+    "measurements": {"success": {"hits": 0, "of": 1}, "placement_error": {"values": []}},
+}
 
 
 @pytest.fixture(scope="module")
@@ -117,3 +125,101 @@ def test_what_runs_say_is_text_never_markup(made_up: ModuleType, tmp_path: Path)
     scripts = re.findall(r"<script[^>]*data-chart[^>]*>(.*?)</script>", body, re.S)
     assert len(scripts) == body.count("</script>") > 0
     assert not any("<" in one for one in scripts)
+
+
+def body_of(folder: Path) -> str:
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    return page.split("<main>")[1].split("</main>")[0]
+
+
+def test_a_campaign_without_a_finished_run_has_a_report(
+    made_up: ModuleType, tmp_path: Path
+) -> None:
+    campaign = made_up.campaign()
+    made_up.write_ledger(tmp_path, campaign, ())
+    report_campaign(tmp_path, campaign)
+    body = body_of(tmp_path)
+    assert "40 runs of the campaign have not ended" in body
+    assert "data-chart" not in body
+
+
+def test_runs_without_an_answer_come_first_and_count_as_failed(
+    made_up: ModuleType, tmp_path: Path
+) -> None:
+    campaign = made_up.campaign(range(1, 6), {})
+    made_up.write_ledger(
+        tmp_path,
+        campaign,
+        [
+            Outcome(n, Status.CRASHED if n == 3 else Status.DONE, "signal 11" * (n == 3), ANSWER)
+            for n in range(5)
+        ],
+    )
+    run = tmp_path / "runs" / "3-1"
+    run.mkdir(parents=True)
+    (run / "output.txt").write_text("Fatal Python error: Segmentation fault\n", encoding="utf-8")
+    report_campaign(tmp_path, campaign)
+    body = body_of(tmp_path)
+    assert "1 run without an answer and 4 missions without success, of 5 runs." in body
+    assert re.findall(r"<h3>(Run \d+: \w+)</h3>", body)[0] == "Run 3: crashed"
+    assert "Fatal Python error: Segmentation fault" in body
+    assert "0 of 5" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_the_command_of_a_failed_run_names_its_own_mission_and_seed(
+    made_up: ModuleType, tmp_path: Path
+) -> None:
+    campaign = made_up.campaign(range(7, 9), {})
+    found = [Outcome(n, Status.DONE, "", ANSWER) for n in range(2)]
+    made_up.write_ledger(tmp_path, campaign, found)
+    (tmp_path / "runs" / "0-1").mkdir(parents=True)
+    (tmp_path / "runs" / "0-1" / "mission.yaml").write_text("mission: kept\n", encoding="utf-8")
+    report_campaign(tmp_path, campaign)
+    commands = re.findall(r"<pre>(executive run .*?)</pre>", body_of(tmp_path))
+    assert commands == [
+        f"executive run {tmp_path}/runs/0-1/mission.yaml --seed 7",
+        f"executive run {tmp_path}/repeat/1.yaml --seed 8",
+    ]
+    assert (tmp_path / "repeat" / "1.yaml").read_text(encoding="utf-8") == made_up.MISSION
+
+
+def test_long_lists_are_cut_and_say_by_how_much(made_up: ModuleType, tmp_path: Path) -> None:
+    campaign = made_up.campaign([1, 2, 3], {"count": tuple(str(n) for n in range(75))})
+    made_up.write_ledger(
+        tmp_path,
+        campaign,
+        (Outcome(one.number, Status.DONE, "", ANSWER) for one in campaign.trials),
+    )
+    report_campaign(tmp_path, campaign)
+    body = body_of(tmp_path)
+    assert body.count('<div class="run">') == 20
+    assert "25 further runs that failed: see results.csv." in body
+    assert "15 further rows: see the tables and results.csv." in body
+
+
+@pytest.mark.slow
+def test_ten_thousand_runs_take_less_than_20_s_and_1_gb(
+    made_up: ModuleType, tmp_path: Path
+) -> None:
+    campaign = made_up.campaign(range(5000))
+    made_up.write_ledger(tmp_path, campaign, made_up.outcomes(campaign), is_durable=False)
+    program = (
+        "import importlib.util, resource, sys, time\n"
+        "from pathlib import Path\n"
+        "from executive.campaign.reporting.report import report_campaign\n"
+        f"spec = importlib.util.spec_from_file_location('made_up', {made_up.__file__!r})\n"
+        "made_up = importlib.util.module_from_spec(spec)\n"
+        "spec.loader.exec_module(made_up)\n"
+        "campaign = made_up.campaign(range(5000))\n"
+        f"report_campaign(Path({str(tmp_path)!r}), campaign)\n"
+        "used = resource.getrusage(resource.RUSAGE_SELF)\n"
+        "print(used.ru_utime + used.ru_stime, used.ru_maxrss / 2**20)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=300, check=True
+    )
+    cpu_s, memory_gb = map(float, done.stdout.split())
+    # Processor time, because other programs may share the computer; nothing in it waits.
+    assert cpu_s < 20.0
+    assert memory_gb < 1.0
+    assert (tmp_path / "report.html").stat().st_size < 3e6

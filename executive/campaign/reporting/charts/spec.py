@@ -36,7 +36,7 @@ _CONFIG: Spec = {
         "labelPadding": 6,
         "labelLimit": 400,
     },
-    "axisX": {"titlePadding": 8},
+    "axisX": {"titlePadding": 8, "labelFlush": False, "labelOverlap": "greedy"},
     "legend": {"labelFontSize": 12, "labelLimit": 400, "title": None, "symbolStrokeWidth": 3},
     "title": {
         "fontSize": 14,
@@ -75,9 +75,12 @@ def rows(names: Sequence[str], title: str = "") -> tuple[Spec, Spec]:
     labels = [wrapped(name) for name in names]
     most = max((_lines(label) for label in labels), default=1)
     # Vega begins a label at the middle of its row. The longest is raised by half of its height, and
-    # shorter ones begin with as many half lines as bring their middle to the same place.
+    # shorter ones begin with as many half lines as bring their middle to the same place. A line
+    # without any letter would be left out.
+    blank = "\u200b\n"
     halves = {
-        label: "\n" * (most - _lines(label)) + label.replace("\n", "\n\n") for label in labels
+        label: blank * (most - _lines(label)) + label.replace("\n", f"\n{blank}")
+        for label in labels
     }
     axis = {
         "labelExpr": f"split({json.dumps(halves)}[datum.label], '\\n')",

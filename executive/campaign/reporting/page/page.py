@@ -26,9 +26,8 @@ class Page:
     def __init__(self, title: str, subtitle: str = "") -> None:
         self._title = title
         self._sections: list[str] = []
-        self._parts: list[Markup] = [tag("h1", title)]
-        if subtitle:
-            self._parts.append(tag("p", subtitle, class_="lead"))
+        self._top = [tag("h1", title), *([tag("p", subtitle, class_="lead")] if subtitle else [])]
+        self._parts: list[Markup] = []
         self.pictures: list[Picture] = []
 
     def add(self, *parts: str) -> None:
@@ -71,7 +70,7 @@ class Page:
         )
         scripts = [tag("script", Markup(_vega())), tag("script", Markup(_DRAW))]
         links = (tag("a", title, href=f"#{_anchor(title)}") for title in self._sections)
-        main = tag("main", tag("nav", *links), *self._parts)
+        main = tag("main", *self._top, tag("nav", *links), *self._parts)
         body = tag("body", main, *(scripts if self.pictures else []))
         return f"<!DOCTYPE html>\n{tag('html', head, body, lang='en')}\n"
 

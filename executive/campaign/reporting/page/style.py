@@ -28,11 +28,13 @@ ul { margin: .4rem 0; padding-left: 1.2rem; }
 table { border-collapse: collapse; font-size: .88rem; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; vertical-align: top; padding: .25rem .9rem .25rem 0;
   border-bottom: 1px solid var(--line); }
+td { min-width: 4.5rem; }
 th { color: var(--soft); font-weight: 600; white-space: nowrap; }
-.number { text-align: right; white-space: nowrap; }
+.number { text-align: right; white-space: nowrap; min-width: 0; }
 .good { color: var(--good); font-weight: 600; }
 .bad { color: var(--bad); font-weight: 600; }
 .unsure { color: var(--unsure); font-weight: 600; }
+.verdict { white-space: nowrap; }
 .run { border-left: 3px solid var(--bad); padding-left: .8rem; margin: 1rem 0; }
 .run h3 { margin-top: 0; }
 .chart { width: 100%; margin: .5rem 0 1rem; }

@@ -9,6 +9,7 @@ from executive.campaign.reporting.charts.picture import Picture
 from executive.campaign.reporting.charts.spec import ACCENT, BAD, GOOD, SOFT
 from executive.campaign.reporting.page.markup import Markup, paragraph, table, tag
 from executive.campaign.reporting.page.page import Page
+from executive.campaign.reporting.sections.chart_notes import left_out
 from executive.campaign.reporting.summary import MetricWords, Summary
 from executive.campaign.reporting.wording import amount, interval, points
 
@@ -29,6 +30,7 @@ def differences(page: Page, summary: Summary, cells: Cells) -> list[Markup]:
         parts += [
             tag("h3", title),
             page.chart(Picture(f"difference-{metric}-{factor}", title, chart)),
+            *left_out(len(of)),
             _table(of, words, cells),
         ]
     return parts

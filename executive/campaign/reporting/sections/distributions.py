@@ -11,7 +11,7 @@ from executive.campaign.reporting.charts.spec import ACCENT, TAIL
 from executive.campaign.reporting.page.markup import Markup, paragraph, prose, tag
 from executive.campaign.reporting.page.page import Page
 from executive.campaign.reporting.result import Result
-from executive.campaign.reporting.sections.limits import limit_on
+from executive.campaign.reporting.sections.chart_notes import left_out, limit_on
 from executive.campaign.reporting.sections.phases import is_phase
 from executive.campaign.reporting.summary import MetricWords, Summary
 from executive.campaign.reporting.wording import amount, interval, plural
@@ -48,6 +48,7 @@ def distributions(
             parts.append(page.chart(Picture(f"distribution-{metric}", words.title, chart)))
         if len(measured) > 1:
             parts.append(page.chart(_tails(metric, words, measured, summary, cells)))
+            parts += left_out(len(measured))
     return parts
 
 

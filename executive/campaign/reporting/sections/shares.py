@@ -9,7 +9,7 @@ from executive.campaign.reporting.charts.picture import Picture
 from executive.campaign.reporting.charts.spec import ACCENT
 from executive.campaign.reporting.page.markup import Markup, paragraph, prose, tag
 from executive.campaign.reporting.page.page import Page
-from executive.campaign.reporting.sections.limits import limit_on
+from executive.campaign.reporting.sections.chart_notes import left_out, limit_on
 from executive.campaign.reporting.summary import Summary
 from executive.campaign.reporting.wording import interval, percent
 
@@ -34,6 +34,7 @@ def shares(page: Page, summary: Summary, cells: Cells) -> list[Markup]:
                 tag("h3", words.title),
                 paragraph(prose(words.description), class_="note"),
                 page.chart(picture),
+                *left_out(len(named)),
             ]
     return parts
 

@@ -6,6 +6,8 @@ from executive.campaign.reporting.page.markup import Markup, paragraph, table, t
 from executive.campaign.reporting.summary import Summary
 from executive.campaign.reporting.wording import figure, interval, plural
 
+_MOST_OPEN = 20  # bounds; of more, those that are met are folded
+
 
 def verdicts(summary: Summary) -> list[Markup]:
     """Return the table of bounds: what was asked, what was measured, missed ones first."""
@@ -21,11 +23,16 @@ def verdicts(summary: Summary) -> list[Markup]:
     cells = Cells(summary.campaign.factors)
     rows = [_row(one, summary, cells) for one in sorted(judgements, key=lambda one: one.is_met)]
     heads = ("verdict", "metric", cells.title, "bound", "measured", "95 % interval")
+    first = rows if len(rows) <= _MOST_OPEN else rows[:missed]
+    parts = [paragraph(told), table(heads, first) if first else Markup()]
+    if len(first) < len(rows):
+        title = tag("summary", f"{plural(len(rows) - len(first), 'bound')} met")
+        parts.append(tag("details", title, table(heads, rows[len(first) :])))
     unsure = (
         "A verdict is sure if the whole interval is on its side of the bound; the others may "
         "change with more seeds."
     )
-    return [paragraph(told), table(heads, rows), paragraph(unsure, class_="note")]
+    return [*parts, paragraph(unsure, class_="note")]
 
 
 def _row(judgement: Judgement, summary: Summary, cells: Cells) -> tuple[str, ...]:
@@ -36,7 +43,7 @@ def _row(judgement: Judgement, summary: Summary, cells: Cells) -> tuple[str, ...
     kind = "bad" if not judgement.is_met else "good" if judgement.is_sure else "unsure"
     limit = figure(bound.limit, words.unit, is_share)
     return (
-        tag("span", told, class_=kind),
+        tag("span", told, class_=f"{kind} verdict"),
         words.title if is_share else f"{words.title}, {bound.statistic}",
         cells.name(judgement.levels),
         f"{'≥' if bound.is_least else '≤'} {limit}",
