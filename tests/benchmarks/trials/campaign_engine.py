@@ -1,4 +1,4 @@
-"""Campaigns of short runs: with kills at random, with all cores in use, and beside plain missions.
+"""Campaigns of short runs: with kills at random, and what they add to the time of missions.
 
 The work is that of the tests, tests/campaign/misbehaving.py, installed for the time of a trial.
 """
@@ -17,14 +17,19 @@ import numpy as np
 import psutil
 
 from executive.campaign.description.campaign import Campaign
+from executive.campaign.description.mission_arguments import MissionArguments
 from executive.campaign.engine import Plan, run_campaign
 from executive.campaign.execution.folder import CampaignFolder
 from executive.campaign.execution.ledger import Ledger
 from executive.campaign.execution.local_pool import LocalPool
 from executive.campaign.execution.run_answer import NAME as ANSWER
+from executive.campaign.execution.run_answer import read_answer
 from executive.campaign.trial import Limits, Outcome, Status, Trial
+from executive.tree.load import load_mission
+from executive.tree.resolved import resolved_yaml
 
 WORK = Path(__file__).parents[2] / "campaign" / "misbehaving.py"
+MISSION = Path(__file__).with_name("short.yaml")
 _LIMITS = Limits(time_s=60.0, memory_bytes=2 << 30)
 _TARGETS = ("campaign", "server", "run")
 
@@ -191,40 +196,44 @@ def _lost_tries(out: Path) -> Counter[int]:
     return lost
 
 
-def cores_in_use(folder: Path, jobs: int, runs: int, computes_s: float) -> float:
-    """Return the share of the time of `jobs` cores that short runs spend on their own work.
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """How a campaign of short missions used its slots.
 
-    Args:
-        folder: A new folder.
-        jobs: Runs side by side.
-        runs: Number of runs.
-        computes_s: Processor time of a run's own work [s].
+    Attributes:
+        in_use: Share of the time of all slots that runs spent on their own work, from the start of
+            the campaign to its end.
+        overhead_s: Median time that a run took beside its mission's own time [s]; the first of each
+            slot is left out, because it waits for the imports.
+        first_s: The same of the first run [s].
+        done: Number of runs that have an answer.
     """
-    arguments = {"behaviour": "computes", "for_s": computes_s}
-    started_s = time.monotonic()
-    run_campaign(
-        campaign_of("misbehaving", arguments, runs), Plan(folder), LocalPool(jobs), lambda _: None
-    )
-    took_s = time.monotonic() - started_s
-    done = sum(one.status is Status.DONE for one in outcomes_in(folder))
-    return done * computes_s / (jobs * took_s)
+
+    in_use: float
+    overhead_s: float
+    first_s: float
+    done: int
 
 
-def overheads_s(folder: Path, mission: str, runs: int) -> list[float]:
-    """Return how much longer than the mission's own time a run took [s], one run after another.
+def spread_over(jobs: int, folder: Path, runs: int) -> Spread:
+    """Run a short mission again and again, side by side.
 
-    The mission's own time is that of its report: from the start of its plugins to its end.
+    The mission's own time is that of its report, from the start of its plugins to its end; a run's
+    own work is that with loading and metrics, as its process measured it. Both stretch as a whole
+    where other programs take processor time.
     """
-    from executive.campaign.description.mission_arguments import MissionArguments
-    from executive.tree.load import load_mission
-    from executive.tree.resolved import resolved_yaml
-
-    text = resolved_yaml(load_mission(mission, ("loop.time_limit=1 s",)))
+    text = resolved_yaml(load_mission(str(MISSION)))
     arguments = MissionArguments(mission=text).model_dump()
-    run_campaign(
-        campaign_of("mission", arguments, runs), Plan(folder), LocalPool(1), lambda _: None
-    )
-    return [one.wall_s - one.answer["report"]["wall_s"] for one in outcomes_in(folder)]
+    campaign = campaign_of("mission", arguments, runs)
+    started_s = time.monotonic()
+    run_campaign(campaign, Plan(folder), LocalPool(jobs), lambda _: None)
+    took_s = time.monotonic() - started_s
+    done = [one for one in outcomes_in(folder) if one.status is Status.DONE]
+    answers = [read_answer(folder / "runs" / f"{n}-1", campaign.trials[n]) for n in range(runs)]
+    work_s = sum(answer.wall_s for answer in answers if answer is not None)
+    beside_s = [one.wall_s - one.answer["report"]["wall_s"] for one in done]
+    overhead_s = float(np.median(beside_s[jobs:] or [np.nan]))
+    return Spread(work_s / (jobs * took_s), overhead_s, beside_s[0], len(done))
 
 
 if __name__ == "__main__":
