@@ -20,6 +20,8 @@ from executive.mission.run import Options, Run, model_of
 from executive.tree.language import MissionFile
 from executive.tree.load import load_mission
 
+_started: set[str] = set()  # what plugins, with their settings, have started in this process
+
 
 class MissionWork(Work):
     """One mission in lock-step: what it reports, and its measurements.
@@ -37,7 +39,11 @@ class MissionWork(Work):
     def prepare(self, arguments: Settings, inputs: Mapping[str, Path]) -> None:
         """Read the mission, and let its stateless plugins start once: they import and compile."""
         description = _description(_text(arguments), _moved(inputs))
-        assembly = assemble(_stateless(description), model_of(description), seed=0)
+        chosen = _stateless(description)
+        if repr(chosen) in _started:
+            return
+        _started.add(repr(chosen))
+        assembly = assemble(chosen, model_of(description), seed=0)
         try:
             assembly.start()
         finally:
