@@ -2,7 +2,6 @@
 
 import os
 import subprocess
-import sys
 import tempfile
 from contextlib import suppress
 from multiprocessing import Pipe
@@ -10,6 +9,7 @@ from multiprocessing.connection import wait
 from threading import RLock
 
 from executive.campaign.execution.fork_protocol import Begin, Begun, Exited
+from executive.campaign.execution.process_ties import python_command
 
 # One thread for each numerical library: runs side by side otherwise wait for one another.
 ONE_THREAD = dict.fromkeys(
@@ -39,7 +39,7 @@ class ForkClient:
         self._printed = tempfile.TemporaryFile()  # noqa: SIM115 - open as long as the server is
         self._connection, theirs = Pipe()
         self._process = subprocess.Popen(
-            [sys.executable, "-m", _SERVER, str(theirs.fileno())],
+            python_command(_SERVER, str(theirs.fileno())),
             stdin=subprocess.DEVNULL,
             stdout=self._printed,
             stderr=self._printed,

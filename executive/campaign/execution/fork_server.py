@@ -1,8 +1,7 @@
 """The process from which the processes of runs are forked: imports happen once, here.
 
 It has one thread, so that a fork copies no lock that another thread holds. It serves one campaign
-and ends with it: when the connection closes, every run is killed. Started as
-`python -m executive.campaign.execution.fork_server DESCRIPTOR`.
+and ends with it: when the connection closes, every run is killed.
 """
 
 import gc
@@ -134,7 +133,8 @@ def _last_word(descriptor: int) -> LastWord | None:
     return word if isinstance(word, LastWord) else None
 
 
-if __name__ == "__main__":
+def main(descriptor: str) -> None:
+    """Serve the campaign at the other end of a connection."""
     adopt_orphans()
-    ForkServer(Connection(int(sys.argv[1]))).serve()
+    ForkServer(Connection(int(descriptor))).serve()
     os._exit(0)

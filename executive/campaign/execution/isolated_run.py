@@ -14,7 +14,7 @@ from typing import NoReturn
 from executive.campaign.execution.chosen_work import work_of
 from executive.campaign.execution.disk_space import is_disk_full, is_space_left
 from executive.campaign.execution.fork_protocol import Begin, Ended, LastWord
-from executive.campaign.execution.process_ties import die_with
+from executive.campaign.execution.process_ties import die_with, python_command
 from executive.campaign.execution.run_answer import RunAnswer, fingerprint, write_answer
 from executive.clock import wall_s
 from executive.errors import ConfigError
@@ -35,7 +35,12 @@ def exec_run(asked: Begin, last_word: int) -> NoReturn:
         os.dup2(file.fileno(), sys.stdin.fileno())
     os.set_inheritable(last_word, True)
     module = "executive.campaign.execution.isolated_run"
-    os.execv(sys.executable, [sys.executable, "-m", module, str(last_word)])
+    os.execv(sys.executable, python_command(module, str(last_word)))
+
+
+def main(last_word: str) -> NoReturn:
+    """Do the run that is on standard input."""
+    run_and_exit(pickle.load(sys.stdin.buffer), int(last_word))
 
 
 def run_and_exit(asked: Begin, last_word: int) -> NoReturn:
@@ -111,7 +116,3 @@ def _place(error: BaseException) -> str:
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next
     return f"{trace.tb_frame.f_code.co_filename}:{trace.tb_lineno}" if trace else "no place"
-
-
-if __name__ == "__main__":
-    run_and_exit(pickle.load(sys.stdin.buffer), int(sys.argv[1]))

@@ -27,6 +27,15 @@ def adopt_orphans() -> None:
     _prctl(_PR_SET_CHILD_SUBREAPER, 1)
 
 
+def python_command(module: str, argument: str) -> list[str]:
+    """Return the command of `main(argument)` of a module, in a new Python with the same path.
+
+    `python -m` would search the current folder first, and take any `queue.py` there for Python's.
+    """
+    code = f"import sys; sys.path[:] = {sys.path!r}; from {module} import main; main(sys.argv[1])"
+    return [sys.executable, "-c", code, argument]
+
+
 def number_of_threads() -> int:
     """Return the number of threads of this process, those of libraries included."""
     return int(psutil.Process().num_threads())

@@ -194,6 +194,14 @@ def test_after_a_preparation_that_leaves_threads_a_run_imports_anew(
     assert outcome.answer["prepared"] == 0
 
 
+def test_files_of_the_current_folder_are_not_taken_for_modules(
+    end, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "queue.py").write_text("raise RuntimeError('not the queue of Python')\n")
+    monkeypatch.chdir(tmp_path)
+    assert end("answer").status is Status.DONE
+
+
 def test_the_environment_of_the_campaign_is_left_alone(end) -> None:
     before = dict(os.environ)
     end("answer")
