@@ -70,21 +70,17 @@ def _shares(
     name: str, is_more_better: bool, cells: Mapping[Levels, Sequence[Row]]
 ) -> dict[Levels, Shares]:
     """Return a share by cell; a run that broke off counts with all its trials as the worst."""
-    told = _told_trials(name, cells)
-    everywhere = [of for of_seed in told.values() for of in of_seed]
-    is_measurable = bool(everywhere) or all(is_broken(row) for row in _all(cells))
+    told = _Told(name, cells)
     found: dict[Levels, Shares] = {}
     for levels, rows in cells.items():
-        own = [m.of for row in rows if isinstance(m := row.measurements.get(name), Share)]
-        usual = median_low(own or everywhere or [1])
         by_seed: dict[int, list[int]] = defaultdict(lambda: [0, 0])
         assumed = 0
         for row in rows:
             measured = row.measurements.get(name)
             if not isinstance(measured, Share):
-                if not (is_broken(row) and is_measurable):
+                if not (is_broken(row) and told.is_measurable):
                     continue
-                of = told[row.seed][0] if row.seed in told else usual
+                of = told.trials(levels, row.seed)
                 measured = Share(0 if is_more_better else of, of)
                 assumed += of
             by_seed[row.seed][0] += measured.hits
@@ -93,6 +89,36 @@ def _shares(
         seeds, hits, of_all = table.reshape(-1, 3).T
         found[levels] = Shares(seeds, hits, of_all, assumed)
     return found
+
+
+class _Told:
+    """Numbers of trials that runs tell, from which those of runs that broke off are assumed."""
+
+    def __init__(self, name: str, cells: Mapping[Levels, Sequence[Row]]) -> None:
+        self._of_seed: dict[int, dict[Levels, int]] = defaultdict(dict)
+        self._usual: dict[Levels, int] = {}  # the median of each cell
+        is_any_whole = False
+        for levels, rows in cells.items():
+            in_cell: list[int] = []
+            for row in rows:
+                measured = row.measurements.get(name)
+                is_any_whole |= not is_broken(row)
+                if isinstance(measured, Share):
+                    self._of_seed[row.seed][levels] = measured.of
+                    in_cell.append(measured.of)
+            if in_cell:
+                self._usual[levels] = median_low(in_cell)
+        # Where no whole run could measure it, such as the truth on a real machine, none could.
+        self.is_measurable = bool(self._of_seed) or not is_any_whole
+
+    def trials(self, levels: Levels, seed: int) -> int:
+        """Return the number of trials to assume: that of the same seed in the cell that has most
+        levels in common, else the median of the runs of the cell, else that of the cells, else 1.
+        """
+        same_seed = self._of_seed.get(seed)
+        if same_seed:
+            return same_seed[max(same_seed, key=lambda other: len(set(other) & set(levels)))]
+        return self._usual.get(levels, median_low(self._usual.values() or [1]))
 
 
 def _samples(name: str, rows: Iterable[Row]) -> Samples:
@@ -105,17 +131,3 @@ def _samples(name: str, rows: Iterable[Row]) -> Samples:
             seeds += [row.seed] * len(measured.values)
             values += measured.values
     return Samples(np.array(seeds, dtype=float), np.array(values, dtype=float))
-
-
-def _told_trials(name: str, cells: Mapping[Levels, Sequence[Row]]) -> dict[int, list[int]]:
-    """Return the numbers of trials that runs tell, by seed."""
-    told: dict[int, list[int]] = defaultdict(list)
-    for row in _all(cells):
-        measured = row.measurements.get(name)
-        if isinstance(measured, Share):
-            told[row.seed].append(measured.of)
-    return dict(told)
-
-
-def _all(cells: Mapping[Levels, Sequence[Row]]) -> Iterable[Row]:
-    return (row for rows in cells.values() for row in rows)

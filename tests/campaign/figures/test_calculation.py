@@ -76,6 +76,21 @@ def test_takes_the_stones_of_a_lost_run_from_its_cell_where_no_other_has_its_see
     assert (estimate.hits, estimate.of, estimate.assumed) == (12, 17, 5)
 
 
+def test_takes_the_stones_of_a_lost_run_from_the_cell_that_is_most_like_its_own() -> None:
+    cells = [("scanned", "a", 21), ("generated", "a", 7), ("generated", "b", None)]
+    rows = [
+        Row(
+            number,
+            1,
+            {"stones": stones, "filter": level},
+            of is not None,
+            {} if of is None else {"placed": Share(of, of)},
+        )
+        for number, (stones, level, of) in enumerate(cells)
+    ]
+    assert [one.of for one in figures_of(rows, ["placed"]).estimates] == [21, 7, 7]
+
+
 def test_runs_that_are_all_lost_have_a_share_of_nothing_at_all() -> None:
     (estimate,) = figures_of([lost(0, 1, "a"), lost(1, 2, "a")], ["placed"]).estimates
     assert (estimate.hits, estimate.of) == (0, 2)
