@@ -49,12 +49,19 @@ def _container(value: Any) -> Any:
         return sorted((plain(one) for one in value), key=str)
     if isinstance(value, Iterable):
         values = [plain(one) for one in value]
-        return values if len(values) <= LONG else _condensed(values)
+        return values if len(values) <= LONG or _holds_arrays(values) else _condensed(values)
     raise TypeError(f"{type(value).__name__} cannot be recorded: return plain values of it")
 
 
 def _key(key: Any) -> str:
     return key if isinstance(key, str) else str(plain(key))
+
+
+def _holds_arrays(value: Any) -> bool:
+    """Return whether a value holds condensed arrays, whose figures do not belong together."""
+    if isinstance(value, dict):
+        return "projections" in value or any(map(_holds_arrays, value.values()))
+    return isinstance(value, list) and any(map(_holds_arrays, value))
 
 
 def _condensed(values: list[Any]) -> Any:

@@ -156,6 +156,9 @@ def test_one_neighbour_in_each_bin(recorded) -> None:
         normals[0], normals[9] = [0, 0, 1], np.array([0.6, 0.0, 0.8])
         near = np.array([0, 10]), np.arange(10)
         told.append(shot_descriptors(points, normals, np.array([0]), near, 1.0)[0])
+        for axis in np.eye(3):
+            normals[9] = axis
+            told.append(shot_descriptors(points, normals, np.array([0]), near, 1.0)[0])
     recorded(np.vstack(told))
 
 
