@@ -13,11 +13,13 @@ from rich.text import Text
 
 from executive.campaign.execution.progress import Progress
 from executive.campaign.reporting.result import Result, results_of
+from executive.campaign.reporting.wording import shortened
 from executive.campaign.trial import Status, Trial
 from executive.clock import wall_s
 
 _REFRESH_S = 0.25  # on the wall
 _FAILURES = 6  # of the last ones
+_REASON = 300  # characters; the report holds all
 _BAR = 24  # columns
 _RUNNING = 16  # the rest of the running ones is counted
 
@@ -115,7 +117,9 @@ class LiveTable:
         )
         top = Table.grid(padding=(0, 2))
         top.add_row(head, ProgressBar(progress.total, progress.finished, width=_BAR))
-        parts: list[Text | Table] = [top, self._running(progress)]
+        parts: list[Text | Table] = [top]
+        if progress.running:
+            parts.append(self._running(progress))
         if self._failures:
             parts.append(Text("last failures", style="bold"))
             parts += [Text(f"  {run_words(one)}", style="red") for one in self._failures]
@@ -146,7 +150,8 @@ def run_words(result: Result) -> str:
     levels = level_words(result.trial.levels)
     outcome = result.outcome or result.status.value.replace("_", " ")
     where = f"seed {result.trial.seed}{f', {levels}' if levels else ''}"
-    reason = f": {result.reason}" if result.has_failed and result.reason else ""
+    reason = " ".join(result.reason.split()) if result.has_failed else ""
+    reason = f": {shortened(reason, _REASON)}" if reason else ""
     return f"run {result.trial.number} ({where}) {outcome} in {duration(result.wall_s)}{reason}"
 
 
@@ -169,4 +174,4 @@ def duration(seconds: float) -> str:
 
 def time_left(seconds: float | None) -> str:
     """Return the time left in words; before a run has ended nothing is known of it."""
-    return "" if seconds is None else f"about {duration(seconds)} left"
+    return "" if not seconds else f"about {duration(seconds)} left"
