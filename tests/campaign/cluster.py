@@ -9,6 +9,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 DEADLINE_S = 60.0  # processes start in two seconds; a busy computer needs more
+# As docs/how-to/clusters.md advises: no statistics of threads a hundred times a second.
+SETTINGS = {
+    "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False",
+    "DASK_DISTRIBUTED__ADMIN__TICK__INTERVAL": "500ms",
+}
 
 
 class Cluster:
@@ -43,7 +48,7 @@ class Cluster:
         with (self.folder / f"{command}.log").open("a") as log:
             process = subprocess.Popen(
                 [sys.executable, "-m", f"distributed.cli.{command}", *common, *options],
-                env={**os.environ, "PYTHONPATH": path},
+                env={**os.environ, **SETTINGS, "PYTHONPATH": path},
                 cwd=self.folder,  # where Python looks before the paths
                 stdout=log,
                 stderr=log,

@@ -25,7 +25,7 @@ from executive.tree.load import load_mission
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-PROGRAMS = ("executive", "make", "python", "pip", "pytest", "kill", "rerun")
+PROGRAMS = ("executive", "make", "python", "pip", "pytest", "kill", "rerun", "dask")
 CHEAP = {"check", "show", "schema", "--help", "--version"}
 PYPROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 
@@ -212,6 +212,15 @@ def test_what_pytest_runs_is_there(line: str) -> None:
     assert paths or modules
     assert all((ROOT / path).exists() for path in paths)
     assert all(find_spec(module) for module in modules)
+
+
+@pytest.mark.parametrize("line", of("dask"))
+def test_what_dask_starts_knows_its_options(line: str) -> None:
+    _, verb, *rest = words_of(line)
+    words = [Path(sys.executable).with_name("dask"), verb, "--help"]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=60)
+    options = {word for word in rest if word.startswith("--")}
+    assert options <= set(re.findall(r"--[\w-]+", done.stdout)), done.stderr
 
 
 def test_the_viewer_is_installed() -> None:

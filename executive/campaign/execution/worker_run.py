@@ -32,7 +32,7 @@ from executive.campaign.trial import Outcome, Trial
 from executive.clock import wall_s
 from executive.errors import ConfigError
 
-_POLL_EVERY_S = 0.05
+_POLL_EVERY_S = 0.1  # limits are held as often; the end of a run is told at once
 CACHE = "executive-inputs"
 
 

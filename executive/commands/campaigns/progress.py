@@ -22,6 +22,7 @@ _FAILURES = 6  # of the last ones
 _REASON = 300  # characters; the report holds all
 _BAR = 24  # columns
 _RUNNING = 16  # the rest of the running ones is counted
+_WAITING = "waiting for a worker"
 
 
 class CampaignProgress(Protocol):
@@ -61,11 +62,15 @@ class PlainLines:
     def __init__(self, trials: Sequence[Trial]) -> None:
         self._trials = {trial.number: trial for trial in trials}
         self._told = 0
+        self._is_waiting = False
 
     def __call__(self, progress: Progress) -> None:
         if progress.resumed > self._told:
             self._told = progress.resumed
             print(f"{progress.resumed} of {progress.total} runs have ended before", file=sys.stderr)
+        if _is_waiting(progress) and not self._is_waiting:
+            print(_WAITING, file=sys.stderr, flush=True)
+        self._is_waiting = _is_waiting(progress)
         for result in _ended(self._trials, progress):
             self._told += 1
             width = len(str(progress.total))
@@ -112,7 +117,7 @@ class LiveTable:
         head = Text.assemble(
             (f"{progress.finished} of {progress.total} runs", "bold"),
             (f"  {failed} failed", "red" if failed else "dim"),
-            f"  {len(progress.running)} running",
+            f"  {_WAITING if _is_waiting(progress) else f'{len(progress.running)} running'}",
             (f"  {time_left(progress.left_s)}".rstrip(), "dim"),
         )
         top = Table.grid(padding=(0, 2))
@@ -139,6 +144,11 @@ class LiveTable:
         if len(oldest) > _RUNNING:
             table.add_row("", "", f"and {len(oldest) - _RUNNING} more", "")
         return table
+
+
+def _is_waiting(progress: Progress) -> bool:
+    """Return whether there is no room for any run, such as on a cluster without workers."""
+    return not progress.running and not progress.is_complete and not progress.stopped_by
 
 
 def _ended(trials: Mapping[int, Trial], progress: Progress) -> Iterator[Result]:

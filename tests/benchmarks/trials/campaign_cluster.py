@@ -27,7 +27,7 @@ from executive.campaign.trial import Limits, Outcome, Status, Trial
 
 RUN_S = 0.5
 EMPTY_RUNS = 200
-BLOCKS = 3  # of one and of two workers in turn, so that a change of the load meets both
+BLOCKS = 2  # of one and of two workers in turn, so that a change of the load meets both
 INPUT_BYTES = 128 << 20
 
 
