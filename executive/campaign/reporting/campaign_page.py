@@ -1,5 +1,6 @@
 """The page of a campaign: failures first, then figures."""
 
+from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -31,15 +32,18 @@ def campaign_page(folder: Path, summary: Summary, results: Sequence[Result]) -> 
     """
     head = summary.campaign
     cells = Cells(head.factors)
+    by_cell: dict[str, list[Result]] = defaultdict(list)
+    for result in results:
+        by_cell[cells.name(result.trial.levels)].append(result)
     page = Page(head.name, head.description)
     page.add(head_list(head))
     page.section("Bounds", *verdicts(summary))
     page.section("Failures", *failures(folder, results, cells))
     page.section("Shares", *shares(page, summary, cells))
-    page.section("Distributions", *distributions(page, summary, results, cells))
+    page.section("Distributions", *distributions(page, summary, by_cell, cells))
     page.section("Phases", *phases(page, summary, cells))
     page.section("Paired differences", *differences(page, summary, cells))
     page.section("All figures", *estimate_tables(summary, cells))
-    page.section("Resources", *([resource_table(results, cells)] if results else []))
+    page.section("Resources", *([resource_table(by_cell, cells)] if results else []))
     page.section("Not measured", *not_measured(summary, results, cells))
     return page

@@ -1,14 +1,14 @@
 """The results as tables for other programs: one row a run, as CSV and as Parquet."""
 
 import csv
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from executive.campaign.reporting.quantile import quantile
 from executive.campaign.reporting.result import Result
 from executive.campaign.reporting.summary import MetricWords
-from executive.interfaces.metric import Share, Values
+from executive.interfaces.metric import Measurement, Share, Values
 
 _FIXED = (
     "number",
@@ -50,8 +50,7 @@ def write_tables(
 
     for name, words in metrics.items():
         if not words.is_share:
-            lists = pa.array(list(_values(name, results)), pa.list_(pa.float64()))
-            columns[name] = lists
+            columns[name] = pa.array(_lists(name, results), pa.list_(pa.float64()))
     partial = folder / "results.parquet.partial"
     parquet.write_table(pa.table(columns), partial)
     partial.replace(folder / "results.parquet")
@@ -82,17 +81,25 @@ def _of_shares(metric: str, results: Sequence[Result]) -> dict[str, list[int | N
     }
 
 
-def _of_values(metric: str, results: Sequence[Result]) -> dict[str, list[float | int | None]]:
-    ordered = [None if v is None else sorted(v) for v in _values(metric, results)]
-    return {
-        f"{metric}.median": [quantile(v, 0.5) if v else None for v in ordered],
-        f"{metric}.p95": [quantile(v, 0.95) if v else None for v in ordered],
-        f"{metric}.max": [v[-1] if v else None for v in ordered],
-        f"{metric}.n": [None if v is None else len(v) for v in ordered],
-    }
+def _of_values(metric: str, results: Sequence[Result]) -> dict[str, Sequence[float | int | None]]:
+    told = [_told(one.measurements.get(metric)) for one in results]
+    names = (f"{metric}.{statistic}" for statistic in ("median", "p95", "max", "n"))
+    columns = zip(*told, strict=True) if told else [()] * 4
+    return dict(zip(names, columns, strict=True))
 
 
-def _values(metric: str, results: Sequence[Result]) -> Iterator[Sequence[float] | None]:
-    for one in results:
-        measured = one.measurements.get(metric)
-        yield measured.values if isinstance(measured, Values) else None
+def _told(measured: Measurement | None) -> tuple[float | int | None, ...]:
+    """Return median, 95th percentile, largest and number of the values of one run."""
+    if not isinstance(measured, Values):
+        return (None, None, None, None)
+    values = measured.values
+    if len(values) <= 1:  # nearly half of all cells of the table
+        first = values[0] if values else None
+        return (first, first, first, len(values))
+    ordered = sorted(values)
+    return (quantile(ordered, 0.5), quantile(ordered, 0.95), ordered[-1], len(ordered))
+
+
+def _lists(metric: str, results: Sequence[Result]) -> list[Sequence[float] | None]:
+    measured = (one.measurements.get(metric) for one in results)
+    return [one.values if isinstance(one, Values) else None for one in measured]

@@ -21,7 +21,7 @@ _SHOWN = {"median": ("median", ACCENT), "p95": ("95th percentile", TAIL)}
 
 
 def distributions(
-    page: Page, summary: Summary, results: Sequence[Result], cells: Cells
+    page: Page, summary: Summary, by_cell: Mapping[str, Sequence[Result]], cells: Cells
 ) -> list[Markup]:
     """Return the charts of each metric of values: its distribution, and median and tail by cell."""
     parts: list[Markup] = []
@@ -36,7 +36,7 @@ def distributions(
         if not measured:
             continue
         parts += [tag("h3", words.title), paragraph(prose(words.description), class_="note")]
-        values = values_by_cell(metric, results, cells)
+        values = {name: _values(metric, of) for name, of in by_cell.items()}
         everywhere = {value for found in values.values() for value in found}
         if len(everywhere) == 1:
             count = sum(map(len, values.values()))
@@ -52,16 +52,10 @@ def distributions(
     return parts
 
 
-def values_by_cell(
-    metric: str, results: Sequence[Result], cells: Cells
-) -> Mapping[str, Sequence[float]]:
-    """Return a metric's values in ascending order by cell, in the order of the results."""
-    values: dict[str, list[float]] = {}
-    for result in results:
-        measured = result.measurements.get(metric)
-        if isinstance(measured, Values):
-            values.setdefault(cells.name(result.trial.levels), []).extend(measured.values)
-    return {name: sorted(found) for name, found in values.items()}
+def _values(metric: str, results: Sequence[Result]) -> list[float]:
+    """Return a metric's values in ascending order."""
+    measured = (result.measurements.get(metric) for result in results)
+    return sorted(value for one in measured if isinstance(one, Values) for value in one.values)
 
 
 def axis_of(words: MetricWords) -> dict[str, str]:

@@ -1,7 +1,7 @@
 """All figures as tables, and what was not measured."""
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from executive.campaign.figures.figures import Estimate
 from executive.campaign.reporting.cells import Cells
@@ -63,11 +63,8 @@ def _values(one: Estimate, words: MetricWords, cells: Cells) -> tuple[str, ...]:
     )
 
 
-def resource_table(results: Sequence[Result], cells: Cells) -> Markup:
+def resource_table(by_cell: Mapping[str, Sequence[Result]], cells: Cells) -> Markup:
     """Return what the runs took, by cell: median and largest."""
-    by_cell: dict[str, list[Result]] = defaultdict(list)
-    for result in results:
-        by_cell[cells.name(result.trial.levels)].append(result)
     heads = (
         cells.title,
         "runs",
