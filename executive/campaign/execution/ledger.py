@@ -10,7 +10,7 @@ import json
 import sqlite3
 import zlib
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from enum import Enum
@@ -26,9 +26,12 @@ CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITH
 CREATE TABLE IF NOT EXISTS sessions (
     session INTEGER PRIMARY KEY, begun TEXT NOT NULL, owner TEXT NOT NULL, command TEXT NOT NULL,
     version TEXT NOT NULL, source TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS arguments (
+    arguments INTEGER PRIMARY KEY, text TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS trials (
-    number INTEGER PRIMARY KEY, work TEXT NOT NULL, arguments TEXT NOT NULL, seed INTEGER NOT NULL,
-    levels TEXT NOT NULL, time_s REAL NOT NULL, memory_bytes INTEGER NOT NULL);
+    number INTEGER PRIMARY KEY, work TEXT NOT NULL, arguments INTEGER NOT NULL REFERENCES arguments,
+    seed INTEGER NOT NULL, levels TEXT NOT NULL, time_s REAL NOT NULL,
+    memory_bytes INTEGER NOT NULL);
 CREATE TABLE IF NOT EXISTS tries (
     number INTEGER NOT NULL REFERENCES trials, try INTEGER NOT NULL,
     session INTEGER NOT NULL REFERENCES sessions, state TEXT NOT NULL, reason TEXT NOT NULL,
@@ -86,17 +89,35 @@ class Session:
 class Ledger:
     """The ledger of one campaign; the holder of the folder's lock is its only writer."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, is_read_only: bool = False) -> None:
         """Open it, and make it if it is not there.
 
+        Args:
+            path: The file.
+            is_read_only: Whether it is opened to be read alone, also where nothing can be written,
+                and beside the campaign that writes it.
+
         Raises:
-            DataError: If the file is no ledger.
+            DataError: If the file is no ledger, or it is to be read and is not there.
             DiskFullError: If there is no space for it.
         """
         self._path = path
+        self._is_read_only = is_read_only
         self._session = 0
         with self._errors():
-            self._database = sqlite3.connect(path, isolation_level=None)
+            place = f"{path.resolve().as_uri()}?mode={'ro' if is_read_only else 'rwc'}"
+            self._database = sqlite3.connect(place, uri=True, isolation_level=None)
+        try:
+            with self._errors():
+                self._set_up()
+        except BaseException:
+            self._database.close()
+            raise
+
+    def _set_up(self) -> None:
+        if self._is_read_only:
+            self._database.execute("SELECT count(*) FROM trials").fetchone()
+        else:
             self._database.execute("PRAGMA journal_mode = WAL")
             self._database.execute("PRAGMA synchronous = FULL")
             self._database.executescript(_SCHEMA)
@@ -109,12 +130,15 @@ class Ledger:
         return str(found[0]) if found else None
 
     def begin(self, trials: Sequence[Trial], digest: str) -> None:
-        """Write down what is asked for."""
+        """Write down what is asked for; arguments, which may be whole missions, only once."""
+        numbers: dict[str, int] = {}
+        rows = [_trial_row(one, numbers) for one in trials]
         with self._transaction() as database:
             database.execute("INSERT INTO meta VALUES ('digest', ?)", (digest,))
             database.executemany(
-                "INSERT INTO trials VALUES (?, ?, ?, ?, ?, ?, ?)", map(_trial_row, trials)
+                "INSERT INTO arguments (text, arguments) VALUES (?, ?)", numbers.items()
             )
+            database.executemany("INSERT INTO trials VALUES (?, ?, ?, ?, ?, ?, ?)", rows)
 
     def add_session(self, session: Session) -> None:
         """Write down who works in the folder from now on."""
@@ -138,7 +162,10 @@ class Ledger:
     def trials(self) -> Iterator[Trial]:
         """Return the trials in their order."""
         with self._errors():
-            yield from map(_trial, self._database.execute(_SELECT_TRIALS))
+            found = self._database.execute("SELECT arguments, text FROM arguments")
+            arguments = {number: json.loads(text) for number, text in found}
+            for row in self._database.execute(_SELECT_TRIALS):
+                yield _trial(row, arguments)
 
     def outcomes(self) -> Iterator[Outcome]:
         """Return the outcomes in the order of their trials."""
@@ -222,8 +249,9 @@ class Ledger:
 
     def close(self) -> None:
         """Leave one file that can be read from anywhere, also where nothing can be written."""
-        with suppress(sqlite3.Error):
-            self._database.execute("PRAGMA journal_mode = DELETE")
+        if not self._is_read_only:
+            with suppress(sqlite3.Error):  # somebody reads it at the moment
+                self._database.execute("PRAGMA journal_mode = DELETE")
         self._database.close()
 
     def _close_claim(
@@ -268,19 +296,21 @@ def _is_disk_full(error: sqlite3.DatabaseError, path: Path) -> bool:
     return code == sqlite3.SQLITE_IOERR and not is_space_left(path.parent)
 
 
-def _trial_row(trial: Trial) -> tuple[object, ...]:
-    arguments, levels = json.dumps(dict(trial.arguments)), json.dumps(dict(trial.levels))
-    limits = trial.limits
+def _trial_row(trial: Trial, numbers: dict[str, int]) -> tuple[object, ...]:
+    """Return the row of a trial; `numbers` holds that of each arguments, new ones are added."""
+    text = json.dumps(dict(trial.arguments))
+    arguments = numbers.setdefault(text, len(numbers))
+    levels, limits = json.dumps(dict(trial.levels)), trial.limits
     return (
         *(trial.number, trial.work, arguments, trial.seed, levels),
         *(limits.time_s, limits.memory_bytes),
     )
 
 
-def _trial(row: tuple[Any, ...]) -> Trial:
-    number, work, arguments, seed, levels, time_s, memory_bytes = row
+def _trial(row: tuple[Any, ...], arguments: Mapping[int, Mapping[str, Any]]) -> Trial:
+    number, work, which, seed, levels, time_s, memory_bytes = row
     limits = Limits(time_s, memory_bytes)
-    return Trial(number, work, json.loads(arguments), seed, json.loads(levels), limits)
+    return Trial(number, work, arguments[which], seed, json.loads(levels), limits)
 
 
 def _outcome_row(outcome: Outcome) -> tuple[object, ...]:

@@ -74,7 +74,7 @@ def read_campaign_folder(
     path = CampaignFolder(folder).results
     if not path.is_file():
         raise ConfigError(f"{folder} holds no campaign: there is no {path.name}")
-    with closing(Ledger(path)) as ledger:
+    with closing(Ledger(path, is_read_only=True)) as ledger:
         sessions = ledger.sessions()
         command = sessions[0].command if sessions else ""
         campaign = campaign or load_asked(folder, command)

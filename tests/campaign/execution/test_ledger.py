@@ -46,6 +46,16 @@ def test_trials_are_read_back_as_they_were_written(ledger, trial) -> None:
     assert ledger.digest == "digest"
 
 
+def test_arguments_that_many_trials_share_are_written_once(path, trial) -> None:
+    mission = "trees: 1\n" * 10_000
+    ledger = Ledger(path)
+    ledger.begin([trial(number=n, mission=mission + "#" * (n % 2)) for n in range(200)], "digest")
+    found = list(ledger.trials())
+    ledger.close()
+    assert path.stat().st_size < 4 * len(mission)
+    assert [one.arguments["mission"][-1] for one in found[:3]] == ["\n", "#", "\n"]
+
+
 def test_what_is_claimed_or_finished_is_not_pending(ledger) -> None:
     assert ledger.pending() == [0, 1, 2]
     assert ledger.claim(0) == 1
@@ -123,6 +133,34 @@ def test_another_file_is_refused(path) -> None:
     path.write_bytes(b"this is no database" * 100)
     with pytest.raises(DataError, match=r"results\.sqlite"):
         Ledger(path)
+
+
+def test_it_is_read_while_it_is_written(ledger, path) -> None:
+    ledger.claim(0)
+    ledger.finish(done(0))
+    reader = Ledger(path, is_read_only=True)
+    assert list(reader.outcomes()) == [done(0)]
+    ledger.claim(1)
+    ledger.finish(done(1))
+    assert reader.done() == [0, 1]
+    with pytest.raises(DataError, match="readonly"):
+        reader.claim(2)
+    reader.close()
+    assert ledger.pending() == [2]
+
+
+def test_it_is_read_from_where_nothing_can_be_written(ledger, path, tmp_path) -> None:
+    ledger.claim(0)
+    ledger.finish(done(0))
+    ledger.close()
+    before = {one.name: one.read_bytes() for one in tmp_path.iterdir()}
+    reader = Ledger(path, is_read_only=True)
+    assert list(reader.outcomes()) == [done(0)]
+    reader.close()
+    assert {one.name: one.read_bytes() for one in tmp_path.iterdir()} == before
+    with pytest.raises(DataError, match=r"nowhere\.sqlite"):
+        Ledger(tmp_path / "nowhere.sqlite", is_read_only=True)
+    assert not (tmp_path / "nowhere.sqlite").exists()
 
 
 def test_a_folder_has_one_campaign_at_a_time(tmp_path) -> None:
