@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from threading import RLock
 
-from executive.campaign.execution.fork_client import ForkClient
-from executive.campaign.execution.fork_protocol import Begin
-from executive.campaign.execution.running import Running
+from executive.campaign.execution.processes.fork_client import ForkClient
+from executive.campaign.execution.processes.fork_protocol import Begin
+from executive.campaign.execution.processes.running import Running
 from executive.campaign.trial import Trial
 
 

@@ -8,53 +8,26 @@ lease of all claims: whoever holds it is the only writer.
 
 import json
 import sqlite3
-import zlib
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any
 
 from executive.campaign.execution.disk_space import DiskFullError, is_space_left
-from executive.campaign.trial import Limits, Outcome, Status, Trial
+from executive.campaign.execution.ledger_rows import (
+    SCHEMA,
+    SELECT_OUTCOMES,
+    SELECT_PENDING,
+    SELECT_TRIALS,
+    outcome_of,
+    outcome_row,
+    trial_of,
+    trial_row,
+)
+from executive.campaign.trial import Outcome, Status, Trial
 from executive.errors import DataError
-
-_SCHEMA = """
-CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
-CREATE TABLE IF NOT EXISTS sessions (
-    session INTEGER PRIMARY KEY, begun TEXT NOT NULL, owner TEXT NOT NULL, command TEXT NOT NULL,
-    version TEXT NOT NULL, source TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS arguments (
-    arguments INTEGER PRIMARY KEY, text TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS trials (
-    number INTEGER PRIMARY KEY, work TEXT NOT NULL, arguments INTEGER NOT NULL REFERENCES arguments,
-    seed INTEGER NOT NULL, levels TEXT NOT NULL, time_s REAL NOT NULL,
-    memory_bytes INTEGER NOT NULL);
-CREATE TABLE IF NOT EXISTS tries (
-    number INTEGER NOT NULL REFERENCES trials, try INTEGER NOT NULL,
-    session INTEGER NOT NULL REFERENCES sessions, state TEXT NOT NULL, reason TEXT NOT NULL,
-    PRIMARY KEY (number, try)) WITHOUT ROWID;
-CREATE TABLE IF NOT EXISTS outcomes (
-    number INTEGER PRIMARY KEY REFERENCES trials, status TEXT NOT NULL, reason TEXT NOT NULL,
-    answer BLOB NOT NULL, wall_s REAL NOT NULL, cpu_s REAL NOT NULL,
-    peak_memory_bytes INTEGER NOT NULL, tries INTEGER NOT NULL, worker TEXT NOT NULL);
-"""
-
-_SELECT_TRIALS = """
-SELECT number, work, arguments, seed, levels, time_s, memory_bytes FROM trials ORDER BY number
-"""
-_SELECT_OUTCOMES = """
-SELECT number, status, reason, answer, wall_s, cpu_s, peak_memory_bytes, tries, worker
-FROM outcomes ORDER BY number
-"""
-_PENDING = """
-SELECT number FROM trials
-WHERE number NOT IN (SELECT number FROM outcomes)
-AND number NOT IN (SELECT number FROM tries WHERE state = 'claimed')
-ORDER BY number
-"""
 
 
 class TryState(Enum):
@@ -120,7 +93,7 @@ class Ledger:
         else:
             self._database.execute("PRAGMA journal_mode = WAL")
             self._database.execute("PRAGMA synchronous = FULL")
-            self._database.executescript(_SCHEMA)
+            self._database.executescript(SCHEMA)
 
     @property
     def digest(self) -> str | None:
@@ -132,7 +105,7 @@ class Ledger:
     def begin(self, trials: Sequence[Trial], digest: str) -> None:
         """Write down what is asked for; arguments, which may be whole missions, only once."""
         numbers: dict[str, int] = {}
-        rows = [_trial_row(one, numbers) for one in trials]
+        rows = [trial_row(one, numbers) for one in trials]
         with self._transaction() as database:
             database.execute("INSERT INTO meta VALUES ('digest', ?)", (digest,))
             database.executemany(
@@ -164,13 +137,13 @@ class Ledger:
         with self._errors():
             found = self._database.execute("SELECT arguments, text FROM arguments")
             arguments = {number: json.loads(text) for number, text in found}
-            for row in self._database.execute(_SELECT_TRIALS):
-                yield _trial(row, arguments)
+            for row in self._database.execute(SELECT_TRIALS):
+                yield trial_of(row, arguments)
 
     def outcomes(self) -> Iterator[Outcome]:
         """Return the outcomes in the order of their trials."""
         with self._errors():
-            yield from map(_outcome, self._database.execute(_SELECT_OUTCOMES))
+            yield from map(outcome_of, self._database.execute(SELECT_OUTCOMES))
 
     def counts(self) -> Counter[Status]:
         """Return the number of outcomes by status."""
@@ -187,7 +160,7 @@ class Ledger:
     def pending(self) -> list[int]:
         """Return the numbers of the trials that are neither finished nor claimed, in order."""
         with self._errors():
-            return [number for (number,) in self._database.execute(_PENDING)]
+            return [number for (number,) in self._database.execute(SELECT_PENDING)]
 
     def claims(self) -> list[tuple[int, int]]:
         """Return number and try of what is claimed."""
@@ -220,7 +193,7 @@ class Ledger:
         """
         with self._transaction() as database:
             database.execute(
-                "INSERT INTO outcomes VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", _outcome_row(outcome)
+                "INSERT INTO outcomes VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", outcome_row(outcome)
             )
             self._close_claim(database, outcome.number, TryState.FINISHED, outcome.reason)
 
@@ -294,33 +267,3 @@ def _is_disk_full(error: sqlite3.DatabaseError, path: Path) -> bool:
     if code == sqlite3.SQLITE_FULL:
         return True
     return code == sqlite3.SQLITE_IOERR and not is_space_left(path.parent)
-
-
-def _trial_row(trial: Trial, numbers: dict[str, int]) -> tuple[object, ...]:
-    """Return the row of a trial; `numbers` holds that of each arguments, new ones are added."""
-    text = json.dumps(dict(trial.arguments))
-    arguments = numbers.setdefault(text, len(numbers))
-    levels, limits = json.dumps(dict(trial.levels)), trial.limits
-    return (
-        *(trial.number, trial.work, arguments, trial.seed, levels),
-        *(limits.time_s, limits.memory_bytes),
-    )
-
-
-def _trial(row: tuple[Any, ...], arguments: Mapping[int, Mapping[str, Any]]) -> Trial:
-    number, work, which, seed, levels, time_s, memory_bytes = row
-    limits = Limits(time_s, memory_bytes)
-    return Trial(number, work, arguments[which], seed, json.loads(levels), limits)
-
-
-def _outcome_row(outcome: Outcome) -> tuple[object, ...]:
-    answer = zlib.compress(json.dumps(dict(outcome.answer)).encode())
-    return (
-        *(outcome.number, outcome.status.value, outcome.reason, answer, outcome.wall_s),
-        *(outcome.cpu_s, outcome.peak_memory_bytes, outcome.tries, outcome.worker),
-    )
-
-
-def _outcome(row: tuple[Any, ...]) -> Outcome:
-    number, status, reason, answer, *took = row
-    return Outcome(number, Status(status), reason, json.loads(zlib.decompress(answer)), *took)

@@ -7,7 +7,7 @@ from pathlib import Path
 from executive.campaign.execution.chosen_work import inputs_of
 from executive.campaign.execution.isolation import Isolation
 from executive.campaign.execution.pool import Lost, Pool
-from executive.campaign.execution.running import Running
+from executive.campaign.execution.processes.running import Running
 from executive.campaign.trial import Outcome, Trial
 from executive.clock import wall_s
 

@@ -23,10 +23,10 @@ from distributed import Worker, get_worker
 from executive.campaign.execution.disk_space import DiskFullError
 from executive.campaign.execution.fingerprint import local_fingerprint
 from executive.campaign.execution.inputs import Chunk, InputCache
-from executive.campaign.execution.isolated_run import OUTPUT
 from executive.campaign.execution.isolation import Isolation
 from executive.campaign.execution.parcel import pack
 from executive.campaign.execution.pool import Lost
+from executive.campaign.execution.processes.isolated_run import OUTPUT
 from executive.campaign.execution.run_answer import NAME as ANSWER
 from executive.campaign.trial import Outcome, Trial
 from executive.clock import wall_s

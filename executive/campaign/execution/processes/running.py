@@ -5,11 +5,11 @@ import socket
 from pathlib import Path
 
 from executive.campaign.execution.disk_space import DiskFullError
-from executive.campaign.execution.fork_client import ForkClient
-from executive.campaign.execution.fork_protocol import Ended, Exited
-from executive.campaign.execution.isolated_run import OUTPUT
 from executive.campaign.execution.pool import Lost, RefusedError
-from executive.campaign.execution.process_tree import ProcessTree
+from executive.campaign.execution.processes.fork_client import ForkClient
+from executive.campaign.execution.processes.fork_protocol import Ended, Exited
+from executive.campaign.execution.processes.isolated_run import OUTPUT
+from executive.campaign.execution.processes.process_tree import ProcessTree
 from executive.campaign.execution.run_answer import RunAnswer, read_answer
 from executive.campaign.trial import Outcome, Status, Trial
 from executive.clock import wall_s

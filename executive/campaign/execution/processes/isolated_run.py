@@ -13,8 +13,8 @@ from typing import NoReturn
 
 from executive.campaign.execution.chosen_work import work_of
 from executive.campaign.execution.disk_space import is_disk_full, is_space_left
-from executive.campaign.execution.fork_protocol import Begin, Ended, LastWord
-from executive.campaign.execution.process_ties import die_with, python_command
+from executive.campaign.execution.processes.fork_protocol import Begin, Ended, LastWord
+from executive.campaign.execution.processes.process_ties import die_with, python_command
 from executive.campaign.execution.run_answer import RunAnswer, fingerprint, write_answer
 from executive.clock import wall_s
 from executive.errors import ConfigError
@@ -34,7 +34,7 @@ def exec_run(asked: Begin, last_word: int) -> NoReturn:
         file.seek(0)
         os.dup2(file.fileno(), sys.stdin.fileno())
     os.set_inheritable(last_word, True)
-    module = "executive.campaign.execution.isolated_run"
+    module = "executive.campaign.execution.processes.isolated_run"
     os.execv(sys.executable, python_command(module, str(last_word)))
 
 

@@ -8,8 +8,8 @@ from multiprocessing import Pipe
 from multiprocessing.connection import wait
 from threading import RLock
 
-from executive.campaign.execution.fork_protocol import Begin, Begun, Exited
-from executive.campaign.execution.process_ties import python_command
+from executive.campaign.execution.processes.fork_protocol import Begin, Begun, Exited
+from executive.campaign.execution.processes.process_ties import python_command
 
 # One thread for each numerical library: runs side by side otherwise wait for one another.
 ONE_THREAD = dict.fromkeys(
@@ -22,7 +22,7 @@ ONE_THREAD = dict.fromkeys(
     ),
     "1",
 )
-_SERVER = "executive.campaign.execution.fork_server"
+_SERVER = "executive.campaign.execution.processes.fork_server"
 _DEADLINE_S = 5.0  # for the server to end
 _SHOWN_BYTES = 2000  # of what the server printed
 

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 
 from executive.campaign.execution.chosen_work import work_of
-from executive.campaign.execution.fork_protocol import Begin, Begun, Exited, LastWord
-from executive.campaign.execution.isolated_run import exec_run, run_and_exit
-from executive.campaign.execution.process_ties import adopt_orphans, number_of_threads
+from executive.campaign.execution.processes.fork_protocol import Begin, Begun, Exited, LastWord
+from executive.campaign.execution.processes.isolated_run import exec_run, run_and_exit
+from executive.campaign.execution.processes.process_ties import adopt_orphans, number_of_threads
 
 _LONGEST_WORD_BYTES = 65536  # capacity of a pipe; a last word is far shorter
 

@@ -1,0 +1,1 @@
+"""Processes of runs: forked after the imports, held to limits, ended with all that descends."""
