@@ -13,6 +13,7 @@ import pytest
 from pydantic.fields import FieldInfo
 
 from executive.config import Settings
+from executive.interfaces.plugin import Plugin
 from executive.machine.machine import Machine, load_machine
 from executive.testing.exercise import exercise_of
 from executive.testing.subject import subject_of
@@ -61,9 +62,9 @@ def machine() -> Machine:
 
 @pytest.fixture
 def settings_in() -> Callable[[str], Any]:
-    """Return the defaults and bounds of all settings of a package, which users write files by."""
+    """Return what a package declares: defaults and bounds of settings, latencies of plugins."""
 
-    def classes(of: type[Settings]) -> Iterator[type[Settings]]:
+    def classes(of: type) -> Iterator[type]:
         for one in of.__subclasses__():
             yield one
             yield from classes(one)
@@ -74,13 +75,16 @@ def settings_in() -> Callable[[str], Any]:
         ):
             importlib.import_module(module.name)
         found = [one for one in classes(Settings) if f"{one.__module__}.".startswith(f"{package}.")]
-        return {
+        bounds = {
             one.__name__: {
                 name: [repr(field.get_default(call_default_factory=True)), _bounds(field)]
                 for name, field in one.model_fields.items()
             }
             for one in sorted(found, key=lambda one: one.__qualname__)
         }
+        plugins = [one for one in classes(Plugin) if f"{one.__module__}.".startswith(f"{package}.")]
+        declared = {one.__name__: [one.latency_s, one.is_stateless] for one in plugins}
+        return bounds, dict(sorted(declared.items()))
 
     return fields
 
