@@ -36,11 +36,20 @@ def ply(
     return header.encode() + body
 
 
+PCD_FIELDS = {
+    "VERSION": ".7",
+    "FIELDS": "x y z i",
+    "SIZE": "4 4 4 2",
+    "TYPE": "F F F U",
+    "COUNT": "1 1 1 2",
+    "WIDTH": "12",
+    "HEIGHT": "1",
+    "POINTS": "12",
+}
+
+
 def pcd(form: str, body: bytes, **changed: str) -> bytes:
-    fields = {"VERSION": ".7", "FIELDS": "x y z i", "SIZE": "4 4 4 2",
-              "TYPE": "F F F U",
-              "COUNT": "1 1 1 2", "WIDTH": "12", "HEIGHT": "1", "POINTS": "12"} | changed  # fmt: skip
-    lines = [f"{key} {value}" for key, value in fields.items() if value]
+    lines = [f"{key} {value}" for key, value in (PCD_FIELDS | changed).items() if value]
     return "\n".join(["# .PCD v.7", *lines, f"DATA {form}", ""]).encode() + body
 
 
