@@ -9,12 +9,24 @@ from pathlib import Path
 import numpy as np
 
 from executive.campaign.description.campaign import Campaign
+from executive.campaign.description.load import load_campaign
+from executive.campaign.description.options import CampaignOptions
 from executive.campaign.execution.folder import CampaignFolder
-from executive.campaign.execution.ledger import Ledger, Session, _outcome_row
+from executive.campaign.execution.ledger import Ledger, Session
+from executive.campaign.execution.ledger_rows import outcome_row
 from executive.campaign.figures.bound import Bound
 from executive.campaign.figures.comparison import Comparison
 from executive.campaign.trial import Limits, Outcome, Status, Trial
 
+WAITS = """\
+api: 1
+mission: waits
+plugins:
+  robot: {plugin: kinematic}
+  estimation: gnss_imu_filter
+trees:
+  main: {wait: 0.2 s}
+"""
 MISSION = "api: 1\nmission: made_up\ntrees:\n  main:\n    wait: 1 s\n"
 
 
@@ -102,5 +114,15 @@ def write_ledger(
     if not is_durable:
         with closing(sqlite3.connect(path)) as database, database:
             marks = ", ".join("?" * 9)
-            rows = map(_outcome_row, found)
+            rows = map(outcome_row, found)
             database.executemany(f"INSERT INTO outcomes VALUES ({marks})", rows)
+
+
+def waiting(folder: Path, seeds: str) -> Campaign:
+    """Write a campaign of a short mission into its folder, as the engine does, and return it."""
+    folder.mkdir()
+    mission = folder / "waits.yaml"
+    mission.write_text(WAITS, encoding="utf-8")
+    found = load_campaign(str(mission), CampaignOptions(seeds=seeds))
+    (folder / "campaign.yaml").write_text(found.text, encoding="utf-8")
+    return found

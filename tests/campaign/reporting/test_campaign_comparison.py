@@ -7,37 +7,14 @@ from types import ModuleType
 import pytest
 from typer.testing import CliRunner
 
-from executive.campaign.description.campaign import Campaign
-from executive.campaign.description.load import load_campaign
-from executive.campaign.description.options import CampaignOptions
 from executive.commands.main import app
 from executive.errors import ConfigError
-
-MISSION = """\
-api: 1
-mission: waits
-plugins:
-  robot: {plugin: kinematic}
-  estimation: gnss_imu_filter
-trees:
-  main: {wait: 0.2 s}
-"""
-
-
-def campaign(folder: Path, seeds: str) -> Campaign:
-    """Write a campaign into its folder, as `executive campaign` does, and return it."""
-    folder.mkdir()
-    mission = folder / "waits.yaml"
-    mission.write_text(MISSION, encoding="utf-8")
-    found = load_campaign(str(mission), CampaignOptions(seeds=seeds))
-    (folder / "campaign.yaml").write_text(found.text, encoding="utf-8")
-    return found
 
 
 @pytest.fixture
 def folders(made_up: ModuleType, tmp_path: Path) -> tuple[Path, Path]:
     for name, seeds, share in (("good", "1:40", 0.95), ("bad", "21:80", 0.2)):
-        of = campaign(tmp_path / name, seeds)
+        of = made_up.waiting(tmp_path / name, seeds)
         made_up.write_ledger(tmp_path / name, of, made_up.outcomes(of, share))
     return tmp_path / "good", tmp_path / "bad"
 
@@ -57,7 +34,7 @@ def test_campaigns_without_a_common_seed_are_refused(
     made_up: ModuleType, folders: tuple[Path, Path], tmp_path: Path
 ) -> None:
     other = tmp_path / "other"
-    of = campaign(other, "500:510")
+    of = made_up.waiting(other, "500:510")
     made_up.write_ledger(other, of, made_up.outcomes(of))
     done = CliRunner().invoke(app, ["compare", str(folders[0]), str(other)])
     assert isinstance(done.exception, ConfigError)

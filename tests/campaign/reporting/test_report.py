@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import html
+import json
 import re
 import subprocess
 import sys
@@ -11,12 +12,14 @@ from types import ModuleType
 
 import pytest
 from pyarrow import parquet
+from typer.testing import CliRunner
 
 from executive.campaign.figures.calculation import figures_of
 from executive.campaign.figures.row import row_of
 from executive.campaign.reporting.report import report_campaign
 from executive.campaign.reporting.summary import read_summary
 from executive.campaign.trial import Outcome, Status
+from executive.commands.main import app
 
 ANSWER = {
     "report": {"outcome": "failure", "reason": "no stone was placed"},
@@ -197,7 +200,17 @@ def test_long_lists_are_cut_and_say_by_how_much(made_up: ModuleType, tmp_path: P
     assert "15 further rows: see the tables and results.csv." in body
 
 
-@pytest.mark.slow
+def test_the_verb_makes_it_anew_from_the_folder_alone(made_up: ModuleType, tmp_path: Path) -> None:
+    folder = tmp_path / "campaign"
+    campaign = made_up.waiting(folder, "1:12")
+    made_up.write_ledger(folder, campaign, made_up.outcomes(campaign))
+    done = CliRunner().invoke(app, ["report", str(folder), "--json"])
+    assert done.exit_code == 0, done.output
+    assert json.loads(done.stdout) == json.loads((folder / "figures.json").read_text())
+    assert json.loads(done.stdout)["campaign"]["runs"]["asked"] == 12
+    assert "<h1>waits</h1>" in body_of(folder)
+
+
 def test_ten_thousand_runs_take_less_than_20_s_and_1_gb(
     made_up: ModuleType, tmp_path: Path
 ) -> None:
