@@ -86,8 +86,8 @@ def run_campaign(
             finally:
                 runs.release()
         end = runs.progress("".join(stop))
-    after_change(end)
-    return end
+        after_change(end)  # before another campaign may use the folder
+        return end
 
 
 class _Runs:
