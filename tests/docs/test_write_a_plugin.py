@@ -96,3 +96,17 @@ def test_a_new_package_is_written(site, tmp_path):
     words = re.search(r"executive (plugins new .*)", PAGE.read_text()).group(1).split()
     assert command(*words, site=site, cwd=tmp_path).returncode == 0
     assert (tmp_path / "steep_ground" / "pyproject.toml").is_file()
+
+
+def test_the_bulk_work_of_the_page_answers_the_same_for_a_seed(tmp_path):
+    names = {}
+    exec(block("python", "class Weigh(Work)"), names)
+    arguments = names["WeighSettings"](samples=3)
+    answers = []
+    for folder in (tmp_path / "a", tmp_path / "b"):
+        folder.mkdir()
+        answers.append(names["Weigh"]().run(names["Piece"](arguments, 5, folder, {})))
+        assert (folder / "weights.npy").exists()
+    assert answers[0] == answers[1]
+    assert len(answers[0]["measurements"]["weight"]["values"]) == 3
+    assert names["Weigh"]().inputs(names["WeighSettings"](stones=tmp_path)) == {"stones": tmp_path}
