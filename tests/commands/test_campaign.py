@@ -135,6 +135,16 @@ def test_a_dry_campaign_lists_its_runs_and_begins_none(
     assert {path.name for path in here.iterdir()} == {"waits.yaml", "waiting.yaml"}
 
 
+def test_check_takes_campaign_files_as_well(here: Path, executive: Callable[..., Answer]) -> None:
+    good = executive("check", "waiting.yaml", "--json")
+    assert (good.status, json.loads(good.out)["campaign"]) == (0, "waiting")
+    (here / "waiting.yaml").write_text(CAMPAIGN.replace("success:", "sucess:"))
+    bad = executive("check", "waiting.yaml", "--json")
+    assert bad.status == 2
+    (problem,) = json.loads(bad.out)["problems"]
+    assert problem.startswith("waiting.yaml:8:11: error: no metric plugin 'sucess'. Did you mean")
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -130,7 +130,7 @@ def test_prints_its_version():
 @pytest.mark.parametrize(
     ("typed", "offered"),
     [
-        ("executive comp", "compare-estimators"),
+        ("executive compare-", "compare-estimators"),
         ("executive grasp-d", "grasp-data"),
         ("executive plugins doc", "doctor"),
         ("executive segment --js", "--json"),

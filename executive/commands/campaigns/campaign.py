@@ -79,12 +79,13 @@ def campaign(  # noqa: PLR0913 - the options of the command line, each a paramet
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Run a mission with many seeds and variants, and report figures with their intervals.
+    """Run many missions, and compare variants.
 
-    Each run has a process of its own; one that crashes or hangs costs that run, which counts as
-    failed. A campaign that is stopped or killed goes on with --resume. Exit status: 0 if every
-    bound is met; 1 if one is missed, or if it was stopped; 2 if the input is wrong or the campaign
-    could not go on.
+    A mission is run with many seeds and variants; figures are reported with their intervals. Each
+    run has a process of its own; one that crashes or hangs costs that run, which counts as failed.
+    A campaign that is stopped or killed goes on with --resume. Exit status: 0 if every bound is
+    met; 1 if one is missed, or if it was stopped; 2 if the input is wrong or the campaign could
+    not go on.
 
     Example: executive campaign relocate --seeds 1:20 --vary alignment.plugin=gicp,point_to_plane
     """

@@ -14,9 +14,10 @@ OtherArgument = Annotated[Path, typer.Argument(metavar="RUN", help="Another of t
 
 
 def compare(one: OneArgument, other: OtherArgument, as_json: JsonOption = False) -> None:
-    """Compare two runs: settings, outcome, metrics, timings, first difference of the journals.
+    """Compare two runs, or two campaigns.
 
-    Of two campaigns: paired differences of every metric, on the seeds that both have.
+    Of two runs: settings, outcome, metrics, timings, and the first difference of the journals. Of
+    two campaigns: paired differences of every metric, on the seeds that both have.
 
     Example: executive compare runs/monday runs/tuesday
     """
