@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
@@ -65,12 +66,23 @@ def _expected(dimension: str) -> str:
     return f"{article} {dimension} (a number in {units[0]}, or with a unit: {', '.join(units)})"
 
 
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """Marks the type of a setting as a quantity of a dimension of `UNITS`."""
+
+    dimension: str
+
+
 def _quantity(dimension: str) -> Any:
     schema = {
         "anyOf": [{"type": "number"}, {"type": "string"}],
         "description": _expected(dimension),
     }
-    return (BeforeValidator(lambda value: parse_quantity(value, dimension)), WithJsonSchema(schema))
+    return (
+        Quantity(dimension),
+        BeforeValidator(lambda value: parse_quantity(value, dimension)),
+        WithJsonSchema(schema),
+    )
 
 
 Seconds = Annotated[float, *_quantity("time")]

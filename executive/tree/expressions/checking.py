@@ -1,0 +1,387 @@
+"""The type of an expression before the run, and every mistake in it with its place.
+
+A key may hold one of several types, depending on the path to the expression. What is reported is
+what must fail: an operation that fits no combination of the types of its parts.
+"""
+
+import typing
+from collections.abc import Callable, Mapping
+from itertools import product
+from typing import Any
+
+from executive.errors import did_you_mean
+from executive.tree.expressions.dimension import PLAIN, Dimension, unit_dimension
+from executive.tree.expressions.functions import RULES, RefusedError, shown
+from executive.tree.expressions.kinds import (
+    COUNT,
+    bare,
+    dimension_of,
+    fields_of,
+    item_of,
+    members,
+    number,
+    sort_of,
+)
+from executive.tree.expressions.syntax import (
+    COMPARISONS,
+    Binary,
+    Expression,
+    Field,
+    Function,
+    Index,
+    Key,
+    Listed,
+    Number,
+    Over,
+    Text,
+    Truth,
+    Unary,
+)
+
+Types = frozenset[Any]
+UNKNOWN: Types = frozenset({Any})
+NOTHING: Types = frozenset()  # the type of what was refused already
+
+
+class Typing:
+    """Finds the types of an expression.
+
+    Args:
+        key: Returns the types that a key may hold; it reports a key that nothing has written, and
+            then returns none. The flag says that the key may be missing, as in `has({key})`.
+        fail: Takes the offset of a mistake and the message.
+    """
+
+    def __init__(self, key: Callable[[Key, bool], Types], fail: Callable[[int, str], None]) -> None:
+        self._key = key
+        self._fail = fail
+        self._items: Mapping[str, Types] = {}
+        self._present: frozenset[str] = frozenset()  # what `has` has been asked for
+
+    def types(self, one: Expression) -> Types:  # noqa: C901 - one case a part
+        """Return what an expression may give; nothing after a mistake, which is reported."""
+        match one:
+            case Number(value=value, unit=unit):
+                return frozenset({number(unit_dimension(unit) if unit else PLAIN, type(value))})
+            case Text():
+                return frozenset({typing.Literal[one.value]})
+            case Truth():
+                return frozenset({bool})
+            case Key():
+                return self._of_key(one, may_miss=False)
+            case Field():
+                return self._field(one)
+            case Index():
+                return self._index(one)
+            case Listed():
+                return self._listed(one)
+            case Unary():
+                return self._unary(one)
+            case Binary():
+                return self._binary(one)
+            case Function():
+                return self._function(one)
+            case Over():
+                return self._over(one)
+
+    def truth(self, one: Expression) -> Types:
+        """Return the types of an expression that must be true or false."""
+        return self._truth(one, "a condition")
+
+    # --- keys and what is in them
+
+    def _of_key(self, one: Key, *, may_miss: bool) -> Types:
+        if one.name in self._items:
+            return self._items[one.name]
+        found = self._key(one, may_miss or str(one) in self._present)
+        return _split(found)
+
+    def _there(self, one: Expression) -> Types:
+        """Return the types of a value that must not be missing."""
+        found = self.types(one)
+        if str(one) in self._present:
+            return _without_missing(found)
+        return self._refuse_missing(one, found)
+
+    def _refuse_missing(self, one: Expression, found: Types) -> Types:
+        if any(sort_of(kind) == "missing" for kind in found):
+            told = f"{one} may be missing; ask 'has({one}) and …' before, or write 'default({one},"
+            self._fail(one.at, f"{told} …)'")
+            return NOTHING
+        return found
+
+    def _field(self, one: Field) -> Types:
+        found = self._there(one.of)
+        results: set[Any] = set()
+        known: set[str] = set()
+        for kind in found:
+            if sort_of(kind) == "unknown":
+                results.add(Any)
+            elif sort_of(kind) == "object":
+                fields = fields_of(_class(kind))
+                known.update(fields)
+                results.update([fields[one.name]] if one.name in fields else [])
+        if found and not results:
+            near = did_you_mean(one.name, known) if known else ""
+            self._fail(one.at, f"{_names(found)} has no field '{one.name}'{near}")
+        return _split(frozenset(results))
+
+    def _index(self, one: Index) -> Types:
+        found, index = self._there(one.of), self._there(one.index)
+        results = set()
+        for kind, by in product(found, index):
+            wanted = {"mapping": ("text",), "unknown": ("number", "text")}.get(
+                sort_of(kind), ("number",)
+            )
+            if sort_of(kind) in ("list", "array", "mapping", "unknown") and _is(by, wanted):
+                results.add(Any if sort_of(kind) == "unknown" else item_of(kind))
+        if found and index and not results:
+            self._fail(one.at, f"{_names(found)} has no item [{_names(index)}]")
+        return _split(frozenset(results))
+
+    def _listed(self, one: Listed) -> Types:
+        kinds: set[Any] = set()
+        for item in one.items:
+            kinds.update(self._there(item) or UNKNOWN)
+        if not kinds:
+            return frozenset({list})
+        return frozenset({list[typing.Union[tuple(kinds)]]})  # type: ignore[misc]  # noqa: UP007
+
+    # --- operators
+
+    def _truth(self, one: Expression, what: str) -> Types:
+        found = self._there(one)
+        if found and not any(_is(kind, ("truth",)) for kind in found):
+            self._fail(one.at, f"{what} needs true or false, and {one} is {_names(found)}")
+            return NOTHING
+        return frozenset({bool}) if found else NOTHING
+
+    def _unary(self, one: Unary) -> Types:
+        if one.op == "not":
+            return self._truth(one.of, "'not'")
+        found = self._there(one.of)
+        kept = frozenset(kind for kind in found if _is(kind, ("number",)))
+        if found and not kept:
+            self._fail(one.at, f"'-' needs a number, and {one.of} is {_names(found)}")
+        return kept
+
+    def _binary(self, one: Binary) -> Types:
+        if one.op in ("and", "or"):
+            return self._joined(one)
+        left, right = self._there(one.left), self._there(one.right)
+        results, refusal = set(), ""
+        for pair in product(left, right):
+            try:
+                results.add(_operation(one.op, *pair))
+            except RefusedError as error:
+                refusal = refusal or str(error)
+        if refusal and not results:
+            self._fail(one.at, refusal)
+        return frozenset(results)
+
+    def _joined(self, one: Binary) -> Types:
+        left = self._truth(one.left, f"'{one.op}'")
+        before = self._present
+        self._present = before | asked_for(one.left, one.op == "and")
+        right = self._truth(one.right, f"'{one.op}'")
+        self._present = before
+        return left & right
+
+    # --- functions
+
+    def _function(self, one: Function) -> Types:
+        if one.name in ("has", "default"):
+            return self._missing(one)
+        rule = RULES[one.name]
+        if not rule.least <= len(one.arguments) <= rule.most:
+            self._fail(one.at, rule.told(one.name, len(one.arguments)))
+            return NOTHING
+        given = [self._there(argument) for argument in one.arguments]
+        if not all(given):
+            return NOTHING
+        results, refusal = set(), ""
+        for kinds in product(*given):
+            try:
+                results.add(rule.result(one.name, kinds))
+            except RefusedError as error:
+                refusal = refusal or str(error)
+        if not results:
+            self._fail(one.at, refusal)
+        return frozenset(results)
+
+    def _missing(self, one: Function) -> Types:
+        wanted = 1 if one.name == "has" else 2
+        if len(one.arguments) != wanted or not isinstance(one.arguments[0], Key | Field | Index):
+            form = "has({key})" if one.name == "has" else "default({key}, value)"
+            self._fail(one.at, f"'{one.name}' is written '{form}'")
+            return NOTHING
+        found = self._of_missing(one.arguments[0])
+        if one.name == "has":
+            return frozenset({bool})
+        return _without_missing(found) | self._there(one.arguments[1])
+
+    def _of_missing(self, one: Expression) -> Types:
+        if isinstance(one, Key):
+            return self._of_key(one, may_miss=True)
+        root: Expression = one
+        while isinstance(root, Field | Index):
+            root = root.of
+        if not isinstance(root, Key):
+            return self.types(one)
+        before = self._present
+        parts: set[str] = set()
+        part: Expression = one
+        while isinstance(part, Field | Index):  # each part of the path may be missing
+            part = part.of
+            parts.add(str(part))
+        self._present = before | parts
+        found = self.types(one)
+        self._present = before
+        return found
+
+    def _over(self, one: Over) -> Types:
+        source = self._there(one.source)
+        items = frozenset(
+            member
+            for kind in source
+            if sort_of(kind) in ("list", "array", "unknown")
+            for member in members(Any if sort_of(kind) == "unknown" else item_of(kind))
+        )
+        if source and not items:
+            self._fail(one.at, f"'{one.name}' goes through a list, not {_names(source)}")
+        before = self._items
+        self._items = {**before, one.item: items}
+        body = self._there(one.body) if one.name == "each" else self._truth(one.body, one.name)
+        self._items = before
+        if not items or not body:
+            return NOTHING
+        kept = items if one.name == "only" else body
+        listed: Any = list[typing.Union[tuple(kept)]]  # type: ignore[misc]  # noqa: UP007
+        return frozenset({{"any": bool, "all": bool, "count": COUNT}.get(one.name, listed)})
+
+
+def asked_for(one: Expression, is_true: bool) -> frozenset[str]:
+    """Return what is there if a condition is true, or if it is false: `has({x})` for one."""
+    if isinstance(one, Function) and one.name == "has" and is_true:
+        found, part = set(), one.arguments[0] if one.arguments else None
+        while part is not None:
+            found.add(str(part))
+            part = part.of if isinstance(part, Field | Index) else None
+        return frozenset(found)
+    if isinstance(one, Unary) and one.op == "not":
+        return asked_for(one.of, not is_true)
+    if isinstance(one, Binary) and one.op == ("and" if is_true else "or"):
+        return asked_for(one.left, is_true) | asked_for(one.right, is_true)
+    return frozenset()
+
+
+def _operation(op: str, left: Any, right: Any) -> Any:
+    if op in ("in", "not in"):
+        return _contained(left, right)
+    if op in ("==", "!="):
+        return _compared(op, left, right, equal=True)
+    if op in COMPARISONS:
+        return _compared(op, left, right, equal=False)
+    return _computed(op, left, right)
+
+
+def _contained(left: Any, right: Any) -> Any:
+    if not _is(right, ("list", "text", "mapping")):
+        raise RefusedError(f"'in' needs a list or a text on its right, not {shown(right)}")
+    if sort_of(right) == "list":
+        for one in members(item_of(right)):
+            try:
+                return _compared("==", left, one, equal=True)
+            except RefusedError as error:
+                refusal = error
+        raise refusal
+    if not _is(left, ("text", "choice")):
+        raise RefusedError(f"{shown(left)} cannot be in {shown(right)}")
+    return bool
+
+
+def _compared(op: str, left: Any, right: Any, *, equal: bool) -> Any:
+    sorts = {sort_of(left), sort_of(right)}
+    if "unknown" in sorts:
+        return bool
+    if sorts == {"number"}:
+        _same_dimension("compare", left, right)
+        return bool
+    if sorts == {"text"} or (equal and sorts in ({"truth"}, {"list"})):
+        return bool
+    if equal and "choice" in sorts and sorts <= {"choice", "text"}:
+        _check_choice(left, right)
+        return bool
+    cure = "" if equal or len(sorts) > 1 else "; only numbers and texts have an order"
+    raise RefusedError(f"'{op}' cannot compare {shown(left)} and {shown(right)}{cure}")
+
+
+def _check_choice(left: Any, right: Any) -> None:
+    choice, other = (left, right) if sort_of(left) == "choice" else (right, left)
+    if typing.get_origin(other) is typing.Literal:
+        word, known = typing.get_args(other)[0], [str(one.value) for one in bare(choice)]
+        if word not in known:
+            near = did_you_mean(word, known)
+            raise RefusedError(f"{shown(choice)} is never '{word}'{near or _list(known)}")
+    elif sort_of(other) == "choice" and bare(other) is not bare(choice):
+        raise RefusedError(f"{shown(left)} is never equal to {shown(right)}")
+
+
+def _list(known: list[str]) -> str:
+    return f"; it is one of {', '.join(known)}"
+
+
+def _computed(op: str, left: Any, right: Any) -> Any:
+    sorts = {sort_of(left), sort_of(right)}
+    if "unknown" in sorts:
+        return Any
+    if op == "+" and sorts == {"text"}:
+        return str
+    if op == "+" and sorts == {"list"}:
+        return list[typing.Union[item_of(left), item_of(right)]]  # type: ignore[misc]  # noqa: UP007
+    if sorts != {"number"}:
+        cure = "; join texts with text(…, …)" if op == "+" and "text" in sorts else ""
+        raise RefusedError(f"'{op}' needs two numbers, not {shown(left)} and {shown(right)}{cure}")
+    is_whole = op != "/" and bare(left) is bare(right) is int
+    return number(_dimension(op, left, right), int if is_whole else float)
+
+
+def _dimension(op: str, left: Any, right: Any) -> Dimension | None:
+    one, other = dimension_of(left), dimension_of(right)
+    if op in ("+", "-"):
+        _same_dimension({"+": "add", "-": "subtract"}[op], left, right)
+        if one is None or (one.is_plain and other is not None):
+            return other if other is None or not other.is_plain else one
+        return one
+    if one is None or other is None:
+        return None
+    return one * other if op == "*" else one / other
+
+
+def _same_dimension(verb: str, left: Any, right: Any) -> None:
+    one, other = dimension_of(left), dimension_of(right)
+    if one is not None and other is not None and not one.suits(other):
+        cure = "both sides need units of one dimension"
+        raise RefusedError(f"cannot {verb} a {one} and a {other}; {cure}")
+
+
+def _is(kind: Any, sorts: tuple[str, ...]) -> bool:
+    return sort_of(kind) in (*sorts, "unknown")
+
+
+def _split(found: Types) -> Types:
+    return frozenset(member for kind in found for member in members(kind))
+
+
+def _without_missing(found: Types) -> Types:
+    return frozenset(kind for kind in found if sort_of(kind) != "missing")
+
+
+def _class(kind: Any) -> type:
+    inner = bare(kind)
+    found: type = typing.get_origin(inner) or inner
+    return found
+
+
+def _names(found: Types) -> str:
+    return " or ".join(sorted(shown(kind) for kind in found))
