@@ -3,9 +3,11 @@
 from collections.abc import Callable
 from typing import Any
 
+from executive.errors import ConfigError
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.runtime import Runtime
-from executive.tree.language import Combined, Condition, KeyHolds, LeafUse
+from executive.tree.expressions.evaluation import evaluate, values_in
+from executive.tree.language import Combined, Computed, Condition, KeyHolds, LeafUse
 from executive.tree.leaf_nodes import Asked
 from executive.tree.wiring import Scope
 
@@ -18,6 +20,8 @@ def build_condition(condition: Condition, path: str, runtime: Runtime, scope: Sc
         return Asked(condition, f"{path}:{condition.name}", runtime, scope)
     if isinstance(condition, KeyHolds):
         return lambda: _holds(condition, scope)
+    if isinstance(condition, Computed):
+        return lambda: _is_true(condition, scope)
     parts = [
         build_condition(part, f"{path}/{index}", runtime, scope)
         for index, part in enumerate(condition.parts)
@@ -32,6 +36,8 @@ def condition_text(condition: Condition) -> str:
         return condition.name
     if isinstance(condition, KeyHolds):
         return f"{{{condition.key}}}"
+    if isinstance(condition, Computed):
+        return str(condition)
     return _combined_text(condition)
 
 
@@ -46,6 +52,20 @@ def _holds(condition: KeyHolds, scope: Scope) -> Outcome[Any]:
     if scope.store.get(condition.key) is True:
         return succeeded(reason=f"{condition.key} is true")
     return failed(f"{condition.key} is not true")
+
+
+def _is_true(condition: Computed, scope: Scope) -> Outcome[Any]:
+    """Compute a condition; the reason names the values that it was computed from.
+
+    Raises:
+        ConfigError: If it cannot be computed, or is neither true nor false.
+    """
+    value = evaluate(condition.expression, scope.store)
+    if not isinstance(value, bool):
+        raise ConfigError(f"a condition needs true or false, and '{condition}' is {value!r}")
+    values = values_in(condition.expression, scope.store)
+    told = f"{condition} is {str(value).lower()}{f' ({values})' if values else ''}"
+    return succeeded(reason=told) if value else failed(told)
 
 
 def _not(parts: list[Answer]) -> Outcome[Any]:

@@ -12,26 +12,34 @@ from typing import Any
 
 from executive.errors import did_you_mean
 from executive.leaf.port import Port
+from executive.tree.expressions.checking import Typing, asked_for
+from executive.tree.expressions.functions import shown
+from executive.tree.expressions.syntax import Key, keys_of
 from executive.tree.language import (
     UNREADABLE,
     Call,
     Combined,
     Composite,
+    Computed,
     Condition,
     ForEach,
     Group,
     KeyHolds,
     Kind,
     LeafUse,
+    Literally,
     Loop,
     Node,
     Ref,
     Set,
     Source,
+    Template,
     Tree,
 )
+from executive.tree.place import Place
 from executive.tree.port_types import fits, fits_name, item_type, names, type_name, type_of
 from executive.tree.problem import Mark, Problems
+from executive.tree.setting_types import field_type, setting_name, suits_setting
 from executive.tree.traversal import uses_of
 
 Types = frozenset[Any]
@@ -156,7 +164,7 @@ class Dataflow:
         types = self._types(kind.source, keys, "'for_each'")
         items = frozenset(item for item in map(item_type, types) if item is not None)
         if types and not items:
-            place = kind.source.mark if isinstance(kind.source, Ref) else mark
+            place = _mark(kind.source, mark)
             self._problems.error(
                 place,
                 f"'for_each' goes through a list, and {_shown(kind.source)} holds {names(types)}",
@@ -178,7 +186,7 @@ class Dataflow:
             wanted = tree.inputs[port]
             types = self._input(port, source, keys, wanted.is_optional, kind.tree)
             if types and not any(fits_name(one, wanted.name) for one in types):
-                place = source.mark if isinstance(source, Ref) else kind.mark
+                place = _mark(source, kind.mark)
                 told = (
                     f"input '{port}' of {kind.tree} is {wanted.name}, and {_shown(source)} "
                     f"holds {names(types)}"
@@ -204,7 +212,16 @@ class Dataflow:
             for part in condition.parts:
                 keys = self._condition(part, keys)
             return keys
+        if isinstance(condition, Computed):
+            types = self._typing(condition.place, keys, "the condition").truth(condition.expression)
+            return self._narrowed(condition, keys) if types else keys
         return self._truth(condition, keys)
+
+    def _narrowed(self, condition: Computed, keys: Keys) -> Keys:
+        """Return the keys with those that the condition has asked for with `has`."""
+        paths = asked_for(condition.expression, True)
+        asked = {key.name for key in keys_of(condition.expression) if str(key) in paths}
+        return {**dict.fromkeys(asked - set(keys), _UNKNOWN), **keys}
 
     def _truth(self, condition: KeyHolds, keys: Keys) -> Keys:
         types = self._types(Ref(condition.key, condition.mark), keys, "the condition")
@@ -217,18 +234,29 @@ class Dataflow:
         for port, spec in use.leaf.inputs.items():
             types = self._input(port, use.inputs[port], keys, spec.optional, use.name)
             if types and not any(fits(one, spec.type) for one in types):
-                ref = use.inputs[port]
+                source = use.inputs[port]
                 told = (
                     f"input '{port}' of {use.name} is {type_name(spec.type)}, and "
-                    f"{_shown(ref)} holds {names(types)}"
+                    f"{_shown(source)} holds {names(types)}"
                 )
-                self._problems.error(ref.mark, told)
+                self._problems.error(_mark(source, use.mark), told)
+        self._parameters(use, keys)
         for port, ref in use.outputs.items():
             wanted: Port = use.leaf.outputs[port]
             types = frozenset({wanted.type})
             written = self._written(keys, {ref.key: types})
             keys = _joined(keys, written) if wanted.optional else written
         return keys
+
+    def _parameters(self, use: LeafUse, keys: Keys) -> None:
+        for name, source in (use.parameters.sources if use.parameters else {}).items():
+            what = f"setting '{name}' of {use.name}"
+            types = self._types(source, keys, what)
+            wanted = field_type(use.leaf.Settings.model_fields[name])
+            if types and not any(suits_setting(one, wanted) for one in types):
+                got = " or ".join(sorted({shown(one) for one in types}))
+                told = f"{what} is {setting_name(wanted)}, and {_shown(source)} is {got}"
+                self._problems.error(source.mark, told)
 
     def _input(
         self, port: str, source: Source, keys: Keys, is_optional: bool, owner: str
@@ -239,8 +267,16 @@ class Dataflow:
         return self._types(source, keys, f"input '{port}' of {owner}")
 
     def _types(self, source: Source, keys: Keys, reader: str) -> Types:
-        if not isinstance(source, Ref):
+        if isinstance(source, Literally):
             return frozenset({type_of(source.value)})
+        if isinstance(source, Computed):
+            return self._typing(source.place, keys, reader).types(source.expression)
+        if isinstance(source, Template):
+            typing = self._typing(source.place, keys, reader)
+            for part in source.parts:
+                if not isinstance(part, str):
+                    typing.types(part)
+            return frozenset({str})
         if source.key in keys or _ANYTHING in keys:
             return keys.get(source.key, _UNKNOWN)
         told = f"{reader} reads key '{source.key}' before it is written"
@@ -248,6 +284,19 @@ class Dataflow:
         cure = "; it is written only later" if source.key in self._later else known
         self._problems.error(source.mark, told + cure)
         return frozenset()
+
+    def _typing(self, place: Place, keys: Keys, reader: str) -> Typing:
+        """Return what finds the types of an expression with these keys."""
+
+        def types_of(key: Key, may_miss: bool) -> Types:
+            if may_miss and key.name not in keys and key.name in self._later:
+                return _UNKNOWN
+            return self._types(Ref(key.name, place.at(key.at)), keys, reader)
+
+        def fail(at: int, message: str) -> None:
+            self._problems.error(place.at(at), f"{reader}: {message}")
+
+        return Typing(types_of, fail)
 
     # --- keys
 
@@ -269,7 +318,13 @@ def _joined(one: Keys, other: Keys) -> Keys:
 
 
 def _shown(source: Source) -> str:
-    return f"key '{source.key}'" if isinstance(source, Ref) else repr(source.value)
+    if isinstance(source, Literally):
+        return repr(source.value)
+    return f"key '{source.key}'" if isinstance(source, Ref) else f"'{source}'"
+
+
+def _mark(source: Source, otherwise: Mark) -> Mark:
+    return otherwise if isinstance(source, Literally) else source.mark
 
 
 def _written_in(tree: Tree) -> frozenset[str]:

@@ -107,7 +107,7 @@ def read_text(text: str, name: str, problems: Problems, kind: str = "mission") -
         )
         return None
     try:
-        document = _Reader(name, problems).read(yaml.parse(text, Loader=yaml.CSafeLoader))
+        document = _Reader(name, problems, text).read(yaml.parse(text, Loader=yaml.CSafeLoader))
     except yaml.MarkedYAMLError as error:
         place = error.problem_mark or error.context_mark
         mark = Mark(name, place.line + 1, place.column + 1) if place else Mark(name)
@@ -122,8 +122,9 @@ def read_text(text: str, name: str, problems: Problems, kind: str = "mission") -
 
 
 class _Reader:
-    def __init__(self, name: str, problems: Problems) -> None:
+    def __init__(self, name: str, problems: Problems, text: str) -> None:
         self._name = name
+        self._text = text
         self._problems = problems
         self._open: list[_Open] = []
         self._document: Value | None = None
@@ -182,13 +183,20 @@ class _Reader:
             self._open[-1].key = (event.value, mark)
             return
         if not event.implicit[0]:  # quoted: text, whatever it looks like
-            self._add(Scalar(event.value, mark))
+            self._add(Scalar(event.value, mark, self._written(event)))
             return
         try:
-            self._add(Scalar(resolve(event.value), mark))
+            self._add(Scalar(resolve(event.value), mark, self._written(event)))
         except SurpriseError as error:
             self._problems.error(mark, str(error))
             self._add(Broken(mark))
+
+    def _written(self, event: Any) -> str:
+        """Return a text with braces as the file has it."""
+        if "{" not in event.value:
+            return ""
+        written: str = self._text[event.start_mark.index : event.end_mark.index]
+        return written
 
     def _expects_key(self) -> bool:
         return bool(self._open) and self._open[-1].is_table and self._open[-1].key is None

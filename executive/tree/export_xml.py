@@ -18,6 +18,7 @@ from executive.tree.language import (
     CheckLeaf,
     Combined,
     Composite,
+    Computed,
     Condition,
     ForEach,
     Group,
@@ -159,6 +160,8 @@ def _condition(condition: Condition) -> Element:
         return _leaf("Condition", condition)
     if isinstance(condition, KeyHolds):
         return Element("ScriptCondition", code=f"{condition.key} == true")
+    if isinstance(condition, Computed):
+        return Element("Condition", {"ID": "Holds", "expression": str(condition)})
     return _combined(condition)
 
 

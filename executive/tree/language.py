@@ -8,6 +8,8 @@ from pydantic import Field
 
 from executive.config import Seconds, Settings
 from executive.leaf.action import Leaf
+from executive.tree.expressions.syntax import Expression
+from executive.tree.place import Place
 from executive.tree.problem import Mark, Problem
 
 
@@ -54,13 +56,57 @@ class Ref:
 
 
 @dataclass(frozen=True, slots=True)
+class Computed:
+    """An expression on keys of the store: `{stone.mass} > 0.8 t`."""
+
+    expression: Expression
+    place: Place = field(compare=False)
+
+    @property
+    def mark(self) -> Mark:
+        return self.place.mark
+
+    def __str__(self) -> str:
+        return str(self.expression)
+
+
+@dataclass(frozen=True, slots=True)
+class Template:
+    """A text with expressions in it: `Lift stone {stone.id}?`; each part is one or the other."""
+
+    parts: tuple[str | Expression, ...]
+    place: Place = field(compare=False)
+
+    @property
+    def mark(self) -> Mark:
+        return self.place.mark
+
+    def __str__(self) -> str:
+        return self.place.value
+
+
+@dataclass(frozen=True, slots=True)
 class Literally:
     """A value written in the mission file itself."""
 
     value: Any
 
 
-Source = Ref | Literally
+KeySource = Ref | Computed | Template  # what reads keys
+Source = KeySource | Literally
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """Settings of a leaf that are computed when it starts.
+
+    Attributes:
+        literals: The settings that the file writes out, by name.
+        sources: Where the others come from, by name.
+    """
+
+    literals: Mapping[str, Any]
+    sources: Mapping[str, KeySource]
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,18 +116,20 @@ class LeafUse:
     Attributes:
         name: Name of the behaviour, as installed.
         leaf: Its class.
-        settings: Checked settings.
-        inputs: Key of the store by input port.
+        settings: Checked settings; of those that are computed at the start, the defaults.
+        inputs: Where the value of each input port comes from.
         outputs: Key of the store by output port.
         mark: Where it stands.
+        parameters: The settings, if some of them are computed.
     """
 
     name: str
     leaf: type[Leaf[Any]]
     settings: Settings
-    inputs: Mapping[str, Ref]
+    inputs: Mapping[str, Source]
     outputs: Mapping[str, Ref]
     mark: Mark
+    parameters: Parameters | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +148,7 @@ class Combined:
     parts: tuple["Condition", ...]
 
 
-Condition = LeafUse | KeyHolds | Combined
+Condition = LeafUse | KeyHolds | Computed | Combined
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,8 @@ class LeafCall:
     def __init__(self, use: LeafUse, path: str, runtime: Runtime, scope: Scope) -> None:
         self.use = use
         self.path = path
-        self.leaf = use.leaf(use.settings, runtime.context(path))
+        self._context = runtime.context(path)
+        self.leaf = use.leaf(use.settings, self._context)
         self._runtime = runtime
         self._scope = scope
 
@@ -35,10 +36,12 @@ class LeafCall:
 
         Raises:
             MissionFaultError: If a fault has ended the mission: no leaf begins any more.
-            ConfigError: If a key was never written.
+            ConfigError: If a key was never written, or a computed setting is refused.
         """
         if self._runtime.is_faulted:
             raise MissionFaultError("the mission has ended in a fault")
+        if self.use.parameters is not None:
+            self.leaf = self.use.leaf(self._scope.settings(self.use), self._context)
         return self._scope.inputs(self.use)
 
     def written(self, outcome: object) -> Outcome[Any]:

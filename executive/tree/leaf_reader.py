@@ -1,20 +1,36 @@
 """Leaves and conditions: the name of a behaviour, its settings, its wiring."""
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from executive.config import Settings
 from executive.errors import ConfigError, did_you_mean
 from executive.leaf.action import Action, Leaf
 from executive.leaf.action import Condition as ConditionLeaf
 from executive.leaf.port import Port
-from executive.tree.language import Combined, Condition, KeyHolds, LeafUse, Ref
+from executive.tree.language import (
+    Combined,
+    Condition,
+    KeyHolds,
+    KeySource,
+    LeafUse,
+    Parameters,
+    Ref,
+    Source,
+)
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading, is_text
+from executive.tree.setting_types import takes_text
 from executive.tree.settings import check_settings
-from executive.tree.value import Table, TableEntry, Value, describe
+from executive.tree.value import Table, TableEntry, Value, describe, plain, without
 
 LEAF_KEYS = ("with", "in", "out")
-_CONDITION_FORMS = 'a check\'s name, "{key}", or a mapping with one of check, not, all, any'
+_NAME = re.compile(r"\w+")
+_CONDITION_FORMS = (
+    'a check\'s name, "{key}", an expression such as "{count} > 3", or a mapping with one of '
+    "check, not, all, any"
+)
 
 
 class LeafReader:
@@ -32,26 +48,31 @@ class LeafReader:
             return None
         given = table.get("with") or Table({}, value.mark)
         settings_table = self._reading.table(given, f"'with' of {name}")
-        settings = (
-            check_settings(leaf.Settings, settings_table, name, self._reading.problems)
-            if settings_table
-            else None
+        if settings_table is None:
+            return None
+        sources = self._computed(leaf.Settings, settings_table)
+        literals = without(settings_table, tuple(sources))
+        settings = check_settings(
+            leaf.Settings, literals, name, self._reading.problems, computed=sources
         )
-        inputs = self._wiring("in", table.get("in"), leaf.inputs, name, value.mark)
-        outputs = self._wiring("out", table.get("out"), leaf.outputs, name, value.mark)
+        known = {port: source for port, source in sources.items() if source is not None}
+        parameters = Parameters(plain(literals), known) if sources else None
+        inputs = self._inputs(table.get("in"), leaf.inputs, name, value.mark)
+        outputs = self._outputs(table.get("out"), leaf.outputs, name, value.mark)
         return (
-            LeafUse(name, leaf, settings, inputs, outputs, value.mark)
+            LeafUse(name, leaf, settings, inputs, outputs, value.mark, parameters)
             if settings is not None
             else None
         )
 
     def condition(self, value: Value, what: str) -> Condition | None:
-        """Read a condition: `"{key}"`, a check's name, or a mapping with check, not, all or any."""
+        """Read a condition: a check's name, an expression, or a mapping with check, not, all or
+        any.
+        """
         if is_text(value):
-            text = value.value  # type: ignore[union-attr]
-            if "{" in text:  # type: ignore[operator]
-                ref = self._reading.reference(value, what)
-                return KeyHolds(ref.key, ref.mark) if ref else None
+            if not _NAME.fullmatch(str(value.value)):  # type: ignore[union-attr]
+                source = self._reading.expression(value, what)
+                return KeyHolds(source.key, source.mark) if isinstance(source, Ref) else source
             return self.use(
                 "check", Table({"check": TableEntry(value.mark, value)}, value.mark), as_node=False
             )
@@ -99,22 +120,54 @@ class LeafReader:
         self._reading.problems.error(mark, f"{name} is {sort}{cure}")
         return None
 
-    def _wiring(
-        self, side: str, value: Value | None, ports: Mapping[str, Port], name: str, mark: Mark
+    def _inputs(
+        self, value: Value | None, ports: Mapping[str, Port], name: str, mark: Mark
+    ) -> dict[str, Source]:
+        inputs: dict[str, Source] = {port: Ref(port, mark, is_listed=False) for port in ports}
+        table = self._reading.table(value, f"'in' of {name}") if value is not None else None
+        for port, entry in table.entries.items() if table else ():
+            if check_port(self._reading, "in", port, entry.key_mark, tuple(ports), name):
+                source = self._input(entry.value, f"port '{port}'")
+                inputs.update({port: source} if source else {})
+        return inputs
+
+    def _input(self, value: Value, what: str) -> Source | None:
+        if is_text(value) and "{" in str(value.value):  # type: ignore[union-attr]
+            return self._reading.expression(value, what)
+        return self._reading.reference(value, what)
+
+    def _outputs(
+        self, value: Value | None, ports: Mapping[str, Port], name: str, mark: Mark
     ) -> dict[str, Ref]:
-        wires = read_wires(self._reading, side, value, tuple(ports), name)
         defaults = {port: Ref(port, mark, is_listed=False) for port in ports}
-        return {**defaults, **{port: wire for port, wire in wires.items() if isinstance(wire, Ref)}}
+        return {**defaults, **read_outputs(self._reading, value, tuple(ports), name)}
+
+    def _computed(self, settings: type[Settings], table: Table) -> dict[str, KeySource | None]:
+        """Read the settings that hold keys; None stands for one with a mistake."""
+        sources: dict[str, KeySource | None] = {}
+        for name, entry in table.entries.items():
+            field = settings.model_fields.get(name)
+            if field and is_text(entry.value) and "{" in str(entry.value.value):  # type: ignore[union-attr]
+                sources[name] = self._setting(entry.value, f"'{name}'", takes_text(field))
+        return sources
+
+    def _setting(self, value: Value, what: str, is_text_wanted: bool) -> KeySource | None:
+        if not is_text_wanted:
+            return self._reading.expression(value, what)
+        template = self._reading.template(value, what)
+        if template is None or len(template.parts) > 1 or isinstance(template.parts[0], str):
+            return template
+        return self._reading.expression(value, what)
 
 
-def read_wires(
-    reading: Reading, side: str, value: Value | None, ports: Sequence[str], owner: str
+def read_outputs(
+    reading: Reading, value: Value | None, ports: Sequence[str], owner: str
 ) -> dict[str, Ref]:
-    """Read `in:` or `out:`: references by port."""
-    table = reading.table(value, f"'{side}' of {owner}") if value is not None else None
+    """Read `out:`: the key of each port."""
+    table = reading.table(value, f"'out' of {owner}") if value is not None else None
     wires: dict[str, Ref] = {}
     for port, entry in table.entries.items() if table else ():
-        if check_port(reading, side, port, entry.key_mark, ports, owner):
+        if check_port(reading, "out", port, entry.key_mark, ports, owner):
             ref = reading.reference(entry.value, f"port '{port}'")
             wires.update({port: ref} if ref else {})
     return wires

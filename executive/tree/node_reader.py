@@ -14,6 +14,7 @@ from executive.tree.language import (
     ForEach,
     Group,
     Kind,
+    Literally,
     Loop,
     Modifiers,
     Node,
@@ -24,7 +25,7 @@ from executive.tree.language import (
     TypeName,
     Wait,
 )
-from executive.tree.leaf_reader import LEAF_KEYS, LeafReader, check_port, read_wires
+from executive.tree.leaf_reader import LEAF_KEYS, LeafReader, check_port, read_outputs
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading
 from executive.tree.traversal import is_instant
@@ -212,11 +213,7 @@ class NodeReader:
             self._reading.name(item_value, "'item'"),
             self._reading.source(in_value, "'in'"),
         )
-        if (
-            source is not None
-            and not isinstance(source, Ref)
-            and not isinstance(source.value, list)
-        ):
+        if isinstance(source, Literally) and not isinstance(source.value, list):
             self._reading.fail(
                 in_value, f"'in' takes a list or \"{{key}}\", not {describe(in_value)}"
             )
@@ -264,7 +261,7 @@ class NodeReader:
             self._reading.fail(value, f"no tree '{tree}'{did_you_mean(tree, self._headers)}")
             return None
         ins, outs = self._headers[tree]
-        given = read_wires(self._reading, "out", table.get("out"), tuple(outs), tree)
+        given = read_outputs(self._reading, table.get("out"), tuple(outs), tree)
         outputs = {port: given.get(port, Ref(port, value.mark, is_listed=False)) for port in outs}
         return Call(
             tree, self._call_inputs(table.get("in"), ins, tree, value.mark), outputs, value.mark

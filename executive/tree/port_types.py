@@ -6,6 +6,9 @@ import typing
 from collections.abc import Iterable
 from typing import Any
 
+from executive.tree.expressions.dimension import NAMED, PLAIN
+from executive.tree.expressions.kinds import bare, dimension_of, sort_of
+
 _LIST_NAME = re.compile(r"list\[(\w+)\]")
 _TYPE_NAME = re.compile(r"\w+\??|list\[\w+\]\??")
 
@@ -17,6 +20,9 @@ def is_type_name(text: str) -> bool:
 
 def type_name(wanted: Any) -> str:
     """Return a type as a mission file writes it."""
+    if dimension_of(wanted) not in (None, PLAIN):
+        return str(dimension_of(wanted))
+    wanted = bare(wanted)
     if is_unknown(wanted):
         return "object"
     if typing.get_origin(wanted) is None and isinstance(wanted, type):
@@ -33,6 +39,7 @@ def is_unknown(kind: Any) -> bool:
 
 def fits(have: Any, wanted: Any) -> bool:
     """Whether a value of one type can be read as another; what is not known fits."""
+    have, wanted = bare(have), bare(wanted)
     if is_unknown(have) or is_unknown(wanted):
         return True
     if _is_union(have):
@@ -54,8 +61,12 @@ def fits(have: Any, wanted: Any) -> bool:
 
 def fits_name(have: Any, name: str) -> bool:
     """Whether a value of a type suits a type's name, such as `Stone` or `list[Stone]`."""
-    if is_unknown(have) or name == "object":
+    if is_unknown(bare(have)) or name == "object":
         return True
+    if name in NAMED:
+        dimension = dimension_of(have)
+        return sort_of(have) == "number" and (dimension is None or dimension.suits(NAMED[name]))
+    have = bare(have)
     if _is_union(have):
         return any(fits_name(one, name) for one in typing.get_args(have))
     inner = _LIST_NAME.fullmatch(name)
@@ -72,6 +83,7 @@ def fits_name(have: Any, name: str) -> bool:
 
 def holds(value: Any, wanted: Any) -> bool:
     """Whether a value is of a port's type; the items of a list are looked at as well."""
+    wanted = bare(wanted)
     if is_unknown(wanted):
         return True
     if _is_union(wanted):
@@ -97,6 +109,7 @@ def type_of(value: Any) -> Any:
 
 def item_type(have: Any) -> Any:
     """Return the type of a list's items, or None for what is no list."""
+    have = bare(have)
     if is_unknown(have):
         return Any
     if (typing.get_origin(have) or have) is not list:

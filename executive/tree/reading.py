@@ -7,7 +7,12 @@ from dataclasses import dataclass
 from executive.config import parse_quantity
 from executive.errors import did_you_mean
 from executive.tree.catalogue import Catalogue
-from executive.tree.language import Literally, Ref, Source
+from executive.tree.expressions.parser import is_quantity, parse
+from executive.tree.expressions.syntax import Key
+from executive.tree.expressions.template import split_template
+from executive.tree.expressions.tokens import ExpressionError
+from executive.tree.language import Computed, Literally, Ref, Source, Template
+from executive.tree.place import Place
 from executive.tree.problem import Mark, Problems
 from executive.tree.value import Broken, Listing, Scalar, Table, Value, describe, has_broken, plain
 
@@ -106,10 +111,46 @@ class Reading:
         return None
 
     def source(self, value: Value, what: str) -> Source | None:
-        """Return a reference, or the value itself if it is no text in braces."""
-        if isinstance(value, Table) or (is_text(value) and "{" in value.value):  # type: ignore[union-attr, operator]
+        """Return a reference, an expression, or the value itself if it is neither.
+
+        A text with a brace is an expression, and so is a number with a unit.
+        """
+        if isinstance(value, Table):
             return self.reference(value, what)
+        if is_text(value):
+            text = str(value.value)  # type: ignore[union-attr]
+            if "{" in text:
+                return self.expression(value, what)
+            if is_quantity(text):
+                return Computed(parse(text), place_of(value))
         return None if has_broken(value) else Literally(plain(value))
+
+    def expression(self, value: Value, what: str) -> Ref | Computed | None:
+        """Return an expression; one that is only a key becomes a reference."""
+        text = self.text(value, what)
+        if text is None:
+            return None
+        place = place_of(value)
+        try:
+            expression = parse(text)
+        except ExpressionError as error:
+            self.problems.error(place.at(error.at), f"{what}: {error}")
+            return None
+        if isinstance(expression, Key):
+            return Ref(expression.name, value.mark)
+        return Computed(expression, place)
+
+    def template(self, value: Value, what: str) -> Template | None:
+        """Return a text with expressions in braces."""
+        text = self.text(value, what)
+        if text is None:
+            return None
+        place = place_of(value)
+        try:
+            return Template(split_template(text), place)
+        except ExpressionError as error:
+            self.problems.error(place.at(error.at), f"{what}: {error}")
+            return None
 
     def known_keys(self, table: Table, allowed: Collection[str], what: str) -> None:
         """Note every key that is not allowed."""
@@ -118,6 +159,13 @@ class Reading:
                 self.problems.error(
                     entry.key_mark, f"{what} has no '{key}'{did_you_mean(key, allowed)}"
                 )
+
+
+def place_of(value: Value) -> Place:
+    """Return where the letters of a text stand."""
+    if isinstance(value, Scalar) and isinstance(value.value, str):
+        return Place(value.mark, value.value, value.written)
+    return Place(value.mark, "")
 
 
 def is_text(value: Value) -> bool:

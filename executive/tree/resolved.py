@@ -13,6 +13,7 @@ from executive.tree.language import (
     Call,
     CheckLeaf,
     Composite,
+    Computed,
     Condition,
     ForEach,
     Group,
@@ -130,11 +131,17 @@ def _kind(kind: Kind) -> dict[str, Any]:  # noqa: C901 - one case a kind
 
 def _use(use: LeafUse) -> dict[str, Any]:
     parts = {
-        "with": settings_dump(use.settings),
+        "with": _settings(use),
         "in": _wires(use.inputs),
         "out": _wires(use.outputs),
     }
     return {key: part for key, part in parts.items() if part}
+
+
+def _settings(use: LeafUse) -> Mapping[str, Any]:
+    computed = use.parameters.sources if use.parameters else {}
+    literals = {k: v for k, v in settings_dump(use.settings).items() if k not in computed}
+    return {**literals, **{name: source_value(source) for name, source in computed.items()}}
 
 
 def _wires(wires: Mapping[str, Source]) -> dict[str, Any]:
@@ -142,13 +149,15 @@ def _wires(wires: Mapping[str, Source]) -> dict[str, Any]:
     return {
         port: source_value(one)
         for port, one in wires.items()
-        if isinstance(one, Literally) or one.is_listed
+        if not isinstance(one, Ref) or one.is_listed
     }
 
 
 def source_value(source: Source) -> Any:
     """Return a reference or literal as the mission language writes it."""
-    return f"{{{source.key}}}" if isinstance(source, Ref) else source.value
+    if isinstance(source, Literally):
+        return source.value
+    return f"{{{source.key}}}" if isinstance(source, Ref) else str(source)
 
 
 def condition_value(condition: Condition) -> Any:
@@ -157,6 +166,8 @@ def condition_value(condition: Condition) -> Any:
         return {"check": condition.name, **_use(condition)}
     if isinstance(condition, KeyHolds):
         return f"{{{condition.key}}}"
+    if isinstance(condition, Computed):
+        return str(condition)
     parts = [condition_value(part) for part in condition.parts]
     return {condition.how: parts[0] if condition.how == "not" else parts}
 

@@ -3,32 +3,43 @@
 import json
 import types
 import typing
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from pydantic import BaseModel, ValidationError
 
 from executive.config import Settings
-from executive.errors import did_you_mean
+from executive.errors import ConfigError, did_you_mean
 from executive.tree.problem import Mark, Problems
 from executive.tree.value import Broken, Listing, Scalar, Table, Value, describe, has_broken, plain
 
 S = TypeVar("S", bound=Settings)
 
 
-def check_settings(settings: type[S], table: Table, owner: str, problems: Problems) -> S | None:
+def check_settings(
+    settings: type[S],
+    table: Table,
+    owner: str,
+    problems: Problems,
+    computed: Collection[str] = (),
+) -> S | None:
     """Return checked settings, or None after every mistake was noted.
 
     Types are exact (`"3"` is no number, `true` is no number): what is written is validated as JSON
     in strict mode, where a list may become a tuple and a text an enumeration, and nothing else is
-    converted.
+    converted. Settings that are computed only during the run may be missing; what concerns the
+    settings together is then checked with them.
     """
     try:
         checked = settings.model_validate_json(json.dumps(plain(table)), strict=True)
     except ValidationError as error:
         told: set[Mark] = set()
-        for finding in error.errors(include_url=False):
+        known = [one for one in error.errors(include_url=False) if not _waits(one, computed)]
+        if not known and not has_broken(table):
+            partial: Any = settings.model_construct(**plain(table))
+            return cast(S, partial)
+        for finding in known:
             place = _placed(table, finding["loc"], finding["type"])
             is_new = (
                 place.mark not in told or finding["type"] == "missing"
@@ -38,6 +49,47 @@ def check_settings(settings: type[S], table: Table, owner: str, problems: Proble
                 problems.error(place.mark, _sentence(settings, owner, finding, place))
         return None
     return None if has_broken(table) else checked
+
+
+def computed_settings(
+    settings: type[S], values: Mapping[str, Any], owner: str, places: Mapping[str, Mark]
+) -> S:
+    """Return settings, some of which were computed when their leaf started.
+
+    Raises:
+        ConfigError: If the class refuses a value; the message names the value, the bound and the
+            place of the setting.
+    """
+    try:
+        return settings.model_validate_json(json.dumps(values, default=_refused), strict=True)
+    except ValidationError as error:
+        told = [_told_at_start(one, values, places) for one in error.errors(include_url=False)]
+        raise ConfigError(
+            f"{owner} refuses its settings: {'; '.join(dict.fromkeys(told))}"
+        ) from None
+
+
+def _waits(finding: Any, computed: Collection[str]) -> bool:
+    """Whether a finding may be gone when the other settings are computed."""
+    place = finding["loc"]
+    return bool(computed) and (not place or (finding["type"] == "missing" and place[0] in computed))
+
+
+def _told_at_start(finding: Any, values: Mapping[str, Any], places: Mapping[str, Mark]) -> str:
+    steps = finding["loc"]
+    name = str(steps[0]) if steps else ""
+    message = str(finding["msg"]).removeprefix("Value error, ")
+    got = f", got {values[name]!r}" if name in values and "got " not in message else ""
+    place = f" ({places[name]})" if name in places else ""
+    where = f"'{'.'.join(map(str, steps))}': " if steps else ""
+    return f"{where}{message[:1].lower()}{message[1:]}{got}{place}"
+
+
+def _refused(value: Any) -> Any:
+    raise ConfigError(
+        f"a setting is a number, a text, true or false, or a list of them, not a "
+        f"{type(value).__name__}"
+    )
 
 
 def settings_dump(settings: Settings) -> Mapping[str, Any]:

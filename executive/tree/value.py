@@ -1,7 +1,7 @@
 """A YAML document as values that know their place: scalars, lists and tables."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from executive.tree.problem import Mark, shortened
@@ -10,10 +10,17 @@ from executive.tree.scalar import Plain
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """A text, number, truth value or nothing."""
+    """A text, number, truth value or nothing.
+
+    Attributes:
+        value: What YAML reads.
+        mark: Where it begins.
+        written: A text with braces as it is written, so that each of its letters has a place.
+    """
 
     value: Plain
     mark: Mark
+    written: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,12 +3,16 @@
 from copy import deepcopy
 from typing import Any
 
+from executive.config import Settings
 from executive.errors import ConfigError, did_you_mean
 from executive.leaf.outcome import Outcome
 from executive.leaf.port import written_by
 from executive.leaf.store import Store
-from executive.tree.language import LeafUse, Ref, Source
+from executive.tree.expressions.evaluation import evaluate
+from executive.tree.expressions.template import filled
+from executive.tree.language import Computed, LeafUse, Ref, Source, Template
 from executive.tree.port_types import holds, type_name
+from executive.tree.settings import computed_settings
 
 
 class Scope:
@@ -23,7 +27,14 @@ class Scope:
         Raises:
             ConfigError: If the key was never written.
         """
-        return self.store.get(source.key) if isinstance(source, Ref) else deepcopy(source.value)
+        match source:
+            case Ref(key=key):
+                return self.store.get(key)
+            case Computed(expression=expression):
+                return evaluate(expression, self.store)
+            case Template(parts=parts):
+                return filled(parts, self.store)
+        return deepcopy(source.value)
 
     def inputs(self, use: LeafUse) -> dict[str, Any]:
         """Return a leaf's inputs by port; an optional one that was never written is None.
@@ -33,10 +44,30 @@ class Scope:
         """
         values: dict[str, Any] = {}
         for port, spec in use.leaf.inputs.items():
-            ref = use.inputs[port]
-            is_missing = spec.optional and ref.key not in self.store
-            values[port] = None if is_missing else self.store.get(ref.key)
+            source = use.inputs[port]
+            is_missing = spec.optional and isinstance(source, Ref) and source.key not in self.store
+            values[port] = None if is_missing else self.value(source)
+            if isinstance(source, Computed) and not holds(values[port], spec.type):
+                raise ConfigError(
+                    f"input '{port}' of {use.name} is {type_name(spec.type)}, and {source} gives "
+                    f"{type(values[port]).__name__} ({source.mark})"
+                )
         return values
+
+    def settings(self, use: LeafUse) -> Settings:
+        """Return a leaf's settings, with those that are computed when it starts.
+
+        Raises:
+            ConfigError: If a key was never written, or the settings class refuses a value.
+        """
+        if use.parameters is None:
+            return use.settings
+        sources = use.parameters.sources
+        values = {name: self.value(source) for name, source in sources.items()}
+        places = {name: source.mark for name, source in sources.items()}
+        return computed_settings(
+            use.leaf.Settings, {**use.parameters.literals, **values}, use.name, places
+        )
 
     def write(self, use: LeafUse, outcome: Outcome[Any]) -> None:
         """Write a leaf's outputs.

@@ -1,7 +1,7 @@
 """The value of an expression during the run."""
 
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from executive.errors import ConfigError, did_you_mean
 from executive.leaf.store import Store
 from executive.tree.expressions.dimension import in_si
-from executive.tree.expressions.functions import RULES
+from executive.tree.expressions.functions import RULES, as_text
 from executive.tree.expressions.kinds import fields_of
 from executive.tree.expressions.syntax import (
     Binary,
@@ -24,6 +24,7 @@ from executive.tree.expressions.syntax import (
     Text,
     Truth,
     Unary,
+    parts_of,
 )
 
 _OPERATIONS: Mapping[str, Callable[[Any, Any], Any]] = {
@@ -55,6 +56,31 @@ def evaluate(one: Expression, store: Store) -> Any:
     except _UNUSABLE as error:
         told = str(error).strip("'\"") or type(error).__name__
         raise ConfigError(f"'{one}' cannot be computed: {told}") from error
+
+
+def values_in(one: Expression, store: Store) -> str:
+    """Return the numbers, texts and truth values that an expression reads, for a reason."""
+    told: dict[str, str] = {}
+    for path in _paths(one):
+        try:
+            value = evaluate(path, store)
+        except ConfigError:
+            continue
+        if isinstance(value, bool | int | float | str):
+            told[str(path)] = as_text(value)
+    return ", ".join(f"{path} = {value}" for path, value in told.items())
+
+
+def _paths(one: Expression) -> Iterator[Expression]:
+    """Yield the keys with their fields, outside of `any` and its like."""
+    root = one
+    while isinstance(root, Field | Index):
+        root = root.of
+    if isinstance(root, Key):
+        yield one
+    elif not isinstance(one, Over):
+        for part in parts_of(one):
+            yield from _paths(part)
 
 
 class _Evaluation:

@@ -47,6 +47,34 @@ def parse(text: str) -> Expression:
     return expression
 
 
+def is_quantity(text: str) -> bool:
+    """Whether a text is a number with a unit, as `120 deg` is."""
+    try:
+        one = parse(text)
+    except ExpressionError:
+        return False
+    one = one.of if isinstance(one, Unary) and one.op == "-" else one
+    return isinstance(one, Number) and bool(one.unit)
+
+
+def parse_path(text: str, start: int) -> tuple[Expression, int]:
+    """Read a key in braces, with its fields, that begins at an offset of a text.
+
+    Returns:
+        The key, and the offset behind its closing brace.
+
+    Raises:
+        ExpressionError: At the first mistake.
+    """
+    end = text.find("}", start)
+    if end < 0:
+        raise ExpressionError(start, "this brace is not closed; a brace as text is written '{{'")
+    parser = Parser(list(tokens(text[: end + 1], start)))
+    path = parser.expression(0)
+    parser.end()
+    return path, end + 1
+
+
 class Parser:
     """Reads one expression from its words."""
 

@@ -221,4 +221,6 @@ def _is_plain_index(index: Expression) -> bool:
 
 
 def _continued(of: Expression, tail: str) -> str:
-    return f"{str(of)[:-1]}{tail}}}" if _is_path(of) else f"{_bound(of, _ATOM)}{tail}"
+    if _is_path(of):
+        return f"{str(of)[:-1]}{tail}}}"
+    return f"({of}){tail}" if isinstance(of, Number) else f"{_bound(of, _ATOM)}{tail}"
