@@ -14,6 +14,7 @@ from executive.errors import did_you_mean
 from executive.leaf.port import Port
 from executive.tree.expressions.checking import Typing, asked_for
 from executive.tree.expressions.functions import shown
+from executive.tree.expressions.kinds import measured
 from executive.tree.expressions.syntax import Key, keys_of
 from executive.tree.language import (
     UNREADABLE,
@@ -60,6 +61,7 @@ class Dataflow:
         self._writes: list[
             tuple[str, Types]
         ] = []  # every write so far, to know what a failed node may have written
+        self._inputs: frozenset[str] = frozenset()  # of the present tree
         self._later: frozenset[str] = frozenset()  # every key that the present tree writes anywhere
 
     def check(self) -> None:
@@ -78,11 +80,12 @@ class Dataflow:
         signature = (tree.name, frozenset(keys.items()))
         if signature not in self._done:
             self._done[signature] = {}  # a tree that calls itself has been refused before
-            outer_later, outer_writes = self._later, self._writes
+            outer = self._later, self._writes, self._inputs
+            self._inputs = frozenset(tree.inputs)
             self._later, self._writes = _written_in(tree) | frozenset(keys), []
             after = self._node(tree.root, keys)
             after = _joined(after, self._spoiled(keys, 0))
-            self._later, self._writes = outer_later, outer_writes
+            self._later, self._writes, self._inputs = outer
             self._promised(tree, after)
             self._done[signature] = after
         return self._done[signature]
@@ -233,17 +236,18 @@ class Dataflow:
     def _use(self, use: LeafUse, keys: Keys) -> Keys:
         for port, spec in use.leaf.inputs.items():
             types = self._input(port, use.inputs[port], keys, spec.optional, use.name)
-            if types and not any(fits(one, spec.type) for one in types):
+            kind = measured(spec.type, port, spec.doc)
+            if types and not any(fits(one, kind) for one in types):
                 source = use.inputs[port]
                 told = (
-                    f"input '{port}' of {use.name} is {type_name(spec.type)}, and "
+                    f"input '{port}' of {use.name} is {type_name(kind)}, and "
                     f"{_shown(source)} holds {names(types)}"
                 )
                 self._problems.error(_mark(source, use.mark), told)
         self._parameters(use, keys)
         for port, ref in use.outputs.items():
             wanted: Port = use.leaf.outputs[port]
-            types = frozenset({wanted.type})
+            types = frozenset({measured(wanted.type, port, wanted.doc)})
             written = self._written(keys, {ref.key: types})
             keys = _joined(keys, written) if wanted.optional else written
         return keys
@@ -282,6 +286,8 @@ class Dataflow:
         told = f"{reader} reads key '{source.key}' before it is written"
         known = did_you_mean(source.key, keys) if keys else "; nothing is written before it"
         cure = "; it is written only later" if source.key in self._later else known
+        if source.key in self._inputs:
+            cure = f"; a call leaves this input out: ask 'has({{{source.key}}})' before"
         self._problems.error(source.mark, told + cure)
         return frozenset()
 
@@ -289,7 +295,8 @@ class Dataflow:
         """Return what finds the types of an expression with these keys."""
 
         def types_of(key: Key, may_miss: bool) -> Types:
-            if may_miss and key.name not in keys and key.name in self._later:
+            is_absent = key.name not in keys and _ANYTHING not in keys
+            if may_miss and is_absent and key.name in self._later | self._inputs:
                 return _UNKNOWN
             return self._types(Ref(key.name, place.at(key.at)), keys, reader)
 

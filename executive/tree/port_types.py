@@ -39,6 +39,7 @@ def is_unknown(kind: Any) -> bool:
 
 def fits(have: Any, wanted: Any) -> bool:
     """Whether a value of one type can be read as another; what is not known fits."""
+    have_dimension, dimension = dimension_of(have), dimension_of(wanted)
     have, wanted = bare(have), bare(wanted)
     if is_unknown(have) or is_unknown(wanted):
         return True
@@ -49,8 +50,8 @@ def fits(have: Any, wanted: Any) -> bool:
     have_class, wanted_class = typing.get_origin(have) or have, typing.get_origin(wanted) or wanted
     if not isinstance(have_class, type) or not isinstance(wanted_class, type):
         return True
-    if wanted_class is float and have_class is int:
-        return True
+    if wanted_class is float and have_class in (int, float):
+        return have_dimension is None or dimension is None or have_dimension.suits(dimension)
     if have_class is bool and wanted_class in (int, float):
         return False
     if not issubclass(have_class, wanted_class):

@@ -94,7 +94,7 @@ def _refused(value: Any) -> Any:
 
 def settings_dump(settings: Settings) -> Mapping[str, Any]:
     """Return all settings explicitly, as JSON's types; what `check_settings` reads back."""
-    return settings.model_dump(mode="json")
+    return settings.model_dump(mode="json", warnings=False)  # partial ones are as the file has them
 
 
 @dataclass(frozen=True, slots=True)

@@ -62,7 +62,9 @@ class Typing:
         """Return what an expression may give; nothing after a mistake, which is reported."""
         match one:
             case Number(value=value, unit=unit):
-                return frozenset({number(unit_dimension(unit) if unit else PLAIN, type(value))})
+                if unit:
+                    return frozenset({number(unit_dimension(unit))})
+                return frozenset({number(PLAIN, type(value))})
             case Text():
                 return frozenset({typing.Literal[one.value]})
             case Truth():
@@ -362,7 +364,7 @@ def _same_dimension(verb: str, left: Any, right: Any) -> None:
     one, other = dimension_of(left), dimension_of(right)
     if one is not None and other is not None and not one.suits(other):
         cure = "both sides need units of one dimension"
-        raise RefusedError(f"cannot {verb} a {one} and a {other}; {cure}")
+        raise RefusedError(f"cannot {verb} {shown(left)} and {shown(right)}; {cure}")
 
 
 def _is(kind: Any, sorts: tuple[str, ...]) -> bool:

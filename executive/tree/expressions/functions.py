@@ -54,7 +54,8 @@ def shown(kind: Any) -> str:
     sort = sort_of(kind)
     dimension = dimension_of(kind)
     if sort == "number":
-        return f"a {dimension}" if dimension is not None and dimension != PLAIN else "a number"
+        name = "number" if dimension is None or dimension == PLAIN else str(dimension)
+        return f"{'an' if name.startswith('a') else 'a'} {name}"
     if sort == "choice" or sort == "object":
         return str(getattr(typing.get_origin(bare(kind)) or bare(kind), "__name__", kind))
     article = "an" if sort in ("array", "unknown") else "a"
@@ -88,7 +89,7 @@ def _common(name: str, kinds: Sequence[Any]) -> Any:
         for other in known:
             dimension, against = dimension_of(one), dimension_of(other)
             if dimension and against and not dimension.suits(against):
-                raise RefusedError(f"'{name}' cannot compare a {dimension} and a {against}")
+                raise RefusedError(f"'{name}' cannot compare {shown(one)} and {shown(other)}")
     measured = [kind for kind in known if dimension_of(kind) != PLAIN]
     return (measured or list(kinds))[0]
 
