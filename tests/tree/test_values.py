@@ -169,7 +169,8 @@ def test_a_computed_setting_is_held_against_its_bound_when_the_leaf_starts(run: 
 
 
 def test_settings_are_computed_anew_at_each_start(run: Any) -> None:
-    each = '- for_each: {item: n, in: [1, 2]}\n  do:\n    run: Turn\n    with: {angle: 0, times: "{n}"}'
+    turn = 'run: Turn\n    with: {angle: 0, times: "{n}"}'
+    each = "- for_each: {item: n, in: [1, 2]}\n  do:\n    " + turn
     assert run(each).runtime.store.get("told") == "0.000 2  ()"
 
 
@@ -294,7 +295,7 @@ def test_what_cannot_be_computed_fails_with_its_reason(run: Any) -> None:
         ("sum(each(r in {rocks}: {r.mass_kg})) §> 1 s", ": cannot compare a mass and a time; both "
          "sides need units of one dimension"),
         ("§any(r in {largest}: {r.id} > 1)", ": 'any' goes through a list, not Rock"),
-        ("{rocks[0].§ix} > 1", ": Rock has no field 'ix'. Did you mean 'id'?"),
+        ("{rocks[0].§reach} > 1", ": Rock has no field 'reach'. Did you mean 'reach_m'?"),
     ],
 )  # fmt: skip
 def test_mistakes_in_conditions_are_told_at_their_letter(
@@ -317,12 +318,20 @@ def test_every_mistake_of_several_expressions_is_told_at_once(told: Any) -> None
     assert len(found) == 3
 
 
-def test_a_place_in_a_text_of_several_lines_is_found(told: Any) -> None:
-    found = told(
-        "- check: See\n- wait: 1 s\n  if: >-\n    {largest.id} > 1\n    and {largest.x} > 2"
-    )
-    assert found == ["5:14: the condition: Rock has no field 'x'; there is: density, id, label, "
-                     "mass_kg, reach_m"]  # fmt: skip
+@pytest.mark.parametrize(
+    "text",
+    [
+        ">-\n    {largest.id} > 1\n    and {largest.§x} > 2",
+        "|\n    {largest.id} > 1\n      and {largest.§x} > 2",
+        '"{largest.id} > 1\n     and {largest.§x} > 2"',
+        r'"\"a\" == \u0027b\u0027 and {largest.§x} > 2"',
+        "'''a'' == ''b'' and {largest.§x} > 2'",
+    ],
+)
+def test_a_place_in_a_text_with_line_breaks_or_escapes_is_found(told: Any, text: str) -> None:
+    assert told(f"- check: See\n- wait: 1 s\n  if: {text}") == [
+        "§ the condition: Rock has no field 'x'; there is: density, id, label, mass_kg, reach_m"
+    ]
 
 
 # --- set and ports
