@@ -92,6 +92,13 @@ class Misbehaving(Work):
             (piece.folder / "unfinished").write_text(str(child.pid))
             (piece.folder / "unfinished").rename(piece.folder / name)
 
+    def leaves_a_group_to_itself(self, piece: Piece, arguments: Arguments) -> None:
+        """Detach a group whose leader ends while another member of it goes on."""
+        group = f"(sleep 1; touch {piece.folder / 'finished'}) & sleep 0.3"
+        subprocess.run(["sh", "-c", f"setsid sh -c '{group}' & exit 0"], check=True)
+        time.sleep(2.0)
+        assert (piece.folder / "finished").exists()
+
     def has_children_and_hangs(self, piece: Piece, arguments: Arguments) -> None:
         self.has_children(piece, arguments)
         time.sleep(1000)

@@ -13,6 +13,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 
+import psutil
+
 from executive.campaign.execution.chosen_work import work_of
 from executive.campaign.execution.processes.fork_protocol import Begin, Begun, Exited, LastWord
 from executive.campaign.execution.processes.isolated_run import exec_run, run_and_exit
@@ -53,10 +55,9 @@ class ForkServer:
         except (EOFError, OSError):  # the campaign is gone
             pass
         finally:
-            for pid in self._children:
-                with suppress(OSError):
-                    os.kill(pid, signal.SIGKILL)
-                _kill_group(pid)
+            for descendant in psutil.Process().children(recursive=True):  # orphans of runs too
+                with suppress(psutil.Error):
+                    descendant.kill()
 
     def _begin(self, asked: Begin) -> None:
         self._prepare(asked)
@@ -93,10 +94,11 @@ class ForkServer:
     def _report_ended(self) -> None:
         """Report every child that has ended; the rest of its group is killed first."""
         while (ended := _ended()) is not None:
-            _kill_group(ended)  # before the number is released: it cannot be another's yet
-            _, status, usage = os.wait4(ended, 0)
             child = self._children.pop(ended, None)
-            if child is None:  # an orphan of a run
+            if child is not None:
+                _kill_group(ended)  # before the number is released: it cannot be another's yet
+            _, status, usage = os.wait4(ended, 0)
+            if child is None:  # an orphan that a run has left to this process
                 continue
             self._connection.send(
                 Exited(
