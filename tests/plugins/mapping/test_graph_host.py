@@ -70,3 +70,16 @@ def test_its_poses_equal_those_of_the_inline_graph_also_after_the_process_died(
     assert beside.restarts == 1
     assert "died" in caplog.text
     np.testing.assert_allclose(after.T_map_cabin[-1], node(15).T_map_cabin, atol=1e-6)
+
+
+def test_nodes_without_an_answer_are_sent_again(beside: ProcessGraph) -> None:
+    beside.add(node(30))
+    answered(beside, lambda poses: end(poses) == 31)
+    os.kill(beside.child.pid, signal.SIGSTOP)
+    beside.add(node(31))
+    beside.take()  # sends the node, which the stopped process does not read
+    os.kill(beside.child.pid, signal.SIGKILL)
+    beside.child.join()
+    beside.add(node(32))
+    after = answered(beside, lambda poses: end(poses) == 33)
+    assert after.first == 31

@@ -1,0 +1,102 @@
+"""Reports of runs: picks from a journal, counts, timings and the summary for people."""
+
+import dataclasses
+from types import SimpleNamespace
+
+import numpy as np
+
+from executive.events.mission import VerdictGiven
+from executive.events.stone import (
+    AttemptStarted,
+    GraspRecord,
+    JawsClosedOnNothing,
+    StoneRealigned,
+    StoneReleased,
+    StoneSetAside,
+    StonesTakenUpAgain,
+)
+from executive.mission.picks import attempts_from, newest_releases, picks_from
+from executive.mission.report import Ending, counts_from, summary, timings_from
+
+
+def made(kind, **given):
+    """Return an event with the given fields, and something simple in the others."""
+    fields = [one.name for one in dataclasses.fields(kind) if one.init]
+    simple = {"stone": 1, "reason": "so", "accepted": True, "slot": 2, "passed_over": ()}
+    poses = {name: np.eye(4) for name in fields if name.endswith("_pose")}
+    values = dict.fromkeys(fields, 0.5) | {k: v for k, v in simple.items() if k in fields}
+    return kind(**values | poses | given)
+
+
+def grasp() -> GraspRecord:
+    return made(GraspRecord, costs={"a": 1.0})
+
+
+def journal() -> list[SimpleNamespace]:
+    def attempt(stone: int):
+        return made(AttemptStarted, stone=stone, centroid_map=np.arange(3.0), grasp=grasp())
+
+    def released(stone: int):
+        return made(StoneReleased, stone=stone, slot_position=np.zeros(3))
+
+    events = [
+        attempt(1),
+        made(VerdictGiven, trouble="slip", detail="x"),
+        attempt(1),
+        released(1),
+        made(StoneRealigned, stone=1, estimated_pose=2 * np.eye(4)),
+        made(StoneRealigned, stone=9),
+        attempt(2),
+        made(JawsClosedOnNothing, stone=2),
+        made(VerdictGiven, trouble="drop", detail="y"),
+        made(StoneSetAside, stone=2),
+        made(StonesTakenUpAgain, stones=(2,)),
+        attempt(2),
+        attempt(3),
+        released(3),
+        attempt(1),
+        made(StoneSetAside, stone=1),
+        made(StoneSetAside, stone=4),
+    ]
+    return [SimpleNamespace(time_s=2.5 * k, event=event) for k, event in enumerate(events)]
+
+
+def test_picks(recorded) -> None:
+    picks = picks_from(journal())
+    told = [pick.as_report() for pick in picks], attempts_from(picks), newest_releases(picks)
+    recorded((told, counts_from(journal(), picks), picks_from([]), picks_from(journal()[:1])))
+
+
+def test_timings(recorded) -> None:
+    recorded(timings_from({"b": [3.0, 1.0, 2.0, 9.0], "a": [1.23456], "none": []}))
+
+
+def test_endings(recorded) -> None:
+    recorded([Ending(one, "").exit_status for one in ("success", "failure", "stopped", "fault")])
+
+
+def report(**changed):
+    counts = dict.fromkeys(
+        ("picks", "placed", "attempts", "first_attempt", "slips", "drops", "set_aside",
+         "registrations", "registrations_accepted", "plugin_failures"), 0
+    )  # fmt: skip
+    whole = {"mission": "m", "seed": 3, "outcome": "success", "reason": "", "ended_s": 125.25,
+             "wall_s": 59.96, "real_time_factor": 2.0891, "ignored_observations": {}}  # fmt: skip
+    return whole | {"counts": counts | changed.pop("counts", {})} | changed
+
+
+def test_summaries(recorded) -> None:
+    stones = [{"slot_error_m": e} for e in (0.1, 0.2, 0.25, 0.5, None)]
+    truth = {
+        "stones": stones,
+        "collisions": [1, 2],
+        "estimate": {"error_m": {"mean": 0.0123, "max": 0.1}},
+    }
+    told = [
+        report(),
+        report(reason="why", counts={"picks": 3, "placed": 2, "attempts": 4, "first_attempt": 1}),
+        report(counts={"registrations": 2, "registrations_accepted": 1, "plugin_failures": 1}),
+        report(ignored_observations={"Strange": 7}, truth=truth),
+        report(truth={"stones": [], "collisions": [], "estimate": None}),
+    ]
+    recorded([summary(one) for one in told])
