@@ -216,7 +216,9 @@ def take(folder: Path, docs: Path = DOCS) -> None:
     """Copy the figures of a finished campaign, and those of its pictures that pages show."""
     summary = read_summary(folder / "figures.json")
     name = summary.campaign.name
-    shutil.copyfile(folder / "figures.json", docs / "campaigns" / "results" / f"{name}.json")
+    results = docs / "campaigns" / "results"
+    results.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(folder / "figures.json", results / f"{name}.json")
     for one in (folder / "charts").glob("*.png"):
         if picture(name, one.stem) in wanted_pictures(docs):
             shutil.copyfile(one, docs / "images" / picture(name, one.stem))

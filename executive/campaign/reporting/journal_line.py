@@ -5,7 +5,7 @@ from typing import Any
 
 from executive.campaign.reporting.wording import shortened
 
-_WIDTH = 160
+_WIDTH = 118  # fits a page without a break
 _LONGEST_VALUE = 60  # longer ones are matrices, which say nothing in a line
 
 
@@ -18,10 +18,14 @@ def journal_line(time_s: float, kind: str, node: str, payload: Mapping[str, Any]
         node: Path of the node.
         payload: Fields of the event.
     """
-    told = {key: str(value) for key, value in payload.items()}
+    told = {key: _told(value) for key, value in payload.items()}
     words = [f"{k}={v}" for k, v in told.items() if v and len(v) <= _LONGEST_VALUE]
-    line = f"{time_s:9.2f} s  {kind:18} {leaf_name(node):20} {' '.join(words)}"
-    return shortened(line.rstrip(), _WIDTH)
+    named = [leaf_name(node)] if node else []
+    return shortened(f"{time_s:8.2f} s  {kind:16} {' '.join([*named, *words])}".rstrip(), _WIDTH)
+
+
+def _told(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def leaf_name(node: str) -> str:

@@ -186,6 +186,24 @@ def test_the_command_of_a_failed_run_names_its_own_mission_and_seed(
     assert (tmp_path / "repeat" / "1.yaml").read_text(encoding="utf-8") == made_up.MISSION
 
 
+def test_a_comparison_that_measured_nothing_has_words_and_no_chart(
+    made_up: ModuleType, tmp_path: Path
+) -> None:
+    campaign = made_up.campaign(range(1, 4))
+    comparison = dataclasses.replace(campaign.comparisons[0], metrics=("placement_error",))
+    campaign = dataclasses.replace(campaign, comparisons=(comparison,))
+    made_up.write_ledger(
+        tmp_path,
+        campaign,
+        (Outcome(one.number, Status.DONE, "", ANSWER) for one in campaign.trials),
+    )
+    report = report_campaign(tmp_path, campaign)
+    (told,) = report.summary.figures.differences
+    assert told.pairs == 0
+    assert told.words in html.unescape(body_of(tmp_path))
+    assert not list((tmp_path / "charts").glob("difference-*.png"))
+
+
 def test_long_lists_are_cut_and_say_by_how_much(made_up: ModuleType, tmp_path: Path) -> None:
     campaign = made_up.campaign([1, 2, 3], {"count": tuple(str(n) for n in range(75))})
     made_up.write_ledger(

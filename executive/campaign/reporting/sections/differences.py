@@ -26,13 +26,12 @@ def differences(page: Page, summary: Summary, cells: Cells) -> list[Markup]:
         of = [one for one in found if (one.metric, one.factor) == (metric, factor)]
         words = summary.campaign.metrics[metric]
         title = f"{words.title}: {factor} against {of[0].baseline}"
-        chart = _chart(of, words, cells)
-        parts += [
-            tag("h3", title),
-            page.chart(Picture(f"difference-{metric}-{factor}", title, chart)),
-            *left_out(len(of)),
-            _table(of, words, cells),
-        ]
+        parts.append(tag("h3", title))
+        measured = [one for one in of if one.pairs]
+        if measured:
+            chart = _chart(measured, words, cells)
+            parts.append(page.chart(Picture(f"difference-{metric}-{factor}", title, chart)))
+        parts += [*left_out(len(measured)), _table(of, words, cells)]
     return parts
 
 

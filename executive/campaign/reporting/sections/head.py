@@ -21,6 +21,6 @@ def head_list(head: Head) -> Markup:
             *((f"Factor {name}", ", ".join(levels)) for name, levels in head.factors.items()),
             ("Version", f"executive {', '.join(head.versions)}"),
             *((("Begun", ", ".join(head.begun)),) if head.begun else ()),
-            ("Trials", tag("code", head.digest)),
+            ("Trials", tag("code", head.digest[:12])),
         )
     )
