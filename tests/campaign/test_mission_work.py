@@ -1,5 +1,6 @@
 """A mission as bulk work is the same mission, with its inputs by name."""
 
+import errno
 import shutil
 import sys
 from collections.abc import Mapping
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from executive.campaign.description.mission_arguments import MissionArguments
+from executive.campaign.execution.disk_space import DiskFullError
 from executive.campaign.execution.isolation import Isolation
 from executive.campaign.mission_work import MissionWork
 from executive.campaign.trial import Limits, Outcome, Status, Trial
@@ -90,6 +92,18 @@ def test_a_mission_that_fails_has_an_answer(mission, tmp_path) -> None:
     piece = Piece(arguments_of(mission), 1, tmp_path, {})
     answer = MissionWork().run(piece)
     assert answer["report"]["outcome"] == "failure"
+
+
+def test_a_fault_of_a_full_disk_is_none_of_the_mission(mission, tmp_path, monkeypatch) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("executive_plugins.mapping.voxel_map.VoxelMap.start", full)
+    answer = MissionWork().run(Piece(arguments_of(mission), 1, tmp_path / "roomy", {}))
+    assert answer["report"]["outcome"] == "fault"
+    monkeypatch.setattr("executive.campaign.mission_work.is_space_left", lambda _: False)
+    with pytest.raises(DiskFullError):
+        MissionWork().run(Piece(arguments_of(mission), 1, tmp_path / "full", {}))
 
 
 def test_paths_among_settings_are_inputs_by_the_settings_name(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import os
 import pickle
 import signal
 import sys
+import traceback
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
@@ -52,8 +53,10 @@ class ForkServer:
                     self._report_ended()
                 if self._connection in ready:
                     self._begin(self._connection.recv())
-        except (EOFError, OSError):  # the campaign is gone
+        except (EOFError, ConnectionError):  # the campaign is gone
             pass
+        except OSError:  # no process or memory is left for a fork; the campaign shows this text
+            traceback.print_exc()
         finally:
             for descendant in psutil.Process().children(recursive=True):  # orphans of runs too
                 with suppress(psutil.Error):
