@@ -12,6 +12,7 @@ class NodeResult(StrEnum):
     SUCCESS = "success"
     FAILURE = "failure"
     HALTED = "halted"
+    SKIPPED = "skipped"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,7 +22,9 @@ class NodeStarted(Event):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NodeEnded(Event):
-    """A node ended, or was cancelled by its parent (`halted`)."""
+    """A node ended, was cancelled by its parent (`halted`), or left all its children out
+    (`skipped`).
+    """
 
     status: NodeResult
     reason: str

@@ -1,76 +1,176 @@
-"""Sequence and fallback on py_trees' Sequence and Selector; a parallel of its own."""
+"""Sequence, fallback and their reactive forms: which child is ticked when, and what that decides.
+
+py_trees' own composites know no skipped child, forget how failed alternatives ended, and begin what
+has succeeded again at each tick of a reactive composite.
+"""
 
 from collections.abc import Sequence
 
-from py_trees import composites
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from executive.leaf.runtime import Runtime
+from executive.leaf.store import Store
 from executive.tree.modifiers import IfNode
-from executive.tree.nodes import Controller, Steps, TreeNode, Visits, stop_child
+from executive.tree.nodes import Controller, Steps, reset_children, stop_child
+from executive.tree.wiring import Scope
+
+_SUCCESS, _FAILURE, _RUNNING = Status.SUCCESS, Status.FAILURE, Status.RUNNING
 
 
-class _Journalled(TreeNode):
-    """Ticks as a py_trees composite, and is journalled with the deciding child's reason."""
+class InOrderNode(Controller):
+    """One child after the other, until one ends in the way that decides.
 
-    children: list[Behaviour]
-    current_child: Behaviour | None = None
+    A child that was left out decides nothing; if all were left out, so is the node.
+    """
 
-    def tick(self) -> Visits:
-        """Tick as py_trees does."""
-        yield from super().tick()
-        if self.status is Status.RUNNING:
-            self.tell_running()
-
-    def terminate(self, new_status: Status) -> None:
-        """End a round."""
-        decisive = self.decisive(new_status) if new_status is not Status.INVALID else None
-        if decisive is not None:
-            self.adopt(decisive)
-        super().terminate(new_status)
-
-    def decisive(self, status: Status) -> Behaviour | None:
-        """Return the child that settled the status."""
-        raise NotImplementedError
-
-
-class SequenceNode(_Journalled, composites.Sequence):  # type: ignore[misc]
-    """Children in order until one fails; reactive, earlier ones are ticked again at each tick."""
+    _decides: Status
 
     def __init__(
-        self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour], *, memory: bool
+        self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour]
     ) -> None:
-        TreeNode.__init__(self, name, path, runtime, children)
-        self.memory = memory
-
-    def decisive(self, status: Status) -> Behaviour | None:
-        return self.children[-1] if status is Status.SUCCESS else self.current_child
-
-
-class FallbackNode(_Journalled, composites.Selector):  # type: ignore[misc]
-    """Children in order until one succeeds."""
-
-    memory = True
+        super().__init__(name, path, runtime, children)
+        self._next = 0
+        self._last_acting: Behaviour | None = None
 
     def begin(self) -> None:
-        for child in (
-            self.children
-        ):  # py_trees' Sequence forgets how a former round ended, its Selector does not
-            stop_child(child, everything=True)
+        self._next = 0
+        self._last_acting = None
+        reset_children(self)
 
-    def decisive(self, status: Status) -> Behaviour | None:
-        return self.current_child if status is Status.SUCCESS else self.children[-1]
+    def proceed(self) -> Steps:
+        children, decides = self.children, self._decides
+        while self._next < len(children):
+            child = children[self._next]
+            yield from child.tick()
+            status = child.status
+            if status is _RUNNING:
+                return status
+            if not child.is_skipped:
+                if status is decides:
+                    return self.adopt(child)
+                self._last_acting = child
+            self._next += 1
+        return self.adopt(self._last_acting or children[-1])
 
 
-class ReactiveFallbackNode(Controller):
+class SequenceNode(InOrderNode):
+    """Children in order until one fails."""
+
+    _decides = _FAILURE
+
+
+class FallbackNode(InOrderNode):
+    """Children in order until one succeeds."""
+
+    _decides = _SUCCESS
+
+
+class PersistentSequenceNode(InOrderNode):
+    """A sequence that, when it is begun again after a failure or a halt, goes on where it was.
+
+    Source: SequenceWithMemory of BehaviorTree.CPP 4.
+    """
+
+    _decides = _FAILURE
+
+    def __init__(
+        self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour], scope: Scope
+    ) -> None:
+        super().__init__(name, path, runtime, children)
+        self._scope = scope
+        self._store: Store | None = None
+
+    def begin(self) -> None:
+        # The tree was called anew: the keys that the children before have written are gone.
+        if self._next == len(self.children) or self._store is not self._scope.store:
+            self._next = 0
+            self._last_acting = None
+            self._store = self._scope.store
+        reset_children(self)
+
+
+class ReactiveNode(Controller):
+    """Children in order, all asked anew at each tick, until one runs or decides."""
+
+    _decides: Status
+
+    def begin(self) -> None:
+        reset_children(self)
+
+    def proceed(self) -> Steps:
+        decides, last = self._decides, None
+        for index, child in enumerate(self.children):
+            if self._is_kept(index, child):
+                last = child
+                continue
+            was_running = child.status is _RUNNING
+            yield from child.tick()
+            status = child.status
+            if status is _RUNNING:
+                self._take_over(index)
+                return status
+            if child.is_skipped:
+                continue
+            if status is decides:
+                return self.adopt(child)
+            last = child
+            if was_running:
+                self._ended(child)
+        return self.adopt(last or self.children[-1])
+
+    def _is_kept(self, index: int, child: Behaviour) -> bool:
+        """Return whether a child has ended in this round and is not begun again."""
+        raise NotImplementedError
+
+    def _take_over(self, index: int) -> None:
+        """Cancel the children after the one that runs."""
+        for later in self.children[index + 1 :]:
+            stop_child(later)
+
+    def _ended(self, child: Behaviour) -> None:
+        """Take note of a child that has ended after some time without deciding."""
+
+
+class ReactiveSequenceNode(ReactiveNode):
+    """Children in order until one fails; at each tick earlier ones are asked anew.
+
+    A child that asks no condition, such as an action, has nothing to be asked anew: once it has
+    succeeded it is not begun again, until a child before it runs again or the round ends.
+    """
+
+    _decides = _FAILURE
+
+    def __init__(
+        self,
+        name: str,
+        path: str,
+        runtime: Runtime,
+        children: Sequence[Behaviour],
+        asking: Sequence[bool],
+    ) -> None:
+        super().__init__(name, path, runtime, children)
+        self._asking = tuple(asking)
+
+    def _is_kept(self, index: int, child: Behaviour) -> bool:
+        return not self._asking[index] and child.status is _SUCCESS
+
+    def _take_over(self, index: int) -> None:
+        for later in self.children[index + 1 :]:
+            stop_child(later, everything=True)
+
+
+class ReactiveFallbackNode(ReactiveNode):
     """Children in order until one succeeds; at each tick earlier ones may take over.
 
-    py_trees' Selector without memory would begin an earlier child that has failed after some time
-    again and again, each time cancelling the alternative that its failure called for. Here such a
-    child is spent: it is not begun again, or, behind an `if`, not before its condition has been
-    false.
+    An earlier child whose action has failed after some time would be begun again and again, each
+    time cancelling the alternative that its failure called for. Such a child is spent: it is not
+    begun again in this round, or, behind an `if`, not before its condition has been false. A child
+    that ended because a condition no longer held is not spent: it takes over again once the
+    condition holds again.
     """
+
+    _decides = _SUCCESS
 
     def __init__(
         self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour]
@@ -80,55 +180,13 @@ class ReactiveFallbackNode(Controller):
 
     def begin(self) -> None:
         self._spent.clear()
-        for child in self.children:
-            stop_child(child, everything=True)
+        super().begin()
 
-    def proceed(self) -> Steps:
-        for index, child in enumerate(self.children):
-            if self._is_spent(child):
-                continue
-            was_running = child.status is Status.RUNNING
-            yield from child.tick()
-            status = self.adopt(child)
-            if status is not Status.FAILURE:
-                for later in self.children[index + 1 :]:
-                    stop_child(later)
-                return status
-            if was_running:
-                self._spent.add(child)
-        return Status.FAILURE
-
-    def _is_spent(self, child: Behaviour) -> bool:
+    def _is_kept(self, index: int, child: Behaviour) -> bool:
         if child in self._spent and isinstance(child, IfNode) and not child.is_open():
             self._spent.discard(child)
         return child in self._spent
 
-
-class ParallelNode(Controller):
-    """All children at once; ends when enough have succeeded, or too many have failed.
-
-    py_trees' Parallel knows "all" and "one", fails at the first failure, and ticks ended children
-    anew.
-    """
-
-    def __init__(
-        self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour], succeed: int
-    ) -> None:
-        super().__init__(name, path, runtime, children)
-        self._succeed = succeed
-
-    def begin(self) -> None:
-        for child in self.children:
-            stop_child(child, everything=True)
-
-    def proceed(self) -> Steps:
-        for child in self.children:
-            if child.status in (Status.INVALID, Status.RUNNING):
-                yield from child.tick()
-        failed = [child for child in self.children if child.status is Status.FAILURE]
-        succeeded = [child for child in self.children if child.status is Status.SUCCESS]
-        if len(succeeded) >= self._succeed:
-            return Status.SUCCESS
-        if len(self.children) - len(failed) < self._succeed:
-            return self.adopt(failed[-1])
-        return Status.RUNNING
+    def _ended(self, child: Behaviour) -> None:
+        if not child.is_refused:
+            self._spent.add(child)

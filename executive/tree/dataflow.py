@@ -7,7 +7,7 @@ A subtree is followed once for each combination of types that it is called with,
 not be declared with types to be checked.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from executive.errors import did_you_mean
@@ -18,11 +18,13 @@ from executive.tree.expressions.kinds import measured
 from executive.tree.expressions.syntax import Key, keys_of
 from executive.tree.language import (
     UNREADABLE,
+    Branch,
     Call,
     Combined,
     Composite,
     Computed,
     Condition,
+    Consume,
     ForEach,
     Group,
     KeyHolds,
@@ -31,11 +33,14 @@ from executive.tree.language import (
     Literally,
     Loop,
     Node,
+    Parallel,
     Ref,
     Set,
     Source,
+    Switch,
     Template,
     Tree,
+    Turned,
 )
 from executive.tree.place import Place
 from executive.tree.port_types import fits, fits_name, item_type, names, type_name, type_of
@@ -111,20 +116,30 @@ class Dataflow:
             keys = self._condition(condition, keys) if condition else keys
         start = len(self._writes)
         after = self._kind(node.kind, keys, node.mark)
-        if modifiers.on_failure:
-            self._node(modifiers.on_failure, self._spoiled(keys, start))
-        if modifiers.if_ or modifiers.optional:
+        for beside in (modifiers.on_failure, modifiers.on_halt):
+            if beside:
+                self._node(beside, self._spoiled(keys, start))
+        if modifiers.if_ or modifiers.once or modifiers.optional:
             return _joined(after, self._spoiled(keys, start))
         return after
 
     def _kind(self, kind: Kind, keys: Keys, mark: Mark) -> Keys:
         if isinstance(kind, Composite):
             return self._composite(kind, keys)
-        if isinstance(kind, Group):
+        if isinstance(kind, Parallel):
+            return self._parallel(kind, keys)
+        if isinstance(kind, Group | Turned):
             return self._node(kind.child, keys)
+        if isinstance(kind, Branch):
+            keys = self._condition(kind.condition, keys)
+            both = (kind.then, kind.otherwise)
+            return self._one_of(both, keys, changes=kind.kind == "while")
+        if isinstance(kind, Switch):
+            self._types(kind.source, keys, "'switch'")
+            return self._one_of((*kind.cases.values(), kind.otherwise), keys, changes=True)
         if isinstance(kind, Loop):
             return self._loop(kind, keys)
-        if isinstance(kind, ForEach):
+        if isinstance(kind, ForEach | Consume):
             return self._for_each(kind, keys, mark)
         if isinstance(kind, Set):
             return self._written(
@@ -140,11 +155,28 @@ class Dataflow:
             return self._written(keys, {_ANYTHING: _UNKNOWN})
         if kind.kind.endswith("fallback"):
             return self._fallback(kind, keys)
-        after, start = keys, len(self._writes)
-        for child in kind.children:
-            after = self._node(child, after)
-        is_whole = kind.kind != "parallel" or kind.succeed == len(kind.children)
-        return after if is_whole else _joined(after, self._spoiled(keys, start))
+        return self._in_order(kind.children, keys)
+
+    def _in_order(self, children: Iterable[Node], keys: Keys) -> Keys:
+        for child in children:
+            keys = self._node(child, keys)
+        return keys
+
+    def _parallel(self, kind: Parallel, keys: Keys) -> Keys:
+        start = len(self._writes)
+        after = self._in_order(kind.children, keys)
+        return after if kind.needs_all else _joined(after, self._spoiled(keys, start))
+
+    def _one_of(self, children: Iterable[Node | None], keys: Keys, *, changes: bool) -> Keys:
+        """Follow children of which one is ticked; if the choice changes, another one has begun."""
+        start, ends = len(self._writes), list[Keys]()
+        for child in children:
+            before = self._spoiled(keys, start) if changes else keys
+            ends.append(before if child is None else self._node(child, before))
+        after = ends[0]
+        for end in ends[1:]:
+            after = _joined(after, end)
+        return after
 
     def _fallback(self, kind: Composite, keys: Keys) -> Keys:
         ends: Keys | None = None
@@ -163,14 +195,15 @@ class Dataflow:
         self._node(kind.body, keys)
         return self._spoiled(keys, start)
 
-    def _for_each(self, kind: ForEach, keys: Keys, mark: Mark) -> Keys:
-        types = self._types(kind.source, keys, "'for_each'")
+    def _for_each(self, kind: ForEach | Consume, keys: Keys, mark: Mark) -> Keys:
+        types = self._types(kind.source, keys, f"'{kind.label}'")
         items = frozenset(item for item in map(item_type, types) if item is not None)
         if types and not items:
             place = _mark(kind.source, mark)
             self._problems.error(
                 place,
-                f"'for_each' goes through a list, and {_shown(kind.source)} holds {names(types)}",
+                f"'{kind.label}' goes through a list, and {_shown(kind.source)} holds "
+                f"{names(types)}",
             )
         if kind.item in keys:
             self._problems.error(
@@ -342,6 +375,6 @@ def _written_in(tree: Tree) -> frozenset[str]:
             keys.update(ref.key for ref in node.kind.outputs.values())
         elif isinstance(node.kind, Set):
             keys.update(node.kind.values)
-        elif isinstance(node.kind, ForEach):
+        elif isinstance(node.kind, ForEach | Consume):
             keys.add(node.kind.item)
     return frozenset(keys)

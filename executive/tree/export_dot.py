@@ -3,11 +3,22 @@
 from collections.abc import Iterator
 from itertools import count
 
-from executive.tree.language import Call, CheckLeaf, Composite, MissionFile, Node, RunLeaf
-from executive.tree.outline import headline, modifier_words
+from executive.tree.language import (
+    Branch,
+    Call,
+    CheckLeaf,
+    Composite,
+    MissionFile,
+    Node,
+    Parallel,
+    RunLeaf,
+    Switch,
+)
+from executive.tree.outline import headline, labelled, modifier_words
 
 _SHAPES = (
-    (Composite, "box", "#d6e4f0"),
+    (Composite | Parallel, "box", "#d6e4f0"),
+    (Branch | Switch, "diamond", "#d6e4f0"),
     (RunLeaf, "ellipse", "#dff0d8"),
     (CheckLeaf, "hexagon", "#fcf3cf"),
     (Call, "folder", "#eadcf4"),
@@ -41,10 +52,8 @@ def _node(node: Node, numbers: Iterator[int], parent: str, label: str) -> Iterat
     yield f'{me} [label="{text}", shape={shape}, fillcolor="{colour}"];'
     if parent:
         yield f"{parent} -> {me}" + (f" [label={_quoted(label)}, style=dashed];" if label else ";")
-    for child in node.children():
-        yield from _node(child, numbers, me, "")
-    if node.modifiers.on_failure:
-        yield from _node(node.modifiers.on_failure, numbers, me, "on failure")
+    for child, led_by in labelled(node):
+        yield from _node(child, numbers, me, led_by.removesuffix(": "))
 
 
 def _escaped(text: str) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from executive.tree.language import MissionFile, Node, Tree
-from executive.tree.outline import headline, modifier_words, ports
+from executive.tree.outline import headline, labelled, modifier_words, ports
 
 
 def to_text(mission: MissionFile) -> str:
@@ -29,9 +29,7 @@ def _title(tree: Tree) -> str:
 
 def _lines(node: Node, first: str, rest: str) -> Iterator[str]:
     yield f"{first}{headline(node)}{_tail(node)}"
-    below = [(child, "") for child in node.children()]
-    if node.modifiers.on_failure:
-        below.append((node.modifiers.on_failure, "on failure: "))
+    below = labelled(node)
     for index, (child, label) in enumerate(below):
         is_last = index == len(below) - 1
         branch, onward = ("`-- ", "    ") if is_last else ("|-- ", "|   ")

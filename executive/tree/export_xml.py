@@ -2,24 +2,26 @@
 
 What that language lacks is expressed by what it has: `while` is a ReactiveSequence with the
 condition first, `if` an IfThenElse, `on_failure` a Fallback whose second child is forced to fail.
-`for_each`, `loop` with `until`, and `ask` are nodes of our own, declared in the TreeNodesModel as
-the leaves are.
+`for_each`, `consume`, `loop` with `until`, `on_halt` and `ask` are nodes of our own, declared in
+the TreeNodesModel as the leaves are.
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from executive.tree.language import (
     Ask,
     Attempts,
+    Branch,
     Call,
     CheckLeaf,
     Combined,
     Composite,
     Computed,
     Condition,
+    Consume,
     ForEach,
     Group,
     KeyHolds,
@@ -29,9 +31,12 @@ from executive.tree.language import (
     MissionFile,
     Modifiers,
     Node,
+    Parallel,
     RunLeaf,
     Set,
     Source,
+    Switch,
+    Turned,
     Wait,
 )
 from executive.tree.node_model import attribute, node_models
@@ -43,8 +48,10 @@ _COMPOSITES = {
     "fallback": "Fallback",
     "reactive_sequence": "ReactiveSequence",
     "reactive_fallback": "ReactiveFallback",
-    "parallel": "Parallel",
+    "persistent_sequence": "SequenceWithMemory",
 }
+_TURNED = {"not": "Inverter", "force_failure": "ForceFailure"}
+_MOST_CASES = 6  # BehaviorTree.CPP has Switch2 to Switch6
 
 
 def to_xml(mission: MissionFile) -> str:
@@ -67,6 +74,8 @@ def _node(node: Node, *, in_fallback: bool) -> Element:
 
 
 def _modified(element: Element, modifiers: Modifiers, in_fallback: bool) -> Element:
+    if modifiers.on_halt:
+        element = _around("OnHalt", element, _node(modifiers.on_halt, in_fallback=False))
     if modifiers.optional:
         element = _around("ForceSuccess", element)
     if modifiers.on_failure:
@@ -77,6 +86,8 @@ def _modified(element: Element, modifiers: Modifiers, in_fallback: bool) -> Elem
         element = _around("Timeout", element, msec=_milliseconds(modifiers.timeout_s))
     if modifiers.while_:
         element = _around("ReactiveSequence", _condition(modifiers.while_), element)
+    if modifiers.once:
+        element = _around("RunOnce", element, then_skip="true")
     if modifiers.if_:
         otherwise = [] if in_fallback else [Element("AlwaysSuccess")]
         element = _around("IfThenElse", _condition(modifiers.if_), element, *otherwise)
@@ -93,10 +104,18 @@ def _retried(element: Element, attempts: Attempts) -> Element:
     return _around("RetryUntilSuccessful", element, num_attempts=str(attempts.count))
 
 
-def _kind(kind: Kind) -> Element:
+def _kind(kind: Kind) -> Element:  # noqa: C901 - one case a kind
     match kind:
         case Composite():
             return _composite(kind)
+        case Parallel():
+            return _parallel(kind)
+        case Turned(kind=how, child=child):
+            return _around(_TURNED[how], _node(child, in_fallback=False))
+        case Branch():
+            return _branch(kind)
+        case Switch():
+            return _switch(kind.source.key, list(kind.cases.items()), kind.otherwise)
         case Group(child=child):
             return _node(child, in_fallback=False)
         case Loop():
@@ -108,6 +127,9 @@ def _kind(kind: Kind) -> Element:
                 item=item,
                 items=_text(source_value(source)),
             )
+        case Consume(item=item, source=source, body=body):
+            queue = _text(source_value(source))
+            return _around("Consume", _node(body, in_fallback=False), item=item, queue=queue)
         case RunLeaf(use=use):
             return _leaf("Action", use)
         case CheckLeaf(use=use):
@@ -136,19 +158,46 @@ def _small(kind: Wait | Set | Ask) -> Element:
 
 def _composite(kind: Composite) -> Element:
     is_fallback = kind.kind.endswith("fallback")
-    element = _around(
+    return _around(
         _COMPOSITES[kind.kind], *(_node(child, in_fallback=is_fallback) for child in kind.children)
     )
-    if kind.kind == "parallel":
-        element.set("success_count", str(kind.succeed))
-        element.set("failure_count", str(len(kind.children) - kind.succeed + 1))
-    return element
+
+
+def _parallel(kind: Parallel) -> Element:
+    children = [_node(child, in_fallback=False) for child in kind.children]
+    if kind.wait_for_all:  # it succeeds with fewer failures, however many successes that leaves
+        return _around("ParallelAll", *children, max_failures=str(kind.fail))
+    thresholds = {"success_count": str(kind.succeed), "failure_count": str(kind.fail)}
+    return _around("Parallel", *children, **thresholds)
+
+
+def _branch(kind: Branch) -> Element:
+    tag = "IfThenElse" if kind.kind == "if" else "WhileDoElse"
+    otherwise = (
+        _node(kind.otherwise, in_fallback=False) if kind.otherwise else Element("AlwaysSuccess")
+    )
+    then = _node(kind.then, in_fallback=False)
+    return _around(tag, _condition(kind.condition), then, otherwise)
+
+
+def _switch(key: str, cases: Sequence[tuple[str, Node]], otherwise: Node | None) -> Element:
+    """Return a Switch2 to Switch6; a further one is the default of one with too many cases."""
+    now, later = list(cases[:_MOST_CASES]), cases[_MOST_CASES:]
+    if later:
+        default = _switch(key, later, otherwise)
+    else:
+        default = _node(otherwise, in_fallback=False) if otherwise else Element("AlwaysFailure")
+    if len(now) == 1:  # there is no Switch1; the same case twice is never reached
+        now = now * 2
+    names = {f"case_{number}": name for number, (name, _) in enumerate(now, 1)}
+    children = [_node(case, in_fallback=False) for _, case in now]
+    return _around(f"Switch{len(now)}", *children, default, variable=f"{{{key}}}", **names)
 
 
 def _loop(kind: Loop) -> Element:
     body = _node(kind.body, in_fallback=False)
     if kind.until is None:
-        return _around("Repeat", body, num_cycles=str(kind.max_rounds))
+        return _around("Repeat", body, num_cycles=str(kind.max_rounds or -1))
     element = _around("LoopUntil", _condition(kind.until), body)
     if kind.max_rounds:
         element.set("max", str(kind.max_rounds))

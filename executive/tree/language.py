@@ -164,11 +164,13 @@ class Modifiers:
     """The modifiers of a node, outermost first."""
 
     if_: Condition | None = None
+    once: bool = False
     while_: Condition | None = None
     timeout_s: float | None = None
     retry: Attempts | None = None
     on_failure: "Node | None" = None
     optional: bool = False
+    on_halt: "Node | None" = None
     name: str = ""
 
 
@@ -177,7 +179,7 @@ UNREADABLE = "unreadable"
 
 @dataclass(frozen=True, slots=True)
 class Composite:
-    """`sequence`, `fallback`, `reactive_sequence`, `reactive_fallback` or `parallel`.
+    """A sequence or fallback, the same reactive, or a `persistent_sequence`.
 
     While a mission is read, one of kind `UNREADABLE` stands for a node that was refused, so that
     the nodes around it are checked all the same; a mission without mistakes has none.
@@ -185,11 +187,68 @@ class Composite:
 
     kind: str
     children: tuple["Node", ...]
-    succeed: int = 0  # of a parallel: how many children must succeed
 
     @property
     def label(self) -> str:
         return self.kind
+
+
+@dataclass(frozen=True, slots=True)
+class Parallel:
+    """`parallel`: all children at once.
+
+    Attributes:
+        children: What is ticked.
+        succeed: How many must succeed; all of them means all that were not left out.
+        fail: How many failures make it fail.
+        wait_for_all: Whether all children are ticked to their end before the result counts.
+    """
+
+    children: tuple["Node", ...]
+    succeed: int
+    fail: int
+    wait_for_all: bool = False
+    label: str = "parallel"
+
+    @property
+    def needs_all(self) -> bool:
+        return self.succeed == len(self.children)
+
+
+@dataclass(frozen=True, slots=True)
+class Turned:
+    """`not` or `force_failure`: one node whose end counts otherwise."""
+
+    kind: str
+    child: "Node"
+
+    @property
+    def label(self) -> str:
+        return self.kind
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """`if`/`then`/`else`, asked once, or `while`/`do`/`else`, asked at each tick."""
+
+    kind: Literal["if", "while"]
+    condition: Condition
+    then: "Node"
+    otherwise: "Node | None"
+
+    @property
+    def label(self) -> str:
+        return self.kind
+
+
+@dataclass(frozen=True, slots=True)
+class Switch:
+    """`switch`: the case that the value of a key names."""
+
+    source: Ref
+    cases: Mapping[str, "Node"]
+    otherwise: "Node | None"
+    label: str = "switch"
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,7 +261,7 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """`loop`: again and again, until a condition holds, or so many rounds."""
+    """`loop`: until a condition holds, or so many rounds; with neither it has no end."""
 
     until: Condition | None
     max_rounds: int | None
@@ -218,6 +277,16 @@ class ForEach:
     source: Source
     body: "Node"
     label: str = "for_each"
+
+
+@dataclass(frozen=True, slots=True)
+class Consume:
+    """`consume`: takes one item after the other off a list key, until the list is empty."""
+
+    item: str
+    source: Ref
+    body: "Node"
+    label: str = "consume"
 
 
 @dataclass(frozen=True, slots=True)
@@ -281,7 +350,23 @@ class Call:
         return self.tree
 
 
-Kind = Composite | Group | Loop | ForEach | RunLeaf | CheckLeaf | Wait | Set | Ask | Call
+Kind = (
+    Composite
+    | Parallel
+    | Turned
+    | Branch
+    | Switch
+    | Group
+    | Loop
+    | ForEach
+    | Consume
+    | RunLeaf
+    | CheckLeaf
+    | Wait
+    | Set
+    | Ask
+    | Call
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -301,20 +386,26 @@ class Node:
         return self.modifiers.name or label
 
     def children(self) -> tuple["Node", ...]:
-        """Return the nodes directly below, without the recovery of `on_failure`."""
-        if isinstance(self.kind, Composite):
-            return self.kind.children
-        if isinstance(self.kind, Group):
-            return (self.kind.child,)
-        return (self.kind.body,) if isinstance(self.kind, Loop | ForEach) else ()
+        """Return the nodes directly below, without those of `on_failure` and `on_halt`."""
+        match self.kind:
+            case Composite(children=children) | Parallel(children=children):
+                return children
+            case Group(child=child) | Turned(child=child):
+                return (child,)
+            case Loop(body=body) | ForEach(body=body) | Consume(body=body):
+                return (body,)
+            case Branch(then=then, otherwise=otherwise):
+                return (then,) if otherwise is None else (then, otherwise)
+            case Switch(cases=cases, otherwise=otherwise):
+                return (*cases.values(), *(() if otherwise is None else (otherwise,)))
+        return ()
 
     def walk(self) -> Iterator["Node"]:
-        """Yield this node and all below, recoveries included, in the order of the file."""
+        """Yield this node and all below, those of `on_failure` and `on_halt` included."""
         yield self
-        for child in self.children():
+        beside = (self.modifiers.on_failure, self.modifiers.on_halt)
+        for child in (*self.children(), *(one for one in beside if one)):
             yield from child.walk()
-        if self.modifiers.on_failure:
-            yield from self.modifiers.on_failure.walk()
 
 
 @dataclass(frozen=True, slots=True)

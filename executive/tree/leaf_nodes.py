@@ -92,7 +92,9 @@ class CheckNode(TreeNode):
 
     def update(self) -> Status:
         """Ask once."""
-        return self.take(self._asked())
+        outcome = self._asked()
+        self.is_refused = not outcome.success
+        return self.take(outcome)
 
 
 class RunNode(TreeNode):

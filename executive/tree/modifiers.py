@@ -1,4 +1,7 @@
-"""Modifiers of a node: if, while, timeout, retry, on_failure, optional; all on mission time."""
+"""Modifiers of a node: if, once, while, timeout, retry, on_failure, optional, on_halt.
+
+All times are mission time.
+"""
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -11,10 +14,11 @@ from executive.events.node import (
     NodeRetried,
     NodeTimedOut,
 )
-from executive.leaf.runtime import Runtime
+from executive.leaf.runtime import MissionFaultError, Runtime
 from executive.tree.conditions import Answer
 from executive.tree.language import Attempts
 from executive.tree.nodes import Controller, Steps
+from executive.tree.rounds import Rounds
 
 EPSILON_S = 1e-9  # the clock is a product of ticks, and a duration need not be
 
@@ -32,22 +36,15 @@ class Modifier(Controller):
 class IfNode(Modifier):
     """Ticks its child if a condition holds when it begins, and is left out otherwise.
 
-    Left out means success in a sequence, which goes on; in a fallback it means failure, so that the
-    next alternative is tried.
+    A node that is left out is no success and no failure: a sequence and a fallback go on to the
+    next child, and a node whose children were all left out is left out itself.
     """
 
     def __init__(
-        self,
-        name: str,
-        path: str,
-        runtime: Runtime,
-        child: Behaviour,
-        answer: Answer,
-        left_out: Status,
+        self, name: str, path: str, runtime: Runtime, child: Behaviour, answer: Answer
     ) -> None:
         super().__init__(name, path, runtime, child)
         self._answer = answer
-        self._left_out = left_out
 
     def is_open(self) -> bool:
         """Ask the condition."""
@@ -62,7 +59,8 @@ class IfNode(Modifier):
                 )
                 if not self.is_repeated:
                     self.record(NodeLeftOut(answer.reason))
-                return self._left_out
+                self.is_skipped = self.is_refused = True
+                return Status.SUCCESS
         yield from self.child.tick()
         return self.adopt(self.child)
 
@@ -84,6 +82,7 @@ class WhileNode(Modifier):
             )
             if not self.is_repeated:
                 self.record(NodeForbidden(answer.reason))
+            self.is_refused = True
             return Status.FAILURE
         yield from self.child.tick()
         return self.adopt(self.child)
@@ -114,17 +113,25 @@ class TimeoutNode(Modifier):
 
 
 class RetryNode(Modifier):
-    """Begins its child again when it fails, at the next tick or after a pause.
+    """Begins its child again when it fails.
 
-    It makes so many attempts in all, and none more after a failure whose cause cannot change, such
-    as a stone that is too heavy.
+    An attempt that failed within one tick is followed by the next at once; after one that took time
+    the next begins at the next tick, or after the pause. It makes so many attempts in all, and none
+    more after a failure whose cause cannot change, such as a stone that is too heavy.
     """
 
     def __init__(
-        self, name: str, path: str, runtime: Runtime, child: Behaviour, attempts: Attempts
+        self,
+        name: str,
+        path: str,
+        runtime: Runtime,
+        child: Behaviour,
+        attempts: Attempts,
+        rounds: Rounds,
     ) -> None:
         super().__init__(name, path, runtime, child)
         self._attempts = attempts
+        self._rounds = rounds
         self._attempt = 1
         self._resume_s = 0.0
 
@@ -135,29 +142,39 @@ class RetryNode(Modifier):
     def proceed(self) -> Steps:
         if self.runtime.clock.now_s() < self._resume_s - EPSILON_S:
             return Status.RUNNING
-        yield from self.child.tick()
-        reason = self.child.feedback_message
-        if self.child.status is not Status.FAILURE:
-            of = f"attempt {self._attempt} of {self._attempts.count}"
-            self.feedback_message = (
-                f"{of}{f': {reason}' if reason else ''}" if self._attempt > 1 else reason
-            )
-            return self._child_status()
-        if getattr(self.child, "is_final", False) and self._attempt < self._attempts.count:
-            self.record(NodeNotRetried(self._attempt, self._attempts.count, reason))
-            return self.adopt(self.child)
-        if self._attempt >= self._attempts.count:
-            self.feedback_message = f"{reason or 'failed'} ({self._attempts.count} attempts)"
-            return Status.FAILURE
-        self.record(NodeRetried(self._attempt, self._attempts.count, reason))
-        self._attempt += 1
-        self._resume_s = self.runtime.clock.now_s() + self._attempts.pause_s
-        self.feedback_message = f"attempt {self._attempt} of {self._attempts.count} after: {reason}"
+        with self._rounds.tick():
+            while self.child.status is Status.RUNNING or self._rounds.take():
+                was_running = self.child.status is Status.RUNNING
+                yield from self.child.tick()
+                status = self._judged()
+                if status is not Status.RUNNING:
+                    return status
+                is_pausing = self._attempts.pause_s > 0.0
+                if was_running or is_pausing or self.child.status is Status.RUNNING:
+                    break
         return Status.RUNNING
 
-    def _child_status(self) -> Status:
-        status: Status = self.child.status
-        return status
+    def _judged(self) -> Status:
+        """Return the node's status after a visit of its child."""
+        reason, of = self.child.feedback_message, self._attempts.count
+        if self.child.status is not Status.FAILURE:
+            status = self.adopt(self.child)
+            if self._attempt > 1:
+                number = f"attempt {self._attempt} of {of}"
+                self.feedback_message = f"{number}{f': {reason}' if reason else ''}"
+            return status
+        if self.child.is_final and self._attempt < of:
+            self.record(NodeNotRetried(self._attempt, of, reason))
+            return self.adopt(self.child)
+        if self._attempt >= of:
+            self.is_refused = self.child.is_refused
+            self.feedback_message = f"{reason or 'failed'} ({of} attempts)"
+            return Status.FAILURE
+        self.record(NodeRetried(self._attempt, of, reason))
+        self._attempt += 1
+        self._resume_s = self.runtime.clock.now_s() + self._attempts.pause_s
+        self.feedback_message = f"attempt {self._attempt} of {of} after: {reason}"
+        return Status.RUNNING
 
 
 class OnFailureNode(Controller):
@@ -205,4 +222,51 @@ class OptionalNode(Modifier):
             return status
         if not self.is_repeated:
             self.record(NodeExcused(self.feedback_message))
+        self.is_final = self.is_refused = False
         return Status.SUCCESS
+
+
+class OnceNode(Modifier):
+    """Ticks its child to its end once in a mission, and leaves it out afterwards.
+
+    A child that was halted or left out before its end begins again. Source: RunOnce of
+    BehaviorTree.CPP 4, `then_skip`.
+    """
+
+    _has_ended = False
+
+    def proceed(self) -> Steps:
+        if self._has_ended:
+            self.feedback_message = "left out: it has run before"
+            self.is_skipped = True
+            return Status.SUCCESS
+        yield from self.child.tick()
+        status = self.adopt(self.child)
+        self._has_ended = status is not Status.RUNNING and not self.is_skipped
+        return status
+
+
+class OnHaltNode(Controller):
+    """Ticks a node of one tick when its child is cancelled, after the child has cleaned up."""
+
+    is_journalled = False
+
+    def __init__(
+        self, name: str, path: str, runtime: Runtime, child: Behaviour, cleanup: Behaviour
+    ) -> None:
+        super().__init__(name, path, runtime, [child, cleanup])
+        self._child = child
+        self._cleanup = cleanup
+
+    def proceed(self) -> Steps:
+        yield from self._child.tick()
+        return self.adopt(self._child)
+
+    def cancel(self) -> None:
+        if self.runtime.is_faulted:  # no leaf begins after a fault
+            return
+        try:
+            self._cleanup.tick_once()
+        except MissionFaultError as fault:  # the next leaf to begin ends the tick
+            self.feedback_message = str(fault)
+        self._cleanup.stop(Status.INVALID)

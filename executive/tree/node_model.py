@@ -5,7 +5,16 @@ from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement
 
 from executive.leaf.action import Action
-from executive.tree.language import Ask, Call, ForEach, LeafUse, Loop, MissionFile, Tree
+from executive.tree.language import (
+    Ask,
+    Call,
+    Consume,
+    ForEach,
+    LeafUse,
+    Loop,
+    MissionFile,
+    Tree,
+)
 from executive.tree.port_types import type_name
 from executive.tree.traversal import uses_of
 
@@ -21,6 +30,8 @@ def node_models(mission: MissionFile) -> Element:
     called = {node.kind.tree for node in nodes if isinstance(node.kind, Call)}
     models.extend(_tree_model(mission.trees[name]) for name in sorted(called))
     models.extend(_own_models({type(node.kind) for node in nodes if not _is_repeat(node.kind)}))
+    if any(node.modifiers.on_halt for node in nodes):
+        models.append(Element("Control", ID="OnHalt"))  # the second child, when the first is halted
     return models
 
 
@@ -54,6 +65,11 @@ def _own_models(kinds: Iterable[type]) -> Iterable[Element]:
     if ForEach in kinds:
         model = Element("Decorator", ID="ForEach")
         _port(model, "input_port", "items", "", "The list to go through.")
+        _port(model, "output_port", "item", "", "Key of the present item.")
+        yield model
+    if Consume in kinds:
+        model = Element("Decorator", ID="Consume")
+        _port(model, "inout_port", "queue", "", "The list that items are taken off.")
         _port(model, "output_port", "item", "", "Key of the present item.")
         yield model
     if Loop in kinds:

@@ -1,16 +1,18 @@
 """Nodes: a mapping with one kind key and modifiers becomes a checked description."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 
 from executive.errors import did_you_mean
 from executive.tree.language import (
     UNREADABLE,
     Ask,
     Attempts,
+    Branch,
     Call,
     CheckLeaf,
     Composite,
+    Consume,
     ForEach,
     Group,
     Kind,
@@ -18,10 +20,13 @@ from executive.tree.language import (
     Loop,
     Modifiers,
     Node,
+    Parallel,
     Ref,
     RunLeaf,
     Set,
     Source,
+    Switch,
+    Turned,
     TypeName,
     Wait,
 )
@@ -37,19 +42,37 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "fallback": (),
     "reactive_sequence": (),
     "reactive_fallback": (),
-    "parallel": ("succeed",),
+    "persistent_sequence": (),
+    "parallel": ("succeed", "fail", "wait_for_all"),
+    "not": (),
+    "force_failure": (),
+    "then": ("if", "else"),
+    "switch": ("cases", "else"),
     "loop": ("do",),
     "for_each": ("do",),
+    "consume": ("do",),
     "run": LEAF_KEYS,
     "check": LEAF_KEYS,
     "wait": (),
     "set": (),
     "ask": ("default",),
     "call": ("in", "out"),
-    "do": (),  # with `retry` beside it this is the kind `retry`; a plain `do` carries modifiers
+    "do": ("else",),  # with `while` and `else` a kind of its own; else it carries modifiers
 }
-MODIFIERS = ("if", "while", "timeout", "retry", "on_failure", "optional", "name")
+REPEATING = ("loop", "for_each", "consume")  # beside them, `do` is their body
+MODIFIERS = (
+    "if",
+    "once",
+    "while",
+    "timeout",
+    "retry",
+    "on_failure",
+    "optional",
+    "on_halt",
+    "name",
+)
 Ports = Mapping[str, TypeName]
+_ELSE = "'else' goes with 'if' and 'then', with 'while' and 'do', or with 'switch' and 'cases'"
 _NAME = re.compile(r"[^/@\n\t]{1,60}")
 
 
@@ -64,10 +87,16 @@ class NodeReader:
             **{
                 kind: self._composite(kind)
                 for kind in KINDS
-                if kind.endswith(("sequence", "fallback", "parallel"))
+                if kind.endswith(("sequence", "fallback"))
             },
+            "parallel": self._parallel,
+            "not": self._turned("not"),
+            "force_failure": self._turned("force_failure"),
+            "then": self._if_else,
+            "switch": self._switch,
             "loop": self._loop,
             "for_each": self._for_each,
+            "consume": self._consume,
             "run": self._run,
             "check": self._check,
             "wait": self._wait,
@@ -90,10 +119,10 @@ class NodeReader:
         self._reading.known_keys(
             table,
             allowed,
-            f"a '{'retry' if kind == 'do' and 'retry' in table.entries else kind}' node",
+            f"a '{_shown_kind(kind, table)}' node",
         )
         what = self._kinds[kind](table)
-        modifiers = self._modifiers(table)
+        modifiers = self._modifiers(table, what)
         return Node(what, modifiers, table.entries[kind].key_mark) if what is not None else None
 
     def _node_table(self, value: Value) -> Table | None:
@@ -112,7 +141,7 @@ class NodeReader:
 
     def _kind_of(self, table: Table) -> str | None:
         found = [kind for kind in KINDS if kind in table.entries]
-        if found in (["loop", "do"], ["for_each", "do"]):
+        if len(found) == 2 and found[0] in REPEATING and found[1] == "do":
             return found[0]
         if len(found) == 1:
             return found[0]
@@ -123,6 +152,8 @@ class NodeReader:
             )
         elif "retry" in table.entries:
             self._reading.fail(table, "'retry' needs 'do:' or another kind beside it")
+        elif "else" in table.entries:
+            self._reading.fail(table, f"{_ELSE}; here neither 'then' nor 'do' is given")
         else:
             strange = next((k for k in table.entries if k not in MODIFIERS), "")
             near = did_you_mean(strange, KINDS)
@@ -138,37 +169,78 @@ class NodeReader:
             listing = self._reading.listing(table.entries[kind].value, f"'{kind}'")
             if listing is None:
                 return None
-            children = tuple(map(self.node, listing.items))
-            succeed = self._succeed(table, len(listing.items)) if kind == "parallel" else 0
-            if kind == "reactive_sequence":
-                self._refuse_slow(children[:-1])
-            return Composite(kind, children, succeed)
+            return Composite(kind, tuple(map(self.node, listing.items)))
 
         return read
 
-    def _refuse_slow(self, earlier: Sequence[Node]) -> None:
-        for node in earlier:
-            if not is_instant(node):
-                told = (
-                    f"{node.label} takes time, and a reactive_sequence asks all but its "
-                    "last child anew at each tick; "
-                )
-                self._reading.problems.error(
-                    node.mark, told + "put what takes time into one sequence at its end"
-                )
+    def _parallel(self, table: Table) -> Kind | None:
+        listing = self._reading.listing(table.entries["parallel"].value, "'parallel'")
+        if listing is None:
+            return None
+        children, count = tuple(map(self.node, listing.items)), len(listing.items)
+        succeed = self._threshold(table, "succeed", count)
+        fail = self._threshold(table, "fail", count)
+        waits = table.get("wait_for_all")
+        wait_for_all = bool(waits and self._reading.truth(waits, "'wait_for_all'"))
+        if succeed is None:
+            succeed = count if fail is None else count - fail + 1
+        if fail is None:
+            fail = count - succeed + 1
+        elif succeed + fail > count + 1:
+            told = (
+                f"the parallel has failed before {fail} children have: with {count - succeed + 1} "
+                f"failures, {succeed} of {count} can no longer succeed; give 'fail' alone, or a "
+                "smaller 'succeed'"
+            )
+            self._reading.problems.error(table.entries["fail"].key_mark, told)
+        return Parallel(children, succeed, fail, wait_for_all)
 
-    def _succeed(self, table: Table, count: int) -> int:
-        value = table.get("succeed")
-        words = {"all": count, "one": 1}
+    def _threshold(self, table: Table, key: str, count: int) -> int | None:
+        value = table.get(key)
         if value is None:
-            return count
+            return None
+        words = {"all": count, "one": 1}
         word = describe(value).strip("'")
         if word in words:
             return words[word]
-        number = self._reading.whole(value, "'succeed', if not all or one,")
+        number = self._reading.whole(value, f"'{key}', if not all or one,")
         if number is not None and number > count:
-            self._reading.fail(value, f"{number} children are to succeed, and there are {count}")
+            self._reading.fail(value, f"{number} children are to {key}, and there are {count}")
         return number or count
+
+    def _turned(self, kind: str) -> Callable[[Table], Kind | None]:
+        return lambda table: Turned(kind, self.node(table.entries[kind].value))
+
+    def _if_else(self, table: Table) -> Kind | None:
+        then, asked = self.node(table.entries["then"].value), table.get("if")
+        otherwise = self._otherwise(table)
+        if asked is None:
+            mark = table.entries["then"].key_mark
+            self._reading.problems.error(mark, "'then' needs 'if:' with the condition")
+            return None
+        condition = self._leaves.condition(asked, "'if'")
+        return Branch("if", condition, then, otherwise) if condition else None
+
+    def _otherwise(self, table: Table) -> Node | None:
+        value = table.get("else")
+        return None if value is None else self.node(value)
+
+    def _switch(self, table: Table) -> Kind | None:
+        source = self._reading.reference(table.entries["switch"].value, "'switch'")
+        given = table.get("cases")
+        otherwise = self._otherwise(table)
+        if given is None:
+            mark = table.entries["switch"].key_mark
+            self._reading.problems.error(mark, "'switch' needs 'cases:' with a node for each value")
+            return None
+        listed = self._reading.table(given, "'cases'")
+        if listed is None:
+            return None
+        if not listed.entries:
+            self._reading.fail(listed, "'cases' needs at least one 'value: node'")
+            return None
+        cases = {name: self.node(entry.value) for name, entry in listed.entries.items()}
+        return Switch(source, cases, otherwise) if source else None
 
     def _body(self, table: Table, kind: str) -> Node | None:
         body = table.get("do")
@@ -181,16 +253,27 @@ class NodeReader:
         return self.node(body)
 
     def _group(self, table: Table) -> Kind | None:
-        return Group(self.node(table.entries["do"].value))
+        body, otherwise = self.node(table.entries["do"].value), self._otherwise(table)
+        if otherwise is None:
+            return Group(body)
+        asked = table.get("while")
+        if asked is None:
+            self._reading.problems.error(table.entries["else"].key_mark, _ELSE)
+            return None
+        condition = self._leaves.condition(asked, "'while'")
+        return Branch("while", condition, body, otherwise) if condition else None
 
     def _loop(self, table: Table) -> Kind | None:
         body = self._body(table, "loop")
+        if describe(table.entries["loop"].value).strip("'") == "forever":
+            return Loop(None, None, body) if body else None
         given = self._reading.table(table.entries["loop"].value, "'loop'")
         if given is None:
             return None
         self._reading.known_keys(given, ("until", "max"), "'loop'")
         if not given.entries:
-            self._reading.fail(given, "'loop' needs 'until' or 'max'")
+            told = "'loop' needs 'until' or 'max'; 'loop: forever' has no end"
+            self._reading.fail(given, told)
             return None
         until_value, max_value = given.get("until"), given.get("max")
         until = self._leaves.condition(until_value, "'until'") if until_value is not None else None
@@ -219,6 +302,21 @@ class NodeReader:
             )
             return None
         return ForEach(item, source, body) if body and item and source else None
+
+    def _consume(self, table: Table) -> Kind | None:
+        body = self._body(table, "consume")
+        given = self._reading.table(table.entries["consume"].value, "'consume'")
+        if given is None:
+            return None
+        self._reading.known_keys(given, ("item", "from"), "'consume'")
+        item_value, from_value = given.get("item"), given.get("from")
+        if item_value is None or from_value is None:
+            told = "'consume' needs 'item', a name, and 'from', the \"{key}\" of a list"
+            self._reading.fail(given, told)
+            return None
+        item = self._reading.name(item_value, "'item'")
+        source = self._reading.reference(from_value, "'from'")
+        return Consume(item, source, body) if body and item and source else None
 
     def _run(self, table: Table) -> Kind | None:
         use = self._leaves.use("run", table)
@@ -280,21 +378,39 @@ class NodeReader:
 
     # --- modifiers
 
-    def _modifiers(self, table: Table) -> Modifiers:
-        get, reading = table.get, self._reading
+    def _modifiers(self, table: Table, kind: Kind | None) -> Modifiers:
+        own = kind.kind if isinstance(kind, Branch) else ""  # a condition of the kind itself
+        reading = self._reading
+
+        def get(key: str) -> Value | None:
+            return None if key == own else table.get(key)
+
         if_, while_, timeout, retry = get("if"), get("while"), get("timeout"), get("retry")
         recovery, optional, name = get("on_failure"), get("optional"), get("name")
+        once, on_halt = get("once"), get("on_halt")
         modifiers = Modifiers(
             if_=None if if_ is None else self._leaves.condition(if_, "'if'"),
+            once=bool(once is not None and reading.truth(once, "'once'")),
             while_=None if while_ is None else self._leaves.condition(while_, "'while'"),
             timeout_s=None if timeout is None else reading.seconds(timeout, "'timeout'"),
             retry=None if retry is None else self._attempts(retry),
             on_failure=None if recovery is None else self.node(recovery),
             optional=bool(optional is not None and reading.truth(optional, "'optional'")),
+            on_halt=None if on_halt is None else self._on_halt(on_halt),
             name="" if name is None else self._name(name),
         )
         self._refuse_dead(table, modifiers)
         return modifiers
+
+    def _on_halt(self, value: Value) -> Node:
+        node = self.node(value)
+        if not is_instant(node):
+            told = (
+                f"{node.label} takes time, and 'on_halt' is ticked once, when its node is "
+                "cancelled; it takes 'set', 'check' and what is made of them"
+            )
+            self._reading.problems.error(node.mark, told)
+        return node
 
     def _attempts(self, value: Value) -> Attempts | None:
         if not isinstance(value, Table):
@@ -326,3 +442,9 @@ class NodeReader:
                 "would then never see a failure: "
                 "give it to a node around this one (optional: true, do: …)",
             )
+
+
+def _shown_kind(kind: str, table: Table) -> str:
+    if kind == "then":
+        return "if"
+    return "retry" if kind == "do" and "retry" in table.entries else kind

@@ -20,6 +20,7 @@ from executive.leaf.runtime import Runtime
 
 Visits = Iterator[Behaviour]
 Steps = Generator[Behaviour, None, Status]
+_RUNNING, _INVALID = Status.RUNNING, Status.INVALID  # looked up at each visit of each node
 _RESULTS = {
     Status.SUCCESS: NodeResult.SUCCESS,
     Status.FAILURE: NodeResult.FAILURE,
@@ -34,12 +35,19 @@ class TreeNode(Behaviour):  # type: ignore[misc]
         path: Where it stands, the same on every run: `main/0:ScanSwing`.
         is_repeated: Ticked anew at each tick, as the earlier children of a reactive composite are:
             then only a change of its result is journalled, not every tick.
+        is_skipped: The node was left out: its status is SUCCESS, and its parent counts it neither
+            as a success nor as a failure. py_trees knows no such status.
+        is_final: The node failed for a cause that repetition cannot change.
+        is_refused: The node failed because a condition does not hold, and not because something
+            that it did went wrong.
     """
 
     status: Status
     is_repeated = False
     is_journalled = True  # modifiers are journalled only when they change something
-    is_final = False  # the node failed for a cause that repetition cannot change
+    is_skipped = False
+    is_final = False
+    is_refused = False
 
     def __init__(
         self, name: str, path: str, runtime: Runtime, children: Sequence[Behaviour] = ()
@@ -70,13 +78,32 @@ class TreeNode(Behaviour):  # type: ignore[misc]
         """Take over a child's status and reason."""
         self.feedback_message = child.feedback_message
         self.is_final = getattr(child, "is_final", False)
+        self.is_refused = getattr(child, "is_refused", False)
+        self.is_skipped = getattr(child, "is_skipped", False)
         status: Status = child.status
         return status
+
+    def tick(self) -> Visits:
+        """Tick a leaf: py_trees does the same, and formats a line of debugging at each visit."""
+        if self.status is not _RUNNING:
+            self.initialise()
+        status: Status = self.update()
+        if status is _RUNNING:
+            self.tell_running()
+        else:
+            self.stop(status)
+        self.status = status
+        yield self
+
+    def stop(self, new_status: Status) -> None:
+        """End the round of activity."""
+        self.terminate(new_status)
+        self.status = new_status
 
     def initialise(self) -> None:
         self._is_active = True
         self._is_told = False
-        self.is_final = False
+        self.is_final = self.is_refused = self.is_skipped = False
         self.feedback_message = ""
         if not self.is_repeated:
             self._tell_start()
@@ -89,6 +116,7 @@ class TreeNode(Behaviour):  # type: ignore[misc]
             return
         self._is_active = False
         if new_status is Status.INVALID:
+            self.is_skipped = False
             self.cancel()
         self._tell_end(new_status)
 
@@ -111,7 +139,8 @@ class TreeNode(Behaviour):  # type: ignore[misc]
     def _tell_end(self, status: Status) -> None:
         result = (status, self.feedback_message)
         if self.is_journalled and (self._is_told or result != self._last):
-            self.record(NodeEnded(_RESULTS[status], self.feedback_message))
+            ended = NodeResult.SKIPPED if self.is_skipped else _RESULTS[status]
+            self.record(NodeEnded(ended, self.feedback_message))
         self._last = result
 
 
@@ -127,14 +156,15 @@ class Controller(TreeNode):
 
     def tick(self) -> Visits:
         """Tick; a key that was never written is a failure with a reason, no escape."""
-        if self.status is not Status.RUNNING:
+        if self.status is not _RUNNING:
             self.initialise()
         try:
             status = yield from self.proceed()
         except ConfigError as error:
             self.feedback_message = str(error)
+            self.is_skipped = self.is_refused = False
             status = Status.FAILURE
-        if status is Status.RUNNING:
+        if status is _RUNNING:
             self.tell_running()
         else:
             self.stop(status)
@@ -143,12 +173,21 @@ class Controller(TreeNode):
 
     def stop(self, new_status: Status) -> None:
         """End; children that are running are cancelled first."""
+        everything = new_status is _INVALID
         for child in self.children:
-            stop_child(child, everything=new_status is Status.INVALID)
+            if child.status is _RUNNING or (everything and child.status is not _INVALID):
+                child.stop(_INVALID)
         super().stop(new_status)
 
 
 def stop_child(child: Behaviour, *, everything: bool = False) -> None:
     """Cancel a child that runs; with `everything`, also forget how it ended."""
-    if child.status is Status.RUNNING or (everything and child.status is not Status.INVALID):
-        child.stop(Status.INVALID)
+    if child.status is _RUNNING or (everything and child.status is not _INVALID):
+        child.stop(_INVALID)
+
+
+def reset_children(node: Behaviour) -> None:
+    """Forget how the children of a node ended in a round before."""
+    for child in node.children:
+        if child.status is not _INVALID:
+            child.stop(_INVALID)

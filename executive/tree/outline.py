@@ -6,15 +6,18 @@ from typing import Any
 from executive.tree.conditions import condition_text
 from executive.tree.language import (
     Ask,
+    Branch,
     Call,
-    Composite,
+    Consume,
     ForEach,
     Loop,
     Modifiers,
     Node,
+    Parallel,
     RunLeaf,
     Set,
     Source,
+    Switch,
     Wait,
 )
 from executive.tree.resolved import source_value
@@ -28,22 +31,24 @@ def headline(node: Node) -> str:
     return f"{words} ({name})" if name else words
 
 
-def _kind_words(node: Node) -> str:
+def _kind_words(node: Node) -> str:  # noqa: C901 - one case a kind
     match node.kind:
-        case Composite(kind="parallel", children=children, succeed=succeed):
-            return (
-                "parallel"
-                if succeed == len(children)
-                else f"parallel, {succeed} of {len(children)}"
-            )
+        case Parallel():
+            return _parallel_words(node.kind)
+        case Branch(kind=kind, condition=condition):
+            return f"{kind} {condition_text(condition)}"
+        case Switch(source=source):
+            return f"switch {source_value(source)}"
         case Loop(until=until, max_rounds=rounds):
             parts = [
                 f"until {condition_text(until)}" if until else "",
                 f"at most {rounds} rounds" if rounds else "",
             ]
-            return f"loop {', '.join(part for part in parts if part)}"
+            return f"loop {', '.join(part for part in parts if part) or 'forever'}"
         case ForEach(item=item, source=source):
             return f"for_each {item} in {source_value(source)}"
+        case Consume(item=item, source=source):
+            return f"consume {item} from {source_value(source)}"
         case RunLeaf() | Call():
             return f"{'run' if isinstance(node.kind, RunLeaf) else 'call'} {node.kind.label}"
         case Wait(duration_s=duration_s):
@@ -60,11 +65,37 @@ def _kind_words(node: Node) -> str:
     )
 
 
+def _parallel_words(kind: Parallel) -> str:
+    total = len(kind.children)
+    words = ["parallel"]
+    if not kind.needs_all:
+        words.append(f"{kind.succeed} of {total}")
+    if kind.fail != total - kind.succeed + 1:
+        words.append(f"fails with {kind.fail}")
+    if kind.wait_for_all:
+        words.append("waits for all")
+    return ", ".join(words)
+
+
+def labelled(node: Node) -> list[tuple[Node, str]]:
+    """Return the nodes below, each with what leads to it: empty for a plain child."""
+    kind, labels = node.kind, [""] * len(node.children())
+    if isinstance(kind, Branch):
+        labels = ["then: " if kind.kind == "if" else "do: ", "else: "]
+    elif isinstance(kind, Switch):
+        labels = [*(f"{case}: " for case in kind.cases), "else: "]
+    below = list(zip(node.children(), labels, strict=False))
+    m = node.modifiers
+    beside = ((m.on_failure, "on failure: "), (m.on_halt, "on halt: "))
+    return below + [(one, label) for one, label in beside if one]
+
+
 def modifier_words(modifiers: Modifiers) -> list[str]:
-    """Return the modifiers, outermost first, without the recovery's nodes."""
+    """Return the modifiers, outermost first, without those that hold nodes."""
     retry = modifiers.retry
     return [
         *([f"if {condition_text(modifiers.if_)}"] if modifiers.if_ else []),
+        *(["once"] if modifiers.once else []),
         *([f"while {condition_text(modifiers.while_)}"] if modifiers.while_ else []),
         *([f"timeout {modifiers.timeout_s:g} s"] if modifiers.timeout_s is not None else []),
         *(

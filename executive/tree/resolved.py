@@ -10,11 +10,13 @@ from executive.tree.language import (
     ON_ERROR,
     Ask,
     Attempts,
+    Branch,
     Call,
     CheckLeaf,
     Composite,
     Computed,
     Condition,
+    Consume,
     ForEach,
     Group,
     KeyHolds,
@@ -25,12 +27,15 @@ from executive.tree.language import (
     MissionFile,
     Modifiers,
     Node,
+    Parallel,
     Ref,
     RunLeaf,
     Selection,
     Set,
     Source,
+    Switch,
     Tree,
+    Turned,
     TypeName,
     Wait,
 )
@@ -105,15 +110,27 @@ def node_dict(node: Node) -> dict[str, Any]:
 def _kind(kind: Kind) -> dict[str, Any]:  # noqa: C901 - one case a kind
     match kind:
         case Composite():
-            succeed = {"succeed": kind.succeed} if kind.kind == "parallel" else {}
-            return {kind.kind: [node_dict(child) for child in kind.children], **succeed}
+            return {kind.kind: [node_dict(child) for child in kind.children]}
+        case Parallel():
+            return _parallel(kind)
+        case Turned(kind=how, child=child):
+            return {how: node_dict(child)}
+        case Branch():
+            return _branch(kind)
+        case Switch(source=source, cases=cases):
+            written = {name: node_dict(case) for name, case in cases.items()}
+            return {"switch": source_value(source), "cases": written, **_otherwise(kind)}
         case Group(child=child):
             return {"do": node_dict(child)}
         case Loop(until=until, max_rounds=rounds, body=body):
-            head = {"until": condition_value(until) if until else None, "max": rounds}
-            return {"loop": {k: v for k, v in head.items() if v is not None}, "do": node_dict(body)}
+            given = {"until": condition_value(until) if until else None, "max": rounds}
+            head = {key: value for key, value in given.items() if value is not None}
+            return {"loop": head or "forever", "do": node_dict(body)}
         case ForEach(item=item, source=source, body=body):
             return {"for_each": {"item": item, "in": source_value(source)}, "do": node_dict(body)}
+        case Consume(item=item, source=source, body=body):
+            taken = {"item": item, "from": source_value(source)}
+            return {"consume": taken, "do": node_dict(body)}
         case RunLeaf(use=use):
             return {"run": use.name, **_use(use)}
         case CheckLeaf(use=use):
@@ -127,6 +144,26 @@ def _kind(kind: Kind) -> dict[str, Any]:  # noqa: C901 - one case a kind
         case Call():
             wires = {"in": _wires(kind.inputs), "out": _wires(kind.outputs)}
             return {"call": kind.tree, **{side: given for side, given in wires.items() if given}}
+
+
+def _parallel(kind: Parallel) -> dict[str, Any]:
+    written: dict[str, Any] = {"parallel": [node_dict(child) for child in kind.children]}
+    written |= {"succeed": kind.succeed}
+    if kind.fail != len(kind.children) - kind.succeed + 1:
+        written["fail"] = kind.fail
+    if kind.wait_for_all:
+        written["wait_for_all"] = True
+    return written
+
+
+def _branch(kind: Branch) -> dict[str, Any]:
+    body = "then" if kind.kind == "if" else "do"
+    asked = {kind.kind: condition_value(kind.condition), body: node_dict(kind.then)}
+    return asked | _otherwise(kind)
+
+
+def _otherwise(kind: Branch | Switch) -> dict[str, Any]:
+    return {"else": node_dict(kind.otherwise)} if kind.otherwise else {}
 
 
 def _use(use: LeafUse) -> dict[str, Any]:
@@ -176,11 +213,13 @@ def _modifiers(modifiers: Modifiers) -> dict[str, Any]:
     recovery = modifiers.on_failure
     written = {
         "if": condition_value(modifiers.if_) if modifiers.if_ else None,
+        "once": modifiers.once or None,
         "while": condition_value(modifiers.while_) if modifiers.while_ else None,
         "timeout": modifiers.timeout_s,
         "retry": _attempts(modifiers.retry) if modifiers.retry else None,
         "on_failure": node_dict(recovery) if recovery else None,
         "optional": modifiers.optional or None,
+        "on_halt": node_dict(modifiers.on_halt) if modifiers.on_halt else None,
         "name": modifiers.name or None,
     }
     return {key: value for key, value in written.items() if value is not None}

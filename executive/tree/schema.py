@@ -169,20 +169,50 @@ def _as_tree(kind: Schema) -> Schema:
 
 
 def _kinds() -> Iterator[Schema]:
-    for kind in ("sequence", "fallback", "reactive_sequence", "reactive_fallback"):
+    for kind in (
+        "sequence",
+        "fallback",
+        "reactive_sequence",
+        "reactive_fallback",
+        "persistent_sequence",
+    ):
         yield {"properties": {kind: _NODES}, "required": [kind]}
     count: Schema = {"type": "integer", "minimum": 1}
-    succeed = {"anyOf": [{"enum": ["all", "one"]}, count]}
-    yield {"properties": {"parallel": _NODES, "succeed": succeed}, "required": ["parallel"]}
+    number = {"anyOf": [{"enum": ["all", "one"]}, count]}
+    thresholds = {"succeed": number, "fail": number, "wait_for_all": {"type": "boolean"}}
+    yield {"properties": {"parallel": _NODES, **thresholds}, "required": ["parallel"]}
+    for kind in ("not", "force_failure"):
+        yield {"properties": {kind: _NODE}, "required": [kind]}
+    yield {
+        "properties": {"if": _CONDITION, "then": _NODE, "else": _NODE},
+        "required": ["if", "then"],
+    }
+    yield {
+        "properties": {"while": _CONDITION, "do": _NODE, "else": _NODE},
+        "required": ["while", "do", "else"],
+    }
+    cases = {"type": "object", "additionalProperties": _NODE, "minProperties": 1}
+    yield {
+        "properties": {"switch": _REFERENCE, "cases": cases, "else": _NODE},
+        "required": ["switch", "cases"],
+    }
     loop = {"until": _CONDITION, "max": count}
     yield {
-        "properties": {"loop": {**_closed(loop), "minProperties": 1}, "do": _NODE},
+        "properties": {
+            "loop": {"anyOf": [{"const": "forever"}, {**_closed(loop), "minProperties": 1}]},
+            "do": _NODE,
+        },
         "required": ["loop", "do"],
     }
     each = {"item": _WORD, "in": {"anyOf": [_REFERENCE, {"type": "array"}]}}
     yield {
         "properties": {"for_each": _closed(each, *each), "do": _NODE},
         "required": ["for_each", "do"],
+    }
+    taken = {"item": _WORD, "from": _REFERENCE}
+    yield {
+        "properties": {"consume": _closed(taken, *taken), "do": _NODE},
+        "required": ["consume", "do"],
     }
     yield {"properties": {"do": _NODE}, "required": ["do"]}
     yield {"properties": {"wait": _DURATION}, "required": ["wait"]}
@@ -202,6 +232,7 @@ def _with_modifiers(kind: Schema) -> Schema:
     attempts: Schema = {"type": "integer", "minimum": 1, "description": "Attempts in all."}
     modifiers: Schema = {
         "if": _CONDITION,
+        "once": {"type": "boolean"},
         "while": _CONDITION,
         "timeout": _DURATION,
         "retry": {
@@ -209,6 +240,7 @@ def _with_modifiers(kind: Schema) -> Schema:
         },
         "on_failure": _NODE,
         "optional": {"type": "boolean"},
+        "on_halt": _NODE,
         "name": {"type": "string"},
     }
     return _closed({**kind["properties"], **modifiers}, *kind["required"])

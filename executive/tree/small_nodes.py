@@ -118,7 +118,10 @@ class CallFrame:
 
 
 class CallNode(Controller):
-    """A subtree with its own store: inputs are copied in at the start, outputs out at the end."""
+    """A subtree with its own store: inputs are copied in at the start, outputs out at the end.
+
+    What a cancelled call has written is copied out as well, so that a recovery can read it.
+    """
 
     def __init__(
         self, call: CallFrame, name: str, path: str, runtime: Runtime, root: Behaviour
@@ -139,3 +142,7 @@ class CallNode(Controller):
         if status is not Status.RUNNING:
             self._call.leave()
         return status
+
+    def cancel(self) -> None:
+        if self._is_entered:
+            self._call.leave()

@@ -1,8 +1,10 @@
 """Questions to a node of a description: its conditions, its leaves, whether it needs time."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from executive.tree.language import (
+    Branch,
+    Call,
     CheckLeaf,
     Combined,
     Composite,
@@ -11,8 +13,12 @@ from executive.tree.language import (
     LeafUse,
     Loop,
     Node,
+    Parallel,
     RunLeaf,
     Set,
+    Switch,
+    Tree,
+    Turned,
 )
 
 
@@ -21,15 +27,29 @@ def is_instant(node: Node) -> bool:
     modifiers = node.modifiers
     if modifiers.retry or (modifiers.on_failure and not is_instant(modifiers.on_failure)):
         return False
-    if isinstance(node.kind, Composite | Group):
+    if isinstance(node.kind, Composite | Parallel | Turned | Branch | Switch | Group):
         return all(is_instant(child) for child in node.children())
     return isinstance(node.kind, CheckLeaf | Set)
 
 
 def conditions_of(node: Node) -> tuple[Condition, ...]:
     """Return the conditions of a node itself."""
-    until = node.kind.until if isinstance(node.kind, Loop) else None
-    return tuple(c for c in (node.modifiers.if_, node.modifiers.while_, until) if c is not None)
+    own = None
+    if isinstance(node.kind, Loop):
+        own = node.kind.until
+    elif isinstance(node.kind, Branch):
+        own = node.kind.condition
+    return tuple(c for c in (node.modifiers.if_, node.modifiers.while_, own) if c is not None)
+
+
+def asks(node: Node, trees: Mapping[str, Tree]) -> bool:
+    """Return whether a node or one below, called trees included, asks any condition."""
+    return any(
+        isinstance(one.kind, CheckLeaf | Switch)
+        or bool(conditions_of(one))
+        or (isinstance(one.kind, Call) and asks(trees[one.kind.tree].root, trees))
+        for one in node.walk()
+    )
 
 
 def leaves_of(condition: Condition) -> Iterator[LeafUse]:

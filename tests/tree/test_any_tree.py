@@ -57,6 +57,14 @@ condition = st.sampled_from(
 )
 
 
+def switch(node: Any, other: Any) -> Any:
+    return {"switch": "{s}", "cases": {"1": node}, "else": other}
+
+
+def consume(node: Any) -> Any:
+    return {"consume": {"item": "x", "from": "{q}"}, "do": {"do": node}}
+
+
 def composites(node: Any) -> Any:
     nodes = st.lists(node, min_size=1, max_size=3)
     return st.one_of(
@@ -64,6 +72,20 @@ def composites(node: Any) -> Any:
         st.builds(lambda n: {"fallback": n}, nodes),
         st.builds(lambda n: {"reactive_fallback": n}, nodes),
         st.builds(lambda n: {"reactive_sequence": [{"check": "Sometimes"}, n]}, node),
+        st.builds(lambda n: {"reactive_sequence": n}, nodes),
+        st.builds(lambda n: {"persistent_sequence": n}, nodes),
+        st.builds(lambda n: {"not": n}, node),
+        st.builds(lambda n: {"force_failure": n}, node),
+        st.builds(lambda n, c: {"if": c, "then": n}, node, condition),
+        st.builds(lambda n, m, c: {"if": c, "then": n, "else": m}, node, node, condition),
+        st.builds(lambda n, m, c: {"while": c, "do": n, "else": m}, node, node, condition),
+        st.builds(lambda n, m: {"sequence": [{"set": {"s": 1}}, switch(n, m)]}, node, node),
+        st.builds(lambda n: {"sequence": [{"set": {"q": [1, 2]}}, consume(n)]}, leaf),
+        st.builds(lambda n: {"parallel": n, "wait_for_all": True}, nodes),
+        st.builds(lambda n, k: {"parallel": n, "fail": 1 + k % len(n)}, nodes, st.integers(0, 2)),
+        st.builds(lambda n: {"loop": {"max": 2}, "do": {"do": n, "once": True}}, node),
+        st.builds(lambda n: {"do": n, "on_halt": {"check": "Sometimes"}}, node),
+        st.builds(lambda n: {"loop": "forever", "do": n, "timeout": 0.3}, node),
         st.builds(
             lambda n, k: {"parallel": n, "succeed": 1 + k % len(n)}, nodes, st.integers(0, 2)
         ),
@@ -97,7 +119,7 @@ def check_journal(lines: list[Any], is_over: bool) -> None:
             assert node not in started
             started.add(node)
         elif kind == "node_ended":
-            assert payload["status"] in ("success", "failure", "halted")
+            assert payload["status"] in ("success", "failure", "halted", "skipped")
             started.discard(node)
     assert not is_over or not started
 

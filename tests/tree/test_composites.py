@@ -9,6 +9,7 @@ import pytest
 from executive.config import Settings
 from executive.leaf.action import Action, Condition, Steps
 from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.tree.build import node_states
 
 
 class ActSettings(Settings):
@@ -218,3 +219,244 @@ def test_halting_in_the_middle_of_a_tick_leaves_nothing_under_way(play: Any, wor
     tree.halt()
     assert world.log == ["a begins", "a cancelled"]
     assert all(node.status.name == "INVALID" for node in tree.root.iterate())
+
+
+def statuses(tree: Any) -> dict[str, str]:
+    return {row.path: row.status for row in node_states(tree.root)}
+
+
+def test_a_branch_whose_condition_was_false_for_one_tick_takes_over_again(
+    play: Any, world: World
+) -> None:
+    first = "  - reactive_sequence:\n    - check: Safe\n" + indented(act("a", 3))
+    tree = play("reactive_fallback:\n" + first + act("b", 9), leaves=world.leaves())
+    tree.tick(2)
+    world.is_safe = False
+    tree.tick()
+    world.is_safe = True
+    assert (tree.finish(), tree.reason) == ("SUCCESS", "a done")
+    assert world.log == [
+        "a begins",
+        "a cancelled",
+        "b begins",
+        "a begins",
+        "b cancelled",
+        "a ends",
+    ]
+
+
+def test_so_does_a_branch_under_while(play: Any, world: World) -> None:
+    first = act("a", 3) + "    while: Safe\n"
+    tree = play("reactive_fallback:\n" + first + act("b", 9), leaves=world.leaves())
+    tree.tick()
+    world.is_safe = False
+    tree.tick()
+    world.is_safe = True
+    assert (tree.finish(), tree.reason) == ("SUCCESS", "a done")
+
+
+def test_a_parallel_that_is_lost_begins_nothing_more(play: Any, world: World) -> None:
+    world.is_safe = False
+    tree = play("parallel:\n  - check: Safe\n" + act("a"), leaves=world.leaves())
+    assert (tree.tick(), tree.reason) == ("FAILURE", "not safe")
+    assert world.log == []
+
+
+def test_a_fallback_shows_its_failed_alternatives_as_failed(play: Any, world: World) -> None:
+    tree = play("fallback:\n" + act("a", fails=True) + act("b"), leaves=world.leaves())
+    tree.finish()
+    assert statuses(tree) == {"main": "SUCCESS", "main/0:Act": "FAILURE", "main/1:Act": "SUCCESS"}
+
+
+def indented(text: str) -> str:
+    return "".join(f"  {line}\n" for line in text.splitlines())
+
+
+def left_out(name: str) -> str:
+    return act(name) + "    if: Safe\n"
+
+
+def test_a_fallback_goes_on_after_a_sequence_that_was_left_out(play: Any, world: World) -> None:
+    world.is_safe = False
+    first = "  - sequence:\n    - run: Act\n      with: {id: a}\n      if: Safe\n"
+    tree = play("fallback:\n" + first + act("b"), leaves=world.leaves())
+    assert (tree.finish(), tree.reason) == ("SUCCESS", "b done")
+    assert statuses(tree)["main/0:sequence"] == "SKIPPED"
+    assert ("main/0:sequence", "skipped") in tree.runtime.endings()
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "sequence",
+        "fallback",
+        "reactive_sequence",
+        "reactive_fallback",
+        "persistent_sequence",
+        "parallel",
+    ],
+)
+def test_a_composite_whose_children_were_all_left_out_is_left_out(
+    play: Any, world: World, kind: str
+) -> None:
+    world.is_safe = False
+    inner = f"  - {kind}:\n    - check: Safe\n      if: Safe\n    - check: Safe\n      if: Safe\n"
+    tree = play("fallback:\n" + inner + act("b"), leaves=world.leaves())
+    assert (tree.finish(), tree.reason) == ("SUCCESS", "b done")
+    assert statuses(tree)[f"main/0:{kind}"] == "SKIPPED"
+
+
+def test_a_parallel_counts_a_child_that_was_left_out_neither_way(play: Any, world: World) -> None:
+    world.is_safe = False
+    tree = play("parallel:\n" + left_out("a") + act("b"), leaves=world.leaves())
+    assert tree.finish() == "SUCCESS"
+    tree = play("parallel:\n" + left_out("a") + act("b") + "succeed: 2", leaves=world.leaves())
+    assert tree.finish() == "SUCCESS"  # two of two are all
+    main = "parallel:\n" + left_out("a") + left_out("b") + act("c") + "succeed: 2"
+    tree = play(main, leaves=world.leaves())
+    assert (tree.finish(), tree.reason) == (
+        "FAILURE",
+        "2 children were left out, and 2 are to succeed",
+    )
+
+
+@pytest.mark.parametrize(
+    ("keys", "status", "ticks"),
+    [
+        ("fail: one", "FAILURE", 2),
+        ("fail: 2", "SUCCESS", 5),
+        ("fail: 3", "SUCCESS", 4),
+        ("succeed: one\nfail: one", "FAILURE", 2),
+        ("wait_for_all: true", "FAILURE", 5),
+        ("wait_for_all: true\nfail: 2", "SUCCESS", 5),
+    ],
+)
+def test_a_parallel_ends_by_its_thresholds(
+    play: Any, world: World, keys: str, status: str, ticks: int
+) -> None:
+    children = act("a", 1, fails=True) + act("b", 3) + act("c", 4)
+    tree = play(f"parallel:\n{children}{keys}", leaves=world.leaves())
+    assert (tree.finish(), tree.ticks) == (status, ticks)
+
+
+def test_a_halted_parallel_cancels_what_runs(play: Any, world: World) -> None:
+    tree = play("parallel:\n" + act("a", 0) + act("b", 9), leaves=world.leaves())
+    tree.tick()
+    tree.halt()
+    assert world.log == ["a begins", "a ends", "b begins", "b cancelled"]
+
+
+ENSURE = """
+  - fallback:
+    - check: Safe
+    - run: Act
+      with: {id: ensure, ticks: 1}
+"""
+
+
+def test_a_postcondition_that_is_lost_is_restored_before_the_sequence_goes_on(
+    play: Any, world: World
+) -> None:
+    world.is_safe = False
+    tree = play("reactive_sequence:" + ENSURE + act("work", 3), leaves=world.leaves())
+    tree.tick()
+    world.is_safe = True
+    tree.tick()
+    world.is_safe = False
+    tree.tick()
+    world.is_safe = True
+    assert (tree.finish(), tree.reason) == ("SUCCESS", "work done")
+    assert world.log == [
+        "ensure begins",
+        "ensure ends",
+        "work begins",
+        "ensure begins",
+        "work cancelled",
+        "ensure ends",
+        "work begins",
+        "work ends",
+    ]
+
+
+def test_so_it_is_when_a_called_tree_restores_it(play: Any, world: World) -> None:
+    world.is_safe = False
+    called = "  ensure:" + ENSURE.replace("\n  - fallback:", "\n    fallback:", 1)
+    tree = play(
+        "reactive_sequence:\n  - call: ensure\n" + act("work", 3),
+        leaves=world.leaves(),
+        trees=called,
+    )
+    tree.tick(2)
+    assert world.log == ["ensure begins", "ensure ends", "work begins"]
+    tree.tick()
+    assert world.log[3:] == ["ensure begins", "work cancelled"]
+
+
+def test_an_action_before_the_last_child_is_begun_once_a_round(play: Any, world: World) -> None:
+    tree = play("reactive_sequence:\n" + act("a", 1) + act("b", 3), leaves=world.leaves())
+    assert tree.finish() == "SUCCESS"
+    assert world.log == ["a begins", "a ends", "b begins", "b ends"]
+
+
+def test_it_is_begun_again_after_a_child_before_it_has_run_again(play: Any, world: World) -> None:
+    main = "reactive_sequence:" + ENSURE + act("a", 0) + act("b", 5)
+    tree = play(main, leaves=world.leaves())
+    tree.tick(2)
+    world.is_safe = False
+    tree.tick(3)
+    assert world.log.count("a begins") == 2
+
+
+def test_a_halted_reactive_sequence_cancels_the_earlier_child_that_runs(
+    play: Any, world: World
+) -> None:
+    tree = play("reactive_sequence:\n" + act("a", 5) + act("b"), leaves=world.leaves())
+    tree.tick(2)
+    tree.halt()
+    assert world.log == ["a begins", "a cancelled"]
+
+
+def persistent(play: Any, world: World, **arguments: Any) -> Any:
+    main = "retry: 2\ndo:\n  persistent_sequence:\n" + "".join(
+        f"  {line}\n" for line in (act("a") + "  - check: Safe\n" + act("b")).splitlines()
+    )
+    return play(main, leaves=world.leaves(), **arguments)
+
+
+def test_a_persistent_sequence_goes_on_at_the_child_that_failed(play: Any, world: World) -> None:
+    world.is_safe = False
+    tree = persistent(play, world)
+    tree.tick(2)
+    world.is_safe = True
+    assert tree.finish() == "SUCCESS"
+    assert world.log == ["a begins", "a ends", "b begins", "b ends"]
+
+
+def test_it_fails_at_that_child_again_and_begins_anew_after_a_success(
+    play: Any, world: World
+) -> None:
+    world.is_safe = False
+    assert persistent(play, world).finish() == "FAILURE"
+    assert world.log == ["a begins", "a ends"]
+    world.is_safe = True
+    world.log.clear()
+    main = "loop: {max: 2}\ndo:\n  persistent_sequence:\n" + indented(act("a"))
+    assert play(main, leaves=world.leaves()).finish() == "SUCCESS"
+    assert world.log == ["a begins", "a ends"] * 2
+
+
+def test_it_goes_on_at_the_child_that_was_halted(play: Any, world: World) -> None:
+    tree = play("persistent_sequence:\n" + act("a") + act("b", 5), leaves=world.leaves())
+    tree.tick(3)
+    tree.halt()
+    assert tree.finish() == "SUCCESS"
+    assert world.log == ["a begins", "a ends", "b begins", "b cancelled", "b begins", "b ends"]
+
+
+def test_in_a_tree_that_is_called_anew_it_begins_anew(play: Any, world: World) -> None:
+    world.is_safe = False
+    called = "  part:\n    persistent_sequence:\n" + indented(indented(act("a", 0)))
+    called += "      - check: Safe\n"
+    tree = play("call: part\nretry: 2", leaves=world.leaves(), trees=called)
+    tree.finish()
+    assert world.log == ["a begins", "a ends"] * 2  # the keys of the first call are gone

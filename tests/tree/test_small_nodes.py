@@ -178,3 +178,10 @@ def test_a_key_that_was_never_written_at_run_time_is_a_failure_with_a_reason(pla
         "FAILURE",
         "key 'late' is read before it is written; there is none",
     )
+
+
+def test_a_call_that_is_cancelled_carries_out_what_was_written(play: Any) -> None:
+    trees = "  slow:\n    out: {result: int}\n    sequence: [{set: {result: 5}}, {wait: 9 s}]\n"
+    tree = play("call: slow\ntimeout: 0.2 s", trees=trees)
+    assert tree.finish() == "FAILURE"
+    assert tree.runtime.store.get("result") == 5
