@@ -88,10 +88,10 @@ class QuestionAnswered(Event):
 
     Attributes:
         question: Text of the question.
-        answer: True for yes.
+        answer: True for yes, or the choice.
         source: `operator`, `option` or `default`.
     """
 
     question: str
-    answer: bool
+    answer: bool | str
     source: str

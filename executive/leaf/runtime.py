@@ -1,6 +1,7 @@
 """What the tree's nodes need from the mission that ticks them."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 from executive.clock import Clock
 from executive.errors import ExecutiveError
@@ -17,8 +18,10 @@ class Question(ABC):
     """A question put to the operator."""
 
     @abstractmethod
-    def answer(self) -> bool | None:
-        """Return yes, no, or None while it is open; polled once a tick, never blocking."""
+    def answer(self) -> bool | str | None:
+        """Return yes or no, the choice, or None while it is open; polled once a tick, never
+        blocking. A choice that nobody could make is an empty text.
+        """
 
     @abstractmethod
     def source(self) -> str:
@@ -30,6 +33,7 @@ class Runtime(ABC):
 
     clock: Clock
     store: Store
+    asked_s: float = 0.0  # time in which a question to the operator was open
     is_faulted: bool = False  # a fault has ended the mission; no leaf may begin
 
     @abstractmethod
@@ -41,8 +45,17 @@ class Runtime(ABC):
         """Append an event of a node to the journal."""
 
     @abstractmethod
-    def ask(self, node: str, question: str, default: bool | None) -> Question:
-        """Put a question to the operator."""
+    def ask(
+        self, node: str, question: str, default: bool | str | None, choices: Sequence[str] = ()
+    ) -> Question:
+        """Put a question to the operator: yes or no, or one of the choices."""
+
+    def limited_time_s(self) -> float:
+        """Return the time that counts against limits [s].
+
+        It is the mission's time without the time in which the operator was asked.
+        """
+        return self.clock.now_s() - self.asked_s
 
     @abstractmethod
     def fail(self, error: Exception, node: str, leaf: str) -> str:

@@ -1,7 +1,7 @@
 """A running mission: the tick loop and the safe stop."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -84,6 +84,7 @@ class Mission(Runtime, StreamListener):
         self._setup = setup
         self.journal = setup.journal
         self._tick = 0
+        self._ticked_s = 0.0  # when the tree was ticked last
         self._ending: Ending | None = None
         self._stop_requested = False
         self._pause_requested = False
@@ -126,8 +127,10 @@ class Mission(Runtime, StreamListener):
             self.survey = value
         self._display.show(entity, value)
 
-    def ask(self, node: str, question: str, default: bool | None) -> Question:
-        asked = self._setup.operator.ask(question, default)
+    def ask(
+        self, node: str, question: str, default: bool | str | None, choices: Sequence[str] = ()
+    ) -> Question:
+        asked = self._setup.operator.ask(question, default, choices)
         self._questions.append(asked)
         return asked
 
@@ -196,6 +199,10 @@ class Mission(Runtime, StreamListener):
         durations.setdefault("streams", []).append(1e3 * (wall_s() - read_s))
 
     def _tick_tree(self) -> None:
+        now_s = self.clock.now_s()
+        if self.phase is Phase.AWAITING_OPERATOR:
+            self.asked_s += now_s - self._ticked_s
+        self._ticked_s = now_s
         self.root.tick_once()
         open_questions = [q for q in self._questions if q.answer() is None]
         self._questions = open_questions
@@ -208,7 +215,7 @@ class Mission(Runtime, StreamListener):
                 "success" if succeeded else "failure",
                 "" if succeeded else self.root.feedback_message,
             )
-        if self._ending is None and self.clock.now_s() >= self._setup.time_limit_s:
+        if self._ending is None and self.limited_time_s() >= self._setup.time_limit_s:
             self._ending = Ending(
                 "failure", f"the time limit of {self._setup.time_limit_s:.0f} s has passed"
             )

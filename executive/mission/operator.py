@@ -2,22 +2,23 @@
 
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from executive.errors import ConfigError
 from executive.leaf.runtime import Question
 
 _WORDS = {"yes": True, "y": True, "no": False, "n": False}
+Answer = bool | str | None  # yes or no, one of the choices, or none yet
 
 
 class Answered(Question):
     """A question that somebody has answered beforehand."""
 
-    def __init__(self, answer: bool, source: str) -> None:
+    def __init__(self, answer: bool | str, source: str) -> None:
         self._answer = answer
         self._source = source
 
-    def answer(self) -> bool | None:
+    def answer(self) -> Answer:
         return self._answer
 
     def source(self) -> str:
@@ -27,16 +28,22 @@ class Answered(Question):
 class TerminalQuestion(Question):
     """A question on the terminal; a thread waits for the line, the tick goes on."""
 
-    def __init__(self, question: str, default: bool | None, read_line: Callable[[], str]) -> None:
-        self._answer: bool | None = None
+    def __init__(
+        self,
+        question: str,
+        default: Answer,
+        read_line: Callable[[], str],
+        choices: Sequence[str] = (),
+    ) -> None:
+        self._answer: Answer = None
         self._default = default
+        self._choices = choices
         self._read_line = read_line
         self._source = "operator"
-        hint = {True: "[Y/n]", False: "[y/N]", None: "[y/n]"}[default]
-        self._prompt = f"{question} {hint} "
+        self._prompt = f"{question} {_hint(default, choices)} "
         threading.Thread(target=self._wait, name="operator", daemon=True).start()
 
-    def answer(self) -> bool | None:
+    def answer(self) -> Answer:
         return self._answer
 
     def source(self) -> str:
@@ -49,10 +56,29 @@ class TerminalQuestion(Question):
             line = self._read_line()
             if not line:  # the terminal was closed
                 self._source = "default"
-                self._answer = bool(self._default)
+                nothing = "" if self._choices else False
+                self._answer = nothing if self._default is None else self._default
                 return
             word = line.strip().lower()
-            self._answer = self._default if not word else _WORDS.get(word)
+            self._answer = self._understood(word) if word else self._default
+
+    def _understood(self, word: str) -> Answer:
+        """Return what a line means: yes or no; a choice by its number or how it begins."""
+        if not self._choices:
+            return _WORDS.get(word)
+        if word.isdecimal() and 1 <= int(word) <= len(self._choices):
+            return self._choices[int(word) - 1]
+        exact = [choice for choice in self._choices if choice.lower() == word]
+        begun = [choice for choice in self._choices if choice.lower().startswith(word)]
+        meant = exact or begun
+        return meant[0] if len(meant) == 1 else None
+
+
+def _hint(default: Answer, choices: Sequence[str]) -> str:
+    if not choices:
+        return "[y/n]" if default is None else "[Y/n]" if default else "[y/N]"
+    numbered = ", ".join(f"{number} {choice}" for number, choice in enumerate(choices, 1))
+    return f"[{numbered}{'' if default is None else f'; Enter for {default}'}]"
 
 
 class Operator:
@@ -65,19 +91,22 @@ class Operator:
         has_terminal = sys.stdin is not None and sys.stdin.isatty()
         self._read_line = read_line or (sys.stdin.readline if has_terminal else None)
 
-    def ask(self, question: str, default: bool | None) -> Question:
+    def ask(self, question: str, default: Answer, choices: Sequence[str] = ()) -> Question:
         """Return a question, answered or open.
+
+        Args:
+            question: The text.
+            default: What an empty line means, and what is taken when nobody can answer.
+            choices: The answers to choose from; empty for yes and no.
 
         Raises:
             ConfigError: If no one can answer: no terminal, no `--answer`, no default in the node.
         """
-        if self._preset is not None:
+        if self._preset is not None and not choices:
             return Answered(self._preset, "option")
         if self._read_line is not None:
-            return TerminalQuestion(question, default, self._read_line)
+            return TerminalQuestion(question, default, self._read_line, choices)
         if default is not None:
             return Answered(default, "default")
-        raise ConfigError(
-            f"no one can answer '{question}': there is no terminal; give --answer "
-            "yes|no or a default"
-        )
+        cure = "a default" if choices else "--answer yes|no or a default"
+        raise ConfigError(f"no one can answer '{question}': there is no terminal; give {cure}")

@@ -12,6 +12,7 @@ from executive.events.site import SiteSegmented
 from executive.events.stone import StoneReleased
 from executive.mission.event_lines import line_of
 from executive.mission.mission import Mission
+from executive.mission.phase import Phase
 from executive.tree.build import node_states
 
 _REFRESH_S = 0.25  # on the wall
@@ -47,14 +48,18 @@ class LiveProgress:
     """The tree with live states, redrawn a few times a second."""
 
     def __init__(self) -> None:
-        self._console = Console(stderr=True)
+        # Without markup: rich would take the `[y/N]` of a question for a style, and drop it.
+        self._console = Console(stderr=True, markup=False, highlight=False, emoji=False)
         self._live = Live(console=self._console, auto_refresh=False)
         self._started_s = self._drawn_s = wall_s()
-        self._lines = 0
+        self._is_asking = False
 
     def __call__(self, mission: Mission) -> None:
         now_s = wall_s()
-        if now_s - self._drawn_s >= _REFRESH_S:
+        if mission.phase is Phase.AWAITING_OPERATOR and self._is_asking:
+            return  # drawing would run over what the operator types
+        self._is_asking = mission.phase is Phase.AWAITING_OPERATOR
+        if self._is_asking or now_s - self._drawn_s >= _REFRESH_S:
             self._drawn_s = now_s
             self._live.update(self._picture(mission, now_s), refresh=True)
 

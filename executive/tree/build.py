@@ -12,6 +12,7 @@ from py_trees.common import Status
 
 from executive.leaf.runtime import Runtime
 from executive.leaf.store import Store
+from executive.tree.ask_node import AskNode
 from executive.tree.branches import IfElseNode, SwitchNode, WhileElseNode
 from executive.tree.composites import (
     FallbackNode,
@@ -57,7 +58,7 @@ from executive.tree.parallel import ParallelNode
 from executive.tree.repeating import ConsumeNode, ForEachNode, LoopNode
 from executive.tree.results import ForceFailureNode, NotNode
 from executive.tree.rounds import Rounds
-from executive.tree.small_nodes import AskNode, CallFrame, CallNode, GroupNode, SetNode, WaitNode
+from executive.tree.small_nodes import CallFrame, CallNode, GroupNode, SetNode, WaitNode
 from executive.tree.traversal import asks
 from executive.tree.wiring import Scope
 
@@ -152,7 +153,7 @@ class _Builder:
             case Set(values=values):
                 return SetNode(name, path, runtime, values, scope)
             case Ask():
-                return AskNode(kind, name, path, runtime)
+                return AskNode(kind, name, path, runtime, scope)
             case Call():
                 return self._call(kind, name, path, scope)
 

@@ -18,6 +18,7 @@ from executive.tree.expressions.kinds import measured
 from executive.tree.expressions.syntax import Key, keys_of
 from executive.tree.language import (
     UNREADABLE,
+    Ask,
     Branch,
     Call,
     Combined,
@@ -53,6 +54,7 @@ Keys = Mapping[str, Types]  # the types that each key may hold now
 
 
 _UNKNOWN: Types = frozenset({Any})
+_TEXT: Types = frozenset({str})
 _ANYTHING = "*"  # means every key, after a node that could not be read
 
 
@@ -123,7 +125,7 @@ class Dataflow:
             return _joined(after, self._spoiled(keys, start))
         return after
 
-    def _kind(self, kind: Kind, keys: Keys, mark: Mark) -> Keys:
+    def _kind(self, kind: Kind, keys: Keys, mark: Mark) -> Keys:  # noqa: C901 - one case a kind
         if isinstance(kind, Composite):
             return self._composite(kind, keys)
         if isinstance(kind, Parallel):
@@ -147,6 +149,9 @@ class Dataflow:
             )
         if isinstance(kind, Call):
             return self._call(kind, keys)
+        if isinstance(kind, Ask):
+            self._types(kind.question, keys, "'ask'")
+            return self._written(keys, {kind.answer.key: _TEXT} if kind.answer else {})
         use = getattr(kind, "use", None)
         return self._use(use, keys) if use else keys
 
@@ -377,4 +382,6 @@ def _written_in(tree: Tree) -> frozenset[str]:
             keys.update(node.kind.values)
         elif isinstance(node.kind, ForEach | Consume):
             keys.add(node.kind.item)
+        elif isinstance(node.kind, Ask) and node.kind.answer:
+            keys.add(node.kind.answer.key)
     return frozenset(keys)

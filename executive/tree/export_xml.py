@@ -146,7 +146,7 @@ def _small(kind: Wait | Set | Ask) -> Element:
         return Element("Sleep", msec=_milliseconds(kind.duration_s))
     if isinstance(kind, Ask):
         default = {} if kind.default is None else {"default": _text(kind.default)}
-        return Element("Action", {"ID": "Ask", "question": kind.question, **default})
+        return Element("Action", {"ID": "Ask", "question": str(kind.question), **default})
     return _around(
         "Sequence",
         *(

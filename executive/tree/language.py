@@ -329,10 +329,19 @@ class Set:
 
 @dataclass(frozen=True, slots=True)
 class Ask:
-    """`ask`: put a question to the operator; yes is success."""
+    """`ask`: put a question to the operator; yes is success, and so is any of the choices.
 
-    question: str
-    default: bool | None
+    Attributes:
+        question: The text.
+        default: What an empty line means, and what is taken when nobody can answer.
+        choices: What to choose from; empty for yes and no.
+        answer: The key that takes the choice.
+    """
+
+    question: Template
+    default: bool | str | None
+    choices: tuple[str, ...] = ()
+    answer: Ref | None = None
     label: str = "ask"
 
 

@@ -99,13 +99,13 @@ class TimeoutNode(Modifier):
         self._started_s = 0.0
 
     def begin(self) -> None:
-        self._started_s = self.runtime.clock.now_s()
+        self._started_s = self.runtime.limited_time_s()
 
     def proceed(self) -> Steps:
         yield from self.child.tick()
         if self.child.status is not Status.RUNNING:
             return self.adopt(self.child)
-        if self.runtime.clock.now_s() - self._started_s < self._limit_s - EPSILON_S:
+        if self.runtime.limited_time_s() - self._started_s < self._limit_s - EPSILON_S:
             return self.adopt(self.child)
         self.feedback_message = f"not done within {self._limit_s:g} s"
         self.record(NodeTimedOut(self._limit_s))

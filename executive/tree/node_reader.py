@@ -4,9 +4,9 @@ import re
 from collections.abc import Callable, Mapping
 
 from executive.errors import did_you_mean
+from executive.tree.ask_reader import read_ask
 from executive.tree.language import (
     UNREADABLE,
-    Ask,
     Attempts,
     Branch,
     Call,
@@ -55,7 +55,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "check": LEAF_KEYS,
     "wait": (),
     "set": (),
-    "ask": ("default",),
+    "ask": ("default", "choices", "out"),
     "call": ("in", "out"),
     "do": ("else",),  # with `while` and `else` a kind of its own; else it carries modifiers
 }
@@ -345,10 +345,7 @@ class NodeReader:
         return Set(values) if len(values) == len(given.entries) else None
 
     def _ask(self, table: Table) -> Kind | None:
-        question = self._reading.text(table.entries["ask"].value, "'ask'")
-        default = table.get("default")
-        answer = self._reading.truth(default, "'default'") if default is not None else None
-        return Ask(question, answer) if question else None
+        return read_ask(table, self._reading)
 
     def _call(self, table: Table) -> Kind | None:
         value = table.entries["call"].value

@@ -139,8 +139,8 @@ def _kind(kind: Kind) -> dict[str, Any]:  # noqa: C901 - one case a kind
             return {"wait": duration_s}
         case Set(values=values):
             return {"set": {key: source_value(source) for key, source in values.items()}}
-        case Ask(question=question, default=default):
-            return {"ask": question, **({} if default is None else {"default": default})}
+        case Ask():
+            return _ask(kind)
         case Call():
             wires = {"in": _wires(kind.inputs), "out": _wires(kind.outputs)}
             return {"call": kind.tree, **{side: given for side, given in wires.items() if given}}
@@ -164,6 +164,16 @@ def _branch(kind: Branch) -> dict[str, Any]:
 
 def _otherwise(kind: Branch | Switch) -> dict[str, Any]:
     return {"else": node_dict(kind.otherwise)} if kind.otherwise else {}
+
+
+def _ask(kind: Ask) -> dict[str, Any]:
+    parts = {
+        "ask": str(kind.question),
+        "choices": list(kind.choices) or None,
+        "default": kind.default,
+        "out": {"answer": source_value(kind.answer)} if kind.answer else None,
+    }
+    return {key: part for key, part in parts.items() if part is not None}
 
 
 def _use(use: LeafUse) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Nodes of the language itself that call no plugin: wait, set, ask, call, do."""
+"""Nodes of the language itself that call no plugin: wait, set, call, do."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from executive.events.node import QuestionAnswered
-from executive.leaf.runtime import Question, Runtime
+from executive.leaf.runtime import Runtime
 from executive.leaf.store import Store
-from executive.tree.language import Ask, Call, Ref, Source
+from executive.tree.language import Call, Ref, Source
 from executive.tree.modifiers import EPSILON_S
 from executive.tree.nodes import Controller, Steps
 from executive.tree.wiring import Scope
@@ -59,34 +58,6 @@ class SetNode(Controller):
         for key, value in fetched.items():
             self._scope.store.set(key, value)
         return Status.SUCCESS
-
-
-class AskNode(Controller):
-    """Asks the operator: yes is success, no is failure; the journal records who answered."""
-
-    def __init__(self, kind: Ask, name: str, path: str, runtime: Runtime) -> None:
-        super().__init__(name, path, runtime)
-        self._kind = kind
-        self._question: Question | None = None
-
-    def begin(self) -> None:
-        self._question = None
-
-    def cancel(self) -> None:
-        self._question = None
-
-    def proceed(self) -> Steps:
-        yield from ()
-        if self._question is None:
-            self._question = self.runtime.ask(self.path, self._kind.question, self._kind.default)
-        answer = self._question.answer()
-        if answer is None:
-            self.feedback_message = f"asking: {self._kind.question}"
-            return Status.RUNNING
-        source = self._question.source()
-        self.record(QuestionAnswered(self._kind.question, answer, source))
-        self.feedback_message = f"{'yes' if answer else 'no'} ({source})"
-        return Status.SUCCESS if answer else Status.FAILURE
 
 
 @dataclass(frozen=True, slots=True)

@@ -234,7 +234,7 @@ class Stage(Runtime):
     def record(self, node, event):
         """Leave out what the node itself records."""
 
-    def ask(self, node, question, default):
+    def ask(self, node, question, default, choices=()):
         raise NotImplementedError("no leaf asks")
 
     def fail(self, error, node, leaf):

@@ -56,3 +56,45 @@ def test_refuses_when_nobody_can_answer(monkeypatch):
     monkeypatch.setattr("sys.stdin", None)
     with pytest.raises(ConfigError, match=r"--answer yes\|no"):
         Operator().ask("lift?", None)
+
+
+SIDES = ("left", "right", "leave it")
+
+
+@pytest.mark.parametrize(
+    ("typed", "choice"),
+    [
+        ("right\n", "right"),
+        ("2\n", "right"),
+        ("R\n", "right"),
+        ("\n", "left"),
+        ("leave it\n", "leave it"),
+    ],
+)
+def test_a_person_chooses_by_word_beginning_or_number(typed, choice, capsys):
+    question = Operator(read_line=lambda: typed).ask("where to?", "left", SIDES)
+    assert wait_for(question) == choice
+    assert "where to? [1 left, 2 right, 3 leave it; Enter for left] " in capsys.readouterr().err
+
+
+def test_a_beginning_of_two_choices_is_asked_again(capsys):
+    lines = iter(["le\n", "7\n", "lea\n"])
+    question = Operator(read_line=lambda: next(lines)).ask("where to?", None, SIDES)
+    assert wait_for(question) == "leave it"
+    assert capsys.readouterr().err.count("where to?") == 3
+
+
+def test_an_option_for_yes_and_no_answers_no_choice(monkeypatch):
+    monkeypatch.setattr("sys.stdin", None)
+    question = Operator(preset=True).ask("where to?", "right", SIDES)
+    assert (question.answer(), question.source()) == ("right", "default")
+    with pytest.raises(ConfigError, match="give a default"):
+        Operator(preset=True).ask("where to?", None, SIDES)
+
+
+def test_a_closed_terminal_chooses_nothing_without_a_default(capsys):
+    question = Operator(read_line=lambda: "").ask("where to?", None, SIDES)
+    deadline = time.monotonic() + 5
+    while question.answer() is None and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert (question.answer(), question.source()) == ("", "default")

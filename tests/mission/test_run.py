@@ -6,6 +6,7 @@ import resource
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
@@ -14,6 +15,7 @@ from executive_plugins.robot.kinematic import KinematicRobot
 from executive.events.mission import PhaseChanged
 from executive.journal import read_journal
 from executive.mission.interrupts import Aborted
+from executive.mission.operator import Operator
 from executive.mission.report import cpu_s
 from executive.mission.run import Options, Run
 from executive.tree.load import load_mission
@@ -172,6 +174,29 @@ def test_questions_are_answered_by_the_option_and_the_journal_says_so(tmp_path):
     no = run(tmp_path, ask, name="no", answer=False)
     assert (yes.exit_status, no.exit_status) == (0, 1)
     assert '"option"' in yes.folder.journal.read_text()
+
+
+def test_the_time_that_a_person_takes_counts_against_no_limit(tmp_path, monkeypatch):
+    answered = threading.Event()
+
+    def read_line():
+        answered.wait()
+        return "yes\n"
+
+    monkeypatch.setattr(
+        "executive.mission.run.Operator", lambda preset: Operator(preset, read_line)
+    )
+
+    def answer_after_four_seconds(mission):
+        if mission.clock.now_s() >= 4.0:
+            answered.set()
+
+    ask = "loop: {time_limit: 2 s}\ntrees: {main: {ask: 'Is the site clear?', timeout: 1 s}}"
+    result = run(tmp_path, ask, after_tick=answer_after_four_seconds)
+    assert result.report["outcome"] == "success", result.report["reason"]
+    assert result.report["ended_s"] >= 4.0
+    late = "loop: {time_limit: 2 s}\ntrees: {main: {wait: 4 s}}"
+    assert "time limit" in run(tmp_path, late, name="late").report["reason"]
 
 
 @pytest.mark.parametrize("times", [1, 2])

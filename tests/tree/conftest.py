@@ -2,7 +2,7 @@
 as a list.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -232,7 +232,9 @@ class FakeRuntime(Runtime):
     def record(self, node: str, event: Event) -> None:
         self.lines.append((event.kind, node, event.payload()))
 
-    def ask(self, node: str, question: str, default: bool | None) -> Question:
+    def ask(
+        self, node: str, question: str, default: bool | str | None, choices: Sequence[str] = ()
+    ) -> Question:
         if isinstance(self.answer, Exception):
             raise self.answer
         assert self.answer is not None

@@ -1,5 +1,6 @@
 """wait, set, ask, call: nodes that call no plugin."""
 
+import textwrap
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,16 +10,17 @@ from executive.errors import ConfigError
 from executive.leaf.action import Action, Condition, Steps
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.runtime import Question
+from executive.tree.problem import MissionFileError
 
 
 class Later(Question):
     """Answers after a number of polls."""
 
-    def __init__(self, answer: bool, polls: int = 0) -> None:
+    def __init__(self, answer: bool | str, polls: int = 0) -> None:
         self._answer = answer
         self._polls = polls
 
-    def answer(self) -> bool | None:
+    def answer(self) -> bool | str | None:
         self._polls -= 1
         return self._answer if self._polls < 0 else None
 
@@ -185,3 +187,62 @@ def test_a_call_that_is_cancelled_carries_out_what_was_written(play: Any) -> Non
     tree = play("call: slow\ntimeout: 0.2 s", trees=trees)
     assert tree.finish() == "FAILURE"
     assert tree.runtime.store.get("result") == 5
+
+
+def test_a_question_is_filled_in_and_a_choice_goes_into_a_key(play: Any) -> None:
+    tree = play(
+        "sequence:\n  - set: {id: 3, mass: 0.8 t}\n"
+        "  - ask: Where to with stone {id} of {mass} kg?\n"
+        '    choices: [left, right]\n    out: {answer: "{side}"}\n'
+        "  - {wait: 0.1 s, if: \"{side} == 'right'\"}"
+    )
+    tree.runtime.answer = Later("right", polls=2)
+    assert tree.finish() == "SUCCESS"
+    assert tree.runtime.store.get("side") == "right"
+    told = {"question": "Where to with stone 3 of 800 kg?", "answer": "right", "source": "operator"}
+    assert ("question_answered", "main/1:ask", told) in tree.runtime.lines
+
+
+def test_a_choice_that_nobody_makes_is_a_failure(play: Any) -> None:
+    tree = play("ask: Where to?\nchoices: [left, right]")
+    tree.runtime.answer = Later("", polls=0)
+    assert tree.finish() == "FAILURE"
+    assert "nobody chose" in tree.reason
+
+
+def test_the_time_of_a_question_counts_against_no_timeout(play: Any) -> None:
+    tree = play("timeout: 1 s\nsequence:\n  - wait: 0.5 s\n  - wait: 0.8 s")
+    tree.tick(8)
+    tree.runtime.asked_s = 0.5
+    assert tree.finish() == "SUCCESS"
+    late = play("timeout: 1 s\nsequence:\n  - wait: 0.5 s\n  - wait: 0.8 s")
+    assert late.finish() == "FAILURE"
+
+
+@pytest.mark.parametrize(
+    ("ask", "mistake"),
+    [
+        ("choices: [a]", "'choices' needs at least two texts"),
+        ("choices: [a, A]", "two of the 'choices' are the same"),
+        ("choices: [a, b]\ndefault: c", "'default' is one of a, b, not 'c'"),
+        (
+            "choices: [a, b]\nout: {anser: '{x}'}",
+            "ask has no output 'anser'. Did you mean 'answer'?",
+        ),
+        (
+            "out: {answer: '{x}'}",
+            "'out' of ask takes the choice, and there are no 'choices'; yes is success and no is "
+            "failure",
+        ),
+        ("default: maybe", "'default' is true or false, not 'maybe'"),
+    ],
+)
+def test_mistakes_of_a_question_are_told(play: Any, ask: str, mistake: str) -> None:
+    with pytest.raises(MissionFileError) as caught:
+        play(f"sequence:\n  - ask: Where to?\n{textwrap.indent(ask, '    ')}")
+    assert [problem.message for problem in caught.value.problems] == [mistake]
+
+
+def test_a_question_reads_only_keys_that_are_written(play: Any) -> None:
+    with pytest.raises(MissionFileError, match=r"'ask' reads key 'stone' before it is written"):
+        play("ask: Lift stone {stone.id}?")
