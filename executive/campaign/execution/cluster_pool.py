@@ -36,6 +36,7 @@ from executive.errors import ConfigError, DataError, ExecutiveError
 FILES_LIMIT_BYTES = 64 << 20  # of one run; they pass through the scheduler's memory
 _CONNECT_S = 10.0
 _LOOK_EVERY_S = 0.5  # at the workers: one message to the scheduler
+_NEW_S = 0.1  # the same while workers introduce themselves
 _SENDINGS = 3  # of an input that is not in a worker's cache though it was sent
 
 
@@ -96,10 +97,10 @@ class ClusterPool(Pool):
         ended: list[Outcome | Lost] = []
         try:
             while not ended and (now_s := wall_s()) < until_s:
-                if now_s >= self._looked_s + _LOOK_EVERY_S:
+                next_look_s = self._looked_s + (_NEW_S if self._workers.are_new else _LOOK_EVERY_S)
+                if now_s >= next_look_s:
                     ended += self._look()
-                block_s = 0.0 if ended else min(until_s, self._looked_s + _LOOK_EVERY_S) - now_s
-                self._receive(ended, block_s)
+                self._receive(ended, 0.0 if ended else min(until_s, next_look_s) - now_s)
         except ExecutiveError as error:
             if not ended:
                 raise

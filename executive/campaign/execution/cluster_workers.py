@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from queue import SimpleQueue
+from threading import Thread
 from typing import Any
 
 from distributed import Client
@@ -19,6 +21,9 @@ from executive.errors import ConfigError
 
 class ClusterError(ConfigError):
     """The cluster cannot do the campaign's work; no run counts as failed by that."""
+
+
+_PATIENCE_S = 60.0  # with a worker that does not answer; it is asked again
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,12 +46,22 @@ class AdmittedWorker:
 
 
 class ClusterWorkers:
-    """Admits workers as they come, and forgets those that are gone."""
+    """Admits workers as they come, and forgets those that are gone.
+
+    Each worker is asked in a thread of its own, so that one that dies or hangs delays nobody.
+    """
 
     def __init__(self, client: Client, scheduler: str) -> None:
         self._client = client
         self._scheduler = scheduler
+        self._asked: set[str] = set()
+        self._answers: SimpleQueue[tuple[str, Any]] = SimpleQueue()
         self.admitted: dict[str, AdmittedWorker] = {}
+
+    @property
+    def are_new(self) -> bool:
+        """Whether some workers have not introduced themselves yet."""
+        return bool(self._asked)
 
     def look(self) -> frozenset[str]:
         """Ask the scheduler which workers there are, admit new ones, and return who is gone.
@@ -59,9 +74,10 @@ class ClusterWorkers:
         gone = frozenset(self.admitted) - frozenset(threads)
         for address in gone:
             del self.admitted[address]
-        new = {one: number for one, number in threads.items() if one not in self.admitted}
-        if new:
-            self._admit(new)
+        for address in frozenset(threads) - frozenset(self.admitted) - self._asked:
+            self._asked.add(address)
+            Thread(target=self._ask, args=(address,), daemon=True).start()
+        self._admit(threads)
         return gone
 
     def dismiss(self, address: str) -> None:
@@ -80,11 +96,24 @@ class ClusterWorkers:
                 "--resume"
             ) from error
 
-    def _admit(self, new: Mapping[str, int]) -> None:
-        answers = self._client.run(introduce, workers=list(new), on_error="return")
+    def _ask(self, address: str) -> None:
+        """Ask one worker who it is; its answer may be an error."""
+        try:
+            answers = self._client.run(
+                introduce, workers=[address], on_error="return", callback_timeout=_PATIENCE_S
+            )
+            self._answers.put((address, answers[address]))
+        except Exception as error:  # whatever it is, it is the answer
+            self._answers.put((address, error))
+
+    def _admit(self, threads: Mapping[str, int]) -> None:
         refusals = []
-        for address, answer in answers.items():
-            if has_left(answer):
+        while not self._answers.empty():
+            address, answer = self._answers.get()
+            self._asked.discard(address)
+            if address not in threads:
+                continue
+            if has_left(answer):  # it is met anew, if it is still there
                 continue
             there, problem = _judged(answer)
             if there is None:
@@ -92,19 +121,24 @@ class ClusterWorkers:
                 continue
             lacks = lacking(local_fingerprint(), there)
             self.admitted[address] = AdmittedWorker(
-                address, answer["process"], answer["cache"], new[address], lacks
+                address, answer["process"], answer["cache"], threads[address], lacks
             )
         if refusals:
             raise ClusterError(
-                f"results of {len(refusals)} of {len(new)} workers would not be comparable with "
-                "those of this computer:\n  " + "\n  ".join(refusals) + "\nInstall the same "
+                f"results of {len(refusals)} of {len(threads)} workers would not be comparable "
+                "with those of this computer:\n  " + "\n  ".join(refusals) + "\nInstall the same "
                 "packages there as here, start these workers again, and go on with --resume"
             )
 
 
 def has_left(answer: object) -> bool:
-    """Return whether a worker gave no answer because it is gone since it was asked."""
-    return isinstance(answer, CommClosedError | ConnectionError | TimeoutError)
+    """Return whether a worker gave no answer because it is gone since it was asked.
+
+    `distributed` says by a bare OSError that it could not connect.
+    """
+    if isinstance(answer, CommClosedError | ConnectionError | TimeoutError):
+        return True
+    return type(answer) is OSError and answer.errno is None
 
 
 def _judged(answer: Any) -> tuple[Fingerprint | None, str]:

@@ -12,6 +12,8 @@ from executive.campaign.execution.disk_space import DiskFullError
 from executive.campaign.execution.inputs import chunks_of, digest_of, stamp_of
 from executive.campaign.execution.worker_run import complete, lacks, receive
 
+_PATIENCE_S = 120.0  # with a worker that is sent a part of an input or verifies one
+
 
 class InputSender:
     """Knows the inputs of this computer by digest, and which cache of the cluster holds which."""
@@ -94,7 +96,14 @@ class InputSender:
         self, workers: list[str], function: Callable[..., Any], *args: object
     ) -> dict[str, Any]:
         """Call a function on workers, and return what those answered that are still there."""
-        answers = self._client.run(function, *args, workers=workers, on_error="return")
+        if not workers:
+            return {}
+        try:
+            answers = self._client.run(
+                function, *args, workers=workers, on_error="return", callback_timeout=_PATIENCE_S
+            )
+        except TimeoutError:  # a worker hangs; orders to the others ask for what they lack
+            return {}
         for address, answer in answers.items():
             if isinstance(answer, OSError) and answer.errno in (errno.ENOSPC, errno.EDQUOT):
                 raise DiskFullError(f"worker {address} has no space left for inputs: {answer}")

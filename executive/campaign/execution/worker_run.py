@@ -99,7 +99,7 @@ def _cache_folder(worker: Worker) -> Path:
 
 
 async def introduce(dask_worker: Worker) -> dict[str, Any]:
-    """Say who this worker is and what is installed here; `distributed` passes the worker.
+    """Say who this worker is and what is installed there; `distributed` passes the worker.
 
     Returns:
         `process`: host and process, because another process at the same address is another worker;
