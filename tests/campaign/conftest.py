@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from executive import registry
+from executive.campaign.execution.fingerprint import local_fingerprint
 from executive.campaign.trial import Limits, Trial
 
 GIBIBYTE = 1 << 30
@@ -26,10 +27,16 @@ def misbehaving(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     )
     monkeypatch.syspath_prepend(str(folder))
     monkeypatch.setenv("PYTHONPATH", str(folder), prepend=":")
-    registry.reread()
+    _reread()
     yield
     monkeypatch.undo()
+    _reread()
+
+
+def _reread() -> None:
+    """Forget what was installed."""
     registry.reread()
+    local_fingerprint.cache_clear()
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from executive import registry
+from executive.campaign.execution.fingerprint import local_fingerprint
 from executive.campaign.execution.pool import Lost, Pool
 from executive.campaign.trial import Outcome, Trial
 
@@ -33,9 +34,15 @@ def spread(clusters: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> It
     folder = clusters.install_spread(tmp_path_factory.mktemp("installed"))
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(folder))
-        registry.reread()
+        _reread()
         yield folder
+    _reread()
+
+
+def _reread() -> None:
+    """Forget what was installed."""
     registry.reread()
+    local_fingerprint.cache_clear()
 
 
 @pytest.fixture(scope="module")
