@@ -6,6 +6,7 @@ recovery is `<node>@on_failure/0:<name>`; a condition's leaf is `<node>@if:<name
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -26,6 +27,7 @@ from executive.tree.language import (
     Ask,
     Branch,
     Call,
+    CheckKeys,
     CheckLeaf,
     Composite,
     Condition,
@@ -54,13 +56,14 @@ from executive.tree.modifiers import (
     TimeoutNode,
     WhileNode,
 )
+from executive.tree.nodes import TreeNode
 from executive.tree.parallel import ParallelNode
 from executive.tree.repeating import ConsumeNode, ForEachNode, LoopNode
 from executive.tree.results import ForceFailureNode, NotNode
 from executive.tree.rounds import Rounds
 from executive.tree.small_nodes import CallFrame, CallNode, GroupNode, SetNode, WaitNode
 from executive.tree.traversal import asks
-from executive.tree.wiring import Scope
+from executive.tree.wiring import Scope, title_of
 
 
 def build_tree(mission: MissionFile, runtime: Runtime) -> Behaviour:
@@ -84,6 +87,8 @@ class _Builder:
         """Build a node with its modifiers around it, the last of the list innermost."""
         built = self._kind(node.kind, node.label, path, scope)
         m, runtime = node.modifiers, self._runtime
+        if m.title is not None and isinstance(built, TreeNode):
+            built.title = partial(title_of, m.title, scope)
         if m.on_halt:
             cleanup = self._child(m.on_halt, 0, f"{path}@on_halt", scope)
             built = OnHaltNode("on_halt", f"{path}@on_halt", runtime, built, cleanup)
@@ -148,6 +153,9 @@ class _Builder:
                 return RunNode(use, name, path, runtime, scope)
             case CheckLeaf(use=use):
                 return CheckNode(name, path, runtime, Asked(use, path, runtime, scope))
+            case CheckKeys(condition=condition):
+                answer = build_condition(condition, path, runtime, scope)
+                return CheckNode(name, path, runtime, answer)
             case Wait(duration_s=duration_s):
                 return WaitNode(name, path, runtime, duration_s)
             case Set(values=values):

@@ -21,6 +21,7 @@ from executive.tree.language import (
     Ask,
     Branch,
     Call,
+    CheckKeys,
     Combined,
     Composite,
     Computed,
@@ -116,6 +117,8 @@ class Dataflow:
         modifiers = node.modifiers
         for condition in (modifiers.if_, modifiers.while_):
             keys = self._condition(condition, keys) if condition else keys
+        if modifiers.title:
+            self._types(modifiers.title, keys, "'name'")
         start = len(self._writes)
         after = self._kind(node.kind, keys, node.mark)
         for beside in (modifiers.on_failure, modifiers.on_halt):
@@ -149,6 +152,8 @@ class Dataflow:
             )
         if isinstance(kind, Call):
             return self._call(kind, keys)
+        if isinstance(kind, CheckKeys):
+            return self._condition(kind.condition, keys)
         if isinstance(kind, Ask):
             self._types(kind.question, keys, "'ask'")
             return self._written(keys, {kind.answer.key: _TEXT} if kind.answer else {})

@@ -6,6 +6,7 @@ from itertools import count
 from executive.tree.language import (
     Branch,
     Call,
+    CheckKeys,
     CheckLeaf,
     Composite,
     MissionFile,
@@ -20,7 +21,7 @@ _SHAPES = (
     (Composite | Parallel, "box", "#d6e4f0"),
     (Branch | Switch, "diamond", "#d6e4f0"),
     (RunLeaf, "ellipse", "#dff0d8"),
-    (CheckLeaf, "hexagon", "#fcf3cf"),
+    (CheckLeaf | CheckKeys, "hexagon", "#fcf3cf"),
     (Call, "folder", "#eadcf4"),
 )
 _OTHER = ("box", "#eeeeee")

@@ -16,6 +16,7 @@ from executive.tree.language import (
     Attempts,
     Branch,
     Call,
+    CheckKeys,
     CheckLeaf,
     Combined,
     Composite,
@@ -134,6 +135,8 @@ def _kind(kind: Kind) -> Element:  # noqa: C901 - one case a kind
             return _leaf("Action", use)
         case CheckLeaf(use=use):
             return _leaf("Condition", use)
+        case CheckKeys(condition=condition):
+            return _condition(condition)
         case Call():
             return Element(
                 "SubTree", {"ID": kind.tree, **_wires(kind.inputs), **_wires(kind.outputs)}

@@ -172,6 +172,7 @@ class Modifiers:
     optional: bool = False
     on_halt: "Node | None" = None
     name: str = ""
+    title: Template | None = None  # a name with keys in it, filled in when the node begins
 
 
 UNREADABLE = "unreadable"
@@ -312,6 +313,14 @@ class CheckLeaf:
 
 
 @dataclass(frozen=True, slots=True)
+class CheckKeys:
+    """`check` with an expression on keys."""
+
+    condition: KeyHolds | Computed
+    label: str = "check"
+
+
+@dataclass(frozen=True, slots=True)
 class Wait:
     """`wait`: let the mission's time pass."""
 
@@ -371,6 +380,7 @@ Kind = (
     | Consume
     | RunLeaf
     | CheckLeaf
+    | CheckKeys
     | Wait
     | Set
     | Ask

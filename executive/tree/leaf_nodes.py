@@ -1,5 +1,6 @@
 """Leaves as nodes: an action's generator is resumed tick by tick, a condition is asked."""
 
+from collections.abc import Callable
 from typing import Any
 
 from py_trees.common import Status
@@ -86,13 +87,18 @@ class Asked:
 class CheckNode(TreeNode):
     """A condition in the tree."""
 
-    def __init__(self, name: str, path: str, runtime: Runtime, asked: Asked) -> None:
+    def __init__(
+        self, name: str, path: str, runtime: Runtime, asked: Callable[[], Outcome[Any]]
+    ) -> None:
         super().__init__(name, path, runtime)
         self._asked = asked
 
     def update(self) -> Status:
         """Ask once."""
-        outcome = self._asked()
+        try:
+            outcome = self._asked()
+        except ConfigError as error:  # an expression that cannot be computed
+            outcome = Outcome(False, str(error))
         self.is_refused = not outcome.success
         return self.take(outcome)
 

@@ -10,11 +10,14 @@ from executive.tree.language import (
     Attempts,
     Branch,
     Call,
+    CheckKeys,
     CheckLeaf,
     Composite,
+    Computed,
     Consume,
     ForEach,
     Group,
+    KeyHolds,
     Kind,
     Literally,
     Loop,
@@ -26,13 +29,14 @@ from executive.tree.language import (
     Set,
     Source,
     Switch,
+    Template,
     Turned,
     TypeName,
     Wait,
 )
 from executive.tree.leaf_reader import LEAF_KEYS, LeafReader, check_port, read_outputs
 from executive.tree.problem import Mark
-from executive.tree.reading import Reading
+from executive.tree.reading import Reading, is_text
 from executive.tree.traversal import is_instant
 from executive.tree.value import Table, Value, describe
 
@@ -323,6 +327,15 @@ class NodeReader:
         return RunLeaf(use) if use else None
 
     def _check(self, table: Table) -> Kind | None:
+        value = table.entries["check"].value
+        if is_text(value) and "{" in str(value.value):  # type: ignore[union-attr]
+            condition = self._leaves.condition(value, "'check'")
+            for key in LEAF_KEYS:
+                if key in table.entries:
+                    self._reading.problems.error(
+                        table.entries[key].key_mark, f"'{key}' belongs to a leaf, not an expression"
+                    )
+            return CheckKeys(condition) if isinstance(condition, KeyHolds | Computed) else None
         use = self._leaves.use("check", table)
         return CheckLeaf(use) if use else None
 
@@ -395,6 +408,7 @@ class NodeReader:
             optional=bool(optional is not None and reading.truth(optional, "'optional'")),
             on_halt=None if on_halt is None else self._on_halt(on_halt),
             name="" if name is None else self._name(name),
+            title=None if name is None else self._title(name),
         )
         self._refuse_dead(table, modifiers)
         return modifiers
@@ -429,6 +443,10 @@ class NodeReader:
                 value, "'name' is at most 60 characters on one line, without / and @"
             )
         return name or ""
+
+    def _title(self, value: Value) -> Template | None:
+        has_keys = is_text(value) and "{" in str(value.value)  # type: ignore[union-attr]
+        return self._reading.template(value, "'name'") if has_keys else None
 
     def _refuse_dead(self, table: Table, modifiers: Modifiers) -> None:
         dead = [key for key in ("retry", "on_failure") if key in table.entries]

@@ -6,7 +6,7 @@ under way.
 """
 
 from abc import abstractmethod
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import Any
 
 from py_trees.behaviour import Behaviour
@@ -44,6 +44,7 @@ class TreeNode(Behaviour):  # type: ignore[misc]
 
     status: Status
     is_repeated = False
+    title: Callable[[], str] | None = None  # gives the name when the node begins
     is_journalled = True  # modifiers are journalled only when they change something
     is_skipped = False
     is_final = False
@@ -103,6 +104,8 @@ class TreeNode(Behaviour):  # type: ignore[misc]
     def initialise(self) -> None:
         self._is_active = True
         self._is_told = False
+        if self.title is not None:
+            self.name = self.title()
         self.is_final = self.is_refused = self.is_skipped = False
         self.feedback_message = ""
         if not self.is_repeated:

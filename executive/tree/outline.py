@@ -8,6 +8,7 @@ from executive.tree.language import (
     Ask,
     Branch,
     Call,
+    CheckKeys,
     Consume,
     ForEach,
     Loop,
@@ -57,6 +58,8 @@ def _kind_words(node: Node) -> str:  # noqa: C901 - one case a kind
             return "set " + ", ".join(
                 f"{key} = {source_value(source)}" for key, source in values.items()
             )
+        case CheckKeys(condition=condition):
+            return f"check {condition_text(condition)}"
         case Ask(question=question):
             return f'ask "{question}"'
     uses = list(uses_of(node))

@@ -12,6 +12,7 @@ from executive.tree.language import (
     Attempts,
     Branch,
     Call,
+    CheckKeys,
     CheckLeaf,
     Composite,
     Computed,
@@ -135,6 +136,8 @@ def _kind(kind: Kind) -> dict[str, Any]:  # noqa: C901 - one case a kind
             return {"run": use.name, **_use(use)}
         case CheckLeaf(use=use):
             return {"check": use.name, **_use(use)}
+        case CheckKeys(condition=condition):
+            return {"check": condition_value(condition)}
         case Wait(duration_s=duration_s):
             return {"wait": duration_s}
         case Set(values=values):

@@ -17,6 +17,11 @@ from executive.tree.language import ON_ERROR, ON_ERROR_WORDS, LoopSettings
 from executive.tree.sources import API
 
 Schema = dict[str, Any]
+_EXPRESSION: Schema = {
+    "type": "string",
+    "pattern": r"\{",
+    "description": "An expression on keys: {stone.mass} > 0.8 t",
+}
 _REFERENCE: Schema = {"type": "string", "pattern": r"^\{[A-Za-z_][A-Za-z0-9_]*\}$"}
 _DURATION: Schema = {
     "type": ["number", "string"],
@@ -132,12 +137,12 @@ class _Builder:
     def _leaf(self, key: str, name: str, leaf: type[Leaf[Any]]) -> Schema:
         definition = f"behaviour.{name}"
         if definition not in self._defs:
-            self._defs[definition] = self._settings(definition, leaf.Settings)
+            self._defs[definition] = _computable(self._settings(definition, leaf.Settings))
         is_needed = "required" in self._defs[definition]
         properties = {
             key: {"const": name, "description": (leaf.__doc__ or "").strip().partition("\n")[0]},
             "with": {"$ref": f"#/$defs/{definition}"},
-            "in": _wires({port: spec.doc for port, spec in leaf.inputs.items()}),
+            "in": _wires({port: spec.doc for port, spec in leaf.inputs.items()}, _EXPRESSION),
             "out": _wires({port: spec.doc for port, spec in leaf.outputs.items()}),
         }
         return {"properties": properties, "required": [key, *(["with"] if is_needed else [])]}
@@ -152,7 +157,7 @@ class _Builder:
             *(self._leaf("check", name, leaf) for name, leaf in checks.items()),
         ]
         closed = [{"type": "object", **form, "additionalProperties": False} for form in forms]
-        return {"anyOf": [_REFERENCE, {"enum": sorted(checks)}, *closed]}
+        return {"anyOf": [_EXPRESSION, {"enum": sorted(checks)}, *closed]}
 
 
 def _any_of(kinds: Iterable[Schema]) -> Schema:
@@ -215,10 +220,16 @@ def _kinds() -> Iterator[Schema]:
         "required": ["consume", "do"],
     }
     yield {"properties": {"do": _NODE}, "required": ["do"]}
+    yield {"properties": {"check": _EXPRESSION}, "required": ["check"]}
     yield {"properties": {"wait": _DURATION}, "required": ["wait"]}
     yield {"properties": {"set": {"type": "object", "minProperties": 1}}, "required": ["set"]}
     yield {
-        "properties": {"ask": {"type": "string"}, "default": {"type": "boolean"}},
+        "properties": {
+            "ask": {"type": "string", "description": "The question; keys in braces are filled in."},
+            "choices": {"type": "array", "items": {"type": "string"}, "minItems": 2},
+            "default": {"type": ["boolean", "string"]},
+            "out": _wires({"answer": "The key that takes the choice."}),
+        },
         "required": ["ask"],
     }
     out = {"type": "object", "additionalProperties": _REFERENCE}
@@ -255,5 +266,18 @@ def _closed(properties: Mapping[str, Any], *required: str) -> Schema:
     return {**schema, "required": list(required)} if required else schema
 
 
-def _wires(docs: Mapping[str, str]) -> Schema:
-    return _closed({port: {**_REFERENCE, "description": doc} for port, doc in docs.items()})
+def _wires(docs: Mapping[str, str], form: Schema = _REFERENCE) -> Schema:
+    return _closed({port: {**form, "description": doc} for port, doc in docs.items()})
+
+
+def _computable(settings: Schema) -> Schema:
+    """Return the schema of a leaf's settings, each of which may be an expression."""
+    properties = {
+        name: {"anyOf": [one, _EXPRESSION], **_described(one)}
+        for name, one in settings.get("properties", {}).items()
+    }
+    return {**settings, "properties": properties} if properties else settings
+
+
+def _described(one: Schema) -> Schema:
+    return {key: one[key] for key in ("description", "default") if key in one}

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from executive.tree.language import (
     Branch,
     Call,
+    CheckKeys,
     CheckLeaf,
     Combined,
     Composite,
@@ -29,7 +30,7 @@ def is_instant(node: Node) -> bool:
         return False
     if isinstance(node.kind, Composite | Parallel | Turned | Branch | Switch | Group):
         return all(is_instant(child) for child in node.children())
-    return isinstance(node.kind, CheckLeaf | Set)
+    return isinstance(node.kind, CheckLeaf | CheckKeys | Set)
 
 
 def conditions_of(node: Node) -> tuple[Condition, ...]:
@@ -45,7 +46,7 @@ def conditions_of(node: Node) -> tuple[Condition, ...]:
 def asks(node: Node, trees: Mapping[str, Tree]) -> bool:
     """Return whether a node or one below, called trees included, asks any condition."""
     return any(
-        isinstance(one.kind, CheckLeaf | Switch)
+        isinstance(one.kind, CheckLeaf | CheckKeys | Switch)
         or bool(conditions_of(one))
         or (isinstance(one.kind, Call) and asks(trees[one.kind.tree].root, trees))
         for one in node.walk()

@@ -15,6 +15,14 @@ from executive.tree.port_types import holds, type_name
 from executive.tree.settings import computed_settings
 
 
+def title_of(title: Template, scope: "Scope") -> str:
+    """Return a node's name with its keys filled in, or as it is written if one is missing."""
+    try:
+        return filled(title.parts, scope.store)
+    except ConfigError:
+        return str(title)
+
+
 class Scope:
     """The store that the nodes of one tree share; a subtree's is emptied at each call."""
 
