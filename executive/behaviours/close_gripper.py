@@ -11,6 +11,7 @@ from executive.interfaces.monitoring import Monitor
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
+from executive.leaf.claims import Part
 from executive.leaf.jaws import drive_jaws
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.removal import removal_radius, remove_from_map
@@ -48,6 +49,7 @@ class CloseGripper(Action[CloseGripperSettings]):
     """
 
     needs = (Robot, ObjectDatabase, Mapper, Monitor)
+    claims = (Part.JAWS,)
 
     def run(self, stone: int) -> Steps[StoneHeld]:
         """Close, and fail if nothing is between the jaws.

@@ -2,6 +2,7 @@
 
 from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
+from executive.leaf.claims import Part
 from executive.leaf.follow import follow
 from executive.messages.trajectory import JointTrajectory
 
@@ -10,6 +11,7 @@ class ExecuteTrajectory(Action):
     """Follow a trajectory to its end; when cancelled, the machine stops along the path."""
 
     needs = (Robot,)
+    claims = (Part.ARM, Part.CABIN)
 
     def run(self, trajectory: JointTrajectory) -> Steps[None]:
         """Follow the trajectory.

@@ -5,6 +5,7 @@ from pydantic import Field
 from executive.config import Newtons, Radians, Settings
 from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
+from executive.leaf.claims import Part
 from executive.leaf.jaws import drive_jaws
 from executive.leaf.outcome import failed, succeeded
 
@@ -22,6 +23,7 @@ class OpenGripper(Action[OpenGripperSettings]):
     """Open the jaws fully."""
 
     needs = (Robot,)
+    claims = (Part.JAWS,)
 
     def run(self) -> Steps[None]:
         wanted_rad = self.context.machine().gripper.open_rad

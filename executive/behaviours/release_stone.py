@@ -12,6 +12,7 @@ from executive.interfaces.monitoring import Monitor
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
+from executive.leaf.claims import Part
 from executive.leaf.jaws import drive_jaws
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
@@ -40,6 +41,7 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
     """
 
     needs = (Robot, ObjectDatabase, Mapper, Monitor)
+    claims = (Part.JAWS,)
 
     def run(self, hold: Hold, placement: Placement | None = None) -> Steps[None]:
         """Release the stone where the gripper is.

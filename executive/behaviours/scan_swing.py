@@ -8,6 +8,7 @@ from executive.interfaces.mapping import Mapper
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
+from executive.leaf.claims import Part
 from executive.leaf.follow import follow
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
@@ -26,6 +27,7 @@ class ScanSwing(Action[ScanSwingSettings]):
     """
 
     needs = (Robot, Mapper, MotionPlanner)
+    claims = (Part.ARM, Part.CABIN, Part.LIDARS)
 
     def run(self) -> Steps[None]:
         if moving := (yield from come_to_rest(self.context)):

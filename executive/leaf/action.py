@@ -11,6 +11,8 @@ from typing_extensions import TypeVar, get_original_bases
 
 from executive.config import NoSettings, Settings
 from executive.interfaces.plugin import Plugin
+from executive.interfaces.robot import Robot
+from executive.leaf.claims import Part
 from executive.leaf.context import Context
 from executive.leaf.job import Job
 from executive.leaf.outcome import Outcome, Result
@@ -27,12 +29,16 @@ class Leaf(Generic[Own]):
 
     Attributes:
         needs: Interfaces of the plugins that the leaf uses; a mission must select one of each.
+        claims: Parts of the machine that the leaf drives, such as `(Part.JAWS,)`; two leaves that
+            drive the same part are refused in one `parallel`. Not declared, a leaf that needs the
+            robot claims the whole machine, and another leaf claims nothing.
         Settings: Class of the settings, as given in brackets; without settings, `NoSettings`.
         inputs: Input ports, read from the signature of `run` or `check`.
         outputs: Output ports, read from its return annotation.
     """
 
     needs: ClassVar[tuple[type[Plugin], ...]] = ()
+    claims: ClassVar[tuple[str, ...] | None] = None
     Settings: ClassVar[type[Settings]] = NoSettings
     inputs: ClassVar[Mapping[str, Port]] = {}
     outputs: ClassVar[Mapping[str, Port]] = {}
@@ -40,6 +46,13 @@ class Leaf(Generic[Own]):
     def __init__(self, settings: Own, context: Context) -> None:
         self.settings = settings
         self.context = context
+
+    @classmethod
+    def parts(cls) -> tuple[str, ...]:
+        """Return the parts of the machine that the leaf drives, declared or derived."""
+        if cls.claims is not None:
+            return cls.claims
+        return (Part.MACHINE,) if Robot in cls.needs else ()
 
     def __init_subclass__(cls) -> None:
         for base in get_original_bases(cls):

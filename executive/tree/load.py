@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
+from executive.tree.claims import ClaimCheck
 from executive.tree.dataflow import Dataflow
 from executive.tree.language import LeafUse, LoopSettings, MissionFile, Selection, Tree
 from executive.tree.override import Override, apply_override
@@ -46,6 +47,7 @@ def load_mission(
         plugins.check_needs(selected, plugin_table, _uses(trees))
     if "main" in trees:
         Dataflow(trees, reading.problems).check()
+    ClaimCheck(trees, reading.problems).check()
     name, description = _titles(mission, reading)
     reading.problems.raise_errors()
     return _mission(name, description, loop or LoopSettings(), selected, trees, reading)
