@@ -10,6 +10,7 @@ from executive.campaign.execution.pool import Lost, Pool
 from executive.campaign.execution.processes.running import Running
 from executive.campaign.trial import Outcome, Trial
 from executive.clock import wall_s
+from executive.errors import ExecutiveError
 
 _POLL_S = 0.1  # how often limits are held
 
@@ -27,6 +28,7 @@ class LocalPool(Pool):
         self._jobs = jobs
         self._isolation = Isolation()
         self._begun: list[_Begun] = []
+        self._raised: list[ExecutiveError] = []  # by runs, and not yet by `wait`
 
     @property
     def slots(self) -> int:
@@ -46,13 +48,20 @@ class LocalPool(Pool):
     def _ended(self) -> list[Outcome | Lost]:
         ended: list[Outcome | Lost] = []
         for begun in tuple(self._begun):
-            result = begun.running.poll()
+            try:
+                result = begun.running.poll()
+            except ExecutiveError as error:
+                self._begun.remove(begun)
+                self._raised.append(error)
+                continue
             if result is None:
                 continue
             self._begun.remove(begun)
             if isinstance(result, Outcome):
                 result = replace(result, tries=begun.tries)
             ended.append(result)
+        if self._raised and not ended:  # what has ended is handed over first
+            raise self._raised.pop(0)
         return ended
 
     def close(self) -> None:
