@@ -17,6 +17,7 @@ from pathlib import Path
 
 from executive.campaign.execution.disk_space import DiskFullError, is_space_left
 from executive.campaign.execution.ledger_rows import (
+    FORM,
     SCHEMA,
     SELECT_OUTCOMES,
     SELECT_PENDING,
@@ -71,7 +72,8 @@ class Ledger:
                 and beside the campaign that writes it.
 
         Raises:
-            DataError: If the file is no ledger, or it is to be read and is not there.
+            DataError: If the file is no ledger, is one of another form, or is to be read and is not
+                there.
             DiskFullError: If there is no space for it.
         """
         self._path = path
@@ -88,12 +90,18 @@ class Ledger:
             raise
 
     def _set_up(self) -> None:
-        if self._is_read_only:
-            self._database.execute("SELECT count(*) FROM trials").fetchone()
-        else:
+        (form,) = self._database.execute("PRAGMA user_version").fetchone()
+        (tables,) = self._database.execute("SELECT count(*) FROM sqlite_master").fetchone()
+        if tables and form != FORM:
+            raise DataError(
+                f"{self._path}: its tables are of form {form}, and this version of the package "
+                f"reads form {FORM}; use the version that began the campaign, or another folder"
+            )
+        if not self._is_read_only:
             self._database.execute("PRAGMA journal_mode = WAL")
             self._database.execute("PRAGMA synchronous = FULL")
-            self._database.executescript(SCHEMA)
+            self._database.executescript(f"PRAGMA user_version = {FORM};{SCHEMA}")
+        self._database.execute("SELECT count(*) FROM trials").fetchone()
 
     @property
     def digest(self) -> str | None:

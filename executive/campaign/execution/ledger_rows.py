@@ -7,6 +7,7 @@ from typing import Any
 
 from executive.campaign.trial import Limits, Outcome, Status, Trial
 
+FORM = 1  # of the tables; to be raised when they change
 SCHEMA = """
 CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS sessions (

@@ -135,6 +135,14 @@ def test_another_file_is_refused(path) -> None:
         Ledger(path)
 
 
+def test_a_ledger_of_another_form_is_refused(ledger, path) -> None:
+    ledger._database.execute("PRAGMA user_version = 7")
+    ledger.close()
+    for is_read_only in (True, False):
+        with pytest.raises(DataError, match="its tables are of form 7"):
+            Ledger(path, is_read_only=is_read_only)
+
+
 def test_it_is_read_while_it_is_written(ledger, path) -> None:
     ledger.claim(0)
     ledger.finish(done(0))
