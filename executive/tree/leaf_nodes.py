@@ -69,6 +69,7 @@ class Asked:
 
     def __init__(self, use: LeafUse, path: str, runtime: Runtime, scope: Scope) -> None:
         self._call = LeafCall(use, path, runtime, scope)
+        self._is_condition = issubclass(use.leaf, ConditionLeaf)
 
     def __call__(self) -> Outcome[Any]:
         """Ask, and write the outputs."""
@@ -77,9 +78,10 @@ class Asked:
         except ConfigError as error:
             return Outcome(False, str(error))
         try:
-            if not isinstance(self._call.leaf, ConditionLeaf):
+            leaf: Any = self._call.leaf
+            if not self._is_condition:
                 raise ConfigError(f"{self._call.use.name} is no condition")
-            return self._call.written(self._call.leaf.check(**inputs))
+            return self._call.written(leaf.check(**inputs))
         except Exception as error:  # the runtime decides what an escaped error means
             return self._call.failed(error)
 

@@ -84,6 +84,8 @@ class Scope:
             ConfigError: If it has no such output, a value has another type, or a success lacks an
                 output.
         """
+        if outcome.outputs is None and not use.leaf.outputs:
+            return
         written = written_by(outcome)
         for port, value in written.items():
             if port not in use.leaf.outputs:

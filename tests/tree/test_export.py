@@ -5,8 +5,13 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pytest
+import yaml
 
 from executive.tree.export import export
+from executive.tree.resolved import resolved_yaml
+from executive.tree.schema import mission_schema
+
+jsonschema = pytest.importorskip("jsonschema")
 
 TREES = """
 trees:
@@ -167,3 +172,82 @@ def test_models_carry_types_defaults_and_descriptions(root: Any) -> None:
         scan.find("MetadataFields/Metadata").get("description")
         == "Take `duration` and give a cloud."
     )
+
+
+NODES = """
+trees:
+  main:
+    persistent_sequence:
+      - {set: {size: large, queue: [1]}}
+      - {not: {check: Calm}}
+      - {force_failure: {check: Calm}, once: true}
+      - {if: Calm, then: {wait: 1 s}, else: {wait: 2 s}}
+      - {while: Calm, do: {wait: 1 s}, else: {wait: 2 s}}
+      - {switch: "{size}", cases: {large: {wait: 1 s}}}
+      - switch: "{size}"
+        cases: {a: &, b: &, c: &, d: &, e: &, f: &, g: &, h: &}
+        else: {wait: 2 s}
+      - {consume: {item: one, from: "{queue}"}, do: {wait: 1 s, on_halt: {set: {a: 1}}}}
+      - {parallel: [{check: Calm}, {wait: 1 s}, {wait: 2 s}], succeed: one, fail: 2}
+      - {parallel: [{check: Calm}, {wait: 1 s}], wait_for_all: true}
+      - {loop: forever, do: {wait: 1 s}}
+""".replace("&", "{wait: 1 s}")
+
+
+def test_text_and_dot_show_branches_with_what_leads_to_them(load: Any) -> None:
+    mission = load(NODES)
+    text = export(mission, "text")
+    for line in (
+        "persistent_sequence",
+        "|-- force_failure  [once]",
+        "|   |-- then: wait 1 s",
+        "|   `-- else: wait 2 s",
+        "|   |-- do: wait 1 s",
+        "|-- switch {size}",
+        "|   `-- large: wait 1 s",
+        "|-- consume one from {queue}",
+        "|       `-- on halt: set a = 1",
+        "|-- parallel, 1 of 3, fails with 2",
+        "|-- parallel, waits for all",
+        "`-- loop forever",
+    ):
+        assert line in text, line
+    assert '[label="large", style=dashed]' in export(mission, "dot")
+
+
+def test_xml_has_the_counterparts_of_branches_and_the_models_of_own_nodes(load: Any) -> None:
+    root = ElementTree.fromstring(export(load(NODES), "xml"))
+    top = root.find("BehaviorTree/SequenceWithMemory")
+    assert [child.tag for child in top] == [
+        "Sequence",
+        "Inverter",
+        "RunOnce",
+        "IfThenElse",
+        "WhileDoElse",
+        "Switch2",
+        "Switch6",
+        "Consume",
+        "Parallel",
+        "ParallelAll",
+        "Repeat",
+    ]
+    assert [child.tag for child in top[5]] == ["Sleep", "Sleep", "AlwaysFailure"]
+    assert top[6].attrib == {
+        "variable": "{size}",
+        **{f"case_{number}": name for number, name in enumerate("abcdef", 1)},
+    }
+    assert (len(top[6]), top[6][6].tag, len(top[6][6])) == (7, "Switch2", 3)
+    assert (top[8].get("success_count"), top[8].get("failure_count")) == ("1", "2")
+    assert (top[9].get("max_failures"), top[10].get("num_cycles")) == ("1", "-1")
+    models = {model.get("ID") for model in root.find("TreeNodesModel")}
+    assert {"Consume", "OnHalt", "Calm"} <= models
+
+
+def test_a_mission_with_every_node_loads_again_as_it_is_written_out(
+    load: Any, catalogue: Any
+) -> None:
+    mission = load(NODES)
+    written = resolved_yaml(mission)
+    again = load("", header=written)
+    assert resolved_yaml(again) == written
+    jsonschema.Draft202012Validator(mission_schema(catalogue)).validate(yaml.safe_load(written))
