@@ -64,9 +64,10 @@ def fits_name(have: Any, name: str) -> bool:
     """Whether a value of a type suits a type's name, such as `Stone` or `list[Stone]`."""
     if is_unknown(bare(have)) or name == "object":
         return True
-    if name in NAMED:
+    named = NAMED.get(name.replace("_", " "))
+    if named is not None:
         dimension = dimension_of(have)
-        return sort_of(have) == "number" and (dimension is None or dimension.suits(NAMED[name]))
+        return sort_of(have) == "number" and (dimension is None or dimension.suits(named))
     have = bare(have)
     if _is_union(have):
         return any(fits_name(one, name) for one in typing.get_args(have))

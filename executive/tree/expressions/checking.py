@@ -372,7 +372,13 @@ def _is(kind: Any, sorts: tuple[str, ...]) -> bool:
 
 
 def _split(found: Types) -> Types:
-    return frozenset(member for kind in found for member in members(kind))
+    return frozenset(_listed(member) for kind in found for member in members(kind))
+
+
+def _listed(kind: Any) -> Any:
+    """Return the type of a tuple as that of a list, which is what it is read as."""
+    inner = bare(kind)
+    return list[item_of(kind)] if typing.get_origin(inner) is tuple else kind  # type: ignore[misc]
 
 
 def _without_missing(found: Types) -> Types:

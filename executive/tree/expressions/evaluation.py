@@ -185,5 +185,7 @@ def _item(of: Any, index: Any) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """Return a numpy scalar as Python's own."""
-    return value.item() if isinstance(value, np.generic) else value
+    """Return a numpy scalar as Python's own, and a tuple as a list, which is what ports take."""
+    if isinstance(value, np.generic):
+        return value.item()
+    return list(value) if type(value) is tuple else value
