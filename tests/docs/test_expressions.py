@@ -1,4 +1,4 @@
-"""The page on expressions is true: its mission has no mistake, its mistakes are told as it says, and
+"""The page on expressions is true: its mission has no mistake, its mistakes are as it says, and
 it names every function.
 """
 
