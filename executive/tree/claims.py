@@ -1,9 +1,8 @@
 """Refuse a `parallel` in which two children drive the same part of the machine."""
 
 from collections.abc import Mapping
-from itertools import combinations
 
-from executive.leaf.claims import common
+from executive.leaf.claims import Part, common
 from executive.tree.language import Call, Node, Parallel, Tree
 from executive.tree.problem import Problems
 from executive.tree.traversal import uses_of
@@ -39,8 +38,10 @@ class ClaimCheck:
             claims = {**self._tree(node.kind.tree), **claims}
         below = [(child, self._node(child)) for child in node.children()]
         if isinstance(node.kind, Parallel):
-            for (_, one), (child, other) in combinations(below, 2):
-                self._compare(one, child, other)
+            before: Claims = {}
+            for child, mine in below:
+                self._compare(before, child, mine)
+                before = {**mine, **before}
         beside = (node.modifiers.on_failure, node.modifiers.on_halt)
         for more in (*(mine for _, mine in below), *(self._node(one) for one in beside if one)):
             claims = {**more, **claims}
@@ -60,4 +61,4 @@ class ClaimCheck:
 
 
 def _driver(claims: Claims, part: str) -> str:
-    return claims.get(part) or next(iter(claims.values()))
+    return claims.get(part) or claims[Part.MACHINE]

@@ -79,6 +79,14 @@ def test_what_drives_another_part_or_nothing_may_run_beside(load: Any, second: s
     assert problems(load, f"      - run: Swing\n      - {second}\n") == []
 
 
+def test_each_child_that_drives_what_one_before_it_drives_is_told(load: Any) -> None:
+    children = "      - run: Reach\n      - run: Grip\n      - run: Swing\n      - run: Reach\n"
+    assert [line.partition(", and")[0] for line in problems(load, children)] == [
+        "9: Reach and Swing both drive the arm",
+        "10: two Reach drive the arm",
+    ]
+
+
 def test_one_after_the_other_they_are_not_refused(load: Any) -> None:
     assert problems(load, "      - sequence: [{run: Swing}, {run: Reach}]\n") == []
 
