@@ -8,14 +8,24 @@ not be declared with types to be checked.
 """
 
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Annotated, Any
 
 from executive.errors import did_you_mean
 from executive.leaf.port import Port
+from executive.leaf.store import Store
 from executive.tree.expressions.checking import Typing, asked_for
+from executive.tree.expressions.dimension import PLAIN
+from executive.tree.expressions.evaluation import evaluate
 from executive.tree.expressions.functions import shown
-from executive.tree.expressions.kinds import measured
-from executive.tree.expressions.syntax import Key, keys_of
+from executive.tree.expressions.kinds import (
+    Known,
+    bare,
+    dimension_of,
+    known_value,
+    measured,
+    number,
+)
+from executive.tree.expressions.syntax import Key, Number, keys_of
 from executive.tree.language import (
     UNREADABLE,
     Ask,
@@ -47,7 +57,7 @@ from executive.tree.language import (
 from executive.tree.place import Place
 from executive.tree.port_types import fits, fits_name, item_type, names, type_name, type_of
 from executive.tree.problem import Mark, Problems
-from executive.tree.setting_types import field_type, setting_name, suits_setting
+from executive.tree.setting_types import field_type, refusal, setting_name, suits_setting
 from executive.tree.traversal import uses_of
 
 Types = frozenset[Any]
@@ -239,6 +249,8 @@ class Dataflow:
                 )
                 self._problems.error(place, told)
                 types = _UNKNOWN  # reported once, not again inside
+            if types and isinstance(source, Ref):  # values are not followed through many calls
+                types = frozenset(map(_of_any_value, types))
             inside.update({} if types is None else {port: types or _UNKNOWN})
         after = self._tree(tree, inside)
         given = {
@@ -304,6 +316,20 @@ class Dataflow:
                 got = " or ".join(sorted({shown(one) for one in types}))
                 told = f"{what} is {setting_name(wanted)}, and {_shown(source)} is {got}"
                 self._problems.error(source.mark, told)
+            elif isinstance(source, Ref):
+                self._values(use, name, source, types)
+
+    def _values(self, use: LeafUse, name: str, source: Ref, types: Types) -> None:
+        """Report a setting whose value is known before the start and out of bounds."""
+        known = [known_value(one) for one in types]
+        refused = [(one.value, refusal(use.leaf.Settings, name, one.value)) for one in known if one]
+        if refused and len(refused) == len(known) and all(told for _, told in refused):
+            value, told = refused[0]
+            self._problems.error(
+                source.mark,
+                f"setting '{name}' of {use.name}: {told[:1].lower()}{told[1:]}, and key "
+                f"'{source.key}' is {value!r}",
+            )
 
     def _input(
         self, port: str, source: Source, keys: Keys, is_optional: bool, owner: str
@@ -315,9 +341,14 @@ class Dataflow:
 
     def _types(self, source: Source, keys: Keys, reader: str) -> Types:
         if isinstance(source, Literally):
-            return frozenset({type_of(source.value)})
+            kind = type_of(source.value)
+            return frozenset({_exactly(kind, source.value)})
         if isinstance(source, Computed):
-            return self._typing(source.place, keys, reader).types(source.expression)
+            types = self._typing(source.place, keys, reader).types(source.expression)
+            if isinstance(source.expression, Number):
+                value = evaluate(source.expression, Store())
+                types = frozenset(_exactly(kind, value) for kind in types)
+            return types
         if isinstance(source, Template):
             typing = self._typing(source.place, keys, reader)
             for part in source.parts:
@@ -359,6 +390,18 @@ class Dataflow:
         for key, types in self._writes[start:]:
             keys = _joined(keys, {key: types or _UNKNOWN})
         return keys
+
+
+def _exactly(kind: Any, value: Any) -> Any:
+    """Return a type with its only value; lists are not followed item by item."""
+    return Annotated[kind, Known(value)] if isinstance(value, bool | int | float | str) else kind
+
+
+def _of_any_value(kind: Any) -> Any:
+    if known_value(kind) is None:
+        return kind
+    dimension = dimension_of(kind)
+    return bare(kind) if dimension in (None, PLAIN) else number(dimension, bare(kind))
 
 
 def _joined(one: Keys, other: Keys) -> Keys:

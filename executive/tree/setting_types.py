@@ -1,7 +1,7 @@
 """Types of settings, and whether the value of a key or an expression suits them."""
 
+import json
 import typing
-from collections.abc import Mapping
 from typing import Any
 
 from pydantic import ValidationError
@@ -57,10 +57,10 @@ def _suits_any(have: Any, wanted: Any) -> bool:
     return suits_setting(have, wanted)
 
 
-def refusal(settings: type[Settings], values: Mapping[str, Any], name: str) -> str:
+def refusal(settings: type[Settings], name: str, value: Any) -> str:
     """Return why a settings class refuses a value of one setting; empty if it takes it."""
     try:
-        settings.model_validate(dict(values))
+        settings.model_validate_json(json.dumps({name: value}), strict=True)
     except ValidationError as error:
         for finding in error.errors(include_url=False):
             if finding["loc"][:1] == (name,):

@@ -440,3 +440,28 @@ def test_the_schema_takes_expressions_where_the_language_does() -> None:
     assert is_valid({"ask": "Which?", "choices": ["a", "b"], "out": {"answer": "{side}"}})
     assert not is_valid({"run": "Turn", "with": {"angle": [1]}})
     assert not is_valid({"ask": "Which?", "choices": ["a"]})
+
+
+# --- bounds that are known before the start
+
+
+def test_a_value_of_the_file_that_is_out_of_bounds_is_told_before_the_start(told: Any) -> None:
+    bound = "setting 'times' of Turn: input should be less than or equal to 5, and key 'n' is 9"
+    turn = '- run: Turn\n  with: {angle: 0, times: §"{n}"}'
+    assert told(f"- set: {{n: 9}}\n{turn}") == [f"§ {bound}"]
+    assert told(f"- set: {{n: 4}}\n{turn}") == []
+    assert told(f"- set: {{n: 9}}\n- set: {{n: 4}}\n  if: See\n{turn}") == []
+    assert (
+        told(f'- set: {{n: 0}}\n- loop: {{max: 9}}\n  do: {{set: {{n: "{{n}} + 1"}}}}\n{turn}')
+        == []
+    )
+
+
+def test_a_value_that_a_call_gives_is_held_against_the_bound(told: Any) -> None:
+    trees = (
+        '  turn:\n    in: {to: angle}\n    sequence:\n      - {run: Turn, with: {angle: "{to}"}}\n'
+    )
+    assert told("- call: turn\n  in: {to: 90 deg}", trees) == []
+    assert told("- call: turn\n  in: {to: 500 deg}", trees)[0].startswith(
+        "setting 'angle' of Turn: input should be less than or equal to 7, and key 'to' is 8.7"
+    )

@@ -8,6 +8,7 @@ import re
 import types
 import typing
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
 from typing import Any
@@ -42,6 +43,19 @@ def number(dimension: Dimension | None, kind: type = float) -> Any:
 
 
 COUNT = number(PLAIN, int)
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Marks a type whose only value is written in the file."""
+
+    value: Any
+
+
+def known_value(kind: Any) -> Known | None:
+    """Return the value of a type that has only one, written in the file."""
+    notes = typing.get_args(kind)[1:] if typing.get_origin(kind) is typing.Annotated else ()
+    return next((note for note in notes if isinstance(note, Known)), None)
 
 
 def bare(kind: Any) -> Any:
