@@ -178,3 +178,32 @@ def test_an_error_ends_any_tree_and_a_halt_leaves_nothing_under_way(play: Any, t
     tried.halt()
     check_journal(tried.runtime.lines, is_over=True)
     assert not OPEN
+
+
+def course(play: Any, tree: Any) -> list[str]:
+    """Return the status of a tree at each tick."""
+    tried = play(json.dumps(tree), leaves=LEAVES)
+    tried.runtime.can_do_without = True
+    seen = [tried.tick()]
+    while seen[-1] == "RUNNING":
+        assert tried.ticks < 1000, "the tree does not end"
+        seen.append(tried.tick())
+    return [*seen, str(tried.root.is_skipped)]
+
+
+@quick
+@given(tree=trees, asked=condition)
+def test_turning_twice_and_choosing_between_equals_change_nothing(
+    play: Any, tree: Any, asked: Any
+) -> None:
+    plain = course(play, tree)
+    assert course(play, {"not": {"not": tree}}) == plain
+    assert course(play, {"if": asked, "then": tree, "else": tree}) == plain
+    assert course(play, {"parallel": [tree]}) == plain
+
+
+@quick
+@given(children=st.lists(trees, min_size=1, max_size=3))
+def test_a_fallback_is_a_sequence_turned_around(play: Any, children: Any) -> None:
+    turned = {"not": {"sequence": [{"not": child} for child in children]}}
+    assert course(play, {"fallback": children}) == course(play, turned)
