@@ -29,7 +29,7 @@ test-fast: export OMP_NUM_THREADS = 1
 test-fast: setup
 	$(BIN)/python -m pytest -m "not mission and not slow" --numprocesses auto --dist loadfile $(ARGS)
 
-# One of docs/benchmarks.md: make benchmark NAME=missions ARGS="1:5"
+# One of docs/benchmarks.md: make benchmark NAME=neighbours
 benchmark: setup
 	OMP_NUM_THREADS=1 $(BIN)/python tests/benchmarks/$(or $(NAME),lidar_speed).py $(ARGS)
 

@@ -126,21 +126,6 @@ def test_grasps_are_held_to_their_share_and_to_the_paper(
     assert ended(command, [str(tmp_path), "table"]) == status
 
 
-def mission(near: int, collisions: int = 0, outcome: str = "success") -> SimpleNamespace:
-    truth = {"stones": [], "collisions": [{}] * collisions}
-    report = {"truth": truth, "outcome": outcome, "real_time_factor": 3.0}
-    return SimpleNamespace(near=near, stones=7, report=report)
-
-
-def test_missions_are_held_to_stones_collisions_and_outcome(load, bounds) -> None:
-    figures = load("trials.missions").figures
-    assert bounds.verdict(figures([*[mission(7)] * 4, mission(5)], are_scanned=False)) == 0
-    assert bounds.verdict(figures([*[mission(7)] * 4, mission(4)], are_scanned=False)) == 1
-    assert bounds.verdict(figures([mission(6)] * 3, are_scanned=True)) == 0
-    assert bounds.verdict(figures([mission(7, collisions=1)], are_scanned=False)) == 1
-    assert bounds.verdict(figures([mission(7, outcome="failure")], are_scanned=False)) == 1
-
-
 def relocated(cm: float, deg: float, known: int = 7) -> tuple[list[dict], dict[str, int]]:
     entry = {"round": 0, "settled": (1.0, 1.0), "final": (cm, deg), "was_realigned": True}
     return [entry], {"stones": 7, "known": known, "twice": 0, "ghosts": 0}
@@ -207,7 +192,7 @@ def test_what_the_benchmarks_import_is_there(load) -> None:
 
 
 def test_a_wrong_setting_of_a_mission_ends_with_2(load, capsys) -> None:
-    assert ended(load("missions"), ["1", "--set", "robot.sight=2"]) == 2
+    assert ended(load("database_poses"), ["1", "--set", "robot.sight=2"]) == 2
     assert "sight" in capsys.readouterr().err
 
 
