@@ -3,7 +3,8 @@
 import json
 from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
-from typing import get_args, get_origin, get_type_hints
+from types import UnionType
+from typing import Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 import pytest
@@ -94,6 +95,8 @@ def sample(kind):
         return np.arange(3.0)
     if origin is tuple:
         return (sample(arguments[0]),) * 2
+    if origin in (Union, UnionType):  # the last one: what was tried before it has to be passed over
+        return sample(arguments[-1] if arguments[-1] is not type(None) else arguments[0])
     if origin is not None:
         return {"a": sample(arguments[1])}
     if is_dataclass(kind):

@@ -8,7 +8,7 @@ own: subclasses are registered by their kind.
 import re
 import types
 import typing
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from enum import Enum
 from functools import cache
@@ -115,7 +115,7 @@ def _read(wanted: Any, value: Any, where: str) -> Any:
     origin, arguments = typing.get_origin(wanted), typing.get_args(wanted)
     if origin in (typing.Union, types.UnionType):
         inner = [one for one in arguments if one is not type(None)]
-        return None if value is None else _read(inner[0], value, where)
+        return None if value is None else _read_one_of(inner, value, where)
     if origin is np.ndarray or wanted is np.ndarray:
         return np.asarray(value, dtype=float)
     if origin is tuple:
@@ -128,6 +128,16 @@ def _read(wanted: Any, value: Any, where: str) -> Any:
     if is_dataclass(wanted) and isinstance(wanted, type):
         return _read_class(wanted, value, where)
     return _scalar(wanted, value, where)
+
+
+def _read_one_of(kinds: Sequence[Any], value: Any, where: str) -> Any:
+    """Read a value of the first type that takes it."""
+    for kind in kinds[:-1]:
+        try:
+            return _read(kind, value, where)
+        except DataError:
+            continue
+    return _read(kinds[-1], value, where)
 
 
 def _scalar(wanted: Any, value: Any, where: str) -> Any:
