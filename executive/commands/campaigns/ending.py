@@ -27,7 +27,8 @@ def ending(folder: Path, report: CampaignReport, progress: Progress) -> Iterator
     missed = [one for one in figures.judgements if not one.is_met]
     yield from (f"missed: {_judgement(one, summary)}" for one in missed)
     if figures.judgements and not missed:
-        yield f"every bound is met ({len(figures.judgements)})"
+        so_far = "" if progress.is_complete else " so far"
+        yield f"every bound is met{so_far} ({len(figures.judgements)})"
     failed = next((one for one in report.results if one.has_failed), None)
     if failed is not None:
         yield f"first failure: {run_words(failed)}"

@@ -144,6 +144,7 @@ def test_a_campaign_without_a_finished_run_has_a_report(
     body = body_of(tmp_path)
     assert "40 runs of the campaign have not ended" in body
     assert "data-chart" not in body
+    assert re.search(r"\d+ of \d+ bounds missed so far\.", body)
 
 
 def test_runs_without_an_answer_come_first_and_count_as_failed(

@@ -15,10 +15,11 @@ def verdicts(summary: Summary) -> list[Markup]:
     if not judgements:
         return [paragraph("This campaign sets no bounds.", class_="note")]
     missed = sum(not one.is_met for one in judgements)
+    so_far = " so far" if summary.campaign.runs.missing else ""
     told = (
-        tag("span", f"{missed} of {plural(len(judgements), 'bound')} missed.", class_="bad")
+        tag("span", f"{missed} of {plural(len(judgements), 'bound')} missed{so_far}.", class_="bad")
         if missed
-        else tag("span", f"All {plural(len(judgements), 'bound')} met.", class_="good")
+        else tag("span", f"All {plural(len(judgements), 'bound')} met{so_far}.", class_="good")
     )
     cells = Cells(summary.campaign.factors)
     rows = [_row(one, summary, cells) for one in sorted(judgements, key=lambda one: one.is_met)]
