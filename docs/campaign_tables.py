@@ -10,14 +10,16 @@ A page holds blocks; what is between the two comments is written by this script:
     <!-- end -->
 
 NAME is that of the campaign in `docs/campaigns/NAME.yaml`; `table` is one of `figures` (shares and
-values), `shares`, `values`, `differences`, `bounds`; `metrics` chooses and orders metrics;
-`chart=share-success` shows a picture of the campaign's folder. Above each is the command that made
+values), `shares`, `values`, `differences`, `bounds`, or several with commas; `metrics` chooses and
+orders metrics; `chart=share-success` shows a picture of the campaign's folder. Above each is the command that made
 it, with its seeds and its number of runs.
 `tests/docs/test_campaign_tables.py` fails when a page is not up to date.
 """
 
 import argparse
+import json
 import re
+import shlex
 import shutil
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -33,6 +35,16 @@ from executive.errors import DataError
 DOCS = Path(__file__).parent
 BLOCK = re.compile(r"<!-- campaign: ([a-z]\w*) ([^>]*?) ?-->\n.*?<!-- end -->", re.S)
 OPTIONS = ("table", "metrics", "chart")
+# Options of the command that say where and how it ran, and whether a value follows.
+PLACES = {
+    "--out": True,
+    "--jobs": True,
+    "--scheduler": True,
+    "--again": True,
+    "--resume": False,
+    "--quiet": False,
+    "--json": False,
+}
 Row = Sequence[str]
 
 
@@ -168,11 +180,10 @@ def block(name: str, options: str, page: Path, docs: Path = DOCS) -> str:
     unknown = [metric for metric in metrics if metric not in summary.campaign.metrics]
     if unknown:
         raise DataError(f"{where}: its figures have no metric {', '.join(unknown)}")
-    if given.get("table", "figures") not in TABLES:
-        raise DataError(f"{where}: table={given['table']} is not one of {', '.join(TABLES)}")
-    parts = [provenance(summary)]
-    if "table" in given:
-        parts.append(TABLES[given["table"]](summary, metrics))
+    wanted = given["table"].split(",") if "table" in given else []
+    if wrong := set(wanted) - set(TABLES):
+        raise DataError(f"{where}: table={wrong.pop()} is not one of {', '.join(TABLES)}")
+    parts = [provenance(summary), *(TABLES[one](summary, metrics) for one in wanted)]
     if "chart" in given:
         depth = "../" * (len(page.relative_to(docs).parts) - 1)
         parts.append(f"![{name}: {given['chart']}]({depth}images/{picture(name, given['chart'])})")
@@ -212,13 +223,29 @@ def wanted_pictures(docs: Path = DOCS) -> list[str]:
     return [picture(name, chart[1]) for name, chart in charts if chart]
 
 
+def anywhere(command: str) -> str:
+    """Return a command without where its runs happened, which changes no figure."""
+    words, kept = iter(shlex.split(command)), []
+    for word in words:
+        option, is_joined, _ = word.partition("=")
+        if option in PLACES:
+            if PLACES[option] and not is_joined:
+                next(words, None)
+        else:
+            kept.append(word)
+    return shlex.join(kept)
+
+
 def take(folder: Path, docs: Path = DOCS) -> None:
     """Copy the figures of a finished campaign, and those of its pictures that pages show."""
     summary = read_summary(folder / "figures.json")
     name = summary.campaign.name
     results = docs / "campaigns" / "results"
     results.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(folder / "figures.json", results / f"{name}.json")
+    document = json.loads((folder / "figures.json").read_text(encoding="utf-8"))
+    document["campaign"]["command"] = anywhere(summary.campaign.command)
+    text = json.dumps(document, indent=1, ensure_ascii=False) + "\n"
+    (results / f"{name}.json").write_text(text, encoding="utf-8")
     for one in (folder / "charts").glob("*.png"):
         if picture(name, one.stem) in wanted_pictures(docs):
             shutil.copyfile(one, docs / "images" / picture(name, one.stem))

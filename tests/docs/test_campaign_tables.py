@@ -121,3 +121,23 @@ def test_a_wrong_block_is_refused(tables: ModuleType, docs: Path, options: str, 
     page.write_text(BLOCK.format("table=shares").replace("two_", "no_"), encoding="utf-8")
     with pytest.raises(DataError, match=r"no_estimators\.json"):
         tables.written(page, docs)
+
+
+def test_several_tables_have_one_command(tables: ModuleType, docs: Path) -> None:
+    page = docs / "page.md"
+    page.write_text(BLOCK.format("table=shares,values"), encoding="utf-8")
+    text = tables.written(page, docs)
+    assert text.count("```sh") == 1
+    assert text.count("| --- |") == 2
+
+
+@pytest.mark.parametrize(
+    ("given", "kept"),
+    [
+        ("executive campaign a.yaml --seeds 1:5 --out /x/y --jobs 2", "a.yaml --seeds 1:5"),
+        ("executive campaign a.yaml --resume --out=/x --set b.c=1", "a.yaml --set b.c=1"),
+        ("executive campaign a.yaml --scheduler tcp://h:1 --quiet", "a.yaml"),
+    ],
+)
+def test_a_page_does_not_say_where_it_ran(tables: ModuleType, given: str, kept: str) -> None:
+    assert tables.anywhere(given) == f"executive campaign {kept}"
