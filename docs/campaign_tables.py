@@ -11,8 +11,8 @@ A page holds blocks; what is between the two comments is written by this script:
 
 NAME is that of the campaign in `docs/campaigns/NAME.yaml`; `table` is one of `figures` (shares and
 values), `shares`, `values`, `differences`, `bounds`, or several with commas; `metrics` chooses and
-orders metrics; `chart=share-success` shows a picture of the campaign's folder. Above each is the command that made
-it, with its seeds and its number of runs.
+orders metrics; `chart=share-success` shows a picture of the campaign's folder. Above them is the
+command that made them, with its seeds and its number of runs.
 `tests/docs/test_campaign_tables.py` fails when a page is not up to date.
 """
 

@@ -128,7 +128,7 @@ def test_several_tables_have_one_command(tables: ModuleType, docs: Path) -> None
     page.write_text(BLOCK.format("table=shares,values"), encoding="utf-8")
     text = tables.written(page, docs)
     assert text.count("```sh") == 1
-    assert text.count("| --- |") == 2
+    assert text.count("\n| --- |") == 2
 
 
 @pytest.mark.parametrize(
