@@ -4,6 +4,7 @@ py_trees' own composites know no skipped child, forget how failed alternatives e
 has succeeded again at each tick of a reactive composite.
 """
 
+from abc import abstractmethod
 from collections.abc import Sequence
 
 from py_trees.behaviour import Behaviour
@@ -119,9 +120,9 @@ class ReactiveNode(Controller):
                 self._ended(child)
         return self.adopt(last or self.children[-1])
 
+    @abstractmethod
     def _is_kept(self, index: int, child: Behaviour) -> bool:
         """Return whether a child has ended in this round and is not begun again."""
-        raise NotImplementedError
 
     def _take_over(self, index: int) -> None:
         """Cancel the children after the one that runs."""
