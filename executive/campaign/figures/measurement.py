@@ -1,6 +1,7 @@
 """Measurements of one run: what it left behind, its metrics, and both as JSON holds them."""
 
 import json
+import logging
 import math
 import traceback
 from collections.abc import Mapping, Sequence
@@ -78,7 +79,7 @@ def measure(record: RunRecord, names: Sequence[str]) -> dict[str, dict[str, Any]
     Returns:
         For each metric that had something to measure `{"hits", "of"}` or `{"values"}`; for one that
         raised an error `{"problem": error with file:line}`. An error of a metric costs this run
-        that one measurement only.
+        that one measurement only, and its traceback is logged.
 
     Raises:
         UnknownPluginError: If a metric is not installed.
@@ -92,6 +93,7 @@ def measure(record: RunRecord, names: Sequence[str]) -> dict[str, dict[str, Any]
                 measured[name] = _plain(found, one)
         except Exception as error:  # whatever a metric of another package raises
             measured[name] = {"problem": _told(error, one)}
+            logging.getLogger(__name__).exception("metric '%s' raised an error", name)
     return measured
 
 

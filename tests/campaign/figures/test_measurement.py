@@ -122,10 +122,13 @@ def test_a_metric_of_another_package_is_measured(run_folder: Path) -> None:
 
 
 @pytest.mark.usefixtures("others")
-def test_a_metric_that_raises_costs_that_metric_alone_and_names_its_line(run_folder: Path) -> None:
+def test_a_metric_that_raises_costs_that_metric_alone_and_names_its_line(
+    run_folder: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     found = measure(record_of(run_folder), ["broken", "success", "endless", "swapped"])
     assert found["success"] == {"hits": 1, "of": 1}
     assert "ZeroDivisionError" in found["broken"]["problem"]
+    assert "Traceback (most recent call last)" in caplog.text
     assert "other_metrics.py:17" in found["broken"]["problem"]
     assert "not finite" in found["endless"]["problem"]
     assert "expected Share, got Values" in found["swapped"]["problem"]
