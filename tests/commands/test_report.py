@@ -12,18 +12,7 @@ from executive.errors import ConfigError
 from executive.mission.run import Options, Run
 from executive.tree.load import load_mission
 
-MISSION = """\
-api: 1
-mission: waits
-plugins:
-  robot: {plugin: kinematic}
-  estimation: gnss_imu_filter
-trees:
-  main:
-    sequence:
-      - wait: 0.2 s
-      - wait: 0.3 s
-"""
+MISSION = Path(__file__).with_name("waits.yaml").read_text(encoding="utf-8")
 
 
 @pytest.fixture

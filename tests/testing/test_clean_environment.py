@@ -14,19 +14,7 @@ import pytest
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
-MISSION = """\
-api: 1
-mission: try_it
-plugins:
-  robot: kinematic
-  estimation: gnss_imu_filter
-  segmentation: {plugin: fresh_segmentation, margin_m: 0.2}
-trees:
-  main:
-    sequence:
-      - run: FreshLeaf
-        with: {duration: 2 s}
-"""
+MISSION = Path(__file__).with_name("try_it.yaml").read_text(encoding="utf-8")
 
 
 class Environment:

@@ -19,19 +19,7 @@ from executive.testing.run import Trial, hold_to_contract
 TEMPLATES = [
     one.name.removesuffix(".py.txt") for one in (files("executive.testing") / "templates").iterdir()
 ]
-MISSION = """\
-api: 1
-mission: try_it
-plugins:
-  robot: kinematic
-  estimation: gnss_imu_filter
-  segmentation: {plugin: fresh_segmentation, margin_m: 0.2}
-trees:
-  main:
-    sequence:
-      - run: FreshLeaf
-        with: {duration: 2 s}
-"""
+MISSION = Path(__file__).with_name("try_it.yaml").read_text(encoding="utf-8")
 
 Install = Callable[..., Path]
 
