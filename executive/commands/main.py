@@ -30,6 +30,7 @@ from executive.commands.missions.check import check
 from executive.commands.missions.run import run
 from executive.commands.missions.schema import schema
 from executive.commands.missions.show import show
+from executive.commands.missions.words import words
 from executive.commands.plugins.doctor import doctor
 from executive.commands.plugins.list import list_plugins
 from executive.commands.plugins.new import new_plugin
@@ -74,6 +75,7 @@ _VERBS: dict[str, Callable[..., None]] = {
     "check": check,
     "show": show,
     "schema": schema,
+    "words": words,
     "campaign": campaign,
     "report": report,
     "compare": compare,

@@ -55,6 +55,19 @@ def yaml_text(document: Mapping[str, Any]) -> str:
     return yaml.dump(dict(document), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
 
 
+def yaml_flow(value: Any) -> str:
+    """Return a value as YAML 1.2 in one line: `{angle: 120 deg, duration: 20 s}`."""
+    text = yaml.dump(
+        value,
+        Dumper=_Dumper,
+        default_flow_style=True,
+        sort_keys=False,
+        allow_unicode=True,
+        width=float("inf"),
+    )
+    return text.removesuffix("\n...\n").strip()
+
+
 def resolved_document(mission: MissionFile) -> dict[str, Any]:
     """Return the content of a complete mission file: mappings, lists and scalars."""
     document: dict[str, Any] = {"api": API, "mission": mission.name}

@@ -26,7 +26,7 @@ from executive.tree.load import load_mission
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PROGRAMS = ("executive", "make", "python", "pip", "pytest", "kill", "rerun", "dask")
-CHEAP = {"check", "show", "schema", "--help", "--version"}
+CHEAP = {"check", "show", "schema", "words", "--help", "--version"}
 PYPROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 
 

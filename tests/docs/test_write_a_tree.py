@@ -76,10 +76,10 @@ def test_the_mistakes_are_told_as_the_page_says(folder: Path, executive: Any) ->
 
 def test_the_tables_name_every_kind_and_every_modifier_in_order() -> None:
     rows = re.findall(r"^\| `(\w+)[:`]", PAGE, re.M)
-    kinds, modifiers = rows[: len(KINDS) + 1], rows[len(KINDS) + 1 :]
-    assert set(kinds) == {*KINDS, "retry"}
+    kinds, modifiers = rows[: len(KINDS)], rows[len(KINDS) :]
+    assert set(kinds) == set(KINDS)
     assert modifiers == list(MODIFIERS)
 
 
 def test_the_page_is_one_page() -> None:
-    assert len(PAGE.splitlines()) <= 165  # the tables alone have a line for each of thirty words
+    assert len(PAGE.splitlines()) <= 170  # the tables alone have a line for each of thirty words

@@ -1,0 +1,1 @@
+"""The writers of the generated pages, one a page."""

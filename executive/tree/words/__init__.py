@@ -1,0 +1,1 @@
+"""The words of the mission language, described: nodes, modifiers, leaves."""
