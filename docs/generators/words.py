@@ -12,8 +12,8 @@ WORDS = """\
 
 Every word that a mission file may use, read from what is installed. How they are put together:
 [write a tree](how-to/write_a_tree.md). The same in a terminal, with the leaves of other packages:
-`executive words` and `executive words ScanSwing`. Plugins and their settings: `executive plugins list` and
-`executive plugins show CAPABILITY NAME`.
+`executive words` and `executive words ScanSwing`. Plugins and their settings:
+`executive plugins list` and `executive plugins show CAPABILITY NAME`.
 """
 ACTIONS = """\
 ## Actions
