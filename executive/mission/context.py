@@ -10,9 +10,7 @@ from executive.arrays import Float
 from executive.clock import Clock
 from executive.errors import ConfigError, RobotError
 from executive.events.event import Event
-from executive.events.node import NodeEnded, NodeResult
 from executive.interfaces.monitoring import Monitor
-from executive.journal import Entry
 from executive.leaf.context import Context
 from executive.leaf.job import Job
 from executive.machine.kinematics import Kinematics
@@ -22,6 +20,7 @@ from executive.messages.joints import JointSample
 from executive.messages.verdict import Verdict
 from executive.mission.assembly import seeded
 from executive.mission.jobs import Jobs
+from executive.mission.record.account import Account
 from executive.mission.streams import Streams
 
 Interface = TypeVar("Interface")
@@ -40,7 +39,7 @@ class Services:
     plugins: Mapping[str, Any]
     jobs: Jobs
     streams: Streams
-    entries: Sequence[Entry]
+    account: Account
     record: Callable[[str, Event], None]
     show: Callable[[str, object], None]
     verdicts: list[Verdict] = field(default_factory=list)
@@ -125,14 +124,7 @@ class NodeContext(Context):
         return tuple(self._services.verdicts)
 
     def last_failure(self) -> str:
-        parent = self._node.rpartition("/")[0] + "/"
-        for entry in reversed(self._services.entries):
-            event = entry.event
-            if isinstance(event, NodeEnded) and entry.node.startswith(parent):
-                is_recovery = "@on_failure" in entry.node[len(parent) :]
-                if event.status is NodeResult.FAILURE and not is_recovery:
-                    return event.reason
-        return ""
+        return self._services.account.last_failure(self._node.rpartition("/")[0])
 
     def record(self, event: Event) -> None:
         self._services.record(self._node, event)

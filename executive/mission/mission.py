@@ -39,6 +39,7 @@ from executive.mission.fault import fault_of
 from executive.mission.jobs import Jobs
 from executive.mission.operator import Operator
 from executive.mission.phase import Phase, checked_change
+from executive.mission.record.account import Account
 from executive.mission.report import Ending
 from executive.mission.streams import StreamListener, Streams
 from executive.tree.build import node_states
@@ -59,6 +60,7 @@ class Setup:
     assembly: Assembly
     jobs: Jobs
     journal: Journal
+    account: Account
     operator: Operator
     recorder: Recorder | None = None
     can_fail: frozenset[tuple[str, str]] = frozenset()  # capability and name: `on_error: fail`
@@ -83,6 +85,7 @@ class Mission(Runtime, StreamListener):
         self.survey: Cloud | None = None
         self._setup = setup
         self.journal = setup.journal
+        self.account = setup.account
         self._tick = 0
         self._ticked_s = 0.0  # when the tree was ticked last
         self._ending: Ending | None = None
@@ -105,7 +108,7 @@ class Mission(Runtime, StreamListener):
             plugins=setup.assembly.plugins,
             jobs=setup.jobs,
             streams=Streams(setup.assembly.plugins, lidars, self),
-            entries=setup.journal.entries,
+            account=self.account,
             record=self.record,
             show=self.show,
         )

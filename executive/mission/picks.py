@@ -16,7 +16,6 @@ from executive.events.stone import (
     StonesTakenUpAgain,
 )
 from executive.interfaces.oracle import Attempt
-from executive.journal import Entry
 
 _UNFINISHED = "unfinished"
 
@@ -122,19 +121,6 @@ class Picks:
         self._current.ended_s = time_s
         if self._current.outcome == _UNFINISHED:  # the first cause counts, not what follows from it
             self._current.outcome, self._current.reason = outcome, reason
-
-
-def picks_from(entries: Iterable[Entry]) -> list[Pick]:
-    """Return all picks in the order in which they began.
-
-    A stone that is moved again, after it was placed or set aside, is picked again.
-    """
-    picks, last_s = Picks(), 0.0
-    for entry in entries:
-        picks.add(entry.time_s, entry.event)
-        last_s = entry.time_s
-    picks.cut_off(last_s)
-    return picks.all
 
 
 def attempts_from(picks: Iterable[Pick]) -> list[Attempt]:

@@ -8,8 +8,6 @@ from rich.live import Live
 from rich.text import Text
 
 from executive.clock import wall_s
-from executive.events.site import SiteSegmented
-from executive.events.stone import StoneReleased
 from executive.mission.event_lines import line_of
 from executive.mission.mission import Mission
 from executive.mission.phase import Phase
@@ -31,11 +29,11 @@ class PlainProgress:
         self._told = 0
 
     def __call__(self, mission: Mission) -> None:
-        entries = mission.journal.entries
-        for entry in entries[self._told :]:
+        entries = mission.journal.since(self._told)
+        for entry in entries:
             if line := line_of(entry.event):
                 print(f"{entry.time_s:8.2f} s  {line}", file=sys.stderr, flush=True)
-        self._told = len(entries)
+        self._told = entries[-1].sequence + 1 if entries else self._told
 
     def __enter__(self) -> "PlainProgress":
         return self
@@ -73,13 +71,9 @@ class LiveProgress:
     def _picture(self, mission: Mission, now_s: float) -> Text:
         elapsed_s = mission.clock.now_s()
         ratio = elapsed_s / max(now_s - self._started_s, 1e-3)
-        events = [entry.event for entry in mission.journal.entries]
-        placed = sum(isinstance(event, StoneReleased) for event in events)
-        stones = next((e.stones for e in reversed(events) if isinstance(e, SiteSegmented)), ())
+        placed, stones = mission.account.placed, mission.account.stones_found
         head = f"{mission.phase}  {elapsed_s:7.1f} s  {ratio:.1f}× real time"
-        text = Text(
-            head + (f"  stone {placed} of {len(stones)}" if stones else "") + "\n", style="bold"
-        )
+        text = Text(head + (f"  stone {placed} of {stones}" if stones else "") + "\n", style="bold")
         room = max(5, self._console.height - 3)
         rows = [row for row in node_states(mission.root) if row.is_worth_showing]
         for row in rows[:room]:

@@ -3,7 +3,6 @@
 import json
 import resource
 import sys
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,13 +11,7 @@ from typing import Any
 import numpy as np
 
 from executive.events.event import plain
-from executive.events.mission import Fault, PluginFailed, VerdictGiven
-from executive.events.node import NodeNotRetried
-from executive.events.site import SiteScanned, SurveyRegistered
-from executive.events.stone import JawsClosedOnNothing
-from executive.journal import Entry
-from executive.messages.verdict import Trouble
-from executive.mission.picks import Pick
+from executive.events.mission import Fault
 
 NEAR_M = 0.30  # a stone within this distance of its slot, by the truth, counts as placed
 _MAXRSS_BYTES = 1 if sys.platform == "darwin" else 1024  # unit of getrusage's resident memory
@@ -42,30 +35,6 @@ class Ending:
     def exit_status(self) -> int:
         """Return the exit status of the process; a stopped mission counts as failed: 1."""
         return {"success": 0, "failure": 1, "stopped": 1, "fault": 3}[self.outcome]
-
-
-def counts_from(entries: Sequence[Entry], picks: Sequence[Pick]) -> dict[str, int]:
-    """Return the counts of the report."""
-    events = [entry.event for entry in entries]
-    kinds = Counter(type(event) for event in events)
-    troubles = Counter(event.trouble for event in events if isinstance(event, VerdictGiven))
-    registrations = [event for event in events if isinstance(event, SurveyRegistered)]
-    placed = [pick for pick in picks if pick.released is not None]
-    return {
-        "picks": len(picks),
-        "placed": len(placed),
-        "attempts": sum(len(pick.tries) for pick in picks),
-        "first_attempt": sum(len(pick.tries) == 1 for pick in placed),
-        "slips": troubles[Trouble.SLIP],
-        "drops": troubles[Trouble.DROP],
-        "empty": kinds[JawsClosedOnNothing],
-        "set_aside": sum(bool(pick.set_aside) for pick in picks),
-        "registrations": len(registrations),
-        "registrations_accepted": sum(event.accepted for event in registrations),
-        "scans": kinds[SiteScanned],
-        "not_retried": kinds[NodeNotRetried],
-        "plugin_failures": kinds[PluginFailed],
-    }
 
 
 def timings_from(durations_ms: Mapping[str, Sequence[float]]) -> dict[str, dict[str, float]]:

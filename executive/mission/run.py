@@ -9,7 +9,7 @@ from typing import Any
 from executive.clock import SimulatedClock, WallClock, wall_s
 from executive.clouds.ply_writer import write_ply
 from executive.errors import ConfigError, DataError, ExecutiveError, RobotError
-from executive.events.event import plain
+from executive.events.event import Event, plain
 from executive.events.mission import Faulted
 from executive.interfaces.robot import RobotSettings
 from executive.journal import Journal
@@ -20,10 +20,9 @@ from executive.mission.interrupts import Aborted, stop_on_interrupt
 from executive.mission.jobs import InlineRunner, Jobs, ProcessRunner, Runner, ThreadRunner
 from executive.mission.mission import Mission, Setup
 from executive.mission.operator import Operator
-from executive.mission.picks import picks_from
+from executive.mission.record.account import Account
 from executive.mission.report import (
     Ending,
-    counts_from,
     cpu_s,
     resources_since,
     summary,
@@ -81,6 +80,9 @@ class Run:
         self._assembly = _assembled(self._selections, self._model, options.seed)
         self.folder = RunFolder.create(options.run_dir, description.name)
         self.folder.mission.write_text(resolved_yaml(description), encoding="utf-8")
+        self._account = Account()
+        self._journal = Journal(self.folder.journal)
+        self._journal.follow(self._account.add)
         clock = WallClock() if options.real_time else SimulatedClock()
         runner = self._runner(options.runner or description.loop.runner)
         self._setup = Setup(
@@ -90,7 +92,8 @@ class Run:
             seed=options.seed,
             assembly=self._assembly,
             jobs=Jobs(self._assembly.plugins, runner, clock, is_lock_step=not options.real_time),
-            journal=Journal(self.folder.journal),
+            journal=self._journal,
+            account=self._account,
             operator=Operator(options.answer),
             recorder=self._recorder(),
             can_fail=_can_fail(description),
@@ -122,7 +125,7 @@ class Run:
                 if self._setup.recorder is not None:
                     self._setup.recorder.close()
                 self._close_after_error()
-                self._setup.journal.close()
+                self._journal.close()
         return Result(report, self.folder, ending.exit_status)
 
     def _run(self, after_tick: Callable[[Mission], None]) -> Ending:
@@ -177,10 +180,12 @@ class Run:
     def _faulted(self, error: Exception) -> Ending:
         fault = fault_of(error, self._assembly.plugins)
         logging.getLogger(__name__).error("%s\n%s", fault.summary, fault.traceback)
-        entries = self._setup.journal.entries
-        tick, time_s = (entries[-1].tick, entries[-1].time_s) if entries else (0, 0.0)
-        self._setup.journal.append(tick, time_s, "", Faulted(fault))
+        self._append(Faulted(fault))
         return Ending("fault", fault.summary, fault)
+
+    def _append(self, event: Event) -> None:
+        last = self._account.last
+        self._journal.append(last.tick if last else 0, self._account.ended_s, "", event)
 
     def _recorder(self) -> Recorder | None:
         path = self._options.record_log
@@ -195,9 +200,7 @@ class Run:
         return runners[name]()
 
     def _report(self, ending: Ending, wall: float) -> dict[str, Any]:
-        entries = self._setup.journal.entries
-        picks = picks_from(entries)
-        ended_s = entries[-1].time_s if entries else 0.0
+        ended_s = self._account.ended_s
         durations = dict(self._setup.jobs.durations_ms)
         if self._mission is not None:
             durations |= self._mission.services.streams.durations_ms
@@ -211,8 +214,8 @@ class Run:
             "ended_s": ended_s,
             "wall_s": round(wall, 3),
             "real_time_factor": round(ended_s / wall, 3),
-            "picks": [pick.as_report() for pick in picks],
-            "counts": counts_from(entries, picks),
+            "picks": [pick.as_report() for pick in self._account.picks()],
+            "counts": self._account.counts(),
             "ignored_observations": self._ignored(),
             "resources": resources_since(self._begun_cpu_s),
             "timings_ms": timings_from(durations),
@@ -225,7 +228,7 @@ class Run:
         if self._mission is None:
             return {}
         robot_name = self._description.plugins["robot"][0].name
-        return truth_of(robot_name, self._mission, picks_from(self._setup.journal.entries))
+        return truth_of(robot_name, self._mission, self._account.picks())
 
     def _save_map(self) -> None:
         if "mapping" in self._assembly.plugins:

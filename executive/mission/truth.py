@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from executive import registry
-from executive.events.site import SurveyRegistered
 from executive.geometry.pose import transform
 from executive.interfaces.oracle import MissionView, Oracle
 from executive.messages.cloud import Cloud
@@ -47,9 +46,7 @@ def _slots(picks: Sequence[Pick]) -> dict[int, Slot]:
 
 def _registered_survey(mission: Mission) -> Cloud | None:
     """Return the survey where its last accepted registration lays it, in the frame `map`."""
-    events = (entry.event for entry in reversed(mission.journal.entries))
-    accepted = (one for one in events if isinstance(one, SurveyRegistered) and one.accepted)
-    found = next(accepted, None)
+    found = mission.account.registered
     if found is None or mission.survey is None:
         return None
     points = transform(found.T_map_survey, found.scale * mission.survey.points)

@@ -16,15 +16,15 @@ from executive.events.stone import (
 )
 from executive.journal import Journal
 from executive.messages.verdict import Trouble
-from executive.mission.picks import attempts_from, picks_from
-from executive.mission.report import counts_from
+from executive.mission.picks import attempts_from
+from executive.mission.record.account import Account
 
 
 def journal_of(*entries):
     journal = Journal()
     for time_s, event in entries:
         journal.append(int(time_s * 20), time_s, "main", event)
-    return journal.entries
+    return list(journal.newest)
 
 
 def attempt(stone):
@@ -59,27 +59,27 @@ STORY = journal_of(
 
 
 def test_tells_each_stones_attempts_and_their_outcomes():
-    first, second = picks_from(STORY)
+    first, second = Account.of(STORY).picks()
     assert [t.outcome for t in first.tries] == ["empty", "placed"]
     assert [(t.outcome, t.reason) for t in second.tries] == [("drop", "900 kg gone")]
 
 
 def test_a_realigned_pose_replaces_the_grippers_estimate():
-    report = plain(picks_from(STORY)[0].as_report())
+    report = plain(Account.of(STORY).picks()[0].as_report())
     assert (report["slot"], report["placed"], report["estimated_pose"]) == (4, True, [[3]])
 
 
 def test_a_stone_that_was_set_aside_is_not_placed():
-    report = picks_from(STORY)[1].as_report()
+    report = Account.of(STORY).picks()[1].as_report()
     assert (report["placed"], report["set_aside"]) == (False, "three attempts failed")
 
 
 def test_attempts_come_in_order_of_time():
-    assert [a.started_s for a in attempts_from(picks_from(STORY))] == [10, 20, 60]
+    assert [a.started_s for a in attempts_from(Account.of(STORY).picks())] == [10, 20, 60]
 
 
 def test_counts_what_a_person_asks_for():
-    counts = counts_from(STORY, picks_from(STORY))
+    counts = Account.of(STORY).counts()
     assert counts["picks"] == 2
     assert (counts["placed"], counts["first_attempt"], counts["attempts"]) == (1, 0, 3)
     assert (counts["drops"], counts["slips"], counts["empty"], counts["set_aside"]) == (1, 1, 1, 1)
@@ -92,18 +92,17 @@ def test_a_stone_that_is_moved_again_is_picked_again():
         (60, attempt(1)),
         (90, released(1, slot=5)),
     )
-    picks = picks_from(again)
+    picks = Account.of(again).picks()
     assert [(pick.stone, pick.as_report()["slot"], len(pick.tries)) for pick in picks] == [
         (1, 4, 1),
         (1, 5, 1),
     ]
-    assert counts_from(again, picks)["first_attempt"] == 2
+    assert Account.of(again).counts()["first_attempt"] == 2
 
 
 def test_an_attempt_that_nothing_ended_lasts_to_the_end_of_the_run():
-    (cut_off,) = picks_from(
-        journal_of((10, attempt(1)), (15, grasped(1)), (22, MissionEnded("failure", "")))
-    )
+    story = journal_of((10, attempt(1)), (15, grasped(1)), (22, MissionEnded("failure", "")))
+    (cut_off,) = Account.of(story).picks()
     assert (cut_off.tries[0].outcome, cut_off.tries[0].ended_s) == ("unfinished", 22)
 
 
@@ -113,10 +112,10 @@ def test_a_stone_that_is_taken_up_again_goes_on_with_its_pick():
         *((entry.time_s, entry.event) for entry in STORY),
         *((90 + i, event) for i, event in enumerate(again)),
     )
-    picks = picks_from(story)
+    picks = Account.of(story).picks()
     assert [(pick.stone, len(pick.tries), pick.set_aside) for pick in picks] == [
         (1, 2, ""),
         (2, 2, ""),
     ]
-    counts = counts_from(story, picks)
+    counts = Account.of(story).counts()
     assert (counts["placed"], counts["set_aside"], counts["first_attempt"]) == (2, 0, 0)

@@ -28,7 +28,7 @@ class Fault(ABC):
     def __call__(self, mission):
         grasped = [
             entry.time_s
-            for entry in mission.journal.entries
+            for entry in mission.journal.newest
             if isinstance(entry.event, StoneGrasped)
         ]
         if not grasped or mission.clock.now_s() < grasped[0] + CARRIED_S:

@@ -31,7 +31,7 @@ def first_map(
     known: list[Any] = []
 
     def look(mission: Any) -> None:
-        if not known and any(entry.kind == "segmented" for entry in mission.services.entries):
+        if not known and mission.account.stones_found:
             mapping, objects, robot = (
                 mission.services.plugins[name] for name in ("mapping", "objects", "robot")
             )

@@ -1,0 +1,13 @@
+"""The record of a run: entries, chained by checksums, in files that rotate.
+
+Reading a journal needs the classes of its events; importing their modules registers them.
+"""
+
+from executive.events import mission, node, site, stone
+from executive.journal.entry import Entry
+from executive.journal.journal import Journal
+from executive.journal.reading import JournalFile, read_journal
+
+EVENT_MODULES = (mission, node, site, stone)
+
+__all__ = ["EVENT_MODULES", "Entry", "Journal", "JournalFile", "read_journal"]

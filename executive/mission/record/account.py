@@ -1,0 +1,108 @@
+"""The account of a run, kept while its journal is written: picks, counts, and newest failures.
+
+It grows with the number of picks and of the tree's nodes, not with the length of the run.
+"""
+
+from collections import Counter
+from collections.abc import Iterable
+
+from executive.events.event import Event
+from executive.events.mission import PluginFailed, VerdictGiven
+from executive.events.node import NodeEnded, NodeNotRetried, NodeResult
+from executive.events.site import SiteScanned, SiteSegmented, SurveyRegistered
+from executive.events.stone import JawsClosedOnNothing
+from executive.journal import Entry
+from executive.messages.verdict import Trouble
+from executive.mission.picks import Pick, Picks
+
+
+class Account:
+    """Follows a journal.
+
+    Attributes:
+        last: The newest entry; None before the first.
+        registered: The newest accepted registration of a survey.
+        stones_found: Number of stones that the last segmentation found.
+    """
+
+    def __init__(self) -> None:
+        self.last: Entry | None = None
+        self.registered: SurveyRegistered | None = None
+        self.stones_found = 0
+        self._picks = Picks()
+        self._kinds: Counter[type[Event]] = Counter()
+        self._troubles: Counter[Trouble] = Counter()
+        self._accepted = 0
+        self._failures: dict[str, tuple[int, str]] = {}  # by node: number of the entry, reason
+
+    @classmethod
+    def of(cls, entries: Iterable[Entry]) -> "Account":
+        """Return the account of entries that were read."""
+        account = cls()
+        for entry in entries:
+            account.add(entry)
+        return account
+
+    def add(self, entry: Entry) -> None:
+        """Take one entry."""
+        self.last, event = entry, entry.event
+        self._kinds[type(event)] += 1
+        self._picks.add(entry.time_s, event)
+        match event:
+            case NodeEnded(status=NodeResult.FAILURE):
+                self._failures[entry.node] = entry.sequence, event.reason
+            case VerdictGiven():
+                self._troubles[event.trouble] += 1
+            case SiteSegmented():
+                self.stones_found = len(event.stones)
+            case SurveyRegistered(accepted=True):
+                self._accepted += 1
+                self.registered = event
+
+    @property
+    def ended_s(self) -> float:
+        """Return the time of the newest entry [s]."""
+        return self.last.time_s if self.last else 0.0
+
+    def picks(self) -> list[Pick]:
+        """Return all picks in the order in which they began.
+
+        A stone that is moved again, after it was placed or set aside, is picked again.
+        """
+        self._picks.cut_off(self.ended_s)
+        return self._picks.all
+
+    @property
+    def placed(self) -> int:
+        """Return the number of stones that were set down on a slot, again counted again."""
+        return sum(pick.released is not None for pick in self._picks.all)
+
+    def last_failure(self, parent: str) -> str:
+        """Return why a node under a path failed last, recoveries left out; empty if none did."""
+        below = f"{parent}/"
+        found = [
+            failure
+            for node, failure in self._failures.items()
+            if node.startswith(below) and "@on_failure" not in node[len(below) :]
+        ]
+        return max(found)[1] if found else ""
+
+    def counts(self) -> dict[str, int]:
+        """Return the counts of the report."""
+        picks, kinds, troubles = self.picks(), self._kinds, self._troubles
+        placed = [pick for pick in picks if pick.released is not None]
+        return {
+            "picks": len(picks),
+            "placed": len(placed),
+            "attempts": sum(len(pick.tries) for pick in picks),
+            "first_attempt": sum(len(pick.tries) == 1 for pick in placed),
+            "slips": troubles[Trouble.SLIP],
+            "drops": troubles[Trouble.DROP],
+            "empty": kinds[JawsClosedOnNothing],
+            "set_aside": sum(bool(pick.set_aside) for pick in picks),
+            "registrations": kinds[SurveyRegistered],
+            "registrations_accepted": self._accepted,
+            "scans": kinds[SiteScanned],
+            "not_retried": kinds[NodeNotRetried],
+            "plugin_failures": kinds[PluginFailed],
+        }
