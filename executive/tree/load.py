@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
 from executive.tree.claims import ClaimCheck
-from executive.tree.dataflow import Dataflow
+from executive.tree.dataflow.nodes import Dataflow
 from executive.tree.language import LeafUse, LoopSettings, MissionFile, Selection, Tree
 from executive.tree.override import Override, apply_override
 from executive.tree.plugin_reader import PluginReader, layered
