@@ -2,9 +2,11 @@
 
 from abc import ABC, abstractmethod
 
+import numpy as np
+
 from executive.arrays import Float
 from executive.interfaces.plugin import Plugin
-from executive.messages.request import MotionPlan, MoveRequest
+from executive.messages.request import MotionPlan, MoveRequest, PostureRequest
 
 
 class MotionPlanner(Plugin, ABC):
@@ -31,3 +33,18 @@ class MotionPlanner(Plugin, ABC):
     @abstractmethod
     def swing(self, start: Float, angle_rad: float, duration_s: float) -> MotionPlan:
         """Plan a sweep of the cabin to +angle/2, −angle/2 and back with the arm folded."""
+
+    def move_joints(self, request: PostureRequest) -> MotionPlan:
+        """Plan a motion of the joints from rest to rest; deterministic. It may be slow: a job.
+
+        A planner that does not override this refuses every such motion.
+
+        Returns:
+            A trajectory of all arm joints within their limits that ends at the goal, or None with
+            the reason. A continuous joint may end whole turns away from the goal.
+
+        Raises:
+            DataError: If the start has another number of joints than the arm.
+        """
+        reason = f"{type(self).__name__} plans no motion to joint positions"
+        return MotionPlan(None, reason, np.zeros((0, 3)))

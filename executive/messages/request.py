@@ -45,6 +45,37 @@ class MoveRequest:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class PostureRequest:
+    """Move the arm's joints to given positions, around the obstacles.
+
+    Attributes:
+        start: Present positions of the arm's joints, in the machine's order, shape (n,).
+        goal: Wanted positions [rad] or [m], shape (n,).
+        T_map_base: Pose of the chassis, shape (4, 4).
+        obstacles: Ground and stones that must not be touched, in the map; a held stone is not among
+            them.
+        held_gripper: Surface of a held stone in the gripper's frame [m], shape (N, 3), or None.
+        jaw_rad: Opening of the jaws during the motion [rad].
+    """
+
+    start: Float
+    goal: Float
+    T_map_base: Float
+    obstacles: Cloud
+    held_gripper: Float | None
+    jaw_rad: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "start", checked("start", self.start, None))
+        object.__setattr__(self, "goal", checked("goal", self.goal, len(self.start)))
+        object.__setattr__(self, "T_map_base", checked("T_map_base", self.T_map_base, 4, 4))
+        if self.held_gripper is not None:
+            object.__setattr__(
+                self, "held_gripper", checked("held_gripper", self.held_gripper, None, 3)
+            )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class MotionPlan:
     """A trajectory, or the reason why there is none.
 

@@ -24,7 +24,7 @@ from executive.interfaces.motion import MotionPlanner
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
-from executive.messages.request import MotionPlan, MoveRequest
+from executive.messages.request import MotionPlan, MoveRequest, PostureRequest
 from executive.messages.trajectory import JointTrajectory
 
 _BEYOND_REACH_M = 2.0  # obstacles farther beyond the reach are ignored
@@ -61,7 +61,7 @@ class Hermite(MotionPlanner):
     """Plans moves and sweeps (Mascaro 2020, Sec. 6.1); deterministic and stateless."""
 
     Settings = HermiteSettings
-    latency_s: ClassVar[Mapping[str, float]] = {"move": 0.3, "swing": 0.1}
+    latency_s: ClassVar[Mapping[str, float]] = {"move": 0.3, "swing": 0.1, "move_joints": 0.3}
     is_stateless = True
 
     def __init__(self, settings: HermiteSettings, machine: Machine) -> None:
@@ -123,7 +123,25 @@ class Hermite(MotionPlanner):
             )
         return self._planned(trajectory, np.eye(4))
 
-    def _move(self, request: MoveRequest, obstacles: Obstacles) -> Move:
+    def move_joints(self, request: PostureRequest) -> MotionPlan:
+        start = self._checked(request.start)
+        goal = self._ik.nearest_turn(self._checked(request.goal), start)
+        for joint, wanted in zip(self._machine.joints, goal, strict=True):
+            if not joint.lower <= wanted <= joint.upper:
+                reach = f"the range of {joint.name} is {joint.lower:.2f} to {joint.upper:.2f}"
+                return _refused(f"{joint.name} to {wanted:.2f}: {reach}")
+        move = self._move(request, self._obstacles(request.obstacles, request.T_map_base))
+        for what, posture in (("start", start), ("goal", goal)):
+            if (hit := move.check.machine_hit(posture[None])) is not None:
+                return _refused(f"{what}: collision of {hit.what}")
+        path = move.between(start, goal)
+        if isinstance(path, NoPath):
+            return _refused(path.reason)
+        return self._planned(
+            time_path(self._machine.arm_names, path, move.limits), request.T_map_base
+        )
+
+    def _move(self, request: MoveRequest | PostureRequest, obstacles: Obstacles) -> Move:
         settings = self._settings
         held = (
             None if request.held_gripper is None else held_body(self._machine, request.held_gripper)
@@ -143,7 +161,9 @@ class Hermite(MotionPlanner):
             least_arrival=settings.least_arrival,
         )
 
-    def _machine_check_for(self, request: MoveRequest, held: ConvexBody | None) -> SelfCollision:
+    def _machine_check_for(
+        self, request: MoveRequest | PostureRequest, held: ConvexBody | None
+    ) -> SelfCollision:
         """Return a check that keeps the clearance between parts of the machine.
 
         If the start is closer already, the check forbids contact only.

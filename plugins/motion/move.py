@@ -101,6 +101,14 @@ class Move:
             first = first or NoPath(f"travelling: collision of {hit.what} at fraction {share:.2f}")
         return first or NoPath("travelling: no path")
 
+    def between(self, start: Float, goal: Float) -> HermitePath | NoPath:
+        """Connect two postures: all joints at once where that is free, else over the obstacles."""
+        leave, arrive = Line(start[None], 0.0), Line(goal[None], 0.0)
+        direct = self._path(leave, [], arrive)
+        if self.check.first_hit(self._dense(direct)) is None:
+            return direct
+        return self.travel(leave, arrive)
+
     def _paths(self, leave: Line, arrive: Line) -> Iterator[HermitePath]:
         a, b = leave.nodes[-1], arrive.nodes[-1]
         if np.linalg.norm((self._frame(a) - self._frame(b))[:3, 3]) < _BESIDE_EACH_OTHER_M:

@@ -6,7 +6,8 @@ import pytest
 from executive.interfaces.motion import MotionPlanner
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
-from executive.testing.exercises.motion import beside, request
+from executive.messages.request import PostureRequest
+from executive.testing.exercises.motion import beside, ground, request
 from executive.testing.pytest_plugin import Insist
 
 CAPABILITY = "motion"
@@ -79,3 +80,23 @@ def test_a_swing_turns_the_cabin_to_both_sides_and_lasts(
     turn = plan.trajectory.position[:, machine.arm_names.index(machine.turn_joint)]
     assert (turn.max(), turn.min(), turn[-1]) == pytest.approx((0.5, -0.5, 0.0), abs=1e-3)
     assert plan.trajectory.duration_s >= 12.0
+
+
+def test_a_motion_to_joint_positions_ends_there_or_is_refused_with_a_reason(
+    plugin: MotionPlanner, machine: Machine
+) -> None:
+    turn = machine.arm_names.index(machine.turn_joint)
+    start, goal = machine.posture("carry"), machine.posture("scan")
+    goal[turn] += 0.8
+    asked = PostureRequest(start, goal, np.eye(4), ground(machine), None, 0.3)
+    plan = plugin.move_joints(asked)
+    assert (plan.trajectory is None) == bool(plan.reason)
+    if plan.trajectory is None:
+        return
+    position, velocity = plan.trajectory.position, plan.trajectory.velocity
+    np.testing.assert_allclose(position[0], start, atol=1e-6)
+    away = position[-1] - goal
+    away -= 2 * np.pi * np.where(np.isfinite(machine.lower), 0.0, np.round(away / (2 * np.pi)))
+    np.testing.assert_allclose(away, 0.0, atol=1e-3)
+    np.testing.assert_allclose(velocity[[0, -1]], 0.0, atol=1e-9)
+    assert (np.abs(velocity) <= machine.max_velocity + 1e-9).all()

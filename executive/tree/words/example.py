@@ -49,6 +49,8 @@ def _value(info: FieldInfo) -> Any:
     if info.is_required():
         return None
     value = info.get_default(call_default_factory=True)
+    if value in ((), [], {}):
+        return None
     dimension, unit = dimension_words(info)
     if not dimension or not isinstance(value, float):
         return list(value) if isinstance(value, tuple) else value
