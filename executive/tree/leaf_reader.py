@@ -9,8 +9,10 @@ from executive.errors import ConfigError, did_you_mean
 from executive.leaf.action import Action, Leaf
 from executive.leaf.action import Condition as ConditionLeaf
 from executive.leaf.port import Port
+from executive.tree.expressions.syntax import Truth
 from executive.tree.language import (
     Combined,
+    Computed,
     Condition,
     KeyHolds,
     KeySource,
@@ -20,10 +22,10 @@ from executive.tree.language import (
     Source,
 )
 from executive.tree.problem import Mark
-from executive.tree.reading import Reading, is_text
+from executive.tree.reading import Reading, is_text, place_of
 from executive.tree.setting_types import takes_text
 from executive.tree.settings import check_settings
-from executive.tree.value import Table, TableEntry, Value, describe, plain, without
+from executive.tree.value import Scalar, Table, TableEntry, Value, describe, plain, without
 
 LEAF_KEYS = ("with", "in", "out")
 _NAME = re.compile(r"\w+")
@@ -76,6 +78,8 @@ class LeafReader:
             return self.use(
                 "check", Table({"check": TableEntry(value.mark, value)}, value.mark), as_node=False
             )
+        if isinstance(value, Scalar) and isinstance(value.value, bool):
+            return Computed(Truth(value.value), place_of(value))
         if not isinstance(value, Table):
             self._reading.fail(value, f"{what} takes {_CONDITION_FORMS}; not {describe(value)}")
             return None

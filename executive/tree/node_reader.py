@@ -38,7 +38,7 @@ from executive.tree.leaf_reader import LEAF_KEYS, LeafReader, check_port, read_o
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading, is_text
 from executive.tree.traversal import is_instant
-from executive.tree.value import Table, Value, describe
+from executive.tree.value import Scalar, Table, Value, describe
 
 # Each kind and the keys beside it.
 KINDS: Mapping[str, tuple[str, ...]] = {
@@ -328,7 +328,8 @@ class NodeReader:
 
     def _check(self, table: Table) -> Kind | None:
         value = table.entries["check"].value
-        if is_text(value) and "{" in str(value.value):  # type: ignore[union-attr]
+        is_constant = isinstance(value, Scalar) and isinstance(value.value, bool)
+        if is_constant or (is_text(value) and "{" in str(value.value)):  # type: ignore[union-attr]
             condition = self._leaves.condition(value, "'check'")
             for key in LEAF_KEYS:
                 if key in table.entries:

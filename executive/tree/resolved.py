@@ -6,6 +6,7 @@ from typing import Any
 import yaml
 
 from executive.registry import is_plural
+from executive.tree.expressions.syntax import Truth
 from executive.tree.language import (
     ON_ERROR,
     Ask,
@@ -230,7 +231,8 @@ def condition_value(condition: Condition) -> Any:
     if isinstance(condition, KeyHolds):
         return f"{{{condition.key}}}"
     if isinstance(condition, Computed):
-        return str(condition)
+        expression = condition.expression
+        return expression.value if isinstance(expression, Truth) else str(condition)
     parts = [condition_value(part) for part in condition.parts]
     return {condition.how: parts[0] if condition.how == "not" else parts}
 

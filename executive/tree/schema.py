@@ -157,7 +157,7 @@ class _Builder:
             *(self._leaf("check", name, leaf) for name, leaf in checks.items()),
         ]
         closed = [{"type": "object", **form, "additionalProperties": False} for form in forms]
-        return {"anyOf": [_EXPRESSION, {"enum": sorted(checks)}, *closed]}
+        return {"anyOf": [_EXPRESSION, {"type": "boolean"}, {"enum": sorted(checks)}, *closed]}
 
 
 def _any_of(kinds: Iterable[Schema]) -> Schema:
@@ -220,7 +220,8 @@ def _kinds() -> Iterator[Schema]:
         "required": ["consume", "do"],
     }
     yield {"properties": {"do": _NODE}, "required": ["do"]}
-    yield {"properties": {"check": _EXPRESSION}, "required": ["check"]}
+    expression = {"anyOf": [_EXPRESSION, {"type": "boolean"}]}
+    yield {"properties": {"check": expression}, "required": ["check"]}
     yield {"properties": {"wait": _DURATION}, "required": ["wait"]}
     yield {"properties": {"set": {"type": "object", "minProperties": 1}}, "required": ["set"]}
     yield {

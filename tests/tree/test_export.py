@@ -7,6 +7,9 @@ from xml.etree import ElementTree
 import pytest
 import yaml
 
+from executive.config import Settings
+from executive.leaf.action import Action, Steps
+from executive.leaf.outcome import succeeded
 from executive.tree.export import export
 from executive.tree.resolved import resolved_yaml
 from executive.tree.schema import mission_schema
@@ -47,31 +50,21 @@ trees:
 
 # What BehaviorTree.CPP 4 has built in, with the attributes that each takes besides its name.
 BUILT_IN = {
-    "Sequence": set(), "Fallback": set(), "ReactiveSequence": set(), "ReactiveFallback": set(),
-    "IfThenElse": set(),
+    "Sequence": set(), "Fallback": set(), "TryCatch": set(), "WhileDoElse": set(),
+    "IfThenElse": set(), "SubTree": {"ID", "stone", "held"},
     "Parallel": {"success_count", "failure_count"}, "Repeat": {"num_cycles"}, "Timeout": {"msec"},
-    "RetryUntilSuccessful": {"num_attempts"}, "ForceSuccess": set(), "ForceFailure": set(),
+    "RetryUntilSuccessful": {"num_attempts"}, "ForceSuccess": set(),
     "Inverter": set(),
-    "Sleep": {"msec"}, "SetBlackboard": {"value", "output_key"}, "AlwaysSuccess": set(),
-    "ScriptCondition": {"code"},
+    "Sleep": {"msec"}, "Script": {"code"}, "AlwaysSuccess": {"_skipIf"},
 }  # fmt: skip
-ONE_CHILD = {
-    "Repeat",
-    "Timeout",
-    "RetryUntilSuccessful",
-    "ForceSuccess",
-    "ForceFailure",
-    "Inverter",
-    "ForEach",
-}
-NO_CHILD = {
-    "Action",
-    "Condition",
-    "SubTree",
-    "Sleep",
-    "SetBlackboard",
-    "AlwaysSuccess",
-    "ScriptCondition",
+CHILDREN = {
+    **dict.fromkeys(("Repeat", "Timeout", "RetryUntilSuccessful", "ForceSuccess", "Inverter"), 1),
+    "ForEach": 1,
+    "LoopUntil": 2,
+    "TryCatch": 2,
+    "WhileDoElse": 2,
+    "IfThenElse": 3,
+    **dict.fromkeys(("SubTree", "Sleep", "Script", "AlwaysSuccess", "Scan", "Calm", "Ask"), 0),
 }
 
 
@@ -117,25 +110,18 @@ def test_every_node_of_the_xml_is_built_in_or_has_a_model_with_its_ports(root: A
     models = {model.get("ID"): model for model in root.find("TreeNodesModel")}
     for tree in root.findall("BehaviorTree"):
         for element in list(tree.iter())[1:]:
-            name = element.get("ID") or element.tag
-            given = set(element.attrib) - {"ID", "name"}
-            if name in BUILT_IN:
-                assert given == BUILT_IN[name], name
+            given = set(element.attrib) - {"name"}
+            if element.tag in BUILT_IN:
+                assert given <= BUILT_IN[element.tag], element.tag
             else:
-                ports = {p.get("name") for p in models[name] if p.tag.endswith("_port")}
-                assert given <= ports, name
-                assert models[name].tag in (element.tag, "Decorator", "Control"), name
+                ports = {p.get("name") for p in models[element.tag] if p.tag.endswith("_port")}
+                assert given <= ports, element.tag
 
 
 def test_every_node_of_the_xml_has_as_many_children_as_it_takes(root: Any) -> None:
     for tree in root.findall("BehaviorTree"):
         for element in list(tree.iter())[1:]:
-            if element.tag in ONE_CHILD:
-                assert len(element) == 1, element.tag
-            elif element.tag in NO_CHILD:
-                assert len(element) == 0, element.tag
-            else:
-                assert len(element) >= 1, element.tag
+            assert len(element) == CHILDREN.get(element.tag, len(element)), element.tag
 
 
 def test_xml_lays_modifiers_around_a_node_outermost_first(root: Any) -> None:
@@ -143,24 +129,23 @@ def test_xml_lays_modifiers_around_a_node_outermost_first(root: Any) -> None:
     assert scan.get("msec") == "30000"
     assert [scan[0].tag, scan[0][0].tag, scan[0][0][0].tag] == [
         "RetryUntilSuccessful",
-        "Fallback",
-        "Fallback",
+        "TryCatch",
+        "TryCatch",
     ]
     action = scan[0][0][0][0]
-    assert (action.get("ID"), action.get("cloud"), action.get("label")) == (
+    assert (action.tag, action.get("cloud"), action.get("label")) == (
         "Scan",
         "{cloud}",
         'a "quoted" <text>',
     )
 
 
-def test_a_guarded_branch_of_a_fallback_fails_when_it_is_left_out(root: Any) -> None:
+def test_what_is_left_out_is_a_node_that_is_always_skipped(root: Any) -> None:
     guards = root.findall(".//IfThenElse")
-    assert [len(guard) for guard in guards] == [
-        3,
-        2,
-    ]  # in a loop's body: else success; in a fallback: none
-    assert guards[0][2].tag == "AlwaysSuccess"
+    assert len(guards) == 2
+    assert all(
+        (guard[2].tag, guard[2].get("_skipIf")) == ("AlwaysSuccess", "true") for guard in guards
+    )
 
 
 def test_models_carry_types_defaults_and_descriptions(root: Any) -> None:
@@ -240,7 +225,8 @@ def test_xml_has_the_counterparts_of_branches_and_the_models_of_own_nodes(load: 
     assert (top[8].get("success_count"), top[8].get("failure_count")) == ("1", "2")
     assert (top[9].get("max_failures"), top[10].get("num_cycles")) == ("1", "-1")
     models = {model.get("ID") for model in root.find("TreeNodesModel")}
-    assert {"Consume", "OnHalt", "Calm"} <= models
+    assert {"Consume", "Calm"} <= models
+    assert top[7][0].get("_onHalted") == "a := 1"
 
 
 def test_a_mission_with_every_node_loads_again_as_it_is_written_out(
@@ -251,3 +237,65 @@ def test_a_mission_with_every_node_loads_again_as_it_is_written_out(
     again = load("", header=written)
     assert resolved_yaml(again) == written
     jsonschema.Draft202012Validator(mission_schema(catalogue)).validate(yaml.safe_load(written))
+
+
+@pytest.mark.parametrize(
+    ("given", "written"),
+    [("30 s", "30000"), ("0.0007 s", "1"), ("1.2344 s", "1234"), ("1.2346 s", "1235")],
+)
+def test_xml_gives_durations_in_whole_milliseconds(load: Any, given: str, written: str) -> None:
+    mission = load(f"trees:\n  main: {{wait: {given}, timeout: {given}}}\n")
+    root = ElementTree.fromstring(export(mission, "xml"))
+    timeout = root.find("BehaviorTree/Timeout")
+    assert (timeout.get("msec"), timeout[0].get("msec")) == (written, written)
+
+
+AWKWARD = """
+trees:
+  main:
+    sequence:
+      - {check: Calm, name: calm}
+      - {call: Sequence, name: twice}
+      - {call: Sequence, name: twice}
+      - {set: {n: 2, far: 1 km}}
+      - {run: Sleep, with: {name: "{n} stones", depth: 0.05}}
+      - {check: "{n} > 1 and not ({n} == 3 or {n} < -1)"}
+      - {check: "len([1, 2]) > {n}", on_halt: {check: false}}
+      - {do: {wait: 1 s, name: inner}, name: outer}
+      - {check: true, if: false}
+  Sequence: {run: Scan}
+"""
+
+
+class SleepSettings(Settings):
+    name: str = ""
+    depth: float = 0.1
+
+
+class Sleep(Action[SleepSettings]):
+    """A leaf with a name that BehaviorTree.CPP has taken."""
+
+    def run(self) -> Steps[None]:
+        yield None
+        return succeeded()
+
+
+def test_xml_keeps_clear_of_names_that_are_taken(load: Any) -> None:
+    text = export(load(AWKWARD, leaves={"Sleep": Sleep}), "xml")
+    root = ElementTree.fromstring(text)
+    children = root.find("BehaviorTree/Sequence")
+    assert [(c.tag, c.get("name")) for c in children][:3] == [
+        ("Calm", "calm"),
+        ("SubTree", "twice"),
+        ("SubTree", "twice 2"),
+    ]
+    assert [tree.get("ID") for tree in root.findall("BehaviorTree")] == ["main", "Sequence_tree"]
+    assert children[3].get("code") == "n := 2; far := 1000.0"
+    assert children[4].attrib == {"name_": "{n} stones", "depth": "0.05"}
+    assert children[4].tag == "Sleep_"
+    assert children[5].get("code") == "n > 1 && !(n == 3 || n < -1)"
+    assert [one.tag for one in children[6]] == ["Holds", "AlwaysFailure"]
+    assert (children[7].get("name"), children[7][0].get("name")) == ("outer", "inner")
+    assert [one.tag for one in children[8]] == ["AlwaysFailure", "AlwaysSuccess", "AlwaysSuccess"]
+    models = {model.get("ID") for model in root.find("TreeNodesModel")}
+    assert {"Sleep_", "Holds", "OnHalt", "Sequence_tree"} <= models

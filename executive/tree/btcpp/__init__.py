@@ -1,0 +1,1 @@
+"""Trees in the XML of BehaviorTree.CPP 4, written and read."""
