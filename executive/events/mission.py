@@ -100,3 +100,20 @@ class ObservationIgnored(Event):
     """The robot sends observations of a type that no selected plugin takes; told once a type."""
 
     type: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WorkerReplaced(Event):
+    """The worker process of a plugin was replaced.
+
+    Attributes:
+        capability: Capability of the plugin.
+        name: Name of the plugin.
+        verb: Verb that it computed then, which is tried again; empty if it computed none.
+        reason: How the process ended.
+    """
+
+    capability: str
+    name: str
+    verb: str
+    reason: str

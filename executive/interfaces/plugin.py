@@ -43,8 +43,13 @@ class Plugin:
     # Verbs that take long, and the time that a simulated mission charges for one call [s].
     latency_s: ClassVar[Mapping[str, float]] = {}
 
+    # Verbs that may compute for longer than a mission's rule allows, which is a multiple of their
+    # latency, and their limit [s] of computing time. What takes longer has failed and is ended.
+    limit_s: ClassVar[Mapping[str, float]] = {}
+
     # Whether a copy in a worker process, made from the same settings, gives the same answers. Verbs
-    # of a plugin that says so may run beside the tick; the others are computed within it.
+    # of a plugin that says so may run beside the tick, and are tried again when their worker
+    # process has died; the others are computed within the tick, once.
     is_stateless: ClassVar[bool] = False
 
     # Types of observations that the plugin takes besides those that its interface has verbs for;

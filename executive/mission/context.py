@@ -19,7 +19,7 @@ from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Verdict
 from executive.mission.assembly import seeded
-from executive.mission.jobs import Jobs
+from executive.mission.jobs.jobs import Jobs
 from executive.mission.record.account import Account
 from executive.mission.streams import Streams
 

@@ -17,7 +17,9 @@ from executive.mission.assembly import selected_plugins
 REMOTE = "executive_fault"
 
 
-def fault_of(error: Exception, plugins: Mapping[str, Any], node: str = "", leaf: str = "") -> Fault:
+def fault_of(
+    error: BaseException, plugins: Mapping[str, Any], node: str = "", leaf: str = ""
+) -> Fault:
     """Return what failed.
 
     The plugin is the innermost one among the traceback's frames, for a plugin may call another; the
@@ -62,7 +64,7 @@ def place_of(frames: list[tuple[FrameType, int]], module: str) -> str:
     if not (own or frames):
         return ""
     frame, line = (own or frames)[-1]
-    return f"{_shown(frame.f_code.co_filename)}:{line}"
+    return f"{shown(frame.f_code.co_filename)}:{line}"
 
 
 def _frames(trace: TracebackType | None) -> Iterator[tuple[FrameType, int]]:
@@ -90,6 +92,7 @@ def _package(frame: FrameType) -> str:
     return str(frame.f_globals.get("__name__", "")).partition(".")[0]
 
 
-def _shown(file: str) -> str:
+def shown(file: str) -> str:
+    """Return a file's path, relative to the current folder where it is within it."""
     path = Path(file)
     return str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else file

@@ -36,7 +36,7 @@ from executive.mission.assembly import Assembly
 from executive.mission.context import NodeContext, Services
 from executive.mission.display import Display
 from executive.mission.fault import fault_of
-from executive.mission.jobs import Jobs
+from executive.mission.jobs.jobs import Jobs
 from executive.mission.operator import Operator
 from executive.mission.phase import Phase, checked_change
 from executive.mission.record.account import Account
@@ -270,6 +270,8 @@ class Mission(Runtime, StreamListener):
         return sample is None or rest.add(self.clock.now_s(), sample.position, sample.velocity)
 
     def _end_tick(self) -> None:
+        while self._setup.jobs.told:
+            self.record("", self._setup.jobs.told.popleft())
         state = self.services.streams.state()
         if state.is_ready and self._is_due(_STATE_PERIOD_S):
             self.states.append(state)

@@ -17,7 +17,7 @@ from executive.logs.recorder import Recorder
 from executive.mission.assembly import Assembly, Selections, assemble
 from executive.mission.fault import fault_of
 from executive.mission.interrupts import Aborted, stop_on_interrupt
-from executive.mission.jobs import InlineRunner, Jobs, ProcessRunner, Runner, ThreadRunner
+from executive.mission.jobs.choice import Choice
 from executive.mission.mission import Mission, Setup
 from executive.mission.operator import Operator
 from executive.mission.record.account import Account
@@ -84,14 +84,16 @@ class Run:
         self._journal = Journal(self.folder.journal)
         self._journal.follow(self._account.add)
         clock = WallClock() if options.real_time else SimulatedClock()
-        runner = self._runner(options.runner or description.loop.runner)
+        choice = Choice(self._assembly.plugins, self._selections, self._model, options.seed)
         self._setup = Setup(
             clock=clock,
             tick_s=description.loop.tick,
             time_limit_s=description.loop.time_limit,
             seed=options.seed,
             assembly=self._assembly,
-            jobs=Jobs(self._assembly.plugins, runner, clock, is_lock_step=not options.real_time),
+            jobs=choice.make(
+                description.loop, clock, options.runner, is_lock_step=not options.real_time
+            ),
             journal=self._journal,
             account=self._account,
             operator=Operator(options.answer),
@@ -153,6 +155,7 @@ class Run:
             plugins["objects"].open(str(self.folder.objects))
         if "viewing" in plugins:
             plugins["viewing"].open(str(self.folder.recording))
+        self._setup.jobs.prepare()
 
     def _close(self) -> None:
         """Close jobs and then plugins, once: a job that still runs uses its plugin."""
@@ -190,14 +193,6 @@ class Run:
     def _recorder(self) -> Recorder | None:
         path = self._options.record_log
         return None if path is None else Recorder(path, self._assembly.machine, self._model)
-
-    def _runner(self, name: str) -> Runner:
-        runners: dict[str, Callable[[], Runner]] = {
-            "inline": InlineRunner,
-            "thread": ThreadRunner,
-            "process": lambda: ProcessRunner(self._selections, self._model, self._options.seed),
-        }
-        return runners[name]()
 
     def _report(self, ending: Ending, wall: float) -> dict[str, Any]:
         ended_s = self._account.ended_s

@@ -9,6 +9,7 @@ from pydantic import Field
 from executive.config import Seconds, Settings
 from executive.leaf.action import Leaf
 from executive.tree.expressions.syntax import Expression
+from executive.tree.job_settings import JobSettings
 from executive.tree.place import Place
 from executive.tree.problem import Mark, Problem
 
@@ -20,9 +21,12 @@ class LoopSettings(Settings):
     time_limit: Seconds = Field(
         7200.0, gt=0, description="The mission fails when it has taken this long [s]."
     )
-    runner: Literal["inline", "thread", "process"] = Field(
-        "inline", description="Where long verbs are computed."
+    runner: Literal["inline", "thread", "process"] | None = Field(
+        None,
+        description="Where long verbs are computed; not given, inline in lock-step and in worker "
+        "processes in real time.",
     )
+    jobs: JobSettings = Field(JobSettings(), description="Limits of the long verbs.")
 
 
 # What an error of a plugin means: `stop` ends the mission in a safe stop, `fail` lets the node fail

@@ -11,7 +11,12 @@ import pytest
 
 from executive.clock import SimulatedClock, WallClock
 from executive.interfaces.plugin import Plugin
-from executive.mission.jobs import InlineRunner, Jobs, ProcessRunner, ThreadRunner
+from executive.mission.jobs.call import Address, VerbCall
+from executive.mission.jobs.jobs import Jobs
+from executive.mission.jobs.process_runner import ProcessRunner
+from executive.mission.jobs.runner import InlineRunner, Task
+from executive.mission.jobs.thread_runner import ThreadRunner
+from executive.mission.jobs.worker import Worker
 from executive.registry import load, settings_of
 from executive.tree.language import Selection
 
@@ -92,9 +97,12 @@ def plugin_of(jobs):
 
 
 def segment(cloud):
-    from executive.mission.worker import VerbCall
-
-    return VerbCall("segment", (cloud,), {})
+    """Return a task of the shipped segmenter."""
+    plugin = load("segmentation", "ground_and_clusters")(
+        settings_of("segmentation", "ground_and_clusters")()
+    )
+    address = Address.of("segmentation", "ground_and_clusters", plugin, "segment")
+    return Task(address, plugin, VerbCall("segment", (cloud,), {}), 60.0)
 
 
 def segmentation():
@@ -132,24 +140,20 @@ def test_a_worker_process_computes_what_the_inline_runner_computes():
         ]
 
 
-def test_a_worker_that_dies_fails_its_call_and_serves_the_next():
-    from executive.mission.worker import Worker, WorkerDiedError
-
-    worker = Worker("segmentation", segmentation(), "m545", 1)
+def test_a_worker_that_died_between_two_calls_is_replaced_and_told():
+    told = []
+    worker = Worker("segmentation", segmentation(), "m545", 1, tell=told.append)
     try:
         assert worker.submit(segment(stones_on_a_plane())).result(60).segments
         worker._process.kill()
-        worker._process.join()
-        with pytest.raises(WorkerDiedError, match="segmentation worker died"):
-            worker.submit(segment(stones_on_a_plane())).result(60)
         assert worker.submit(segment(stones_on_a_plane())).result(60).segments
+        assert [(one.name, one.verb) for one in told] == [("ground_and_clusters", "")]
     finally:
         worker.close()
 
 
 def test_an_error_in_a_worker_comes_back_as_it_is():
     from executive.errors import ExecutiveError
-    from executive.mission.worker import Worker
 
     worker = Worker("segmentation", segmentation(), "m545", 1)
     try:
@@ -171,7 +175,7 @@ def test_a_call_that_is_given_up_is_killed_at_its_deadline_and_the_next_is_serve
     jobs = Jobs({"segmentation": plugin}, runner, WallClock(), is_lock_step=False)
     try:
         assert jobs.start(plugin_of(jobs).segment, stones_on_a_plane()).result().segments
-        before = runner._workers["segmentation"]._process.pid
+        before = runner._workers["segmentation"]._process
         worker, job = (
             runner._workers["segmentation"],
             jobs.start(plugin_of(jobs).segment, endless),
@@ -180,6 +184,6 @@ def test_a_call_that_is_given_up_is_killed_at_its_deadline_and_the_next_is_serve
             time.sleep(0.01)
         job.cancel()
         assert jobs.start(plugin_of(jobs).segment, stones_on_a_plane()).result().segments
-        assert worker._process.pid != before
+        assert worker._process is not before
     finally:
         jobs.close()

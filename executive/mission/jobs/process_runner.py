@@ -1,0 +1,70 @@
+"""Computes verbs in worker processes, one for each capability."""
+
+import multiprocessing as mp
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any
+
+from executive import registry
+from executive.events.mission import WorkerReplaced
+from executive.mission.assembly import Selections, needed_for
+from executive.mission.jobs.limits import DEFAULT, Limits
+from executive.mission.jobs.runner import InlineRunner, Task
+from executive.mission.jobs.worker import Worker
+
+
+class ProcessRunner(InlineRunner):
+    """One worker process a stateless plugin; plugins with state are computed inline.
+
+    Worker processes are forked from a server process that has imported the plugins' modules, and
+    nothing more: a worker that has to be replaced is there at once, and shares their memory.
+    """
+
+    def __init__(
+        self,
+        selections: Selections,
+        model: str,
+        seed: int,
+        limits: Limits = DEFAULT,
+        tell: Callable[[WorkerReplaced], None] = lambda _: None,
+    ) -> None:
+        self._selections = selections
+        self._workers: dict[str, Worker] = {}
+        self._make: Callable[[str], Worker] = lambda capability: Worker(
+            capability, needed_for(selections, capability), model, seed, limits, tell
+        )
+
+    def submit(self, task: Task) -> Future[Any]:
+        if not task.plugin.is_stateless:
+            return super().submit(task)
+        return self._worker(task.address.capability).submit(task)
+
+    def prepare(self, capability: str) -> Future[Any] | None:
+        return self._worker(capability).prepare()
+
+    def abandon(self, task: Task, future: Future[Any]) -> None:
+        worker = self._workers.get(task.address.capability)
+        if worker is not None:
+            worker.abandon(future)
+
+    def close(self) -> None:
+        for worker in self._workers.values():
+            worker.close()
+
+    def _worker(self, capability: str) -> Worker:
+        if not self._workers:
+            modules = _modules(self._selections)
+            mp.get_context("forkserver").set_forkserver_preload(["__main__", *modules])
+        if capability not in self._workers:
+            self._workers[capability] = self._make(capability)
+        return self._workers[capability]
+
+
+def _modules(selections: Selections) -> list[str]:
+    """Return the modules of the plugins that a worker may have to make, in order."""
+    modules: dict[str, None] = {}
+    for capability, several in selections.items():
+        if any(registry.load(capability, one.name).is_stateless for one in several):
+            for needed, chosen in needed_for(selections, capability).items():
+                modules |= {registry.load(needed, one.name).__module__: None for one in chosen}
+    return list(modules)

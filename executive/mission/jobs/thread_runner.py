@@ -1,0 +1,71 @@
+"""Computes verbs in a thread beside the tick."""
+
+import contextlib
+import threading
+from concurrent.futures import Future, InvalidStateError
+from queue import SimpleQueue
+from typing import Any
+
+from executive.mission.jobs.runner import InlineRunner, Task
+from executive.mission.jobs.stack import frames_of_thread, place_among
+
+_Queue = SimpleQueue[tuple[Task, Future[Any]] | None]
+
+
+class ThreadRunner(InlineRunner):
+    """One thread for all stateless plugins; they share plugins, so no two verbs run at once.
+
+    A plugin with state, such as a survey that looks at the simulated world, is computed inline:
+    beside the tick it would see the world at no time in particular. A thread whose verb is overdue
+    cannot be ended: its call fails, and another thread serves the calls that follow.
+    """
+
+    def __init__(self) -> None:
+        self._queue: _Queue = SimpleQueue()
+        self._serving: threading.Thread | None = None
+
+    def submit(self, task: Task) -> Future[Any]:
+        if not task.plugin.is_stateless:
+            return super().submit(task)
+        if self._serving is None:
+            self._begin()
+        future: Future[Any] = Future()
+        self._queue.put((task, future))
+        return future
+
+    def close(self) -> None:
+        self._queue.put(None)
+
+    def _begin(self) -> None:
+        # A daemon: the end of the program does not wait for a verb that hangs.
+        self._serving = threading.Thread(target=self._serve, name="jobs", daemon=True)
+        self._serving.start()
+
+    def _serve(self) -> None:
+        while self._serving is threading.current_thread():
+            queued = self._queue.get()
+            if queued is None:
+                return
+            task, future = queued
+            if future.set_running_or_notify_cancel():
+                self._compute(task, future)
+
+    def _compute(self, task: Task, future: Future[Any]) -> None:
+        number = threading.get_ident()
+        timer = threading.Timer(task.limit_s, self._give_up, [task, future, number])
+        timer.daemon = True
+        timer.start()
+        with contextlib.suppress(InvalidStateError):  # the call was given up in the meantime
+            try:
+                answer = task.call.of(task.plugin)
+            except Exception as error:
+                future.set_exception(error)
+            else:
+                future.set_result(answer)
+        timer.cancel()
+
+    def _give_up(self, task: Task, future: Future[Any], number: int) -> None:
+        place, trace = place_among(frames_of_thread(number), task.plugin)
+        with contextlib.suppress(InvalidStateError):  # it has ended at this very moment
+            future.set_exception(task.overdue(place, trace))
+            self._begin()
