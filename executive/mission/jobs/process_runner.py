@@ -10,6 +10,7 @@ from executive.events.mission import WorkerReplaced
 from executive.mission.assembly import Selections, needed_for
 from executive.mission.jobs.limits import DEFAULT, Limits
 from executive.mission.jobs.runner import InlineRunner, Task
+from executive.mission.jobs.serving import serve
 from executive.mission.jobs.worker import Worker
 
 
@@ -54,7 +55,9 @@ class ProcessRunner(InlineRunner):
     def _worker(self, capability: str) -> Worker:
         if not self._workers:
             modules = _modules(self._selections)
-            mp.get_context("forkserver").set_forkserver_preload(["__main__", *modules])
+            mp.get_context("forkserver").set_forkserver_preload(
+                ["__main__", serve.__module__, *modules]
+            )
         if capability not in self._workers:
             self._workers[capability] = self._make(capability)
         return self._workers[capability]
