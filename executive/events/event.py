@@ -61,6 +61,11 @@ class UnknownEvent(Event):
         return dict(self.values)
 
 
+def event_classes() -> Mapping[str, type[Event]]:
+    """Return the classes of the events of this and of every imported package, by class name."""
+    return {one.__name__: one for one in _KINDS.values() if one is not UnknownEvent}
+
+
 def event_from(kind: str, payload: Mapping[str, Any]) -> Event:
     """Return the event that a line of a journal holds; of an unknown kind, an `UnknownEvent`.
 

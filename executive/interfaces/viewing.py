@@ -19,6 +19,6 @@ class Viewer(Plugin, ABC):
         """Show a message under a name, such as (`map`, Cloud) or (`grasp`, Grasp), at a mission
         time [s].
 
-        Kinds: Cloud, Segmentation, Stone, Grasp, MotionPlan, BaseState, JointSample, Alignment, and
-        for the tree a mapping of node path to status. Other kinds are ignored.
+        Kinds: Cloud, Segmentation, Stone, Grasp, MotionPlan, BaseState, JointSample, Alignment,
+        Slot, Mark, and for the tree a mapping of node path to status. Other kinds are ignored.
         """

@@ -42,6 +42,11 @@ class Journal:
         """Return the newest entry."""
         return self._newest[-1] if self._newest else None
 
+    @property
+    def length(self) -> int:
+        """Return the number of entries so far: the number of the next one."""
+        return self._next
+
     def since(self, sequence: int) -> list[Entry]:
         """Return the entries from a number on, as far as they are in memory."""
         count = min(self._next - sequence, len(self._newest))

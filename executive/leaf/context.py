@@ -1,13 +1,15 @@
 """What a leaf may use: plugins, snapshots, jobs, the journal; not the loop, nor the wall clock."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
+from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
 from executive.arrays import Float
 from executive.events.event import Event
+from executive.journal import Entry
 from executive.leaf.job import Job
 from executive.machine.machine import Machine
 from executive.messages.base_state import BaseState
@@ -108,6 +110,17 @@ class Context(ABC):
     @abstractmethod
     def record(self, event: Event) -> None:
         """Write an event into the journal, under this node."""
+
+    @abstractmethod
+    def follow_journal(self) -> Callable[[], Sequence[Entry]]:
+        """Return a function that returns what was written to the journal since its last call.
+
+        Its first call returns what was written since this one.
+        """
+
+    @abstractmethod
+    def folder(self) -> Path:
+        """Return the folder of the run, for files that belong to it."""
 
     @abstractmethod
     def show(self, entity: str, value: object) -> None:

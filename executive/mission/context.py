@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
@@ -11,6 +12,7 @@ from executive.clock import Clock
 from executive.errors import ConfigError, RobotError
 from executive.events.event import Event
 from executive.interfaces.monitoring import Monitor
+from executive.journal import Entry, Journal
 from executive.leaf.context import Context
 from executive.leaf.job import Job
 from executive.machine.kinematics import Kinematics
@@ -40,6 +42,8 @@ class Services:
     jobs: Jobs
     streams: Streams
     account: Account
+    journal: Journal
+    folder: Path
     record: Callable[[str, Event], None]
     show: Callable[[str, object], None]
     verdicts: list[Verdict] = field(default_factory=list)
@@ -128,6 +132,20 @@ class NodeContext(Context):
 
     def record(self, event: Event) -> None:
         self._services.record(self._node, event)
+
+    def follow_journal(self) -> Callable[[], Sequence[Entry]]:
+        journal, told = self._services.journal, self._services.journal.length
+
+        def news() -> Sequence[Entry]:
+            nonlocal told
+            found = journal.since(told)
+            told = journal.length
+            return found
+
+        return news
+
+    def folder(self) -> Path:
+        return self._services.folder
 
     def show(self, entity: str, value: object) -> None:
         self._services.show(entity, value)

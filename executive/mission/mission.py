@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from executive.clock import Clock, wall_s
@@ -62,6 +63,7 @@ class Setup:
     journal: Journal
     account: Account
     operator: Operator
+    folder: Path
     recorder: Recorder | None = None
     can_fail: frozenset[tuple[str, str]] = frozenset()  # capability and name: `on_error: fail`
 
@@ -109,6 +111,8 @@ class Mission(Runtime, StreamListener):
             jobs=setup.jobs,
             streams=Streams(setup.assembly.plugins, lidars, self),
             account=self.account,
+            journal=setup.journal,
+            folder=setup.folder,
             record=self.record,
             show=self.show,
         )

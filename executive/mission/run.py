@@ -97,6 +97,7 @@ class Run:
             journal=self._journal,
             account=self._account,
             operator=Operator(options.answer),
+            folder=self.folder.path,
             recorder=self._recorder(),
             can_fail=_can_fail(description),
         )
@@ -211,6 +212,7 @@ class Run:
             "real_time_factor": round(ended_s / wall, 3),
             "picks": [pick.as_report() for pick in self._account.picks()],
             "counts": self._account.counts(),
+            **self._account.findings.as_report(),
             "ignored_observations": self._ignored(),
             "resources": resources_since(self._begun_cpu_s),
             "timings_ms": timings_from(durations),

@@ -22,6 +22,7 @@ from executive.machine.gripper import Gripper
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
+from executive.messages.mark import Mark
 from executive.messages.placement import Slot
 from executive.messages.request import MotionPlan
 from executive.messages.segment import Segmentation
@@ -111,6 +112,15 @@ def _slot(value: Slot, entity: str, gripper: Gripper, max_points: int) -> Drawin
         f"world/{entity}",
         rr.Points3D([value.position_map], colors=SLOT, radii=0.12, labels=[label]),
     )
+
+
+@draw.register
+def _mark(value: Mark, entity: str, gripper: Gripper, max_points: int) -> Drawing:
+    yield (
+        f"world/{entity}",
+        rr.Points3D([value.position_map], colors=SLOT, radii=0.15, labels=[value.text]),
+    )
+    yield f"log/{entity}", rr.TextLog(f"marked: {value.text}", color=SLOT)
 
 
 @draw.register

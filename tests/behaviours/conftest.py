@@ -2,6 +2,7 @@
 
 import inspect
 from dataclasses import dataclass
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +12,7 @@ from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSetting
 
 from executive.clock import SimulatedClock
 from executive.interfaces.mapping import Mapper
+from executive.journal import Journal
 from executive.leaf.action import Action
 from executive.leaf.context import Context
 from executive.leaf.job import Job
@@ -62,6 +64,8 @@ class FakeContext(Context):
         self.time_s = 0.0
         self.events = []
         self.shown = {}
+        self.journal = Journal()
+        self.run_folder = Path()
         self.holds = []
         self.troubles = []
         self._machine = load_machine("m545")
@@ -119,6 +123,20 @@ class FakeContext(Context):
 
     def record(self, event):
         self.events.append(event)
+        self.journal.append(0, self.time_s, "main", event)
+
+    def follow_journal(self):
+        journal, told = self.journal, self.journal.length
+
+        def news():
+            nonlocal told
+            found, told = journal.since(told), journal.length
+            return found
+
+        return news
+
+    def folder(self):
+        return self.run_folder
 
     @property
     def notes(self):

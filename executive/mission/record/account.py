@@ -14,6 +14,7 @@ from executive.events.stone import JawsClosedOnNothing
 from executive.journal import Entry
 from executive.messages.verdict import Trouble
 from executive.mission.picks import Pick, Picks
+from executive.mission.record.findings import Findings
 
 
 class Account:
@@ -23,12 +24,14 @@ class Account:
         last: The newest entry; None before the first.
         registered: The newest accepted registration of a survey.
         stones_found: Number of stones that the last segmentation found.
+        findings: What the mission reported about the site.
     """
 
     def __init__(self) -> None:
         self.last: Entry | None = None
         self.registered: SurveyRegistered | None = None
         self.stones_found = 0
+        self.findings = Findings()
         self._picks = Picks()
         self._kinds: Counter[type[Event]] = Counter()
         self._troubles: Counter[Trouble] = Counter()
@@ -48,6 +51,7 @@ class Account:
         self.last, event = entry, entry.event
         self._kinds[type(event)] += 1
         self._picks.add(entry.time_s, event)
+        self.findings.add(entry)
         match event:
             case NodeEnded(status=NodeResult.FAILURE):
                 self._failures[entry.node] = entry.sequence, event.reason

@@ -6,6 +6,7 @@ from typing import Any
 from pydantic.fields import FieldInfo
 
 from executive.config import UNITS
+from executive.events.event import plain
 from executive.leaf.action import Leaf
 from executive.tree.resolved import yaml_flow
 from executive.tree.words.field_words import dimension_words
@@ -53,6 +54,6 @@ def _value(info: FieldInfo) -> Any:
         return None
     dimension, unit = dimension_words(info)
     if not dimension or not isinstance(value, float):
-        return list(value) if isinstance(value, tuple) else value
+        return plain(value)
     unit = _SHOWN_IN.get(dimension, unit)
     return f"{value / UNITS[dimension][unit]:.3g} {unit}"

@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 
 from executive.arrays import Float
 from executive.config import UNITS, Quantity
+from executive.events.event import plain
 
 _NAMES = {float: "number", int: "whole number", str: "text", bool: "true or false"}
 _SIGNS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤"}
@@ -51,7 +52,7 @@ def default_words(info: FieldInfo) -> str:
     if info.is_required():
         return "required"
     value = info.get_default(call_default_factory=True)
-    return "" if value is None else f"{list(value) if isinstance(value, tuple) else value}"
+    return "" if value is None else f"{plain(value) if isinstance(value, tuple | Enum) else value}"
 
 
 def bounds_words(info: FieldInfo) -> str:

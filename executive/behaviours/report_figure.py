@@ -1,0 +1,34 @@
+"""Report a number."""
+
+from pydantic import Field
+
+from executive.config import Settings
+from executive.events.finding import FigureReported
+from executive.leaf.action import Condition
+from executive.leaf.outcome import Outcome, succeeded
+
+FIGURE_NAME = r"^[A-Za-z][A-Za-z0-9_]{0,59}$"
+
+
+class ReportFigureSettings(Settings):
+    name: str = Field(
+        pattern=FIGURE_NAME,
+        examples=["stones_found"],
+        description="Name in the report: letters, digits and underscores.",
+    )
+    value: float = Field(
+        examples=["{count}"], description="The number; it is written as it is given."
+    )
+    unit: str = Field(
+        "", max_length=20, description="Its unit, for people: quantities on keys are in SI units."
+    )
+
+
+class ReportFigure(Condition[ReportFigureSettings]):
+    """Write a number into journal and report, where a campaign finds it as `figure.NAME`."""
+
+    def check(self) -> Outcome[None]:
+        """Record it; a later figure of the same name replaces it in the report."""
+        wanted = self.settings
+        self.context.record(FigureReported(wanted.name, wanted.value, wanted.unit))
+        return succeeded(reason=f"{wanted.name} = {wanted.value:g} {wanted.unit}".rstrip())

@@ -1,0 +1,41 @@
+"""Save the map to a file."""
+
+from pydantic import Field
+
+from executive.config import Settings
+from executive.events.finding import MapSaved
+from executive.interfaces.mapping import Mapper
+from executive.leaf.action import Action, Steps
+from executive.leaf.map_file import MapFile, write_map
+from executive.leaf.outcome import failed, succeeded
+
+
+class SaveMapSettings(Settings):
+    file: str = Field(
+        "saved_map.ply",
+        pattern=r".+\.ply$",
+        description="Name of the PLY file; relative to the run's folder.",
+    )
+
+
+class SaveMap(Action[SaveMapSettings]):
+    """Write the map as it is now to a PLY file, and its frame and the machine's pose beside it.
+
+    `report.json` names the file; LoadMap reads it.
+    """
+
+    needs = (Mapper,)
+
+    def run(self) -> Steps[None]:
+        cloud = self.context.use(Mapper).cloud()
+        if not len(cloud):
+            return failed("the map is empty: scan first")
+        yield None  # writing gets a tick of its own
+        path = self.context.folder() / self.settings.file
+        state = self.context.state()
+        try:
+            write_map(path, MapFile(cloud, self.context.now_s(), state.T_map_base))
+        except OSError as error:
+            return failed(f"{path} cannot be written: {error.strerror or error}")
+        self.context.record(MapSaved(self.settings.file, len(cloud), cloud.frame, state.T_map_base))
+        return succeeded(reason=f"{len(cloud)} points in {self.settings.file}")
