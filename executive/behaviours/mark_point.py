@@ -1,5 +1,7 @@
 """Mark a point with a text."""
 
+import re
+
 import numpy as np
 from pydantic import Field
 
@@ -8,6 +10,8 @@ from executive.events.finding import Marked
 from executive.leaf.action import Condition
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.mark import Mark
+
+_NO_NAME = re.compile(r"\W+")  # what an entity of the viewer is not called
 
 
 class MarkPointSettings(Settings):
@@ -29,5 +33,5 @@ class MarkPoint(Condition[MarkPointSettings]):
         if not np.isfinite(position).all():
             return failed(f"no point to mark with '{text}': its coordinates are not finite")
         self.context.record(Marked(text, "point", position))
-        self.context.show(f"marks/{text}", Mark(text, position))
+        self.context.show(f"marks/{_NO_NAME.sub('_', text)}", Mark(text, position))
         return succeeded(reason=text)

@@ -20,7 +20,7 @@ def test_a_point_is_marked_recorded_and_shown(stage) -> None:
     assert isinstance(event, Marked)
     assert (event.text, event.kind_of_place, event.stone) == ("soft ground", "point", None)
     np.testing.assert_array_equal(event.position_map, [5.0, 2.0, 0.1])
-    shown = ended.shown["marks/soft ground"]
+    shown = ended.shown["marks/soft_ground"]
     assert shown.text == "soft ground"
     np.testing.assert_array_equal(shown.position_map, [5.0, 2.0, 0.1])
 
