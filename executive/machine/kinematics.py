@@ -21,6 +21,11 @@ class Kinematics:
         names = (*machine.links, *machine.sensors)
         self._frames = {name: self._model.getFrameId(name) for name in names}
         self._gripper = self._frames[machine.gripper_link]
+        jaws = (machine.jaw.name, machine.jaw.mirror_name)
+        self._jaws = [self._model.joints[self._model.getJointId(name)].idx_q for name in jaws]
+        self._neutral = pin.neutral(self._model)
+        # Pinocchio holds a continuous joint as (cos, sin).
+        self._places = [(joint.idx_q, joint.nq == 2) for joint in self._arm]
 
     def frames(self, q_arm: Float, jaw_rad: float = 0.0) -> dict[str, Float]:
         """Return T_base_frame of every link and sensor, and of `gripper`, by name.
@@ -54,12 +59,11 @@ class Kinematics:
     def _configuration(self, q_arm: Float, jaw_rad: float) -> Float:
         if np.shape(q_arm) != (len(self._arm),):
             raise ShapeError(f"q_arm has shape {np.shape(q_arm)}, expected ({len(self._arm)},)")
-        q = pin.neutral(self._model)
-        for joint, value in zip(self._arm, q_arm, strict=True):
-            if joint.nq == 2:  # Pinocchio holds a continuous joint as (cos, sin)
-                q[joint.idx_q], q[joint.idx_q + 1] = np.cos(value), np.sin(value)
+        q = self._neutral.copy()
+        for (place, is_continuous), value in zip(self._places, q_arm, strict=True):
+            if is_continuous:
+                q[place], q[place + 1] = np.cos(value), np.sin(value)
             else:
-                q[joint.idx_q] = value
-        for name in (self.machine.jaw.name, self.machine.jaw.mirror_name):
-            q[self._model.joints[self._model.getJointId(name)].idx_q] = jaw_rad
+                q[place] = value
+        q[self._jaws] = jaw_rad
         return np.asarray(q)

@@ -49,18 +49,33 @@ def _is_behind(
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _near_way(point: Float, sphere: Float) -> tuple[bool, bool]:  # pragma: no cover - compiled
-    """Return whether the ray from the origin to a point meets a sphere, and ends in it."""
-    x, y, z = point[0] - sphere[0], point[1] - sphere[1], point[2] - sphere[2]
-    square = sphere[3] * sphere[3]
-    if x * x + y * y + z * z <= square:
-        return True, True
-    along = point[0] * sphere[0] + point[1] * sphere[1] + point[2] * sphere[2]
-    length2 = point[0] ** 2 + point[1] ** 2 + point[2] ** 2
-    if along <= 0.0 or along >= length2:
-        return False, False
-    off2 = sphere[0] ** 2 + sphere[1] ** 2 + sphere[2] ** 2 - along * along / length2
-    return off2 <= square, False
+def _posed(
+    shapes: Float, starts: Int, spheres: Float, owners: Int, T_lidar_links: Float
+) -> tuple[Float, Float]:  # pragma: no cover - compiled
+    """Return all planes (K, P, 4) and spheres (K, S, 4) in the sensor's frame, K times."""
+    planes = np.empty((len(T_lidar_links), len(shapes), 4))
+    moved = np.empty((len(T_lidar_links), len(spheres), 4))
+    for k in range(len(T_lidar_links)):
+        for s in range(len(spheres)):
+            T = T_lidar_links[k, owners[s]]
+            c = spheres[s]
+            for row in range(3):
+                moved[k, s, row] = (
+                    T[row, 0] * c[0] + T[row, 1] * c[1] + T[row, 2] * c[2] + T[row, 3]
+                )
+            moved[k, s, 3] = c[3]
+            for p in range(starts[s], starts[s + 1]):
+                distance = shapes[p, 3]
+                for row in range(3):
+                    n = (
+                        T[row, 0] * shapes[p, 0]
+                        + T[row, 1] * shapes[p, 1]
+                        + T[row, 2] * shapes[p, 2]
+                    )
+                    planes[k, p, row] = n
+                    distance += n * T[row, 3]
+                planes[k, p, 3] = distance
+    return planes, moved
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -75,14 +90,23 @@ def _own(
 ) -> Bool:  # pragma: no cover - compiled
     """Return which points are inside a shape or in its shadow.
 
-    Each shape's sphere is tested first, which is quick and rules most shapes out.
+    Each shape's sphere is tested first, which is quick and rules most shapes out: the ray from the
+    origin to the point meets it only if the point is in it, or if the sphere's centre is nearer to
+    the ray than its radius and lies between the two ends.
     """
     found = np.zeros(len(points), dtype=np.bool_)
+    away2 = spheres[:, :, 0] ** 2 + spheres[:, :, 1] ** 2 + spheres[:, :, 2] ** 2
+    radius2 = spheres[:, :, 3] ** 2
     for n in range(len(points)):
         s = slices[n]
+        x, y, z = points[n, 0], points[n, 1], points[n, 2]
+        length2 = x * x + y * y + z * z
         for shape in range(len(starts) - 1):
-            is_near, is_in = _near_way(points[n], spheres[s, shape])
-            if not is_near:
+            sphere = spheres[s, shape]
+            along = x * sphere[0] + y * sphere[1] + z * sphere[2]
+            over2 = away2[s, shape] - radius2[s, shape]
+            is_in = length2 - 2.0 * along + over2 <= 0.0
+            if not is_in and (along <= 0.0 or along >= length2 or over2 * length2 > along * along):
                 continue
             first, last = starts[shape], starts[shape + 1]
             if (is_in and _is_inside(points[n], planes[s], first, last)) or (
@@ -127,7 +151,14 @@ class SelfFilter:
         counts = [len(hull.planes) for hull in self._hulls]
         # The last shape is a sphere without planes, around what the gripper holds.
         self._starts = np.concatenate([[0], np.cumsum([*counts, 0])]).astype(np.int64)
-        self._grasp_centre = machine.gripper.grasp_centre
+        self._planes = np.vstack([hull.planes for hull in self._hulls])
+        self._spheres = np.array(
+            [[*hull.centre, hull.radius_m] for hull in self._hulls]
+            + [[*machine.gripper.grasp_centre, 0.0]]
+        )
+        owners = [*(hull.link for hull in self._hulls), "gripper"]
+        self._links = tuple(dict.fromkeys(owners))
+        self._owners = np.array([self._links.index(owner) for owner in owners])
         self._inset_m = padding_m - shadow_m
         self._has_shadows = shadow_m > 0
         self._carriers = {sensor.name: sensor.link for sensor in machine.sensors_of("lidar")}
@@ -149,8 +180,13 @@ class SelfFilter:
             frames: T_base_frame by name, for each slice of time.
             held_radius_m: Radius of the sphere around the point between the jaws [m]; 0 for none.
         """
-        posed = [self._posed(frame, inverse(frame[lidar]), held_radius_m) for frame in frames]
-        planes, spheres = (np.array([each[k] for each in posed]) for k in (0, 1))
+        T_base_links = np.array([[frame[link] for link in self._links] for frame in frames])
+        T_lidar_base = np.array([inverse(frame[lidar]) for frame in frames])
+        shapes = self._spheres.copy()
+        shapes[-1, 3] = held_radius_m
+        planes, spheres = _posed(
+            self._planes, self._starts, shapes, self._owners, T_lidar_base[:, None] @ T_base_links
+        )
         carrier = self._carriers[lidar]
         casts: Bool = np.array(
             [*(self._has_shadows and hull.link != carrier for hull in self._hulls), False]
@@ -158,20 +194,6 @@ class SelfFilter:
         return np.asarray(
             _own(points_lidar, slices, planes, self._starts, spheres, casts, self._inset_m)
         )
-
-    def _posed(
-        self, frames: Mapping[str, Float], T_lidar_base: Float, held_radius_m: float
-    ) -> tuple[Float, Float]:
-        """Return all planes and spheres in the sensor's frame, shapes (P, 4) and (S, 4)."""
-        planes, spheres = [], []
-        for hull in self._hulls:
-            T = T_lidar_base @ frames[hull.link]
-            normals = hull.planes[:, :3] @ T[:3, :3].T
-            planes.append(np.column_stack([normals, hull.planes[:, 3] + normals @ T[:3, 3]]))
-            spheres.append([*(T[:3, :3] @ hull.centre + T[:3, 3]), hull.radius_m])
-        T = T_lidar_base @ frames["gripper"]
-        spheres.append([*(T[:3, :3] @ self._grasp_centre + T[:3, 3]), held_radius_m])
-        return np.vstack(planes), np.array(spheres)
 
 
 def _hull(link: str, vertices: Float, padding_m: float) -> _Hull:

@@ -30,10 +30,10 @@ def _insert(
     """Add points to their voxels' means; return how many voxels are new."""
     # pragma: no cover - compiled
     added = 0
-    for p in points:
-        i = np.int64(np.floor(p[0] / voxel_m)) + _HALF
-        j = np.int64(np.floor(p[1] / voxel_m)) + _HALF
-        k = np.int64(np.floor(p[2] / voxel_m)) + _HALF
+    for n in range(len(points)):
+        i = np.int64(np.floor(points[n, 0] / voxel_m)) + _HALF
+        j = np.int64(np.floor(points[n, 1] / voxel_m)) + _HALF
+        k = np.int64(np.floor(points[n, 2] / voxel_m)) + _HALF
         key = (i << (2 * BITS)) | (j << BITS) | k
         row = _slot(keys, key)
         if keys[row] == _FREE:
@@ -42,7 +42,9 @@ def _insert(
             means[row, :] = 0.0
             added += 1
         counts[row] += 1
-        means[row] += (p - means[row]) / min(counts[row], memory)
+        weight = min(counts[row], memory)
+        for axis in range(3):
+            means[row, axis] += (points[n, axis] - means[row, axis]) / weight
     return added
 
 
@@ -54,7 +56,8 @@ def _refill(
     for n in range(len(old_keys)):
         row = _slot(keys, old_keys[n])
         keys[row], counts[row] = old_keys[n], old_counts[n]
-        means[row] = old_means[n]
+        for axis in range(3):
+            means[row, axis] = old_means[n, axis]
 
 
 class VoxelGrid:

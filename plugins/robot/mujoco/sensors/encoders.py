@@ -28,11 +28,11 @@ class JointEncoders:
 
     def sample(self, time_s: float, data: mujoco.MjData) -> JointSample:
         """Measure; an effort is that of the joint's drive, the weights of the links included."""
-        velocity_std = np.full(len(self._names), self.encoders.velocity_noise)
+        position, velocity, effort = self._rng.standard_normal((3, len(self._names)))
         return JointSample(
             time_s,
             self._names,
-            data.qpos[self._qpos] + self._rng.normal(0.0, self._position_std),
-            data.qvel[self._dof] + self._rng.normal(0.0, velocity_std),
-            data.qfrc_actuator[self._dof] + self._rng.normal(0.0, self._effort_std),
+            data.qpos[self._qpos] + self._position_std * position,
+            data.qvel[self._dof] + self.encoders.velocity_noise * velocity,
+            data.qfrc_actuator[self._dof] + self._effort_std * effort,
         )

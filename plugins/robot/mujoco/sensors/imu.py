@@ -1,5 +1,7 @@
 """An inertial measurement unit, with white noise and random-walk biases."""
 
+import math
+
 import mujoco
 import numpy as np
 
@@ -25,6 +27,9 @@ class MountedImu:
         self._gyro_bias = rng.normal(0.0, imu.gyro_bias_rad_s, 3)
         self._accel_bias = rng.normal(0.0, imu.accel_bias_m_s2, 3)
         self._last: tuple[float, Float, Float] | None = None
+        self._R_link_imu = np.ascontiguousarray(imu.T_link_sensor[:3, :3])
+        self._arm_link = imu.T_link_sensor[:3, 3].copy()
+        self._gravity = np.array(model.opt.gravity)
 
     def sample(self, time_s: float, data: mujoco.MjData) -> ImuSample | None:
         """Measure; None at the first call, when there is no interval to average over."""
@@ -35,13 +40,18 @@ class MountedImu:
         dt = time_s - last[0]
         turn = log_so3(last[1].T @ R)
         R_middle = last[1] @ exp_so3(turn / 2)
-        force = R_middle.T @ ((v - last[2]) / dt - self._model.opt.gravity)
-        self._walk(dt)
+        force = R_middle.T @ ((v - last[2]) / dt - self._gravity)
+        imu, (gyro_step, accel_step, gyro_noise, accel_noise) = (
+            self.imu,
+            self._rng.standard_normal((4, 3)),
+        )
+        self._gyro_bias = self._gyro_bias + imu.gyro_walk_rad_s * math.sqrt(dt) * gyro_step
+        self._accel_bias = self._accel_bias + imu.accel_walk_m_s2 * math.sqrt(dt) * accel_step
         return ImuSample(
             time_s,
-            self.imu.name,
-            turn / dt + self._gyro_bias + self._rng.normal(0.0, self.imu.gyro_noise_rad_s, 3),
-            force + self._accel_bias + self._rng.normal(0.0, self.imu.accel_noise_m_s2, 3),
+            imu.name,
+            turn / dt + self._gyro_bias + imu.gyro_noise_rad_s * gyro_noise,
+            force + self._accel_bias + imu.accel_noise_m_s2 * accel_noise,
         )
 
     def _motion(self, data: mujoco.MjData) -> tuple[Float, Float]:
@@ -49,14 +59,7 @@ class MountedImu:
         twist = np.zeros(6)  # angular, then linear, of the body's frame, in world axes
         mujoco.mj_objectVelocity(self._model, data, mujoco.mjtObj.mjOBJ_XBODY, self._body, twist, 0)
         R_world_link = data.xmat[self._body].reshape(3, 3)
-        T_link_imu = self.imu.T_link_sensor
-        arm = R_world_link @ T_link_imu[:3, 3]
-        return R_world_link @ T_link_imu[:3, :3], twist[3:] + np.cross(twist[:3], arm)
-
-    def _walk(self, dt: float) -> None:
-        self._gyro_bias = self._gyro_bias + self._rng.normal(
-            0.0, self.imu.gyro_walk_rad_s * np.sqrt(dt), 3
-        )
-        self._accel_bias = self._accel_bias + self._rng.normal(
-            0.0, self.imu.accel_walk_m_s2 * np.sqrt(dt), 3
-        )
+        x, y, z = (R_world_link @ self._arm_link).tolist()
+        a, b, c, *linear = twist.tolist()
+        v = (linear[0] + b * z - c * y, linear[1] + c * x - a * z, linear[2] + a * y - b * x)
+        return R_world_link @ self._R_link_imu, np.array(v)

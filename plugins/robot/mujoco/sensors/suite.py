@@ -1,5 +1,6 @@
 """All sensors of the machine: when each measures, and when its observations arrive."""
 
+import math
 from collections.abc import Callable
 
 import mujoco
@@ -131,10 +132,8 @@ class SensorSuite:
 
         Periods are counted from time 0.
         """
-        now, before = (
-            np.floor(at_s * sensor.rate_hz + _EPSILON) for at_s in (time_s, self._last_s)
-        )
-        if now == before:
+        rate_hz = sensor.rate_hz
+        if math.floor(time_s * rate_hz + _EPSILON) == math.floor(self._last_s * rate_hz + _EPSILON):
             return False
         if not isinstance(sensor, Lidar):
             return True
