@@ -29,6 +29,7 @@ UNITS: dict[str, dict[str, float]] = {
     "mass": {"kg": 1.0, "t": 1e3},
     "speed": {"m/s": 1.0, "cm/s": 1e-2, "km/h": 1 / 3.6},
     "angular speed": {"rad/s": 1.0, "deg/s": math.pi / 180},
+    "volume": {"m3": 1.0, "l": 1e-3},
     "density": {"kg/m3": 1.0, "t/m3": 1e3},
     "frequency": {"Hz": 1.0, "kHz": 1e3},
     "data size": {"B": 1.0, "MB": 1e6, "GB": 1e9, "MiB": 2.0**20, "GiB": 2.0**30},
@@ -92,6 +93,7 @@ Newtons = Annotated[float, *_quantity("force")]
 Kilograms = Annotated[float, *_quantity("mass")]
 MetersPerSecond = Annotated[float, *_quantity("speed")]
 RadiansPerSecond = Annotated[float, *_quantity("angular speed")]
+CubicMeters = Annotated[float, *_quantity("volume")]
 KilogramsPerCubicMeter = Annotated[float, *_quantity("density")]
 Hertz = Annotated[float, *_quantity("frequency")]
 Bytes = Annotated[float, *_quantity("data size")]

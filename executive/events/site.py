@@ -7,6 +7,14 @@ from executive.events.event import Event
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class RegionNamed(Event):
+    """A region of the mission: its name, and the corners of its outline [m], shape (N, 2)."""
+
+    name: str
+    corners_map: Float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Localised(Event):
     """The state estimate became usable: T_map_base, shape (4, 4)."""
 

@@ -20,5 +20,6 @@ class Viewer(Plugin, ABC):
         time [s].
 
         Kinds: Cloud, Segmentation, Stone, Grasp, MotionPlan, BaseState, JointSample, Alignment,
-        Slot, Mark, and for the tree a mapping of node path to status. Other kinds are ignored.
+        Slot, Mark, Region, and for the tree a mapping of node path to status. Other kinds are
+        ignored.
         """

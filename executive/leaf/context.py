@@ -14,11 +14,13 @@ from executive.leaf.job import Job
 from executive.machine.machine import Machine
 from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
+from executive.messages.region import Region
 from executive.messages.verdict import Verdict
 
 Interface = TypeVar("Interface")
 Arguments = ParamSpec("Arguments")
 Value = TypeVar("Value")
+Recorded = TypeVar("Recorded", bound=Event)
 
 
 class Context(ABC):
@@ -90,6 +92,18 @@ class Context(ABC):
     @abstractmethod
     def machine(self) -> Machine:
         """Return the description of the machine."""
+
+    @abstractmethod
+    def region(self, name: str) -> Region:
+        """Return a region of the mission; settings of the type `RegionName` are checked before.
+
+        Raises:
+            ConfigError: If the mission has none of that name; the message names the nearest.
+        """
+
+    @abstractmethod
+    def recorded(self, kind: type[Recorded]) -> Sequence[Recorded]:
+        """Return the events of a class that this mission has recorded, oldest first."""
 
     @abstractmethod
     def begin_hold(self) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.clock import Clock
-from executive.errors import ConfigError, RobotError
+from executive.errors import ConfigError, RobotError, did_you_mean
 from executive.events.event import Event
 from executive.interfaces.monitoring import Monitor
 from executive.journal import Entry, Journal
@@ -19,6 +19,7 @@ from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
+from executive.messages.region import Region
 from executive.messages.verdict import Verdict
 from executive.mission.assembly import seeded
 from executive.mission.jobs.jobs import Jobs
@@ -28,6 +29,7 @@ from executive.mission.streams import Streams
 Interface = TypeVar("Interface")
 Arguments = ParamSpec("Arguments")
 Value = TypeVar("Value")
+Recorded = TypeVar("Recorded", bound=Event)
 
 
 @dataclass(slots=True)
@@ -46,6 +48,7 @@ class Services:
     folder: Path
     record: Callable[[str, Event], None]
     show: Callable[[str, object], None]
+    regions: Mapping[str, Region]
     verdicts: list[Verdict] = field(default_factory=list)
 
     def arm(self) -> Float:
@@ -111,6 +114,17 @@ class NodeContext(Context):
 
     def machine(self) -> Machine:
         return self._services.machine
+
+    def region(self, name: str) -> Region:
+        regions = self._services.regions
+        if name not in regions:
+            near = did_you_mean(name, regions)
+            raise ConfigError(f"the mission has no region '{name}'{near}")
+        return regions[name]
+
+    def recorded(self, kind: type[Recorded]) -> Sequence[Recorded]:
+        events = (entry.event for entry in self._services.entries)
+        return [event for event in events if isinstance(event, kind)]
 
     def begin_hold(self) -> None:
         self._services.verdicts.clear()

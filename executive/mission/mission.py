@@ -1,8 +1,8 @@
 """A running mission: the tick loop and the safe stop."""
 
 import logging
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from executive.events.mission import (
     StopFailed,
     VerdictGiven,
 )
+from executive.events.site import RegionNamed
 from executive.interfaces.plugin import Plugin
 from executive.interfaces.robot import Robot
 from executive.journal import Journal
@@ -30,6 +31,7 @@ from executive.logs.recorder import Recorder
 from executive.machine.kinematics import Kinematics
 from executive.messages.base_state import BaseState
 from executive.messages.cloud import Cloud
+from executive.messages.region import Region
 from executive.messages.status_change import StatusChange
 from executive.messages.stone import Stone
 from executive.messages.verdict import Verdict
@@ -65,6 +67,7 @@ class Setup:
     operator: Operator
     folder: Path
     recorder: Recorder | None = None
+    regions: Mapping[str, Region] = field(default_factory=dict)
     can_fail: frozenset[tuple[str, str]] = frozenset()  # capability and name: `on_error: fail`
 
 
@@ -115,6 +118,7 @@ class Mission(Runtime, StreamListener):
             folder=setup.folder,
             record=self.record,
             show=self.show,
+            regions=setup.regions,
         )
         self._halt = halt
         self.root = build(self)
@@ -167,6 +171,9 @@ class Mission(Runtime, StreamListener):
     def run(self, after_tick: Callable[["Mission"], None]) -> Ending:
         """Tick until the tree has ended or the mission is stopped; the machine is then at rest."""
         self._change(Phase.RUNNING, "")
+        for name, region in self.services.regions.items():
+            self.record("", RegionNamed(name, region.corners_map))
+            self.show(f"regions/{name}", region)
         try:
             while self._ending is None:
                 self._guarded_tick()

@@ -99,6 +99,7 @@ class Run:
             operator=Operator(options.answer),
             folder=self.folder.path,
             recorder=self._recorder(),
+            regions=description.regions,
             can_fail=_can_fail(description),
         )
         self._mission: Mission | None = None

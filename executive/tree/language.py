@@ -8,6 +8,7 @@ from pydantic import Field
 
 from executive.config import Seconds, Settings
 from executive.leaf.action import Leaf
+from executive.messages.region import Region
 from executive.tree.expressions.syntax import Expression
 from executive.tree.job_settings import JobSettings
 from executive.tree.place import Place
@@ -470,6 +471,7 @@ class MissionFile:
             have several.
         trees: `main`, and every tree that it calls.
         warnings: What works but was hardly meant.
+        regions: Named parts of the ground, by name.
     """
 
     name: str
@@ -478,3 +480,4 @@ class MissionFile:
     plugins: Mapping[str, tuple[Selection, ...]]
     trees: Mapping[str, Tree]
     warnings: tuple[Problem, ...] = field(default=())
+    regions: Mapping[str, Region] = field(default_factory=dict)

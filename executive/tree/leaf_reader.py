@@ -23,6 +23,7 @@ from executive.tree.language import (
 )
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading, is_text, place_of
+from executive.tree.region_reader import check_region_names
 from executive.tree.setting_types import takes_text
 from executive.tree.settings import check_settings
 from executive.tree.value import Scalar, Table, TableEntry, Value, describe, plain, without
@@ -57,6 +58,7 @@ class LeafReader:
         settings = check_settings(
             leaf.Settings, literals, name, self._reading.problems, computed=sources
         )
+        check_region_names(leaf.Settings, settings_table, name, self._reading)
         known = {port: source for port, source in sources.items() if source is not None}
         parameters = Parameters(plain(literals), known) if sources else None
         inputs = self._inputs(table.get("in"), leaf.inputs, name, value.mark)

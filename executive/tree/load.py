@@ -1,15 +1,17 @@
 """A mission by path or name to its checked description; every mistake is reported at once."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
 from executive.tree.claims import ClaimCheck
 from executive.tree.dataflow.nodes import Dataflow
-from executive.tree.language import LeafUse, LoopSettings, MissionFile, Selection, Tree
+from executive.tree.language import LeafUse, LoopSettings, MissionFile, Tree
 from executive.tree.override import Override, apply_override
 from executive.tree.plugin_reader import PluginReader, layered
 from executive.tree.problem import Problems
 from executive.tree.reading import Reading
+from executive.tree.region_reader import read_regions
 from executive.tree.settings import check_settings
 from executive.tree.sources import Layer, layers, libraries
 from executive.tree.traversal import uses_of
@@ -40,6 +42,8 @@ def load_mission(
     loop = check_settings(LoopSettings, loop_table, "loop", reading.problems)
     plugins = PluginReader(reading)
     selected = plugins.read(plugin_table)
+    regions = read_regions(_regions(found, reading), reading)
+    reading = replace(reading, regions=regions)
     trees = read_trees(_trees(found, reading), libraries(mission.path, reading), reading)
     if (
         "plugins" not in mission.table.entries or plugin_table.entries
@@ -50,18 +54,10 @@ def load_mission(
     ClaimCheck(trees, reading.problems).check()
     name, description = _titles(mission, reading)
     reading.problems.raise_errors()
-    return _mission(name, description, loop or LoopSettings(), selected, trees, reading)
-
-
-def _mission(
-    name: str,
-    description: str,
-    loop: LoopSettings,
-    selected: Mapping[str, tuple[Selection, ...]],
-    trees: Mapping[str, Tree],
-    reading: Reading,
-) -> MissionFile:
-    return MissionFile(name, description, loop, selected, trees, reading.problems.warnings())
+    warnings = reading.problems.warnings()
+    return MissionFile(
+        name, description, loop or LoopSettings(), selected, trees, warnings, regions
+    )
 
 
 def _settings(
@@ -84,6 +80,13 @@ def _settings(
 def _section(layer: Layer, key: str, reading: Reading) -> Table | None:
     value = layer.table.get(key)
     return None if value is None else reading.table(value, f"'{key}'")
+
+
+def _regions(found: Sequence[Layer], reading: Reading) -> Table | None:
+    """Lay the regions of a mission over those of its base; a region is replaced as a whole."""
+    given = [table for layer in found if (table := _section(layer, "regions", reading)) is not None]
+    entries = {name: entry for table in given for name, entry in table.entries.items()}
+    return Table(entries, given[-1].mark) if given else None
 
 
 def _trees(found: Sequence[Layer], reading: Reading) -> Table | None:

@@ -1,11 +1,12 @@
 """Reads basic values: texts, numbers, durations, references, tables with known keys only."""
 
 import re
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 
 from executive.config import parse_quantity
 from executive.errors import did_you_mean
+from executive.messages.region import Region
 from executive.tree.catalogue import Catalogue
 from executive.tree.expressions.parser import is_quantity, parse
 from executive.tree.expressions.syntax import Key
@@ -26,6 +27,7 @@ class Reading:
 
     catalogue: Catalogue
     problems: Problems
+    regions: Mapping[str, Region] = field(default_factory=dict)  # of the mission, by name
 
     def fail(self, value: Value, message: str) -> None:
         """Note a mistake, unless the value was refused already."""

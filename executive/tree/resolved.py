@@ -76,6 +76,11 @@ def resolved_document(mission: MissionFile) -> dict[str, Any]:
         document["description"] = mission.description
     document["loop"] = settings_dump(mission.loop)
     document["plugins"] = {c: _selections(c, several) for c, several in mission.plugins.items()}
+    if mission.regions:
+        document["regions"] = {
+            name: {"polygon": region.corners_map.tolist()}
+            for name, region in mission.regions.items()
+        }
     document["trees"] = {name: _tree(tree) for name, tree in mission.trees.items()}
     return document
 

@@ -14,6 +14,7 @@ from executive.leaf.action import Action, Leaf
 from executive.registry import is_plural
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
 from executive.tree.language import ON_ERROR, ON_ERROR_WORDS, LoopSettings
+from executive.tree.region_reader import RegionShape
 from executive.tree.sources import API
 
 Schema = dict[str, Any]
@@ -73,6 +74,11 @@ class _Builder:
             },
             "loop": self._settings("loop", LoopSettings),
             "plugins": {"type": "object", "properties": plugins, "additionalProperties": False},
+            "regions": {
+                "type": "object",
+                "description": "Named parts of the ground: a polygon, a box or a corridor.",
+                "additionalProperties": self._settings("region", RegionShape),
+            },
             "trees": {"type": "object", "additionalProperties": {"$ref": "#/$defs/tree"}},
         }
         return {

@@ -13,7 +13,7 @@ from executive.tree.value import Scalar, Table, TableEntry, Value
 
 _SUFFIXES = (".yaml", ".yml")
 API = 1
-MISSION_KEYS = ("api", "mission", "description", "extends", "loop", "plugins", "trees")
+MISSION_KEYS = ("api", "mission", "description", "extends", "loop", "plugins", "regions", "trees")
 LIBRARY_KEYS = ("api", "trees")
 
 
@@ -32,9 +32,7 @@ def shipped_folder() -> Path:
 
 def shipped_names() -> tuple[str, ...]:
     """List the missions that come with the package; files of subtrees are not among them."""
-    return tuple(
-        sorted(path.stem for path in shipped_folder().glob("*.yaml") if path.stem != "base")
-    )
+    return tuple(sorted(set(_shipped()) - {"base"}))
 
 
 def find(mission: str) -> Path | None:
@@ -42,8 +40,13 @@ def find(mission: str) -> Path | None:
     path = Path(mission)
     if mission.endswith(_SUFFIXES) or "/" in mission or _is_file(path):
         return path
-    shipped = shipped_folder() / f"{mission}.yaml"
-    return shipped if _is_word(mission) and _is_file(shipped) else None
+    return _shipped().get(mission)
+
+
+def _shipped() -> dict[str, Path]:
+    """Return the files of the missions that come with the package, those of examples included."""
+    folder = shipped_folder()
+    return {path.stem: path for path in (*folder.glob("examples/*.yaml"), *folder.glob("*.yaml"))}
 
 
 def _find_base(name: str, folder: Path) -> Path | None:

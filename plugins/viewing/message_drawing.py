@@ -24,6 +24,7 @@ from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
 from executive.messages.mark import Mark
 from executive.messages.placement import Slot
+from executive.messages.region import Region
 from executive.messages.request import MotionPlan
 from executive.messages.segment import Segmentation
 from executive.messages.status_change import StatusChange
@@ -121,6 +122,15 @@ def _mark(value: Mark, entity: str, gripper: Gripper, max_points: int) -> Drawin
         rr.Points3D([value.position_map], colors=SLOT, radii=0.15, labels=[value.text]),
     )
     yield f"log/{entity}", rr.TextLog(f"marked: {value.text}", color=SLOT)
+
+
+@draw.register
+def _region(value: Region, entity: str, gripper: Gripper, max_points: int) -> Drawing:
+    """Draw the outline at the height of the map's origin, with its name."""
+    border = np.column_stack([value.corners_map, np.zeros(len(value.corners_map))])
+    closed = np.vstack([border, border[:1]])
+    strip = rr.LineStrips3D([closed], colors=SLOT, radii=0.03, labels=[value.name])
+    yield f"world/{entity}", strip
 
 
 @draw.register

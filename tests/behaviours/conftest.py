@@ -68,6 +68,7 @@ class FakeContext(Context):
         self.run_folder = Path()
         self.holds = []
         self.troubles = []
+        self.regions = {}
         self._machine = load_machine("m545")
         self.positions = lambda time_s: [
             self._machine.postures["scan"][n] for n in self._machine.arm_names
@@ -108,6 +109,12 @@ class FakeContext(Context):
 
     def machine(self):
         return self._machine
+
+    def region(self, name):
+        return self.regions[name]
+
+    def recorded(self, kind):
+        return [event for event in self.events if isinstance(event, kind)]
 
     def begin_hold(self):
         self.holds.append("begin")

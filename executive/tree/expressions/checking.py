@@ -16,6 +16,7 @@ from executive.tree.expressions.kinds import (
     COUNT,
     bare,
     dimension_of,
+    field_name,
     fields_of,
     item_of,
     members,
@@ -122,7 +123,8 @@ class Typing:
             elif sort_of(kind) == "object":
                 fields = fields_of(_class(kind))
                 known.update(fields)
-                results.update([fields[one.name]] if one.name in fields else [])
+                name = field_name(_class(kind), one.name)
+                results.update([fields[name]] if name in fields else [])
         if found and not results:
             near = did_you_mean(one.name, known) if known else ""
             self._fail(one.at, f"{_names(found)} has no field '{one.name}'{near}")

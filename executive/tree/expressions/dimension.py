@@ -17,6 +17,7 @@ _EXPONENTS: Mapping[str, tuple[int, ...]] = {
     "mass": (0, 1, 0, 0, 0),
     "speed": (1, 0, -1, 0, 0),
     "angular speed": (0, 0, -1, 1, 0),
+    "volume": (3, 0, 0, 0, 0),
     "density": (-3, 1, 0, 0, 0),
     "frequency": (0, 0, -1, 0, 0),
     "data size": (0, 0, 0, 0, 1),

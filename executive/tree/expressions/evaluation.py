@@ -10,7 +10,7 @@ from executive.errors import ConfigError, did_you_mean
 from executive.leaf.store import Store
 from executive.tree.expressions.dimension import in_si
 from executive.tree.expressions.functions import RULES, as_text
-from executive.tree.expressions.kinds import fields_of
+from executive.tree.expressions.kinds import field_name, fields_of
 from executive.tree.expressions.syntax import (
     Binary,
     Expression,
@@ -165,7 +165,7 @@ class _Evaluation:
 
 def _field(of: Any, name: str) -> Any:
     cls: type = type(of)
-    known = fields_of(cls)
+    known, name = fields_of(cls), field_name(cls, name)
     if name not in known:
         near = did_you_mean(name, known)
         raise AttributeError(f"{cls.__name__} has no field '{name}'{near}")

@@ -29,7 +29,7 @@ _ENDINGS = (
     ("_rad", NAMED["angle"]),
     ("_kg", NAMED["mass"]),
     ("_hz", NAMED["frequency"]),
-    ("_m3", Dimension((3, 0, 0, 0, 0))),
+    ("_m3", NAMED["volume"]),
     ("_m2", Dimension((2, 0, 0, 0, 0))),
     ("_m", NAMED["length"]),
     ("_s", NAMED["time"]),
@@ -143,6 +143,17 @@ def fields_of(cls: type) -> Mapping[str, Any]:
             found[name] = _hints(value.fget).get("return", Any)
             docs.setdefault(name, (value.fget.__doc__ or "").partition("\n")[0])
     return {name: measured(kind, name, docs.get(name, "")) for name, kind in found.items()}
+
+
+def field_name(cls: type, name: str) -> str:
+    """Return the field that a name means: `mass` is `mass_kg` where no field is called `mass`.
+
+    Expressions compare quantities with units, so that the unit in the name may be left out.
+    """
+    known = fields_of(cls)
+    if name in known:
+        return name
+    return next((name + ending for ending, _ in _ENDINGS if name + ending in known), name)
 
 
 def measured(kind: Any, name: str, doc: str) -> Any:
