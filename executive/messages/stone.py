@@ -6,6 +6,12 @@ from enum import StrEnum
 import numpy as np
 
 from executive.arrays import Float, checked
+from executive.geometry.convex import volume_and_centroid
+from executive.geometry.polygon import Box, outline_of, smallest_box
+
+# Density of the rocks that walls are built of, granite, gneiss and limestone: 2600 to 2800 kg/m³
+# (Schön 2015, Physical Properties of Rocks, Table 4.1).
+STONE_DENSITY_KG_M3 = 2700.0
 
 
 class StoneState(StrEnum):
@@ -54,3 +60,50 @@ class Stone:
     def reach_m(self) -> float:
         """Distance of the farthest point from the centroid [m]."""
         return float(np.linalg.norm(self.points_map - self.centroid_map, axis=1).max())
+
+    @property
+    def volume_m3(self) -> float:
+        """Volume of the convex hull of the known surface [m³].
+
+        The underside is closed by the hull. A surface that was not seen down to the ground makes it
+        too small, by 2 to 9 % on seven simulated stones.
+
+        Raises:
+            DataError: If the known surface spans no volume.
+        """
+        return volume_and_centroid(self.points_map)[0]
+
+    @property
+    def mass_kg(self) -> float:
+        """Mass [kg], estimated as `mass_source` tells."""
+        return self.volume_m3 * STONE_DENSITY_KG_M3
+
+    @property
+    def mass_source(self) -> str:
+        """Where the mass comes from."""
+        return f"volume × {STONE_DENSITY_KG_M3:.0f} kg/m³, not weighed"
+
+    @property
+    def outline_map(self) -> Float:
+        """Convex outline from above in the map [m], counter-clockwise, shape (V, 2)."""
+        return outline_of(self.points_map)
+
+    @property
+    def box_map(self) -> Box:
+        """Smallest rectangle around the outline from above, in the map."""
+        return smallest_box(self.outline_map)
+
+    @property
+    def length_m(self) -> float:
+        """Longest side of the stone: the longer side of its box from above, or its height [m]."""
+        return max(self.box_map.length_m, self.height_m)
+
+    @property
+    def width_m(self) -> float:
+        """Shorter side of the stone's box from above [m]."""
+        return self.box_map.width_m
+
+    @property
+    def height_m(self) -> float:
+        """Height from the lowest to the highest known point [m]."""
+        return float(np.ptp(self.points_map[:, 2]))
