@@ -1,14 +1,15 @@
 """Leave out the slots that are taken."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from executive.arrays import Float
+from executive.geometry.polygon import contains
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.placement import Slot
 from executive.messages.stone import StoneState
-
-_TAKEN_M = 0.6  # a placed stone whose centroid is this near (horizontally) takes the slot
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,12 +35,14 @@ class FindFreeSlots(Condition):
             slots: All slots of the mission, best first.
         """
         stones = self.context.use(ObjectDatabase).stones()
-        placed = [stone for stone in stones if stone.state is StoneState.PLACED]
-        free = []
-        for slot in slots:
-            gaps = [stone.centroid_map[:2] - slot.position_map[:2] for stone in placed]
-            if all((gap @ gap) ** 0.5 > _TAKEN_M for gap in gaps):
-                free.append(slot)
+        placed = [stone.outline_map for stone in stones if stone.state is StoneState.PLACED]
+        free = [slot for slot in slots if not _is_taken(slot, placed)]
         if not free:
             return failed(f"all {len(slots)} slots are taken")
         return succeeded(FreeSlots(free), f"{len(free)} slots are free")
+
+
+def _is_taken(slot: Slot, outlines: Sequence[Float]) -> bool:
+    """Return whether a slot's place lies under a stone, seen from above."""
+    place = slot.position_map[None, :2]
+    return any(bool(contains(outline, place)[0]) for outline in outlines)

@@ -7,6 +7,7 @@ from executive.interfaces.plugin import Plugin
 from executive.messages.cloud import Cloud
 from executive.messages.placement import Placement, Slot
 from executive.messages.segment import Segmentation
+from executive.messages.slot_layout import ANYWHERE, SlotLayout
 from executive.messages.stone import Stone
 
 
@@ -18,10 +19,22 @@ class PlacementPlanner(Plugin, ABC):
     capability = "placing"
 
     @abstractmethod
-    def slots(self, segmentation: Segmentation, T_map_base: Float, count: int) -> tuple[Slot, ...]:
+    def slots(
+        self,
+        segmentation: Segmentation,
+        T_map_base: Float,
+        count: int,
+        layout: SlotLayout = ANYWHERE,
+    ) -> tuple[Slot, ...]:
         """Return up to `count` places on free ground in reach, best first, numbered from 1.
 
         Deterministic; it may be slow: a job. Ground that offers no place gives an empty tuple.
+
+        Args:
+            segmentation: Ground and objects of the map.
+            T_map_base: Pose of the chassis, for reach.
+            count: Number of places wanted.
+            layout: Regions to use and to keep off, and the row that the stones are to stand in.
 
         Raises:
             DataError: If the pose of the chassis is not finite or of another shape.

@@ -12,11 +12,17 @@ class Slot:
     Attributes:
         id: Number, from 1.
         position_map: Point on the ground below the desired place of the stone's centroid [m], shape
-            (3,).
+            (3,). Of a slot with a heading, it is below the middle of the stone's box from above.
+        heading_rad: Direction of the longer side of the stone's box from above, from x towards y
+            [rad]; None leaves it to the planner.
+        gap_m: Distance wanted between the faces of the stone and of its neighbours [m]; None leaves
+            it to the planner.
     """
 
     id: int
     position_map: Float
+    heading_rad: float | None = None
+    gap_m: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "position_map", checked("position_map", self.position_map, 3))

@@ -51,6 +51,29 @@ class HeldStone:
         bottom = min(lowest, float(np.median(ring))) if len(ring) else lowest
         return cls(points, centre, bottom, radius_m)
 
+    def centred(self, centre_xy: Float) -> "HeldStone":
+        """Return the stone with another middle (2,), such as that of its box from above."""
+        radius_m = float(np.linalg.norm(self.points[:, :2] - centre_xy, axis=1).max())
+        centre = np.array([*centre_xy, self.centre[2]])
+        return HeldStone(self.points, centre, self.bottom_m, radius_m)
+
+
+def aligned_poses(
+    held: HeldStone, position_map: Float, bottom_m: float, turn_rad: float, turns: int
+) -> Iterator[Float]:
+    """Yield motions T_map_map that put the middle of a stone over a place, turned as wanted.
+
+    The first two have the turn [rad], and the same turn by half a circle more, which gives the same
+    box. The others deviate from it by growing steps of a circle's share.
+    """
+    target = np.array([*position_map[:2], bottom_m + held.centre[2] - held.bottom_m])
+    steps = np.arange(turns) * np.pi / turns
+    off = (steps + np.pi / 2) % np.pi - np.pi / 2
+    for extra in off[np.lexsort((off, np.abs(off).round(9)))]:
+        for half in (0.0, np.pi):
+            R = about_axis(_UP, turn_rad + float(extra) + half)
+            yield pose(R, target - R @ held.centre)
+
 
 def release_poses(
     held: HeldStone, position_map: Float, bottom_m: float, T_map_base: Float, turns: int

@@ -1,13 +1,17 @@
 """The surroundings of a slot: clearance of the stone and of the opening jaws."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.spatial import cKDTree
 
-from executive.arrays import Float
+from executive.arrays import Bool, Float
 from executive.geometry.convex import depth_inside, half_spaces
+from executive.geometry.polygon import Box, contains, rectangle
 from executive.geometry.pose import inverse, transform
 from executive.geometry.voxels import first_in_cells
 from executive.machine.gripper import Gripper
+from executive.messages.placement import Slot
 
 _OPENINGS = (1.0, 0.75, 0.5)  # checked openings, as shares of the widest angle
 _IN_GROUND_M = 0.02  # a ground point deeper than this in the gripper is a collision
@@ -16,28 +20,62 @@ _LEVEL_M = 0.15  # points higher than this above the ground belong to neighbours
 _APART_M = 0.10
 _GROUND_BAND_M = 0.35  # ground under the stone is at most this far from the slot's height
 _HIGHEST = 0.95  # quantile of the ground heights on which the stone comes to lie
+_INNER = 0.8  # share of the stone's width under which ground carries it
 _SPACING_M = 0.05  # point spacing that suffices for the check
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SlotFoot:
+    """The ground that a stone on a slot takes up.
+
+    Attributes:
+        position_map: The slot's place [m], shape (3,).
+        radius_m: Distance of the stone's farthest point from the slot, from above [m].
+        corners_map: Corners of the stone's box on the slot; None where it may turn freely.
+        apart_m: Least distance of the stone and the jaws from neighbours [m].
+    """
+
+    position_map: Float
+    radius_m: float
+    corners_map: Float | None = None
+    apart_m: float = _APART_M
+
+    @classmethod
+    def of(cls, slot: Slot, radius_m: float, box: Box | None) -> "SlotFoot":
+        """Return the foot of a stone on a slot; neighbours may come as near as half of its gap."""
+        apart_m = _APART_M if slot.gap_m is None else min(_APART_M, slot.gap_m / 2)
+        if box is None or slot.heading_rad is None:
+            return cls(slot.position_map, radius_m, None, apart_m)
+        centre = slot.position_map[:2]
+        sides = _INNER * box.length_m, _INNER * box.width_m
+        return cls(
+            slot.position_map, radius_m, rectangle(centre, *sides, slot.heading_rad), apart_m
+        )
+
+    def is_under(self, points: Float) -> Bool:
+        """Return which points lie below the inner part of the stone, shape (N,)."""
+        if self.corners_map is not None:
+            return contains(self.corners_map, points[:, :2])
+        away = np.linalg.norm(points[:, :2] - self.position_map[:2], axis=1)
+        return np.asarray(away < _INNER * self.radius_m)
 
 
 class SlotSurroundings:
     """The cloud near a slot, split into ground and neighbours."""
 
-    def __init__(
-        self, gripper: Gripper, cloud: Float, position_map: Float, radius_m: float
-    ) -> None:
+    def __init__(self, gripper: Gripper, cloud: Float, foot: SlotFoot) -> None:
+        self._apart_m = foot.apart_m
         angles = [fraction * gripper.open_rad for fraction in _OPENINGS]
         hulls = [
             hull for angle in angles for parts in gripper.hulls(angle).values() for hull in parts
         ]
         self._faces = [half_spaces(hull) for hull in hulls]
         self._reach_m = max(float(np.linalg.norm(hull, axis=1).max()) for hull in hulls) + _APART_M
-        distance = np.linalg.norm(cloud[:, :2] - position_map[:2], axis=1)
-        near = cloud[distance < radius_m + self._reach_m]
+        distance = np.linalg.norm(cloud[:, :2] - foot.position_map[:2], axis=1)
+        near = cloud[distance < foot.radius_m + self._reach_m]
         near = near[first_in_cells(near, _SPACING_M)]
-        level = float(position_map[2])
-        under = cloud[
-            (distance < 0.8 * radius_m) & (np.abs(cloud[:, 2] - level) < _GROUND_BAND_M), 2
-        ]
+        level = float(foot.position_map[2])
+        under = cloud[foot.is_under(cloud) & (np.abs(cloud[:, 2] - level) < _GROUND_BAND_M), 2]
         self.ground_m = float(np.quantile(under, _HIGHEST)) if len(under) else level
         is_high = near[:, 2] > self.ground_m + _LEVEL_M
         self._ground, self._neighbours = near[~is_high], near[is_high]
@@ -45,9 +83,9 @@ class SlotSurroundings:
 
     def is_free(self, T_map_gripper: Float, stone_map: Float) -> bool:
         """Return whether stone and opening jaws clear the neighbours, and the jaws the ground."""
-        if self._tree is not None and self._tree.query(stone_map)[0].min() < _APART_M:
+        if self._tree is not None and self._tree.query(stone_map)[0].min() < self._apart_m:
             return False
-        if self._depth_m(self._neighbours, T_map_gripper) > -_APART_M:
+        if self._depth_m(self._neighbours, T_map_gripper) > -self._apart_m:
             return False
         return self._depth_m(self._ground, T_map_gripper) < _IN_GROUND_M
 

@@ -3,9 +3,11 @@
 from typing import ClassVar
 
 import numpy as np
+from executive_plugins.placing.allowed_places import AllowedPlaces
 from executive_plugins.placing.free_ground import FreeGround, GroundNeeds
-from executive_plugins.placing.release import HeldStone, release_poses
-from executive_plugins.placing.slot_surroundings import SlotSurroundings
+from executive_plugins.placing.release import HeldStone, aligned_poses, release_poses
+from executive_plugins.placing.row_of_stones import row_of_stones
+from executive_plugins.placing.slot_surroundings import SlotFoot, SlotSurroundings
 from executive_plugins.placing.spaced_row import spaced_row
 from pydantic import Field
 
@@ -19,6 +21,7 @@ from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
 from executive.messages.placement import Placement, Slot
 from executive.messages.segment import Segmentation
+from executive.messages.slot_layout import ANYWHERE, Row, SlotLayout
 from executive.messages.stone import Stone
 
 
@@ -70,25 +73,58 @@ class Slots(PlacementPlanner):
         self._machine = machine
         self._motion = motion
 
-    def slots(self, segmentation: Segmentation, T_map_base: Float, count: int) -> tuple[Slot, ...]:
+    def slots(
+        self,
+        segmentation: Segmentation,
+        T_map_base: Float,
+        count: int,
+        layout: SlotLayout = ANYWHERE,
+    ) -> tuple[Slot, ...]:
         """Return up to `count` slots on free, known, nearly flat ground in reach.
 
-        Those that need the least swing of the cabin come first. The first row with room for all
-        slots is taken; if there is none, the rows are filled one after the other.
+        On arcs, those that need the least swing of the cabin come first. The first row with room
+        for all slots is taken; if there is none, the rows are filled one after the other. A layout
+        with a row of its own gives the places along that row instead; there the distance of faces
+        takes the place of `clearance_m` and `spacing_m`.
         """
         T_map_base = checked("T_map_base", T_map_base, 4, 4)
+        if layout.row is not None:
+            return tuple(self._in_row(layout, layout.row, segmentation, T_map_base, count))
         s = self._settings
         ground = FreeGround(
             segmentation, GroundNeeds(s.clearance_m, s.max_slope_rad, s.max_roughness_m)
         )
+        allowed = AllowedPlaces(layout)
         places = np.empty((0, 3))
         for radius_m in s.radii_m:
-            row = self._row(radius_m, ground, places, T_map_base)
+            row = self._row(radius_m, ground, places, T_map_base, allowed)
             places = row if len(row) >= count else np.concatenate([places, row])
             if len(places) >= count:
                 break
         places = places[:count]
         return tuple(Slot(i, place) for i, place in enumerate(places, start=1))
+
+    def _in_row(
+        self,
+        layout: SlotLayout,
+        row: Row,
+        segmentation: Segmentation,
+        T_map_base: Float,
+        count: int,
+    ) -> list[Slot]:
+        """Return the places along a row; the distance to stones is that of their faces."""
+        s = self._settings
+        needs = GroundNeeds(0.0, s.max_slope_rad, s.max_roughness_m)
+        ground = FreeGround(segmentation, needs)
+
+        def height_m(xy: Float) -> float | None:
+            height = ground.height_m(xy)
+            if height is None or not self._reaches(self._over(np.array([*xy, height])), T_map_base):
+                return None
+            return height
+
+        start_m = float(np.linalg.norm(row.start_map - T_map_base[:2, 3]))
+        return row_of_stones(layout, row, count, start_m + self._machine.reach_m, height_m)
 
     def plan(
         self, stone: Stone, slot: Slot, T_map_gripper: Float, cloud: Cloud, T_map_base: Float
@@ -109,13 +145,20 @@ class Slots(PlacementPlanner):
         s = self._settings
         T_map_gripper = checked("T_map_gripper", T_map_gripper, 4, 4)
         held = HeldStone.of(stone.points_map, cloud.points)
+        box = None
+        if slot.heading_rad is not None:
+            box, held = stone.box_map, held.centred(stone.box_map.centre)
         around = SlotSurroundings(
-            self._machine.gripper, cloud.points, slot.position_map, held.radius_m
+            self._machine.gripper, cloud.points, SlotFoot.of(slot, held.radius_m, box)
         )
+        bottom_m = around.ground_m + s.drop_m
+        if box is None or slot.heading_rad is None:
+            motions = release_poses(held, slot.position_map, bottom_m, T_map_base, s.turns)
+        else:
+            turn_rad = slot.heading_rad - box.heading_rad
+            motions = aligned_poses(held, slot.position_map, bottom_m, turn_rad, s.turns)
         placements: list[Placement] = []
-        for T_map_map in release_poses(
-            held, slot.position_map, around.ground_m + s.drop_m, T_map_base, s.turns
-        ):
+        for T_map_map in motions:
             T = T_map_map @ T_map_gripper
             if around.is_free(T, transform(T_map_map, held.points)) and self._reaches(
                 T, T_map_base
@@ -125,10 +168,19 @@ class Slots(PlacementPlanner):
                 break
         return tuple(placements)
 
-    def _row(self, radius_m: float, ground: FreeGround, chosen: Float, T_map_base: Float) -> Float:
+    def _row(
+        self,
+        radius_m: float,
+        ground: FreeGround,
+        chosen: Float,
+        T_map_base: Float,
+        allowed: AllowedPlaces,
+    ) -> Float:
         s = self._settings
 
         def height_m(xy: Float) -> float | None:
+            if not allowed.at(xy):
+                return None
             is_apart = (np.linalg.norm(chosen[:, :2] - xy, axis=1) >= s.spacing_m).all()
             return ground.height_m(xy) if is_apart else None
 

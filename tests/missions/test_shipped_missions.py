@@ -6,7 +6,8 @@ import executive_trees
 import pytest
 
 HERE = Path(__file__)
-SHIPPED = sorted(path.stem for path in Path(executive_trees.__file__).parent.glob("*.yaml"))
+FOLDER = Path(executive_trees.__file__).parent
+SHIPPED = sorted(path.stem for path in (*FOLDER.glob("*.yaml"), *FOLDER.glob("examples/*.yaml")))
 TESTS = "".join(path.read_text() for path in HERE.parent.glob("test_*.py") if path != HERE)
 
 

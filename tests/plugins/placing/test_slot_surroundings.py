@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
-from executive_plugins.placing.slot_surroundings import SlotSurroundings
+from executive_plugins.placing.slot_surroundings import SlotFoot, SlotSurroundings
 
 from executive.arrays import Float
 from executive.geometry.pose import pose, transform
@@ -28,7 +28,7 @@ def test_jaws_keep_ten_centimetres_from_a_neighbour(machine: Machine, site: tupl
     for apart_m, is_free in ((0.05, False), (0.15, True)):
         neighbour = outermost(machine) + (0.0, apart_m, 0.0)
         cloud = np.vstack([ground(4.0), neighbour])
-        around = SlotSurroundings(machine.gripper, cloud, np.zeros(3), 0.5)
+        around = SlotSurroundings(machine.gripper, cloud, SlotFoot(np.zeros(3), 0.5))
         assert around.is_free(T_MAP_GRIPPER, STONE) == is_free
 
 
@@ -36,7 +36,7 @@ def test_the_stone_keeps_ten_centimetres_from_a_neighbour(machine: Machine, site
     ground: Callable[..., Float] = site[1]
     neighbour = outermost(machine) + (0.0, 0.5, 0.0)
     cloud = np.vstack([ground(4.0), neighbour])
-    around = SlotSurroundings(machine.gripper, cloud, np.zeros(3), 0.5)
+    around = SlotSurroundings(machine.gripper, cloud, SlotFoot(np.zeros(3), 0.5))
     assert around.is_free(T_MAP_GRIPPER, neighbour[None] - (0.0, 0.11, 0.0))
     assert not around.is_free(T_MAP_GRIPPER, neighbour[None] - (0.0, 0.09, 0.0))
 
@@ -46,6 +46,6 @@ def test_a_stone_comes_to_lie_on_the_high_side_of_sloping_ground(
 ) -> None:
     ground = site[1](4.0)
     ground[:, 2] = 0.1 * ground[:, 0]
-    around = SlotSurroundings(machine.gripper, ground, np.zeros(3), 1.0)
+    around = SlotSurroundings(machine.gripper, ground, SlotFoot(np.zeros(3), 1.0))
     under = ground[np.linalg.norm(ground[:, :2], axis=1) < 0.8, 2]
     assert 0.02 <= np.mean(under > around.ground_m) <= 0.08

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from executive_plugins.placing.free_ground import FreeGround, GroundNeeds
 from executive_plugins.placing.release import HeldStone, release_poses
-from executive_plugins.placing.slot_surroundings import SlotSurroundings
+from executive_plugins.placing.slot_surroundings import SlotFoot, SlotSurroundings
 from executive_plugins.placing.spaced_row import spaced_row
 
 from executive.geometry.pose import pose
@@ -82,12 +82,14 @@ def test_surroundings(recorded, machine, site) -> None:
     stone, T_map_gripper = held((0.0, 0.0))
     for distance_m in (0.7, 0.9, 1.1, 1.6, 2.5):
         cloud = np.vstack([level_ground(3.0), block((distance_m, 0.2), 0.9)])
-        around = SlotSurroundings(machine.gripper, cloud, np.zeros(3), 0.6)
+        around = SlotSurroundings(machine.gripper, cloud, SlotFoot(np.zeros(3), 0.6))
         told.append((around.ground_m, around.is_free(T_map_gripper, stone.points_map)))
         for lower_m in (0.3, 0.6, 0.9):
             lower = pose(t=np.array([0, 0, -lower_m])) @ T_map_gripper
             told.append(around.is_free(lower, stone.points_map + [0, 0, 0.5]))
-    nothing = SlotSurroundings(machine.gripper, level_ground(3.0)[:1], np.array([0, 0, 2.0]), 0.6)
+    nothing = SlotSurroundings(
+        machine.gripper, level_ground(3.0)[:1], SlotFoot(np.array([0, 0, 2.0]), 0.6)
+    )
     told.append((nothing.ground_m, nothing.is_free(T_map_gripper, stone.points_map)))
     recorded(told)
 
