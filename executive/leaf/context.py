@@ -1,7 +1,7 @@
 """What a leaf may use: plugins, snapshots, jobs, the journal; not the loop, nor the wall clock."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
@@ -20,7 +20,6 @@ from executive.messages.verdict import Verdict
 Interface = TypeVar("Interface")
 Arguments = ParamSpec("Arguments")
 Value = TypeVar("Value")
-Recorded = TypeVar("Recorded", bound=Event)
 
 
 class Context(ABC):
@@ -102,8 +101,8 @@ class Context(ABC):
         """
 
     @abstractmethod
-    def recorded(self, kind: type[Recorded]) -> Sequence[Recorded]:
-        """Return the events of a class that this mission has recorded, oldest first."""
+    def slot_places(self) -> Mapping[int, Float]:
+        """Return the places of all slots found so far in the mission by number [m], each (3,)."""
 
     @abstractmethod
     def begin_hold(self) -> None:

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from executive.events.site import SlotsFound
 from executive.leaf.context import Context
 from executive.messages.placement import Slot
 
@@ -16,18 +15,16 @@ _SAME_M = 0.1
 
 def numbered(context: Context, slots: Sequence[Slot]) -> tuple[Slot, ...]:
     """Return slots with the numbers that their places had before; new places get new numbers."""
-    known = [place for event in context.recorded(SlotsFound) for place in event.slots]
-    next_number = max((place.slot for place in known), default=0) + 1
-    found: list[Slot] = []
+    known = context.slot_places()
+    next_number = max(known, default=0) + 1
+    found: dict[int, Slot] = {}
     for slot in slots:
-        used = {one.id for one in found}
-        same = [
-            place.slot
-            for place in known
-            if np.linalg.norm(place.position_map - slot.position_map) < _SAME_M
-            and place.slot not in used
-        ]
-        number = same[0] if same else next_number
-        next_number += not same
-        found.append(slot if slot.id == number else replace(slot, id=number))
-    return tuple(found)
+        same = (
+            number
+            for number, place in known.items()
+            if number not in found and np.linalg.norm(place - slot.position_map) < _SAME_M
+        )
+        number = next(same, next_number)
+        next_number = max(next_number, number + 1)
+        found[number] = slot if slot.id == number else replace(slot, id=number)
+    return tuple(found.values())

@@ -29,7 +29,6 @@ from executive.mission.streams import Streams
 Interface = TypeVar("Interface")
 Arguments = ParamSpec("Arguments")
 Value = TypeVar("Value")
-Recorded = TypeVar("Recorded", bound=Event)
 
 
 @dataclass(slots=True)
@@ -122,9 +121,8 @@ class NodeContext(Context):
             raise ConfigError(f"the mission has no region '{name}'{near}")
         return regions[name]
 
-    def recorded(self, kind: type[Recorded]) -> Sequence[Recorded]:
-        events = (entry.event for entry in self._services.entries)
-        return [event for event in events if isinstance(event, kind)]
+    def slot_places(self) -> Mapping[int, Float]:
+        return self._services.account.slots
 
     def begin_hold(self) -> None:
         self._services.verdicts.clear()

@@ -11,6 +11,7 @@ from executive_plugins.mapping.density import dense_share
 from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
 
 from executive.clock import SimulatedClock
+from executive.events.site import SlotsFound
 from executive.interfaces.mapping import Mapper
 from executive.journal import Journal
 from executive.leaf.action import Action
@@ -113,8 +114,9 @@ class FakeContext(Context):
     def region(self, name):
         return self.regions[name]
 
-    def recorded(self, kind):
-        return [event for event in self.events if isinstance(event, kind)]
+    def slot_places(self):
+        found = (event for event in self.events if isinstance(event, SlotsFound))
+        return {one.slot: one.position_map for event in found for one in event.slots}
 
     def begin_hold(self):
         self.holds.append("begin")

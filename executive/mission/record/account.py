@@ -6,10 +6,11 @@ It grows with the number of picks and of the tree's nodes, not with the length o
 from collections import Counter
 from collections.abc import Iterable
 
+from executive.arrays import Float
 from executive.events.event import Event
 from executive.events.mission import PluginFailed, VerdictGiven
 from executive.events.node import NodeEnded, NodeNotRetried, NodeResult
-from executive.events.site import SiteScanned, SiteSegmented, SurveyRegistered
+from executive.events.site import SiteScanned, SiteSegmented, SlotsFound, SurveyRegistered
 from executive.events.stone import JawsClosedOnNothing
 from executive.journal import Entry
 from executive.messages.verdict import Trouble
@@ -25,6 +26,7 @@ class Account:
         registered: The newest accepted registration of a survey.
         stones_found: Number of stones that the last segmentation found.
         findings: What the mission reported about the site.
+        slots: Place of each slot that was found, by its number [m], shape (3,).
     """
 
     def __init__(self) -> None:
@@ -32,6 +34,7 @@ class Account:
         self.registered: SurveyRegistered | None = None
         self.stones_found = 0
         self.findings = Findings()
+        self.slots: dict[int, Float] = {}
         self._picks = Picks()
         self._kinds: Counter[type[Event]] = Counter()
         self._troubles: Counter[Trouble] = Counter()
@@ -59,6 +62,8 @@ class Account:
                 self._troubles[event.trouble] += 1
             case SiteSegmented():
                 self.stones_found = len(event.stones)
+            case SlotsFound():
+                self.slots |= {one.slot: one.position_map for one in event.slots}
             case SurveyRegistered(accepted=True):
                 self._accepted += 1
                 self.registered = event
