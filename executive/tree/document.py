@@ -17,7 +17,7 @@ from executive.tree.problem import Mark, Problems
 from executive.tree.scalar import SurpriseError, resolve
 from executive.tree.value import Broken, Listing, Scalar, Table, TableEntry, Value
 
-_MAX_BYTES = 1_000_000
+_MAX_BYTES = 10_000_000
 _MAX_DEPTH = 60
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -172,7 +172,7 @@ class _Reader:
         if self._refuse_extras(event):
             self._add(Broken(mark))
             return
-        odd = _UNPRINTABLE.search(event.value)
+        odd = _UNPRINTABLE.search(event.value) if event.style == '"' else None
         if odd:  # written as an escape such as "\0"
             self._problems.error(
                 mark, f"a control character (U+{ord(odd.group()):04X}) does not belong into a text"

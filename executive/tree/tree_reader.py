@@ -1,5 +1,6 @@
 """Reads the trees of a mission: headers first, then the bodies of those that are reached."""
 
+from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -39,15 +40,14 @@ def read_trees(own: Table | None, libraries: Iterable[Table], reading: Reading) 
         reading, {name: (draft.inputs, draft.outputs) for name, draft in drafts.items()}
     )
     trees: dict[str, Tree] = {}
-    waiting = list(mine)
+    waiting = deque(mine)
     while waiting:
-        name = waiting.pop(0)
+        name = waiting.popleft()
         if name not in trees:
             draft = drafts[name]
             trees[name] = Tree(name, _root(draft, reader), draft.inputs, draft.outputs, draft.mark)
             waiting.extend(_calls(trees[name].root))
     _check_main(mine, own, reading)
-    _refuse_circles(trees, reading)
     _tell_unused(mine, trees, reading)
     return trees
 
@@ -106,30 +106,6 @@ def _check_main(mine: Mapping[str, Draft], own: Table | None, reading: Reading) 
     elif "main" in mine:
         for port in (*mine["main"].inputs.values(), *mine["main"].outputs.values()):
             reading.problems.error(port.mark, "'main' has no ports: nothing calls it")
-
-
-def _refuse_circles(trees: Mapping[str, Tree], reading: Reading) -> None:
-    calls = {
-        name: [n.kind for n in tree.root.walk() if isinstance(n.kind, Call)]
-        for name, tree in trees.items()
-    }
-    state: dict[str, str] = {}
-
-    def visit(name: str, path: tuple[str, ...]) -> None:
-        state[name] = "open"
-        for call in calls.get(name, ()):
-            if state.get(call.tree) == "open":
-                circle = (*path[path.index(call.tree) :], call.tree)
-                reading.problems.error(
-                    call.mark, f"trees call each other in a circle: {' → '.join(circle)}"
-                )
-            elif call.tree not in state:
-                visit(call.tree, (*path, call.tree))
-        state[name] = "done"
-
-    for name in trees:
-        if name not in state:
-            visit(name, (name,))
 
 
 def _tell_unused(mine: Mapping[str, Draft], trees: Mapping[str, Tree], reading: Reading) -> None:

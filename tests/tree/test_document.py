@@ -117,7 +117,7 @@ def test_a_byte_order_mark_is_no_content() -> None:
 
 def test_a_folder_a_missing_file_and_a_huge_one_are_errors(tmp_path: Path) -> None:
     huge = tmp_path / "huge.yaml"
-    huge.write_bytes(b"#" * 2_000_000)
+    huge.write_bytes(b"#" * 11_000_000)
     told = []
     for path in (
         tmp_path,
@@ -131,6 +131,6 @@ def test_a_folder_a_missing_file_and_a_huge_one_are_errors(tmp_path: Path) -> No
         told.append(str(problems.all()[0]))
     assert told[0] == "f: error: this is a folder, not a mission file"
     assert told[1] == "f: error: cannot be read: No such file or directory"
-    assert told[2] == "f: error: more than 1,000,000 bytes: this is no mission file"
+    assert told[2] == "f: error: more than 10,000,000 bytes: this is no mission file"
     assert told[3] == "f: error: cannot be read: embedded null byte"
     assert told[4] == "f: error: cannot be read: File name too long"

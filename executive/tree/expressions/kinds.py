@@ -54,15 +54,17 @@ class Known:
 
 def known_value(kind: Any) -> Known | None:
     """Return the value of a type that has only one, written in the file."""
-    notes = typing.get_args(kind)[1:] if typing.get_origin(kind) is typing.Annotated else ()
+    notes = getattr(kind, "__metadata__", ())  # of typing.Annotated
     return next((note for note in notes if isinstance(note, Known)), None)
 
 
 def bare(kind: Any) -> Any:
     """Return a type without its dimension and without the name that `NewType` gives it."""
     while True:
-        if typing.get_origin(kind) is typing.Annotated:
-            kind = typing.get_args(kind)[0]
+        if type(kind) is type:  # fast path: most types are plain classes
+            return kind
+        if hasattr(kind, "__metadata__"):  # typing.Annotated
+            kind = kind.__origin__
         elif hasattr(kind, "__supertype__"):
             kind = kind.__supertype__
         else:
@@ -71,19 +73,21 @@ def bare(kind: Any) -> Any:
 
 def dimension_of(kind: Any) -> Dimension | None:
     """Return a number's dimension, None if it is not known."""
-    if typing.get_origin(kind) is typing.Annotated:
-        for note in typing.get_args(kind)[1:]:
+    if hasattr(kind, "__metadata__"):  # typing.Annotated
+        for note in kind.__metadata__:
             if isinstance(note, Dimension):
                 return note
             if isinstance(note, Quantity):
                 return NAMED[note.dimension]
-        return dimension_of(typing.get_args(kind)[0])
+        return dimension_of(kind.__origin__)
     return PLAIN if bare(kind) is int else None
 
 
 def members(kind: Any) -> tuple[Any, ...]:
     """Return the alternatives of a union, or the type itself."""
     inner = bare(kind)
+    if type(inner) is type:
+        return (kind,)
     if typing.get_origin(inner) in (typing.Union, types.UnionType):
         return tuple(one for part in typing.get_args(inner) for one in members(part))
     return (kind,)
@@ -93,7 +97,11 @@ def sort_of(kind: Any) -> str:
     """Return a type's sort: unknown, missing, truth, number, text, choice, list, array, mapping or
     object.
     """
-    inner = bare(kind)
+    return _sort(bare(kind))
+
+
+@lru_cache(maxsize=4096)
+def _sort(inner: Any) -> str:
     if typing.get_origin(inner) is typing.Literal:
         inner = type(typing.get_args(inner)[0])
     found = typing.get_origin(inner) or inner
