@@ -1,15 +1,12 @@
 """Generalised ICP (Segal 2009): each point carries the covariance of its neighbourhood."""
 
-from executive_plugins.alignment.local_fit import AlignmentSettings, fit
+from executive_plugins.alignment.local_fit import fit
+from executive_plugins.alignment.settings import GicpSettings
 
 from executive.arrays import Float
 from executive.interfaces.alignment import Aligner
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
-
-
-class GicpSettings(AlignmentSettings):
-    """Resolution and acceptance of an alignment."""
 
 
 class Gicp(Aligner):

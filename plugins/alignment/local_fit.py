@@ -2,40 +2,17 @@
 
 import numpy as np
 import small_gicp
-from pydantic import Field
+from executive_plugins.alignment.settings import AlignmentSettings
 from scipy.spatial import cKDTree
 
 from executive.arrays import Float
 from executive.clock import wall_s
-from executive.config import Meters, Settings
 from executive.errors import DataError
 from executive.geometry.pose import inverse, transform
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 
 _FARTHEST = 3  # largest travel of a point in reaches: a smooth surface may slide along itself
-
-
-class AlignmentSettings(Settings):
-    """Resolution and acceptance of an alignment."""
-
-    voxel_m: Meters = Field(
-        0.05, gt=0, le=1, description="Grid to which both clouds are thinned [m]."
-    )
-    neighbours: int = Field(
-        12, ge=5, le=50, description="Points that shape a surface's normal or covariance."
-    )
-    max_iterations: int = Field(40, ge=1, description="Most steps of the optimisation.")
-    min_points: int = Field(20, ge=6, description="Fewer points of either cloud are refused.")
-    gate_distance_m: Meters = Field(
-        0.10, gt=0, description="Distance up to which points count as overlapping [m]."
-    )
-    max_rmse_m: Meters = Field(
-        0.04, gt=0, description="Largest accepted distance of overlapping points [m]."
-    )
-    min_overlap: float = Field(
-        0.4, ge=0, le=1, description="Smallest accepted share of source points that overlap."
-    )
 
 
 def fit(

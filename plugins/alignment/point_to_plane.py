@@ -1,15 +1,12 @@
 """Point-to-plane ICP (Chen and Medioni 1992): fast, and best on smooth surfaces."""
 
-from executive_plugins.alignment.local_fit import AlignmentSettings, fit
+from executive_plugins.alignment.local_fit import fit
+from executive_plugins.alignment.settings import PointToPlaneSettings
 
 from executive.arrays import Float
 from executive.interfaces.alignment import Aligner
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
-
-
-class PointToPlaneSettings(AlignmentSettings):
-    """Resolution and acceptance of an alignment."""
 
 
 class PointToPlane(Aligner):

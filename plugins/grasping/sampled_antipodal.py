@@ -3,17 +3,14 @@
 from typing import ClassVar
 
 import numpy as np
-from executive_plugins.grasping.sampled_planner import Order, SampledPlanner, SampledPlannerSettings
+from executive_plugins.grasping.sampled_planner import Order, SampledPlanner
 from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud
 from executive_plugins.grasping.sampling.pool import Pool
+from executive_plugins.grasping.settings import SampledAntipodalSettings
 
 from executive.config import Settings
 from executive.interfaces.motion import MotionPlanner
 from executive.machine.machine import Machine
-
-
-class SampledAntipodalSettings(SampledPlannerSettings):
-    """Sampling, the stages of the paper, reach and simulated lifts."""
 
 
 class SampledAntipodal(SampledPlanner):

@@ -6,18 +6,18 @@ faster.
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 import numpy as np
 from executive_plugins.grasping.classifier.grasp_features import features_of
 from executive_plugins.grasping.classifier.grasp_images import draw_images, image_cube
-from executive_plugins.grasping.sampled_planner import Order, SampledPlanner, SampledPlannerSettings
+from executive_plugins.grasping.sampled_planner import Order, SampledPlanner
 from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud
 from executive_plugins.grasping.sampling.pool import Pool
-from pydantic import Field
+from executive_plugins.grasping.settings import SampledCnnSettings
 
 from executive.arrays import Bool
-from executive.config import Meters, Settings
+from executive.config import Settings
 from executive.interfaces.motion import MotionPlanner
 from executive.machine.machine import Machine
 
@@ -28,27 +28,6 @@ def weights_file(name: str) -> Path:
     """Return the file of shipped weights with a name, or else the name as a path."""
     shipped = _SHIPPED / f"m545_{name}.safetensors"
     return shipped if shipped.exists() else Path(name)
-
-
-class SampledCnnSettings(SampledPlannerSettings):
-    """The network, and how its predictions are used."""
-
-    weights: str = Field(
-        "two_stream", description="Shipped weights two_stream or four_layer, or a safetensors file."
-    )
-    ranking: Literal["learned", "paper"] = Field(
-        "learned",
-        description="learned: by predicted success; paper: stages among likely successes.",
-    )
-    min_success: float = Field(
-        0.5, ge=0, le=1, description="Least predicted success for the ranking 'paper'."
-    )
-    rehearsed: int = Field(
-        8, ge=0, le=500, description="Largest number of simulated lifts per plan; 0 for none."
-    )
-    max_slip_m: Meters = Field(
-        1.0, gt=0, description="Slip in simulated lifts above which a grasp is refused [m]."
-    )
 
 
 class SampledCnn(SampledPlanner):

@@ -11,13 +11,12 @@ from executive_plugins.grasping.feasibility.approach_path import ApproachPath
 from executive_plugins.grasping.feasibility.arm_reach import ArmReach
 from executive_plugins.grasping.feasibility.fcl_check import FclCheck
 from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud
-from executive_plugins.grasping.sampling.pool import Pool, Sampler, SamplingSettings
+from executive_plugins.grasping.sampling.pool import Pool, Sampler
 from executive_plugins.grasping.sampling.ranking import Costs, ranked_rounds, spread
+from executive_plugins.grasping.settings import SampledPlannerSettings
 from executive_plugins.grasping.simulated_lift import FALLEN_M, Lifted, SimulatedLift
-from pydantic import Field, model_validator
 
 from executive.arrays import Float, checked
-from executive.config import Meters
 from executive.errors import DataError
 from executive.geometry.pose import pose
 from executive.interfaces.grasping import GraspPlanner
@@ -35,38 +34,6 @@ _VARIANTS = ((0.45, (0.0, 0.0, 0.0)), (0.55, (-0.03, 0.0, 0.04)), (0.55, (-0.03,
 _PUSH_WEIGHT = 0.2  # weight of the motion by the closing jaws relative to the slip
 _FIRM_M, _ENOUGH = 0.05, 4  # stop simulating once this many grasps have at most this cost
 _SPREAD_M, _SPREAD_RAD = 0.10, np.radians(20.0)
-
-
-class SampledPlannerSettings(SamplingSettings):
-    """Sampling, the stages of the paper, reach and simulated lifts."""
-
-    approach_m: Meters = Field(
-        0.8, ge=0, description="Length of the straight descent to a grasp, free and in reach [m]."
-    )
-    overload: float = Field(
-        1.15, ge=1, description="Refused ratio of mass to payload; above 1, as a hull is too large."
-    )
-    keep_aligned: int = Field(
-        40, ge=1, description="Number of grasps that pass the ranking by alignment (Sec. 5.4)."
-    )
-    keep_enclosing: int = Field(
-        20, ge=1, description="Number of grasps that pass the ranking by enclosing (Sec. 5.4)."
-    )
-    rehearsed: int = Field(
-        32, ge=0, le=500, description="Largest number of simulated lifts; with 0 the order is kept."
-    )
-    max_slip_m: Meters = Field(
-        0.3, gt=0, description="Slip in simulated lifts above which a grasp is refused [m]."
-    )
-    max_grasps: int = Field(8, ge=1, description="Largest number of grasps returned.")
-
-    @model_validator(mode="after")
-    def _check_scale(self) -> "SampledPlannerSettings":
-        if self.scale != 1 and self.rehearsed:
-            raise ValueError(
-                "simulated lifts support machines of full size only: with a scale, set rehearsed: 0"
-            )
-        return self
 
 
 @dataclass(frozen=True, slots=True, eq=False)

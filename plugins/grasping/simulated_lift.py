@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from executive_plugins.physics.contact import ContactSettings, apply_contact
+from executive_plugins.physics.contact import apply_contact
+from executive_plugins.physics.contact_settings import ContactSettings
 from executive_plugins.physics.gravity import GRAVITY_M_S2
 
 from executive.arrays import Float

@@ -1,7 +1,7 @@
 """The cloud that a map of voxels gives."""
 
 from executive_plugins.mapping.cylinder import Cylinder
-from executive_plugins.mapping.map_settings import MapSettings
+from executive_plugins.mapping.settings import MapSettings
 from executive_plugins.mapping.voxel_grid import VoxelGrid
 
 from executive.geometry.voxels import voxel_means

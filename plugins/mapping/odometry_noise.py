@@ -2,37 +2,9 @@
 
 import numpy as np
 from executive_plugins.mapping.pose_constraint import PoseConstraint
-from pydantic import Field
+from executive_plugins.mapping.settings import OdometryNoiseSettings
 
 from executive.arrays import Float
-from executive.config import Meters, Radians, Seconds, Settings
-
-
-class OdometryNoiseSettings(Settings):
-    """The estimate's error as a random walk with a correlation time.
-
-    Defaults were measured on the shipped estimators, with satellites of 8 mm and of 40 mm: the
-    random walk of their poses is the same.
-    """
-
-    rotation_rad: Radians = Field(
-        0.002, gt=0, description="Random walk of the attitude in one second [rad]."
-    )
-    position_m: Meters = Field(
-        0.0035, gt=0, description="Random walk of the position in one second [m]."
-    )
-    correlation_s: Seconds = Field(
-        2.0, gt=0, description="Time after which errors are uncorrelated [s]."
-    )
-    anchor_period_s: Seconds = Field(
-        1.0, gt=0, description="Time between two constraints to the estimated pose itself [s]."
-    )
-    unknown_rotation_rad: Radians = Field(
-        0.003, gt=0, description="Rotation error if the estimate gives no covariance [rad]."
-    )
-    unknown_position_m: Meters = Field(
-        0.01, gt=0, description="Position error if the estimate gives no covariance [m]."
-    )
 
 
 class OdometryNoise:

@@ -8,19 +8,19 @@ from executive_plugins.mapping.cylinder import Cylinder
 from executive_plugins.mapping.density import dense_share
 from executive_plugins.mapping.graph_host import GraphHost, InlineGraph, ProcessGraph
 from executive_plugins.mapping.map_cloud import cloud_of
-from executive_plugins.mapping.map_settings import MapSettings
 from executive_plugins.mapping.node_track import NodeTrack
-from executive_plugins.mapping.odometry_noise import OdometryNoise, OdometryNoiseSettings
+from executive_plugins.mapping.odometry_noise import OdometryNoise
 from executive_plugins.mapping.pair_graph import PairNode
 from executive_plugins.mapping.pair_store import PairStore
 from executive_plugins.mapping.scan_front_end import ScanFrontEnd
-from executive_plugins.mapping.scan_matching import ScanMatcher, ScanMatchingSettings
+from executive_plugins.mapping.scan_matching import ScanMatcher
 from executive_plugins.mapping.scan_pair import ScanPair, assemble
+from executive_plugins.mapping.settings import (
+    PoseGraphSettings,
+)
 from executive_plugins.mapping.voxel_grid import VoxelGrid
-from pydantic import Field
 
 from executive.arrays import Float, checked
-from executive.config import Meters, Seconds
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import inverse
 from executive.interfaces.mapping import Mapper
@@ -29,38 +29,6 @@ from executive.messages.cloud import Cloud
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
 from executive.messages.sector import Sector
-
-
-class PoseGraphSettings(MapSettings):
-    """Settings of the pose graph, in addition to those of all maps."""
-
-    process: bool = Field(
-        False, description="Solve in a separate process; false gives the same map on each run."
-    )
-    answer_within_s: Seconds = Field(
-        2.0,
-        gt=0.05,
-        le=60,
-        description="Time without an answer after which the process is replaced [s].",
-    )
-    travel_m: Meters = Field(
-        0.01, gt=0, description="Distance that a lidar moves until the next node, d_poses [m]."
-    )
-    pairs_at_rest: int = Field(
-        20, ge=1, description="Largest number of pairs of one node that are inserted at rest."
-    )
-    window: int = Field(
-        300,
-        ge=20,
-        le=5000,
-        description="Number of nodes in the graph, and of pairs whose points are kept.",
-    )
-    matching: ScanMatchingSettings = Field(
-        ScanMatchingSettings(), description="Matching of a pair to the pairs before it."
-    )
-    odometry: OdometryNoiseSettings = Field(
-        OdometryNoiseSettings(), description="Noise of the state estimate."
-    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 from executive_plugins.mapping.deskew import cabin_poses, place, time_slices
-from executive_plugins.mapping.map_settings import MapSettings
+from executive_plugins.mapping.settings import MapSettings
 
 from executive.arrays import Float
 from executive.errors import ConfigError, DataError, did_you_mean

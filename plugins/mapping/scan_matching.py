@@ -7,51 +7,11 @@ import numpy as np
 import small_gicp
 from executive_plugins.mapping.pose_constraint import PoseConstraint
 from executive_plugins.mapping.scan_pair import SinglePrecision
-from pydantic import Field
+from executive_plugins.mapping.settings import ScanMatchingSettings
 
 from executive.arrays import Float
-from executive.config import Meters, Radians, Settings
 from executive.geometry.pose import inverse, transform
 from executive.geometry.rotation import angle_between
-
-
-class ScanMatchingSettings(Settings):
-    """Settings of the submap and the fit, and conditions for using a fit."""
-
-    pairs: int = Field(10, ge=1, le=100, description="Scan pairs in the submap, m.")
-    pair_voxel_m: Meters = Field(0.2, gt=0, le=2, description="Grid edge to thin a pair [m].")
-    submap_voxel_m: Meters = Field(
-        0.15, gt=0, le=2, description="Grid edge to thin the submap [m]."
-    )
-    neighbours: int = Field(
-        10,
-        ge=5,
-        le=100,
-        description="Number of neighbours from which a point's covariance is computed.",
-    )
-    max_distance_m: Meters = Field(
-        0.2, gt=0, le=5, description="Largest distance of a correspondence [m]."
-    )
-    least_inliers: float = Field(
-        0.6, gt=0, le=1, description="Smallest share of a pair's points that must match."
-    )
-    max_shift_m: Meters = Field(
-        0.15, gt=0, description="Largest correction of the odometry that is accepted [m]."
-    )
-    max_turn_rad: Radians = Field(
-        0.03, gt=0, description="Largest correction of its rotation that is accepted [rad]."
-    )
-    covariance_factor: float = Field(
-        0.25,
-        gt=0,
-        le=100,
-        description="True variance of a fit over its inverse Hessian, measured in the simulation.",
-    )
-    least_std_m: Meters = Field(
-        5e-4,
-        gt=0,
-        description="Lower bound on a match's standard deviation [m], and the same in [rad].",
-    )
 
 
 class ScanMatcher:

@@ -11,8 +11,8 @@ import numpy as np
 from executive_plugins.mapping.cylinder import Cylinder
 from executive_plugins.mapping.density import dense_share
 from executive_plugins.mapping.map_cloud import cloud_of
-from executive_plugins.mapping.map_settings import MapSettings
 from executive_plugins.mapping.scan_front_end import ScanFrontEnd
+from executive_plugins.mapping.settings import VoxelMapSettings
 from executive_plugins.mapping.voxel_grid import VoxelGrid
 
 from executive.arrays import Float, checked
@@ -23,10 +23,6 @@ from executive.messages.cloud import Cloud
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
 from executive.messages.sector import Sector
-
-
-class VoxelMapSettings(MapSettings):
-    """Extent and resolution of the map."""
 
 
 class VoxelMap(Mapper):

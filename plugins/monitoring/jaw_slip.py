@@ -7,10 +7,9 @@ from collections import deque
 from dataclasses import dataclass, field
 
 import numpy as np
+from executive_plugins.monitoring.settings import JawSlipSettings
 from executive_plugins.monitoring.signal_filters import RunningMedian
-from pydantic import Field
 
-from executive.config import Meters, Seconds, Settings
 from executive.interfaces.monitoring import Monitor
 from executive.machine.machine import Machine
 from executive.messages.joints import JointSample
@@ -18,38 +17,6 @@ from executive.messages.verdict import Trouble, Verdict
 
 _SMOOTHING_S = 0.2  # span of the median
 _MOVING = 0.02  # ten times the noise of a measured velocity [rad/s] or [m/s]
-
-
-class JawSlipSettings(Settings):
-    """When closing jaws count as slip. All lengths are openings between the tips."""
-
-    slip: Meters = Field(
-        0.015, gt=0, le=0.5, description="Closing within the window that counts as slip [m]."
-    )
-    window: Seconds = Field(
-        5.0, gt=0, le=60, description="Length of the window; slower closing counts as settling [s]."
-    )
-    creep: Meters = Field(
-        0.06,
-        gt=0,
-        le=0.5,
-        description="Closing since the stone has settled that counts as slip [m].",
-    )
-    lift_settle: Seconds = Field(
-        3.0,
-        ge=0,
-        le=30,
-        description="Time in which the stone settles after the arm first moves [s].",
-    )
-    lift_slip: Meters = Field(
-        0.3, gt=0, le=1, description="Closing that counts as slip before the stone has settled [m]."
-    )
-    empty: Meters = Field(
-        0.1, ge=0, le=1, description="Opening below which the jaws hold nothing [m]."
-    )
-    confirm: Seconds = Field(
-        0.25, ge=0, le=5, description="Time for which trouble must last before it is reported [s]."
-    )
 
 
 @dataclass(eq=False)

@@ -5,10 +5,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from executive_plugins.monitoring.payload_scale import PayloadScale
+from executive_plugins.monitoring.settings import PayloadDropSettings
 from executive_plugins.monitoring.signal_filters import LowPass
-from pydantic import Field
 
-from executive.config import Kilograms, Meters, Seconds, Settings
 from executive.interfaces.monitoring import Monitor
 from executive.machine.machine import Machine
 from executive.messages.joints import JointSample
@@ -17,41 +16,6 @@ from executive.messages.verdict import Trouble, Verdict
 _VELOCITY_S = 0.2  # time constant of the velocities from which accelerations are derived
 _SINKING_M_S = 0.02  # downward speed of the grasp centre that counts as sinking
 _PRESSING = 0.2  # share of the carried mass; less than its negative means that the arm presses down
-
-
-class PayloadDropSettings(Settings):
-    """When a loss of weight counts as a drop."""
-
-    smoothing: Seconds = Field(
-        0.3, gt=0, le=5, description="Time constant of the estimated mass [s]."
-    )
-    carried: Kilograms = Field(
-        250.0, gt=0, description="Mass from which a stone counts as carried [kg]."
-    )
-    loss: float = Field(
-        0.5, gt=0, lt=1, description="Share of the carried mass whose loss counts as a drop."
-    )
-    sudden: Seconds = Field(
-        3.0, gt=0, le=60, description="A loss within this time counts as sudden [s]."
-    )
-    confirm: Seconds = Field(
-        0.4, ge=0, le=5, description="Time for which the loss must last before it is reported [s]."
-    )
-    steady: float = Field(
-        0.6,
-        gt=0,
-        le=5,
-        description="Share of the acceleration limits up to which the mass is estimated.",
-    )
-    touch_down: Seconds = Field(
-        3.0,
-        ge=0,
-        le=60,
-        description="Time after sinking in which the ground may carry the stone [s].",
-    )
-    jaw_closing: Meters = Field(
-        0.05, gt=0, le=1, description="Closing of the tips that shows a drop during set-down [m]."
-    )
 
 
 @dataclass(eq=False)

@@ -8,17 +8,16 @@ from executive_plugins.motion.collision import CollisionCheck
 from executive_plugins.motion.convex_body import ConvexBody
 from executive_plugins.motion.forward_kinematics import link_frames
 from executive_plugins.motion.ground import ground_normal
-from executive_plugins.motion.inverse_kinematics import InverseKinematics, InverseKinematicsSettings
+from executive_plugins.motion.inverse_kinematics import InverseKinematics
 from executive_plugins.motion.move import Move, NoPath
 from executive_plugins.motion.obstacles import Obstacles
 from executive_plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
+from executive_plugins.motion.settings import HermiteSettings
 from executive_plugins.motion.sweep import sweep
 from executive_plugins.motion.timing import Limits, time_path
 from executive_plugins.motion.waypoints import Waypoints
-from pydantic import Field
 
 from executive.arrays import Float, checked
-from executive.config import Meters, Settings
 from executive.geometry.pose import inverse, transform
 from executive.interfaces.motion import MotionPlanner
 from executive.machine.kinematics import Kinematics
@@ -29,32 +28,6 @@ from executive.messages.trajectory import JointTrajectory
 
 _BEYOND_REACH_M = 2.0  # obstacles farther beyond the reach are ignored
 _PATH_POINTS = 100  # number of points of the path that is displayed
-
-
-class HermiteSettings(Settings):
-    """Speed, clearances and tolerances of planned motions."""
-
-    speed: float = Field(
-        0.9, gt=0, le=1, description="Share of the joints' velocity and acceleration limits to use."
-    )
-    clearance: Meters = Field(
-        0.3, ge=0, le=3, description="Height kept above obstacles while travelling [m]."
-    )
-    contact_tolerance: Meters = Field(
-        0.05,
-        ge=0,
-        le=0.3,
-        description="Depth of map points inside arm or stone that is tolerated [m].",
-    )
-    machine_clearance: Meters = Field(
-        0.05, ge=0, le=0.5, description="Distance kept between parts of the machine [m]."
-    )
-    least_arrival: float = Field(
-        0.5, gt=0, le=1, description="Least share of the straight arrival that must be in reach."
-    )
-    inverse_kinematics: InverseKinematicsSettings = Field(
-        InverseKinematicsSettings(), description="How positions for a pose are found."
-    )
 
 
 class Hermite(MotionPlanner):

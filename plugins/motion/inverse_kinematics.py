@@ -3,10 +3,9 @@
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from pydantic import Field
+from executive_plugins.motion.settings import InverseKinematicsSettings
 
 from executive.arrays import Float
-from executive.config import Meters, Radians, Settings
 from executive.geometry.pose import inverse
 from executive.geometry.rotation import log_so3
 from executive.machine.kinematics import Kinematics
@@ -21,24 +20,6 @@ _FADE = 0.25  # factor on the pull in each iteration
 _PATIENCE = 5  # iterations without an improvement of 5 % before giving up
 _SAME = 0.02  # solutions closer than this are the same [rad] or [m]
 _MAX_STEP = 0.4  # largest step, within which the linearisation is valid [rad] or [m]
-
-
-class InverseKinematicsSettings(Settings):
-    """Tolerances and iterations."""
-
-    position_tolerance_m: Meters = Field(
-        0.005, gt=0, le=0.1, description="Largest deviation of position [m]."
-    )
-    orientation_tolerance_rad: Radians = Field(
-        0.06,
-        gt=0,
-        le=0.5,
-        description="Largest deviation of orientation, for arms with few joints [rad].",
-    )
-    iterations: int = Field(30, ge=5, le=500, description="Largest number of iterations per seed.")
-    margin: float = Field(
-        0.005, ge=0, le=0.1, description="Distance kept from the joint limits [rad] or [m]."
-    )
 
 
 class InverseKinematics:

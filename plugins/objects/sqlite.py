@@ -12,11 +12,10 @@ from executive_plugins.objects.database_file import open_file, transaction
 from executive_plugins.objects.growth import Fit, fit_of, icp_shift, merged, shifts_of
 from executive_plugins.objects.scene import surface_within, surroundings, unexplained
 from executive_plugins.objects.schema import pack_pose, read_event, read_stone, unpack_pose
+from executive_plugins.objects.settings import SqliteObjectsSettings
 from executive_plugins.objects.surface import pack
-from pydantic import Field
 
 from executive.arrays import Float, checked
-from executive.config import Meters, Settings
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import inverse, pose, transform
 from executive.interfaces.objects import ObjectDatabase
@@ -24,44 +23,6 @@ from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment
 from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
-
-
-class SqliteObjectsSettings(Settings):
-    """When a segment is a known stone, when its surface grows, and the resolution of surfaces."""
-
-    max_distance_m: Meters = Field(
-        0.6, gt=0, description="Largest distance of a segment from its stone [m]."
-    )
-    max_roll_m: Meters = Field(
-        3.0, gt=0, description="The same for a stone that was dropped or lost [m]."
-    )
-    max_growth: float = Field(
-        1.6, gt=1, description="Largest ratio of the box diagonals of segment and stone."
-    )
-    max_growth_whole: float = Field(
-        1.15, gt=1, description="The same for a stone that was seen from above before."
-    )
-    voxel_m: Meters = Field(0.03, gt=0, description="Grid to which surfaces are thinned [m].")
-    max_points: int = Field(
-        20_000,
-        ge=100,
-        description="Largest number of points of a surface; a coarser grid keeps it.",
-    )
-    agreement_m: Meters = Field(
-        0.10, gt=0, description="Distance up to which points of two surfaces agree [m]."
-    )
-    min_agreement: float = Field(
-        0.6, ge=0, le=1, description="Share of points that must agree before a surface grows."
-    )
-    max_rmse_m: Meters = Field(
-        0.04, gt=0, description="Largest root mean square distance of surfaces that agree [m]."
-    )
-    explained_m: Meters = Field(
-        0.08, gt=0, description="A map point this near to a stone's model is of that stone [m]."
-    )
-    ground_m: Meters = Field(
-        0.10, ge=0, description="Map points this low on a stone's model are kept as ground [m]."
-    )
 
 
 class SqliteObjects(ObjectDatabase):

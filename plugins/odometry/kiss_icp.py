@@ -5,12 +5,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from executive_plugins.odometry.dead_reckoning import DeadReckoning
 from executive_plugins.odometry.own_returns import OwnReturns
+from executive_plugins.odometry.settings import KissIcpSettings
 from kiss_icp.config import KISSConfig
 from kiss_icp.kiss_icp import KissICP
-from pydantic import Field
 
 from executive.arrays import Float
-from executive.config import Meters, MetersPerSecond, Radians, RadiansPerSecond, Seconds, Settings
 from executive.geometry.pose import inverse
 from executive.geometry.rotation import angle_between
 from executive.interfaces.odometry import LidarOdometry
@@ -22,42 +21,6 @@ from executive.messages.odometry import LidarIncrement
 
 _REVOLUTION_S = 0.1  # time over which the first scan is undistorted
 _FEWEST = 100  # smallest number of points that are matched
-
-
-class KissIcpSettings(Settings):
-    """Settings of the odometry."""
-
-    frame: str = Field(
-        "lidar_horizontal", description="The lidar to use; scans of other lidars are ignored."
-    )
-    near_m: Meters = Field(
-        2.5,
-        ge=0,
-        description="Nearer returns are ignored, since most are of the machine itself [m].",
-    )
-    far_m: Meters = Field(60.0, gt=0, description="Farther returns are ignored [m].")
-    voxel_m: Meters = Field(0.5, gt=0, le=5, description="Grid edge of the local map [m].")
-    points_per_voxel: int = Field(20, ge=1, le=200, description="Most points in a cell of the map.")
-    first_threshold_m: Meters = Field(
-        1.0, gt=0, le=10, description="Largest distance of correspondences at the start [m]."
-    )
-    longest_gap_s: Seconds = Field(
-        2.0, gt=0, le=2.5, description="Time without a scan after which a new map is started [s]."
-    )
-    max_speed_m_s: MetersPerSecond = Field(
-        15.0, gt=0, description="Fastest plausible motion of the sensor [m/s]."
-    )
-    max_rate_rad_s: RadiansPerSecond = Field(
-        1.5, gt=0, description="Fastest plausible rotation of the sensor [rad/s]."
-    )
-    rotation_std_rad: Radians = Field(
-        0.02,
-        gt=0,
-        description="Error of an increment's rotation [rad]; measured on level ground, swinging.",
-    )
-    translation_std_m: Meters = Field(
-        0.05, gt=0, description="Error of an increment's translation [m]; measured likewise."
-    )
 
 
 class KissIcp(LidarOdometry):

@@ -1,29 +1,13 @@
 """Contact between rigid bodies in MuJoCo: one model for the simulated world and simulated lifts."""
 
 import mujoco
-from pydantic import Field
-
-from executive.config import Settings
+from executive_plugins.physics.contact_settings import ContactSettings
 
 _CONDIM = 4  # sliding friction and torsional friction, no rolling friction
 _SOLREF = (0.01, 1.0)  # time constant [s] and damping ratio of a contact
 _SOLIMP = (0.95, 0.99, 0.002, 0.5, 2.0)
 _TIE_SOLREF = (0.01, 1.0)  # the same for joints that are tied to one another
 _TIE_SOLIMP = (0.99, 0.999, 0.001, 0.5, 2.0)
-
-
-class ContactSettings(Settings):
-    """Friction of all surfaces; with the defaults the jaws hold a stone of 2.7 t without creep."""
-
-    friction: float = Field(
-        0.6, gt=0, le=2, description="Coulomb friction coefficient of steel, stone and ground."
-    )
-    torsional_friction_m: float = Field(
-        0.08, ge=0, le=0.5, description="Size of a contact patch that resists turning [m]."
-    )
-    impratio: float = Field(
-        100.0, ge=1, le=1000, description="Stiffness of friction over that of normal forces."
-    )
 
 
 def apply_contact(spec: mujoco.MjSpec, settings: ContactSettings) -> None:

@@ -7,12 +7,12 @@ from executive_plugins.placing.allowed_places import AllowedPlaces
 from executive_plugins.placing.free_ground import FreeGround, GroundNeeds
 from executive_plugins.placing.release import HeldStone, aligned_poses, release_poses
 from executive_plugins.placing.row_of_stones import row_of_stones
+from executive_plugins.placing.settings import SlotsSettings
 from executive_plugins.placing.slot_surroundings import SlotFoot, SlotSurroundings
 from executive_plugins.placing.spaced_row import spaced_row
-from pydantic import Field
 
 from executive.arrays import Float, checked
-from executive.config import Meters, Radians, Settings
+from executive.config import Settings
 from executive.errors import DataError
 from executive.geometry.pose import inverse, pose, transform
 from executive.interfaces.motion import MotionPlanner
@@ -23,39 +23,6 @@ from executive.messages.placement import Placement, Slot
 from executive.messages.segment import Segmentation
 from executive.messages.slot_layout import ANYWHERE, Row, SlotLayout
 from executive.messages.stone import Stone
-
-
-class SlotsSettings(Settings):
-    """Positions of slots, requirements on their ground, and the release of a stone."""
-
-    radii_m: tuple[Meters, ...] = Field(
-        (6.0, 7.2, 5.0, 4.2),
-        min_length=1,
-        description="Distances of rows of slots from the machine, preferred first [m].",
-    )
-    spacing_m: Meters = Field(
-        1.9, gt=0, description="Distance between slots of a row; open jaws must fit between [m]."
-    )
-    sector_rad: Radians = Field(
-        6.28, gt=0, le=6.2832, description="Sector around the machine's front that is used [rad]."
-    )
-    clearance_m: Meters = Field(
-        1.2, gt=0, description="Least distance of a slot's centre from any segment [m]."
-    )
-    max_slope_rad: Radians = Field(0.2, gt=0, lt=1.5, description="Largest ground slope [rad].")
-    max_roughness_m: Meters = Field(
-        0.08, gt=0, description="Largest standard deviation of ground heights from their plane [m]."
-    )
-    drop_m: Meters = Field(
-        0.05, ge=0, description="Height of the stone's bottom above ground at the release [m]."
-    )
-    approach_m: Meters = Field(
-        0.8, ge=0, description="Length of the straight descent to a slot, in reach [m]."
-    )
-    turns: int = Field(24, ge=1, le=360, description="Number of yaws of a stone over its slot.")
-    max_placements: int = Field(
-        4, ge=1, description="Most ways to set a stone down that are returned."
-    )
 
 
 class Slots(PlacementPlanner):

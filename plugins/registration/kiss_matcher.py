@@ -11,25 +11,15 @@ from typing import Any
 import numpy as np
 from executive_plugins.registration.motion_proposer import MotionProposer
 from executive_plugins.registration.segment_registrar import SegmentRegistrar
-from executive_plugins.registration.segment_settings import SegmentSettings
+from executive_plugins.registration.settings import KissMatcherSettings
 from executive_plugins.registration.stopwatch import Stopwatch
-from pydantic import Field
 
 from executive.arrays import Float
-from executive.config import Meters
 from executive.extras import require_extra
 from executive.geometry.pose import pose
 from executive.interfaces.alignment import Aligner
 from executive.interfaces.segmentation import Segmenter
 from executive.messages.segment import Segmentation
-
-
-class KissMatcherSettings(SegmentSettings):
-    """Resolution of the features, and the gate."""
-
-    feature_voxel_m: Meters = Field(
-        0.10, gt=0, description="Grid to which the matcher thins segments [m]."
-    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,29 +8,14 @@ from executive_plugins.registration.constellation import constellation_transform
 from executive_plugins.registration.features import match
 from executive_plugins.registration.motion_proposer import MotionProposer
 from executive_plugins.registration.segment_registrar import SegmentRegistrar, centroids
-from executive_plugins.registration.segment_settings import SegmentSettings
+from executive_plugins.registration.settings import SegmentFpfhSettings
 from executive_plugins.registration.stopwatch import Stopwatch
-from pydantic import Field
 
 from executive.arrays import Float
-from executive.config import Meters
 from executive.extras import require_extra
 from executive.interfaces.alignment import Aligner
 from executive.interfaces.segmentation import Segmenter
 from executive.messages.segment import Segmentation
-
-
-class SegmentFpfhSettings(SegmentSettings):
-    """Radii of the features, sizes of the search, and the gate."""
-
-    feature_voxel_m: Meters = Field(
-        0.06, gt=0, description="Grid of the points that shape features [m]."
-    )
-    iss_radius_m: Meters = Field(0.15, gt=0, description="Salient radius of keypoints, R_iss [m].")
-    fpfh_radius_m: Meters = Field(0.50, gt=0, description="Radius of descriptors [m].")
-    nearest: int = Field(
-        2, ge=1, le=10, description="Target keypoints that each source keypoint is matched with."
-    )
 
 
 def load_open3d() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from executive_plugins.registration.centroid_matching import matched_centroids
 from executive_plugins.registration.gate import NOTHING, Agreement, measure, refusal
 from executive_plugins.registration.motion_proposer import MotionProposer
-from executive_plugins.registration.segment_settings import SegmentSettings
+from executive_plugins.registration.settings import SegmentSettings
 from executive_plugins.registration.similarity import Similarity, Surface, refine
 from executive_plugins.registration.single_object import ObjectFinder
 from executive_plugins.registration.stopwatch import Stopwatch

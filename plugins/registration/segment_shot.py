@@ -3,88 +3,28 @@ elsewhere.
 """
 
 from dataclasses import dataclass
-from enum import StrEnum
-from typing import Any
 
 import numpy as np
 from executive_plugins.registration.consistency import consistent_transforms
 from executive_plugins.registration.motion_proposer import MotionProposer
-from executive_plugins.registration.segment_fpfh import (
-    FpfhAndConstellation,
-    SegmentFpfhSettings,
-    load_open3d,
-)
+from executive_plugins.registration.segment_fpfh import FpfhAndConstellation, load_open3d
 from executive_plugins.registration.segment_registrar import SegmentRegistrar
-from executive_plugins.registration.segment_settings import SegmentSettings
+from executive_plugins.registration.settings import (
+    SegmentFpfhSettings,
+    SegmentSettings,
+    SegmentShotSettings,
+)
 from executive_plugins.registration.shot_features import (
     describe_keypoints,
     find_keypoints,
     match_descriptors,
 )
 from executive_plugins.registration.stopwatch import Stopwatch
-from pydantic import Field, model_validator
 
 from executive.arrays import Float
-from executive.config import Meters
 from executive.interfaces.alignment import Aligner
 from executive.interfaces.segmentation import Segmenter
 from executive.messages.segment import Segment, Segmentation
-
-
-class Preset(StrEnum):
-    """Named radii."""
-
-    SURE = "sure"
-    PAPER = "paper"
-
-
-# The paper's Table 3 gives R_iss and R_shot; its points are those of the map.
-_RADII = {
-    Preset.SURE: {
-        "feature_voxel_m": 0.05,
-        "iss_radius_m": 0.12,
-        "keypoint_gap_m": 0.08,
-        "shot_radius_m": 0.40,
-    },
-    Preset.PAPER: {
-        "feature_voxel_m": 0.03,
-        "iss_radius_m": 0.06,
-        "keypoint_gap_m": 0.04,
-        "shot_radius_m": 0.10,
-    },
-}
-
-
-class SegmentShotSettings(SegmentSettings):
-    """Radii of the features, sizes of the search, and the gate."""
-
-    preset: Preset = Field(
-        Preset.SURE, description="Radii unless given one by one: sure, or the paper's."
-    )
-    feature_voxel_m: Meters = Field(
-        0.05, gt=0, description="Grid of the points that shape features [m]."
-    )
-    iss_radius_m: Meters = Field(
-        0.12, gt=0, description="Salient radius of keypoints and normals, R_iss [m]."
-    )
-    keypoint_gap_m: Meters = Field(
-        0.08, gt=0, description="A keypoint stands out among points this near [m]."
-    )
-    shot_radius_m: Meters = Field(0.40, gt=0, description="Radius of descriptors, R_shot [m].")
-    max_matches: int = Field(
-        600, ge=10, le=5000, description="Most matches that are looked at, the most alike."
-    )
-    falls_back: bool = Field(
-        True, description="Whether FPFH and constellations are tried when SHOT is refused."
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _fill_in_radii(cls, given: Any) -> Any:
-        preset = given.get("preset") if isinstance(given, dict) else None
-        if isinstance(preset, str) and preset in set(Preset):
-            return {**_RADII[Preset(preset)], **given}
-        return given
 
 
 @dataclass(frozen=True, slots=True)

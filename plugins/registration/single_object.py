@@ -13,7 +13,7 @@ import numpy as np
 from executive_plugins.registration.form import form_error
 from executive_plugins.registration.gate import Agreement, measure, refusal
 from executive_plugins.registration.motion_proposer import MotionProposer
-from executive_plugins.registration.segment_settings import SegmentSettings
+from executive_plugins.registration.settings import SegmentSettings
 from executive_plugins.registration.similarity import Similarity, Surface, refine
 from executive_plugins.registration.stopwatch import Stopwatch
 from executive_plugins.registration.thinning import thinned

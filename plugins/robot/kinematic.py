@@ -7,16 +7,15 @@ from collections.abc import Sequence
 
 import numpy as np
 from executive_plugins.physics.gravity import GRAVITY_M_S2
+from executive_plugins.robot.settings import KinematicSettings
 from executive_plugins.robot.trajectory_follower import Follower
-from pydantic import Field
 
 from executive.arrays import Float
-from executive.config import Radians
 from executive.errors import RobotError
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.pose import pose
 from executive.geometry.rotation import log_so3
-from executive.interfaces.robot import Robot, RobotSettings
+from executive.interfaces.robot import Robot
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 from executive.messages.command import Command, Follow, MoveJaws
@@ -27,21 +26,6 @@ from executive.messages.observation import Observation
 
 _STEP_S = 0.01  # 100 Hz: the rate of the IMUs and the encoders
 _GNSS_EVERY = 5  # steps: 20 Hz
-
-
-class KinematicSettings(RobotSettings):
-    """Settings of the robot without physics."""
-
-    jaws_stop_at: Radians = Field(
-        0.4, ge=0, le=2, description="Angle at which closing jaws stop at a stone [rad]."
-    )
-    fails_at_s: float | None = Field(
-        None, ge=0, description="Mission time at which the machine stops responding [s]."
-    )
-    datum: tuple[float, float, float] = Field(
-        (47.4084, 8.5106, 440.0),
-        description="Latitude [deg], longitude [deg], altitude [m] of the map's origin.",
-    )
 
 
 class KinematicRobot(Robot):

@@ -7,6 +7,7 @@ from executive_plugins.segmentation.cluster_splitting import ClusterSplitter
 from executive_plugins.segmentation.clusters import connected_clusters
 from executive_plugins.segmentation.ground_plane import fit_ground_plane
 from executive_plugins.segmentation.ground_surface import fit_ground_surface
+from executive_plugins.segmentation.settings import GroundAndClustersSettings
 from executive_plugins.segmentation.shape import (
     counts_near,
     moments,
@@ -14,10 +15,8 @@ from executive_plugins.segmentation.shape import (
     principal_extents,
     spans,
 )
-from pydantic import Field
 
 from executive.arrays import Float
-from executive.config import Meters, Radians, Settings
 from executive.errors import DataError
 from executive.geometry.voxels import voxel_means
 from executive.interfaces.segmentation import Segmenter
@@ -26,59 +25,6 @@ from executive.messages.segment import Segment, Segmentation
 
 _GROUND_SAMPLE = 20_000  # points that shape the ground: 50 in a square metre over ±10 m
 _WIDEST_HEAP_M = 20.0  # wider clusters are not heaps of stones
-
-
-class GroundAndClustersSettings(Settings):
-    """Limits between ground and objects, and between objects."""
-
-    plane_margin_m: Meters = Field(
-        0.10, gt=0, le=1, description="Height up to which points are ground, d_plane [m]."
-    )
-    max_tilt_rad: Radians = Field(
-        np.pi / 6, gt=0, lt=np.pi / 2, description="Ground's largest angle to level [rad]."
-    )
-    node_m: Meters = Field(
-        1.0, ge=0.2, le=10, description="Distance of the terrain grid's nodes [m]."
-    )
-    relief_m: Meters = Field(
-        0.30, gt=0, le=2, description="Largest distance of ground from its mean plane [m]."
-    )
-    stiffness: float = Field(
-        0.2, gt=0, description="Bending of the terrain grid against a cell full of points."
-    )
-    voxel_m: Meters = Field(
-        0.07, gt=0, le=1, description="Grid edge of the clustering; smaller gaps are bridged [m]."
-    )
-    fine_voxel_m: Meters = Field(
-        0.04, gt=0, le=1, description="Grid edge on which neighbours are parted [m]."
-    )
-    cell_m: Meters = Field(0.05, gt=0, le=1, description="Grid edge of the view from above [m].")
-    valley_depth: float = Field(
-        0.3, gt=0, le=1, description="Drop from a stone's top to the next, as a share."
-    )
-    core_share: float = Field(
-        0.85, gt=0, le=1, description="Share of a cluster that its parts must hold to split it."
-    )
-    min_points: int = Field(60, ge=10, description="Fewest points of an object.")
-    min_extent_m: Meters = Field(
-        0.25, gt=0, description="An object's longest side is at least this [m]."
-    )
-    max_extent_m: Meters = Field(
-        3.0, gt=0, description="An object's longest side is at most this [m]."
-    )
-    min_height_m: Meters = Field(
-        0.16, gt=0, description="An object rises at least this far above the ground [m]."
-    )
-    flat_margin_m: Meters = Field(
-        0.03, gt=0, description="Distance from a plane that still is the plane [m]."
-    )
-    flat_share: float = Field(
-        0.85, gt=0, le=1, description="Share of points on one plane above which it is no object."
-    )
-    merged_voxel_m: Meters = Field(
-        0.03, gt=0, le=1, description="Grid edge to which merged clouds are thinned [m]."
-    )
-    seed: int = Field(0, ge=0, description="Seed of the random samples.")
 
 
 class GroundAndClusters(Segmenter):

@@ -1,32 +1,18 @@
 """A survey from a drone's photographs: pycolmap for their places, own plane sweep for the cloud."""
 
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
-from executive_plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
+from executive_plugins.surveying.photogrammetry import reconstruct
 from executive_plugins.surveying.photograph_folder import Photographs, read_photographs
+from executive_plugins.surveying.settings import ColmapSettings
 from executive_plugins.surveying.structure_from_motion import load_pycolmap
-from pydantic import Field
 
 from executive.config import Settings
 from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
 
 FEWEST_PICTURES = 6
-
-
-class ColmapSettings(PhotogrammetrySettings):
-    """Which photographs, and how they are made into a cloud."""
-
-    photographs: Path = Field(
-        description="Folder of JPEG or PNG files from one camera, which overlap."
-    )
-    positions: Path | None = Field(
-        None,
-        description="CSV: name,x,y,z or name,lat,lon,alt; else positions.csv among them, else "
-        "their GPS tags.",
-    )
 
 
 class Colmap(Survey):

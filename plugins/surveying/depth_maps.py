@@ -6,45 +6,18 @@ from pathlib import Path
 
 import numpy as np
 from executive_plugins.surveying.plane_sweep import Grey, View, sweep
+from executive_plugins.surveying.settings import DepthSettings
 from executive_plugins.surveying.structure_from_motion import PosedPicture
 from numba import njit
 from PIL import Image
-from pydantic import Field
 from scipy.ndimage import map_coordinates
 
 from executive.arrays import Bool, Float
-from executive.config import Meters, Radians, Settings
 from executive.errors import DataError
 
 _PLANES_MOST = 250
 _STEP_PIXELS = 1.25  # between planes: half a pixel between views 25° apart
 _CHANCE = 3  # number of the highest and of the lowest sparse points that may be wrong
-
-
-class DepthSettings(Settings):
-    """Resolution of the depth maps, and how strictly depths are tested."""
-
-    pixel_m: Meters = Field(
-        0.022, gt=0.001, le=1, description="A pixel of the depth maps on the ground [m]."
-    )
-    window_px: int = Field(
-        5, ge=3, le=21, description="Side of the window that is compared [px]; odd."
-    )
-    compared: int = Field(4, ge=1, le=20, description="Neighbours that a picture is compared with.")
-    angle_rad: Radians = Field(
-        0.3, gt=0.02, le=1, description="Best angle between two views of a point [rad]."
-    )
-    least_score: float = Field(0.6, ge=0, lt=1, description="Lowest accepted correlation.")
-    confirmed_by: int = Field(
-        2, ge=1, le=20, description="Other depth maps that must show the same point."
-    )
-    tolerance: float = Field(0.004, gt=0, le=0.1, description="Within this share of the distance.")
-    below_m: Meters = Field(
-        0.2, ge=0, le=20, description="Swept below the lowest sparse points [m]."
-    )
-    above_m: Meters = Field(
-        0.5, ge=0, le=20, description="Swept above the highest sparse points [m]."
-    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

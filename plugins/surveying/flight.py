@@ -3,29 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from pydantic import Field
+from executive_plugins.surveying.settings import FlightSettings
 
 from executive.arrays import Float
-from executive.config import Meters, Radians, Settings
-
-
-class FlightSettings(Settings):
-    """Settings of a flight: slanted pictures from an outer ring, steep ones from an inner ring."""
-
-    cameras: int = Field(20, ge=3, le=200, description="Number of pictures.")
-    centre_m: tuple[float, float] = Field(
-        (3.7, 0.0), description="Middle of the surveyed ground in the map [m]."
-    )
-    size_m: tuple[float, float] = Field(
-        (8.4, 15.8), description="Sides of the surveyed ground along x and y [m]."
-    )
-    height_m: Meters = Field(
-        8.0, gt=1, le=100, description="Height of the pictures above the map's origin [m]."
-    )
-    view_angle_rad: Radians = Field(
-        1.2, gt=0.2, lt=2.5, description="Opening angle of the camera [rad]."
-    )
-    rays: int = Field(110, ge=10, le=1000, description="Rays along each side of a picture.")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,45 +1,10 @@
 """A drone's flight in strips, for photographs: true and recorded positions."""
 
 import numpy as np
-from pydantic import Field
+from executive_plugins.surveying.settings import GridFlightSettings
 
 from executive.arrays import Float
-from executive.config import Meters, Radians, Settings
 from executive.geometry.pose import pose
-
-
-class GridFlightSettings(Settings):
-    """Strips to and fro over the site; pictures look inwards, so that those from the outside see
-    the stones' sides.
-    """
-
-    strips: int = Field(4, ge=2, le=50, description="Number of strips, along y.")
-    pictures: int = Field(9, ge=2, le=100, description="Pictures of each strip.")
-    centre_m: tuple[float, float] = Field(
-        (3.7, 0.0), description="Middle of the surveyed ground in the map [m]."
-    )
-    size_m: tuple[float, float] = Field(
-        (10.0, 18.0), description="Sides of the flight along x and y [m]."
-    )
-    aim: float = Field(
-        0.5, ge=0, le=1, description="Pictures look so far out as a share of how far out they are."
-    )
-    height_m: Meters = Field(
-        8.0, gt=1, le=100, description="Height of the flight above the map's origin [m]."
-    )
-    unsteadiness_m: Meters = Field(
-        0.2, ge=0, le=5, description="Deviation from the plan, of place and aim [m]."
-    )
-    size_px: tuple[int, int] = Field(
-        (1000, 750), description="Width and height of the pictures [px]."
-    )
-    view_angle_rad: Radians = Field(
-        1.2, gt=0.2, lt=2.5, description="Opening angle across the width [rad]."
-    )
-    offset_m: Meters = Field(
-        1.5, ge=0, le=50, description="Error of all recorded positions together [m]."
-    )
-    noise_m: Meters = Field(0.5, ge=0, le=20, description="Error of each, along each axis [m].")
 
 
 def fly(settings: GridFlightSettings, rng: np.random.Generator) -> list[Float]:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from executive_plugins.surveying.camera_alignment import CameraAlignment, align_cameras
 from executive_plugins.surveying.depth_maps import (
-    DepthSettings,
     confirmed,
     make_view,
     measure_depth,
@@ -15,40 +14,17 @@ from executive_plugins.surveying.depth_maps import (
 from executive_plugins.surveying.fusion import below_flight, fuse
 from executive_plugins.surveying.photograph_folder import Photographs
 from executive_plugins.surveying.plane_sweep import View
-from executive_plugins.surveying.structure_from_motion import (
-    Model,
-    MotionSettings,
-    PosedPicture,
-    find_motion,
+from executive_plugins.surveying.settings import (
+    PhotogrammetrySettings,
 )
-from pydantic import Field
+from executive_plugins.surveying.structure_from_motion import Model, PosedPicture, find_motion
 
 from executive.arrays import Float
-from executive.config import Meters, Settings
 from executive.errors import DataError
 from executive.geometry.pose import pose
 from executive.messages.cloud import Cloud
 
 FRAME = "survey"
-
-
-class PhotogrammetrySettings(Settings):
-    """Settings of each step."""
-
-    motion: MotionSettings = Field(MotionSettings(), description="Where pictures were taken.")
-    depth: DepthSettings = Field(DepthSettings(), description="What they show.")
-    voxel_m: Meters = Field(
-        0.04, gt=0.005, le=0.5, description="Grid on which points are merged [m]."
-    )
-    fewest: int = Field(
-        2, ge=1, le=100, description="Fewest points of a cell: lone ones are chance."
-    )
-    margin_m: Meters = Field(
-        0.0, ge=-50, le=50, description="Ground kept beyond the outline of the cameras [m]."
-    )
-    max_scale_error: float = Field(
-        0.05, gt=0, le=0.5, description="Largest standard deviation of the scale, a share."
-    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,33 +1,19 @@
 """A survey that is read from a point cloud file."""
 
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
-from pydantic import Field
+from executive_plugins.surveying.settings import PointCloudFileSettings
 
 from executive.clouds.reader import read_points
 from executive.clouds.units import check_site
-from executive.config import Meters, Settings
+from executive.config import Settings
 from executive.errors import DataError
 from executive.geometry.voxels import voxel_means
 from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
 
 FRAME = "survey"
-
-
-class PointCloudFileSettings(Settings):
-    """The file, and the limits of an acceptable cloud."""
-
-    path: Path = Field(description="PLY, PCD, LAS, LAZ or XYZ file; coordinates in metres.")
-    voxel_m: Meters = Field(
-        0.03, gt=0.005, le=0.5, description="Grid on which points are merged [m]."
-    )
-    min_points: int = Field(100, ge=1, description="Fewer points are no survey.")
-    max_extent_m: Meters = Field(
-        500.0, gt=1, description="A larger cloud is no site, or not in metres [m]."
-    )
 
 
 class PointCloudFile(Survey):

@@ -1,42 +1,12 @@
 """Simulated errors of structure from motion: noise, a smooth warp, a wrong scale, another frame."""
 
 import numpy as np
-from pydantic import Field
+from executive_plugins.surveying.settings import ReconstructionSettings
 
 from executive.arrays import Float
-from executive.config import Meters, Radians, Settings
 from executive.geometry.rotation import about_axis, exp_so3
 
 _WAVES = 3  # of the warp, for each axis
-
-
-class ReconstructionSettings(Settings):
-    """Size of a reconstruction's errors."""
-
-    depth_noise_m: Meters = Field(
-        0.012, ge=0, le=0.2, description="Standard deviation along the ray [m]."
-    )
-    point_noise_m: Meters = Field(
-        0.004, ge=0, le=0.2, description="Standard deviation in all directions [m]."
-    )
-    warp_m: Meters = Field(
-        0.02, ge=0, le=0.5, description="Largest smooth displacement along each axis [m]."
-    )
-    warp_wavelength_m: Meters = Field(
-        10.0, ge=2, le=1000, description="Shortest wavelength of the warp [m]."
-    )
-    scale_error: float = Field(
-        0.01, ge=0, lt=0.2, description="Largest error of the scale, as a share."
-    )
-    tilt_rad: Radians = Field(
-        0.07, ge=0, le=1.5, description="Largest tilt of the survey's frame [rad]."
-    )
-    offset_m: Meters = Field(
-        20.0, ge=0, le=1000, description="Largest offset of the frame along each axis [m]."
-    )
-    voxel_m: Meters = Field(
-        0.03, gt=0.005, le=0.5, description="Grid on which points are merged [m]."
-    )
 
 
 def warp(points: Float, settings: ReconstructionSettings, rng: np.random.Generator) -> Float:

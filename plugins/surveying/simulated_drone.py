@@ -3,13 +3,11 @@
 from typing import ClassVar
 
 import numpy as np
-from executive_plugins.surveying.flight import FlightSettings, take_pictures
-from executive_plugins.surveying.reconstruction import (
-    ReconstructionSettings,
-    own_frame,
-    warp,
+from executive_plugins.surveying.flight import take_pictures
+from executive_plugins.surveying.reconstruction import own_frame, warp
+from executive_plugins.surveying.settings import (
+    SimulatedDroneSettings,
 )
-from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Settings
@@ -20,15 +18,6 @@ from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
 
 FRAME = "survey"
-
-
-class SimulatedDroneSettings(Settings):
-    """The flight, and the errors of the reconstruction."""
-
-    flight: FlightSettings = Field(FlightSettings(), description="Where pictures are taken.")
-    reconstruction: ReconstructionSettings = Field(
-        ReconstructionSettings(), description="How far it is off."
-    )
 
 
 class SimulatedDrone(Survey):

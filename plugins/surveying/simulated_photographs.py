@@ -9,12 +9,15 @@ from typing import ClassVar
 import numpy as np
 from executive_plugins.surveying.camera_positions import TABLE
 from executive_plugins.surveying.colmap import FEWEST_PICTURES
-from executive_plugins.surveying.grid_flight import GridFlightSettings, fly, recorded
-from executive_plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
+from executive_plugins.surveying.grid_flight import fly, recorded
+from executive_plugins.surveying.photogrammetry import reconstruct
 from executive_plugins.surveying.photograph_folder import read_photographs
+from executive_plugins.surveying.settings import (
+    GridFlightSettings,
+    SimulatedPhotographsSettings,
+)
 from executive_plugins.surveying.structure_from_motion import load_pycolmap
 from PIL import Image
-from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Settings
@@ -25,17 +28,6 @@ from executive.messages.cloud import Cloud
 
 _QUALITY = 92  # of a JPEG: what cameras write
 _CAMERA_TAGS, _FOCAL_LENGTH_35MM = 0x8769, 0xA405
-
-
-class SimulatedPhotographsSettings(PhotogrammetrySettings):
-    """The flight, and how its pictures are made into a cloud."""
-
-    flight: GridFlightSettings = Field(
-        GridFlightSettings(), description="Where pictures are taken."
-    )
-    folder: Path | None = Field(
-        None, description="Folder that keeps the pictures, for `colmap`; else none is kept."
-    )
 
 
 class SimulatedPhotographs(Survey):

@@ -7,33 +7,11 @@ from typing import Any
 
 import numpy as np
 from executive_plugins.surveying.photograph_folder import Photographs
-from pydantic import Field
+from executive_plugins.surveying.settings import MotionSettings
 
 from executive.arrays import Float, Int
-from executive.config import Radians, Settings
 from executive.errors import DataError
 from executive.extras import require_extra
-
-
-class MotionSettings(Settings):
-    """Features, matches, and how many pictures must find their place."""
-
-    view_angle_rad: Radians | None = Field(
-        None,
-        gt=0.1,
-        lt=2.8,
-        description="Opening angle across the picture's width [rad]; from its tags, or guessed.",
-    )
-    feature_px: int = Field(
-        1000, ge=200, le=8000, description="Pictures are thinned to this side for features [px]."
-    )
-    features: int = Field(2000, ge=200, le=20000, description="Most features of a picture.")
-    neighbours: int = Field(
-        8, ge=3, le=200, description="Each picture is matched with so many nearest ones."
-    )
-    least_registered: float = Field(
-        0.7, gt=0, le=1, description="Share of the pictures that must find their place."
-    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,25 +2,13 @@
 
 from typing import TYPE_CHECKING
 
-from pydantic import Field
+from executive_plugins.viewing.settings import RerunSettings
 
-from executive.config import Seconds, Settings
 from executive.interfaces.viewing import Viewer
 from executive.machine.machine import Machine
 
 if TYPE_CHECKING:
     from executive_plugins.viewing.recording import Recording
-
-
-class RerunSettings(Settings):
-    """Settings of the recording."""
-
-    machine_period_s: Seconds = Field(
-        0.1, gt=0, le=10, description="Time between two drawings of the machine [s]."
-    )
-    max_points: int = Field(
-        120_000, ge=1000, description="Largest number of points drawn of one cloud."
-    )
 
 
 class RerunViewer(Viewer):

@@ -8,7 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from executive_plugins.mapping.density import dense_share
-from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
+from executive_plugins.objects.settings import SqliteObjectsSettings
+from executive_plugins.objects.sqlite import SqliteObjects
 
 from executive.clock import SimulatedClock
 from executive.events.site import SlotsFound

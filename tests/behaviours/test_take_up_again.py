@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
+from executive_plugins.objects.settings import SqliteObjectsSettings
+from executive_plugins.objects.sqlite import SqliteObjects
 
 from executive.behaviours.take_up_again import TakeUpAgain
 from executive.config import NoSettings

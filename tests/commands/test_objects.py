@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
+from executive_plugins.objects.settings import SqliteObjectsSettings
+from executive_plugins.objects.sqlite import SqliteObjects
 
 from executive.clouds.reader import read_points
 from executive.commands.main import main

@@ -5,8 +5,7 @@ those of the code.
 import re
 from pathlib import Path
 
-from executive_plugins.surveying.colmap import ColmapSettings
-from executive_plugins.surveying.simulated_photographs import SimulatedPhotographsSettings
+from executive_plugins.surveying.settings import ColmapSettings, SimulatedPhotographsSettings
 from pydantic import BaseModel
 
 from executive import registry

@@ -11,13 +11,14 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from executive_plugins.alignment.gicp import Gicp, GicpSettings
-from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
-from executive_plugins.registration.segment_shot import SegmentShot, SegmentShotSettings
-from executive_plugins.segmentation.ground_and_clusters import (
-    GroundAndClusters,
-    GroundAndClustersSettings,
-)
+from executive_plugins.alignment.gicp import Gicp
+from executive_plugins.alignment.settings import GicpSettings
+from executive_plugins.objects.settings import SqliteObjectsSettings
+from executive_plugins.objects.sqlite import SqliteObjects
+from executive_plugins.registration.segment_shot import SegmentShot
+from executive_plugins.registration.settings import SegmentShotSettings
+from executive_plugins.segmentation.ground_and_clusters import GroundAndClusters
+from executive_plugins.segmentation.settings import GroundAndClustersSettings
 from scipy.spatial import ConvexHull, cKDTree
 
 from executive.behaviours.find_again import FindAgain, FindAgainSettings

@@ -1,8 +1,10 @@
 """Settings that all estimators of a cabin share."""
 
-from executive_plugins.estimation.start.at_rest import RestSettings
-from executive_plugins.estimation.start.chassis import StandstillSettings
-from executive_plugins.estimation.start.in_motion import MovingStartSettings
+from executive_plugins.estimation.start.settings import (
+    MovingStartSettings,
+    RestSettings,
+    StandstillSettings,
+)
 from pydantic import Field
 
 from executive.config import Seconds, Settings

@@ -3,28 +3,15 @@
 import numpy as np
 from executive_plugins.estimation.filters.cloning_filter import CloningFilter
 from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
-from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter, GnssImuSettings
+from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
+from executive_plugins.estimation.filters.settings import ErrorStateEkfSettings
 from executive_plugins.estimation.inertial.state import InertialState
-from pydantic import Field
 
 from executive.arrays import Float
 from executive.errors import ConfigError
 from executive.geometry.pose import adjoint, inverse
 from executive.machine.rig import Rig
 from executive.messages.odometry import LidarIncrement
-
-
-class ErrorStateEkfSettings(GnssImuSettings):
-    """Settings of `gnss_imu_filter`, and the accuracy of lidar increments."""
-
-    odometry_scale: float = Field(
-        1.0, gt=0, le=100, description="Factor on the increments' own standard deviation."
-    )
-    odometry_gate: float = Field(
-        32.0,
-        gt=0,
-        description="Largest squared Mahalanobis distance of an increment (χ², 6: 1 in 60,000).",
-    )
 
 
 class ErrorStateEkf(GnssImuFilter):

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
-from executive_plugins.estimation.cabin.settings import CabinSettings
 from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.filters.settings import GnssImuSettings
 from executive_plugins.estimation.filters.trailing_filter import Correction, TrailingFilter
 from executive_plugins.estimation.inertial.measurement_models import (
     antenna_residual,
@@ -13,10 +13,8 @@ from executive_plugins.estimation.inertial.measurement_models import (
     standstill_residual,
 )
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
-from pydantic import Field
 
 from executive.arrays import Float
-from executive.config import Seconds
 from executive.interfaces.recorded_log import RecordedBody
 from executive.machine.rig import Rig
 from executive.messages.gnss import GnssFix
@@ -25,30 +23,6 @@ from executive.messages.odometry import LidarIncrement
 
 GLOBAL, FALLBACK = "GLOBAL", "FALLBACK"
 _DOUBT_S = 2.0  # time after a motion of the chassis during which standstill is ignored
-
-
-class GnssImuSettings(CabinSettings):
-    """Settings of the filter, in addition to those of all cabin estimators."""
-
-    lag_s: Seconds = Field(
-        0.1,
-        ge=0,
-        le=2,
-        description="Largest delay of measurements [s]; the state is predicted over it.",
-    )
-    gate: float = Field(
-        22.0,
-        gt=0,
-        description="Largest squared Mahalanobis distance of a fix (χ², 3: 1 in 15,000).",
-    )
-    reacquire_after: int = Field(
-        100,
-        gt=0,
-        description="Consecutive fixes beyond the gate after which the covariance is inflated.",
-    )
-    fallback_after_s: Seconds = Field(
-        1.0, gt=0, le=60, description="Time without a used fix until FALLBACK [s]."
-    )
 
 
 class GnssImuFilter(CabinEstimator):

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from executive_plugins.estimation.cabin.sensors import cabin_imu
 from executive_plugins.estimation.gate.measurements import Measurement
-from executive_plugins.estimation.graph.dual_graph import DualGraph, DualGraphSettings
+from executive_plugins.estimation.graph.dual_graph import DualGraph
+from executive_plugins.estimation.graph.settings import DualGraphSettings, SmootherSettings
 from executive_plugins.estimation.graph.smoother_process import InlineSmoother, SmootherHost
-from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
 from executive_plugins.estimation.graph.whole_graph import Recording, WholeGraph
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState

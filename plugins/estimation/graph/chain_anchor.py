@@ -3,7 +3,7 @@
 import numpy as np
 from executive_plugins.estimation.gate.measurements import Increment
 from executive_plugins.estimation.graph.factors import pose_factor
-from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
+from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.window import GraphWindow
 
 from executive.arrays import Float

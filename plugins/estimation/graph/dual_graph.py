@@ -6,21 +6,18 @@ from typing import Any
 
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
-from executive_plugins.estimation.cabin.settings import CabinSettings
 from executive_plugins.estimation.gate.measurements import Fix, Increment, Measurement, Standstill
 from executive_plugins.estimation.gate.unordered_stamp_gate import UnorderedStampGate
+from executive_plugins.estimation.graph.settings import DualGraphSettings
 from executive_plugins.estimation.graph.smoother_process import (
     InlineSmoother,
     ProcessSmoother,
     SmootherHost,
 )
-from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
 from executive_plugins.estimation.inertial.state import InertialState
 from executive_plugins.estimation.live.modes import Mode, ModeChange
-from pydantic import Field
 
 from executive.arrays import Float
-from executive.config import Seconds
 from executive.geometry.pose import adjoint, inverse
 from executive.interfaces.recorded_log import RecordedBody
 from executive.machine.rig import Rig
@@ -28,25 +25,6 @@ from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.odometry import LidarIncrement
 from executive.messages.status_change import StatusChange
-
-
-class DualGraphSettings(CabinSettings):
-    """Settings of the estimator, in addition to those of all cabin estimators."""
-
-    process: bool = Field(
-        False,
-        description="Whether to smooth in a separate process; false gives the same result on each "
-        "run.",
-    )
-    answer_within_s: Seconds = Field(
-        1.0,
-        gt=0.05,
-        le=60,
-        description="Time without an answer after which the smoother's process is replaced [s].",
-    )
-    smoother: SmootherSettings = Field(
-        default_factory=SmootherSettings, description="The graphs and the gate."
-    )
 
 
 class DualGraph(CabinEstimator):

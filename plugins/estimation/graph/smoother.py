@@ -22,7 +22,7 @@ from executive_plugins.estimation.graph.factors import (
 )
 from executive_plugins.estimation.graph.fix_comparison import compared, predicted
 from executive_plugins.estimation.graph.lidar_chain import LidarChain
-from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
+from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.standstill_check import StandstillCheck
 from executive_plugins.estimation.graph.window import GraphWindow, UnsolvableError
 from executive_plugins.estimation.inertial.noise import InertialNoise

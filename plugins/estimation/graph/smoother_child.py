@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 from executive_plugins.estimation.gate.measurements import Measurement
+from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.smoother import GraphSmoother
-from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import InertialState
 from executive_plugins.estimation.live.estimate import Estimate

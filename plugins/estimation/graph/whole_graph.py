@@ -16,7 +16,7 @@ from executive_plugins.estimation.graph.factors import (
     keys,
     prior,
 )
-from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
+from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.standstill_check import StandstillCheck
 from executive_plugins.estimation.inertial.measurement_models import antenna_residual
 from executive_plugins.estimation.inertial.noise import InertialNoise

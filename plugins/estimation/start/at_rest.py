@@ -16,39 +16,15 @@ from executive_plugins.estimation.inertial.state import (
     InertialState,
 )
 from executive_plugins.estimation.start.chassis_level import ChassisLevel
-from pydantic import Field
+from executive_plugins.estimation.start.settings import RestSettings
 
 from executive.arrays import Float
-from executive.config import RadiansPerSecond, Seconds, Settings
 from executive.geometry.rotation import skew
 
 # A spread of the fixes below this multiple of their stated standard deviation is noise, not motion.
 _DECLARED = 2.0
 # Two level sensors that differ by more standard deviations than this are not mounted as described.
 _MOUNTING_SIGMAS = 4.0
-
-
-class RestSettings(Settings):
-    """Conditions under which the machine counts as being at rest."""
-
-    duration_s: Seconds = Field(
-        2.0, gt=0, le=60, description="Time at rest that is needed before the first state [s]."
-    )
-    max_rate_rad_s: RadiansPerSecond = Field(
-        0.02, gt=0, le=0.2, description="Largest mean angular velocity that may be a bias [rad/s]."
-    )
-    max_rate_std_rad_s: RadiansPerSecond = Field(
-        0.02, gt=0, le=0.2, description="Largest spread of the angular velocity [rad/s]."
-    )
-    max_force_std_m_s2: float = Field(
-        0.3, gt=0, le=5, description="Largest spread of the specific force [m/s²]."
-    )
-    max_antenna_std_m: float = Field(
-        0.06,
-        gt=0,
-        le=1,
-        description="Largest spread of an antenna's fixes [m]; larger where the fixes state so.",
-    )
 
 
 class RestInitialisation:

@@ -4,10 +4,9 @@ from collections import deque
 
 import numpy as np
 from executive_plugins.estimation.inertial.state import rotation_step
-from pydantic import Field
+from executive_plugins.estimation.start.settings import StandstillSettings
 
 from executive.arrays import Float
-from executive.config import RadiansPerSecond, Settings
 from executive.geometry.pose import inverse, pose
 from executive.machine.rig import Rig
 from executive.messages.joints import JointSample
@@ -60,38 +59,6 @@ class TurnJoint:
         ahead_s = max(-0.1, min(0.1, stamp_s - self.stamp_s))
         angle_rad = self.position_rad + ahead_s * self.velocity_rad_s
         return np.asarray(pose(rotation_step(-angle_rad * self.axis)) @ self.T_joint_base)
-
-
-class StandstillSettings(Settings):
-    """When the chassis counts as being at rest, and how accurate that information is.
-
-    A chassis without an inertial sensor never counts as being at rest.
-    """
-
-    is_used: bool = Field(
-        True, description="Whether to correct the estimate while the chassis is at rest."
-    )
-    max_rate_std_rad_s: RadiansPerSecond = Field(
-        0.01,
-        gt=0,
-        le=0.2,
-        description="Largest standard deviation of the chassis' angular velocity [rad/s].",
-    )
-    max_force_std_m_s2: float = Field(
-        0.1,
-        gt=0,
-        le=5,
-        description="Largest standard deviation of the chassis' specific force [m/s²].",
-    )
-    velocity_std_m_s: float = Field(
-        0.01, gt=0, le=1, description="Standard deviation of the speed of a chassis at rest [m/s]."
-    )
-    rate_std_rad_s: RadiansPerSecond = Field(
-        0.005,
-        gt=0,
-        le=1,
-        description="Standard deviation of the angular velocity of a chassis at rest [rad/s].",
-    )
 
 
 class StandstillDetector:

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 import numpy as np
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
-from executive_plugins.estimation.start.at_rest import RestInitialisation, RestSettings
+from executive_plugins.estimation.start.at_rest import RestInitialisation
 from executive_plugins.estimation.start.chassis_level import ChassisLevel
-from executive_plugins.estimation.start.in_motion import MovingStart, MovingStartSettings
+from executive_plugins.estimation.start.in_motion import MovingStart
+from executive_plugins.estimation.start.settings import MovingStartSettings, RestSettings
 
 from executive.arrays import Float
 

@@ -13,25 +13,10 @@ from executive_plugins.estimation.inertial.state import (
     InertialState,
     propagate,
 )
-from pydantic import Field
+from executive_plugins.estimation.start.settings import MovingStartSettings
 
 from executive.arrays import Float
-from executive.config import Meters, Seconds, Settings
 from executive.geometry.rotation import from_rpy
-
-
-class MovingStartSettings(Settings):
-    """Amount of motion that gives the heading; for rigs with one antenna."""
-
-    distance_m: Meters = Field(
-        8.0, gt=0, le=1000, description="Distance from the rest position that is needed [m]."
-    )
-    duration_s: Seconds = Field(
-        20.0, gt=0, le=300, description="Time since rest after which the attempt ends [s]."
-    )
-    max_misfit: float = Field(
-        0.15, gt=0, lt=1, description="Largest misfit of the two paths, as a share of the distance."
-    )
 
 
 class MovingStart:

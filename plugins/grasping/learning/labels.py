@@ -19,8 +19,9 @@ from executive_plugins.grasping.learning.training_scene import (
     look_at,
     neighbour_place,
 )
-from executive_plugins.grasping.sampling.pool import Pool, Sampler, SamplingSettings
+from executive_plugins.grasping.sampling.pool import Pool, Sampler
 from executive_plugins.grasping.sampling.ranking import ranked_rounds
+from executive_plugins.grasping.sampling.settings import SamplingSettings
 from executive_plugins.physics.quarried_block import block
 from executive_plugins.physics.rounded_stone import rounded_stone
 from numpy.typing import NDArray

@@ -18,10 +18,9 @@ from executive_plugins.grasping.sampling.frames import downward_frames, local_fr
 from executive_plugins.grasping.sampling.jaw_field import JawField, build_jaw_field
 from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud, build_planning_cloud
 from executive_plugins.grasping.sampling.ranking import hold_costs, paper_costs
-from pydantic import Field
+from executive_plugins.grasping.sampling.settings import SamplingSettings
 
 from executive.arrays import Float, Int
-from executive.config import KilogramsPerCubicMeter, Meters, Radians, Settings
 from executive.machine.gripper import Gripper
 
 _CELL_M = 0.03  # cell of the tables of the gripper
@@ -30,46 +29,6 @@ _TURN_Y_RAD, _TURN_Z_RAD = np.radians(60.0), np.radians(80.0)
 # Offsets of approaches straight down from the stone's centre, along the width of the jaws and as
 # shares of it.
 _DOWNWARD_SHIFTS = (-0.25, 0.0, 0.25)
-
-
-class SamplingSettings(Settings):
-    """Density, sampling and clearance, for a gripper that opens about two metres."""
-
-    scale: float = Field(
-        1.0,
-        gt=0,
-        le=10,
-        description="Factor on all lengths of this plugin, for other sizes of gripper and stones.",
-    )
-    samples: int = Field(
-        80, ge=1, le=5000, description="Number of surface points for which approaches are made."
-    )
-    turns_about_y: int = Field(
-        5, ge=1, le=36, description="Number of rotations about the y axis of a frame, over ±60°."
-    )
-    turns_about_z: int = Field(
-        8, ge=1, le=36, description="Number of rotations about the z axis of a frame, over ±80°."
-    )
-    downward_yaws: int = Field(
-        36, ge=0, le=360, description="Number of yaws of approaches straight down; 0 for none."
-    )
-    spacing_m: Meters = Field(0.04, gt=0, description="Point spacing of the planning cloud [m].")
-    frame_radius_m: Meters = Field(
-        0.25, gt=0, description="Radius of the ball of a local frame (Eq. 4) [m]."
-    )
-    max_tilt_rad: Radians = Field(
-        0.7, gt=0, le=1.6, description="Largest angle of an approach off the vertical [rad]."
-    )
-    stone_clearance_m: Meters = Field(
-        0.04, ge=0, description="Clearance between palm or open jaws and the stone [m]."
-    )
-    other_clearance_m: Meters = Field(
-        0.02, ge=0, description="Clearance between the gripper and anything else [m]."
-    )
-    tips_below_centre_m: Meters = Field(
-        0.02, ge=-1, le=1, description="How far the tips close below the stone's centre [m]."
-    )
-    density: KilogramsPerCubicMeter = Field(2700.0, gt=0, description="Density of a stone [kg/m³].")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,32 +4,21 @@ from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
 import numpy as np
-from executive_plugins.robot.mujoco.physics import PhysicsSettings
-from executive_plugins.robot.mujoco.sensors.suite import SensorSettings, SensorSuite
+from executive_plugins.robot.mujoco.sensors.suite import SensorSuite
+from executive_plugins.robot.mujoco.settings import MujocoSettings
 from executive_plugins.robot.mujoco.site.photographs import photograph_site
-from executive_plugins.robot.mujoco.site.site import SiteSettings, make_site
+from executive_plugins.robot.mujoco.site.site import make_site
 from executive_plugins.robot.mujoco.truth.truth_log import TruthLog
 from executive_plugins.robot.mujoco.world import CONTROL_STEP_S, World
 from numpy.typing import NDArray
-from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Settings
 from executive.errors import RobotError
-from executive.interfaces.robot import Photographer, Robot, RobotSettings, Scene
+from executive.interfaces.robot import Photographer, Robot, Scene
 from executive.machine.machine import Machine
 from executive.messages.command import Command, Follow, MoveJaws, SwitchLidars
 from executive.messages.observation import Observation
-
-
-class MujocoSettings(RobotSettings):
-    """Settings of the site, the physics and the sensors."""
-
-    site: SiteSettings = Field(SiteSettings(), description="Ground and stones.")
-    physics: PhysicsSettings = Field(PhysicsSettings(), description="Integration and contacts.")
-    sensors: SensorSettings = Field(
-        SensorSettings(), description="Location on earth, and faults of the sensors."
-    )
 
 
 class MujocoRobot(Robot, Scene, Photographer):

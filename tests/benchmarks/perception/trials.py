@@ -9,12 +9,11 @@ import time
 from typing import Any
 
 import numpy as np
-from executive_plugins.alignment.gicp import Gicp, GicpSettings
+from executive_plugins.alignment.gicp import Gicp
+from executive_plugins.alignment.settings import GicpSettings
 from executive_plugins.registration import stopwatch
-from executive_plugins.segmentation.ground_and_clusters import (
-    GroundAndClusters,
-    GroundAndClustersSettings,
-)
+from executive_plugins.segmentation.ground_and_clusters import GroundAndClusters
+from executive_plugins.segmentation.settings import GroundAndClustersSettings
 from perception.decoys import DECOYS
 from perception.piles import load_scenes
 

@@ -17,7 +17,8 @@ from executive_plugins.grasping.learning.lift_trials import LIFTED_M, LiftTrials
 from executive_plugins.grasping.learning.training import area_under_curve
 from executive_plugins.grasping.learning.training_scene import Solid, look_at
 from executive_plugins.grasping.sampled_cnn import weights_file
-from executive_plugins.grasping.sampling.pool import Sampler, SamplingSettings
+from executive_plugins.grasping.sampling.pool import Sampler
+from executive_plugins.grasping.sampling.settings import SamplingSettings
 from numpy.typing import NDArray
 
 from executive.arrays import Float

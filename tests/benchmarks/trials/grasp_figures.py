@@ -14,11 +14,13 @@ from bounds import Figure, judged
 from executive_plugins.grasping.learning.labels import LabelSettings
 from executive_plugins.grasping.learning.lift_trials import LIFTED_M, LiftTrials
 from executive_plugins.grasping.learning.training_scene import StoneView, convex_solid, look_at
-from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
-from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
+from executive_plugins.grasping.sampled_antipodal import SampledAntipodal
+from executive_plugins.grasping.sampled_cnn import SampledCnn
 from executive_plugins.grasping.sampled_planner import SampledPlanner
-from executive_plugins.grasping.sampling.pool import Pool, Sampler, SamplingSettings
+from executive_plugins.grasping.sampling.pool import Pool, Sampler
 from executive_plugins.grasping.sampling.ranking import paper_costs
+from executive_plugins.grasping.sampling.settings import SamplingSettings
+from executive_plugins.grasping.settings import SampledAntipodalSettings, SampledCnnSettings
 from matplotlib import figure as plots
 
 from executive.arrays import Float

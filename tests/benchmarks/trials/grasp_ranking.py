@@ -9,8 +9,9 @@ from bounds import Bound, Figure, held
 from executive_plugins.grasping.learning.labels import LabelSettings
 from executive_plugins.grasping.learning.lift_trials import LIFTED_M, LiftTrials
 from executive_plugins.grasping.learning.training_scene import Solid, look_at
-from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
-from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
+from executive_plugins.grasping.sampled_antipodal import SampledAntipodal
+from executive_plugins.grasping.sampled_cnn import SampledCnn
+from executive_plugins.grasping.settings import SampledAntipodalSettings, SampledCnnSettings
 
 from executive.arrays import Float
 from executive.clock import wall_s

@@ -15,10 +15,12 @@ from bounds import Bound, Figure, held
 from executive_plugins.grasping.feasibility.fcl_check import FclCheck
 from executive_plugins.grasping.learning.labels import LabelSettings
 from executive_plugins.grasping.learning.training_scene import StoneView, look_at
-from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
-from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
+from executive_plugins.grasping.sampled_antipodal import SampledAntipodal
+from executive_plugins.grasping.sampled_cnn import SampledCnn
 from executive_plugins.grasping.sampled_planner import SampledPlanner
-from executive_plugins.grasping.sampling.pool import Sampler, SamplingSettings
+from executive_plugins.grasping.sampling.pool import Sampler
+from executive_plugins.grasping.sampling.settings import SamplingSettings
+from executive_plugins.grasping.settings import SampledAntipodalSettings, SampledCnnSettings
 
 from executive.arrays import Float
 from executive.commands.chosen import chosen

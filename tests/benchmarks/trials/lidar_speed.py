@@ -2,7 +2,8 @@
 
 import numpy as np
 from bounds import Bound, Figure, held
-from executive_plugins.robot.mujoco.robot import MujocoRobot, MujocoSettings
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.settings import MujocoSettings
 
 from executive.clock import wall_s
 from executive.machine.machine import load_machine

@@ -9,10 +9,8 @@ from collections.abc import Callable
 
 import numpy as np
 from bounds import Bound, Figure, held
-from executive_plugins.segmentation.ground_and_clusters import (
-    GroundAndClusters,
-    GroundAndClustersSettings,
-)
+from executive_plugins.segmentation.ground_and_clusters import GroundAndClusters
+from executive_plugins.segmentation.settings import GroundAndClustersSettings
 from perception.piles import load_scenes, piles_of
 from scipy.spatial import cKDTree
 

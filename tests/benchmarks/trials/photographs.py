@@ -12,23 +12,19 @@ from unittest.mock import patch
 import numpy as np
 import open3d as o3d
 from bounds import Bound, Figure, held, judged
-from executive_plugins.alignment.gicp import Gicp, GicpSettings
-from executive_plugins.robot.mujoco.robot import MujocoRobot, MujocoSettings
+from executive_plugins.alignment.gicp import Gicp
+from executive_plugins.alignment.settings import GicpSettings
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.settings import MujocoSettings
 from executive_plugins.robot.mujoco.site.ray_mesh import joined, moved
 from executive_plugins.robot.mujoco.site.site import Site
-from executive_plugins.segmentation.ground_and_clusters import (
-    GroundAndClusters,
-    GroundAndClustersSettings,
-)
+from executive_plugins.segmentation.ground_and_clusters import GroundAndClusters
+from executive_plugins.segmentation.settings import GroundAndClustersSettings
 from executive_plugins.surveying import photogrammetry
 from executive_plugins.surveying.colmap import FEWEST_PICTURES
-from executive_plugins.surveying.grid_flight import GridFlightSettings
-from executive_plugins.surveying.photogrammetry import (
-    Photogrammetry,
-    PhotogrammetrySettings,
-    reconstruct,
-)
+from executive_plugins.surveying.photogrammetry import Photogrammetry, reconstruct
 from executive_plugins.surveying.photograph_folder import read_photographs
+from executive_plugins.surveying.settings import GridFlightSettings, PhotogrammetrySettings
 from executive_plugins.surveying.simulated_photographs import take_photographs
 from scipy.spatial import cKDTree
 

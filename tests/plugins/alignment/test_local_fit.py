@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from executive_plugins.alignment.gicp import Gicp, GicpSettings
-from executive_plugins.alignment.point_to_plane import PointToPlane, PointToPlaneSettings
+from executive_plugins.alignment.gicp import Gicp
+from executive_plugins.alignment.point_to_plane import PointToPlane
+from executive_plugins.alignment.settings import GicpSettings, PointToPlaneSettings
 
 from executive.errors import DataError
 from executive.geometry.pose import inverse, pose, transform

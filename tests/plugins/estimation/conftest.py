@@ -5,8 +5,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
-from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter, GnssImuSettings
-from executive_plugins.estimation.graph.dual_graph import DualGraph, DualGraphSettings
+from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
+from executive_plugins.estimation.filters.settings import GnssImuSettings
+from executive_plugins.estimation.graph.dual_graph import DualGraph
+from executive_plugins.estimation.graph.settings import DualGraphSettings
 
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.pose import inverse, pose, transform

@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
+from executive_plugins.grasping.sampled_antipodal import SampledAntipodal
+from executive_plugins.grasping.settings import SampledAntipodalSettings
 
 from executive.arrays import Float
 from executive.geometry.pose import transform

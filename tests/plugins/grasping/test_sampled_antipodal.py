@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from executive_plugins.grasping.feasibility.approach_path import ApproachPath
 from executive_plugins.grasping.feasibility.fcl_check import FclCheck
-from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
+from executive_plugins.grasping.sampled_antipodal import SampledAntipodal
 from executive_plugins.grasping.sampling import closing
+from executive_plugins.grasping.settings import SampledAntipodalSettings
 
 from executive.arrays import Float
 from executive.errors import DataError

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 import torch
 from executive_plugins.grasping.feasibility.fcl_check import FclCheck
-from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
+from executive_plugins.grasping.sampled_cnn import SampledCnn
+from executive_plugins.grasping.settings import SampledCnnSettings
 from executive_plugins.grasping.simulated_lift import FALLEN_M
 from pydantic import ValidationError
 

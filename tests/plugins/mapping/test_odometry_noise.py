@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from executive_plugins.mapping.node_track import NodeTrack
-from executive_plugins.mapping.odometry_noise import OdometryNoise, OdometryNoiseSettings
+from executive_plugins.mapping.odometry_noise import OdometryNoise
 from executive_plugins.mapping.pair_graph import Poses
+from executive_plugins.mapping.settings import OdometryNoiseSettings
 
 from executive.geometry.pose import pose
 

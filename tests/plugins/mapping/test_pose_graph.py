@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from executive_plugins.mapping.pose_graph import PoseGraph, PoseGraphSettings
-from executive_plugins.mapping.voxel_map import VoxelMap, VoxelMapSettings
+from executive_plugins.mapping.pose_graph import PoseGraph
+from executive_plugins.mapping.settings import PoseGraphSettings, VoxelMapSettings
+from executive_plugins.mapping.voxel_map import VoxelMap
 
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import inverse, pose, transform

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from executive_plugins.mapping.scan_matching import ScanMatcher, ScanMatchingSettings
+from executive_plugins.mapping.scan_matching import ScanMatcher
+from executive_plugins.mapping.settings import ScanMatchingSettings
 
 from executive.geometry.pose import pose
 from executive.geometry.rotation import angle_between, exp_so3

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from executive_plugins.mapping.voxel_map import VoxelMap, VoxelMapSettings
+from executive_plugins.mapping.settings import VoxelMapSettings
+from executive_plugins.mapping.voxel_map import VoxelMap
 
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import transform

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from executive_plugins.monitoring.jaw_slip import JawSlip, JawSlipSettings
+from executive_plugins.monitoring.jaw_slip import JawSlip
+from executive_plugins.monitoring.settings import JawSlipSettings
 
 from executive.arrays import Float
 from executive.machine.machine import Machine, load_machine

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from executive_plugins.monitoring.payload_drop import PayloadDrop, PayloadDropSettings
+from executive_plugins.monitoring.payload_drop import PayloadDrop
 from executive_plugins.monitoring.payload_scale import PayloadScale
+from executive_plugins.monitoring.settings import PayloadDropSettings
 
 from executive.arrays import Float
 from executive.machine.machine import Machine, load_machine

@@ -9,7 +9,8 @@ from functools import cache
 import fcl
 import numpy as np
 import pytest
-from executive_plugins.motion.hermite import Hermite, HermiteSettings
+from executive_plugins.motion.hermite import Hermite
+from executive_plugins.motion.settings import HermiteSettings
 from scipy.spatial import ConvexHull
 
 from executive.arrays import Float

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from executive_plugins.motion.inverse_kinematics import InverseKinematics, InverseKinematicsSettings
+from executive_plugins.motion.inverse_kinematics import InverseKinematics
+from executive_plugins.motion.settings import InverseKinematicsSettings
 from executive_plugins.motion.waypoints import Line, Waypoints, join, reach_below_m
 
 from executive.geometry.pose import pose

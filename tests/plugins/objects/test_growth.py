@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from executive_plugins.objects.growth import fit_of, merged
-from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
+from executive_plugins.objects.settings import SqliteObjectsSettings
+from executive_plugins.objects.sqlite import SqliteObjects
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose, transform

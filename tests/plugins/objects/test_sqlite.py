@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
+from executive_plugins.objects.settings import SqliteObjectsSettings
+from executive_plugins.objects.sqlite import SqliteObjects
 
 from executive.arrays import Float
 from executive.errors import ConfigError, DataError

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
+from executive_plugins.objects.settings import SqliteObjectsSettings
+from executive_plugins.objects.sqlite import SqliteObjects
 
 from executive.errors import ConfigError
 from executive.geometry.pose import pose

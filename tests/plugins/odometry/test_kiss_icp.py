@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from executive_plugins.odometry.kiss_icp import KissIcp, KissIcpSettings
+from executive_plugins.odometry.kiss_icp import KissIcp
+from executive_plugins.odometry.settings import KissIcpSettings
 
 from executive.geometry.pose import inverse, transform
 from executive.geometry.rotation import angle_between

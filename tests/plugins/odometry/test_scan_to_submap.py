@@ -4,7 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from executive_plugins.odometry.scan_to_submap import ScanToSubmap, ScanToSubmapSettings
+from executive_plugins.odometry.scan_to_submap import ScanToSubmap
+from executive_plugins.odometry.settings import ScanToSubmapSettings
 
 from executive.geometry.pose import inverse
 from executive.geometry.rotation import angle_between, log_so3

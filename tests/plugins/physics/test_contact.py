@@ -3,7 +3,8 @@
 import mujoco
 import numpy as np
 import pytest
-from executive_plugins.physics.contact import ContactSettings, apply_contact
+from executive_plugins.physics.contact import apply_contact
+from executive_plugins.physics.contact_settings import ContactSettings
 
 
 def world(settings: ContactSettings) -> mujoco.MjSpec:

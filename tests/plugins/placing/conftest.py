@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from executive_plugins.placing.slots import Slots, SlotsSettings
+from executive_plugins.placing.settings import SlotsSettings
+from executive_plugins.placing.slots import Slots
 
 from executive.arrays import Float
 from executive.geometry.pose import pose

@@ -4,14 +4,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from executive_plugins.alignment.gicp import Gicp, GicpSettings
-from executive_plugins.registration.segment_fpfh import SegmentFpfh, SegmentFpfhSettings
+from executive_plugins.alignment.gicp import Gicp
+from executive_plugins.alignment.settings import GicpSettings
+from executive_plugins.registration.segment_fpfh import SegmentFpfh
 from executive_plugins.registration.segment_registrar import SegmentRegistrar
-from executive_plugins.registration.segment_shot import SegmentShot, SegmentShotSettings
-from executive_plugins.segmentation.ground_and_clusters import (
-    GroundAndClusters,
-    GroundAndClustersSettings,
-)
+from executive_plugins.registration.segment_shot import SegmentShot
+from executive_plugins.registration.settings import SegmentFpfhSettings, SegmentShotSettings
+from executive_plugins.segmentation.ground_and_clusters import GroundAndClusters
+from executive_plugins.segmentation.settings import GroundAndClustersSettings
 from scipy.spatial import cKDTree
 
 from executive.geometry.pose import transform

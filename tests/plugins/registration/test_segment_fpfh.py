@@ -9,12 +9,12 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from executive_plugins.alignment.gicp import Gicp, GicpSettings
-from executive_plugins.registration.segment_fpfh import SegmentFpfh, SegmentFpfhSettings
-from executive_plugins.segmentation.ground_and_clusters import (
-    GroundAndClusters,
-    GroundAndClustersSettings,
-)
+from executive_plugins.alignment.gicp import Gicp
+from executive_plugins.alignment.settings import GicpSettings
+from executive_plugins.registration.segment_fpfh import SegmentFpfh
+from executive_plugins.registration.settings import SegmentFpfhSettings
+from executive_plugins.segmentation.ground_and_clusters import GroundAndClusters
+from executive_plugins.segmentation.settings import GroundAndClustersSettings
 
 from executive.geometry.rotation import angle_between
 from executive.messages.alignment import Alignment

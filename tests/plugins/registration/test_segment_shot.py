@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from executive_plugins.alignment.gicp import Gicp, GicpSettings
-from executive_plugins.registration.segment_shot import SegmentShot, SegmentShotSettings
-from executive_plugins.segmentation.ground_and_clusters import (
-    GroundAndClusters,
-    GroundAndClustersSettings,
-)
+from executive_plugins.alignment.gicp import Gicp
+from executive_plugins.alignment.settings import GicpSettings
+from executive_plugins.registration.segment_shot import SegmentShot
+from executive_plugins.registration.settings import SegmentShotSettings
+from executive_plugins.segmentation.ground_and_clusters import GroundAndClusters
+from executive_plugins.segmentation.settings import GroundAndClustersSettings
 from pydantic import ValidationError
 
 from executive.geometry.rotation import angle_between

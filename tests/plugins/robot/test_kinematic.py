@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from executive_plugins.robot.kinematic import KinematicRobot, KinematicSettings
+from executive_plugins.robot.kinematic import KinematicRobot
+from executive_plugins.robot.settings import KinematicSettings
 
 from executive.errors import RobotError
 from executive.machine.machine import load_machine

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from executive_plugins.surveying.depth_maps import DepthSettings, sweep_planes
+from executive_plugins.surveying.depth_maps import sweep_planes
+from executive_plugins.surveying.settings import DepthSettings
 
 STEP_PIXELS = 1.25
 

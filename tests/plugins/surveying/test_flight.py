@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from executive_plugins.surveying.flight import FlightSettings, take_pictures
+from executive_plugins.surveying.flight import take_pictures
+from executive_plugins.surveying.settings import FlightSettings
 
 from executive.arrays import Float
 

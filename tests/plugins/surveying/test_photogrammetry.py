@@ -7,17 +7,20 @@ from pathlib import Path
 import numpy as np
 import open3d as o3d
 import pytest
-from executive_plugins.robot.mujoco.robot import MujocoRobot, MujocoSettings
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.settings import MujocoSettings
 from executive_plugins.robot.mujoco.site.ray_mesh import joined, moved
-from executive_plugins.surveying.colmap import Colmap, ColmapSettings
-from executive_plugins.surveying.grid_flight import GridFlightSettings, fly, recorded
-from executive_plugins.surveying.photogrammetry import PhotogrammetrySettings, reconstruct
+from executive_plugins.surveying.colmap import Colmap
+from executive_plugins.surveying.grid_flight import fly, recorded
+from executive_plugins.surveying.photogrammetry import reconstruct
 from executive_plugins.surveying.photograph_folder import Photographs, read_photographs
-from executive_plugins.surveying.simulated_photographs import (
-    SimulatedPhotographs,
+from executive_plugins.surveying.settings import (
+    ColmapSettings,
+    GridFlightSettings,
+    PhotogrammetrySettings,
     SimulatedPhotographsSettings,
-    take_photographs,
 )
+from executive_plugins.surveying.simulated_photographs import SimulatedPhotographs, take_photographs
 from executive_plugins.surveying.structure_from_motion import load_pycolmap
 from PIL import Image
 

@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pycolmap
 import pytest
-from executive_plugins.surveying.depth_maps import DepthSettings, confirmed, make_view, sweep_planes
+from executive_plugins.surveying.depth_maps import confirmed, make_view, sweep_planes
 from executive_plugins.surveying.fusion import below_flight, fuse
 from executive_plugins.surveying.grid_flight import look
 from executive_plugins.surveying.plane_sweep import View, sweep
+from executive_plugins.surveying.settings import DepthSettings
 from executive_plugins.surveying.structure_from_motion import PosedPicture
 from PIL import Image
 from scipy.ndimage import gaussian_filter, map_coordinates

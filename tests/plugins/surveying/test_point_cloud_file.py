@@ -6,7 +6,8 @@ import laspy
 import numpy as np
 import open3d as o3d
 import pytest
-from executive_plugins.surveying.point_cloud_file import PointCloudFile, PointCloudFileSettings
+from executive_plugins.surveying.point_cloud_file import PointCloudFile
+from executive_plugins.surveying.settings import PointCloudFileSettings
 
 from executive.errors import DataError
 

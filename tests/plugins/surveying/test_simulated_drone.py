@@ -4,12 +4,9 @@ hole.
 
 import numpy as np
 import pytest
-from executive_plugins.surveying.reconstruction import (
-    ReconstructionSettings,
-    own_frame,
-    warp,
-)
-from executive_plugins.surveying.simulated_drone import SimulatedDrone, SimulatedDroneSettings
+from executive_plugins.surveying.reconstruction import own_frame, warp
+from executive_plugins.surveying.settings import ReconstructionSettings, SimulatedDroneSettings
+from executive_plugins.surveying.simulated_drone import SimulatedDrone
 from scipy.spatial import cKDTree
 
 from executive.arrays import Float

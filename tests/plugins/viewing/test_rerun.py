@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from executive_plugins.viewing.rerun import RerunSettings, RerunViewer
+from executive_plugins.viewing.rerun import RerunViewer
+from executive_plugins.viewing.settings import RerunSettings
 from rerun.chunk import RrdReader
 
 from executive.geometry.pose import pose

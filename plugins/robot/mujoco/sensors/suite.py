@@ -6,19 +6,18 @@ from collections.abc import Callable
 import mujoco
 import numpy as np
 from executive_plugins.physics.hull_mesh import hull_mesh
-from executive_plugins.robot.mujoco.sensors.dropout import Dropout, check_dropouts, is_silent
+from executive_plugins.robot.mujoco.sensors.dropout import check_dropouts, is_silent
 from executive_plugins.robot.mujoco.sensors.encoders import JointEncoders
 from executive_plugins.robot.mujoco.sensors.gnss import Antenna
 from executive_plugins.robot.mujoco.sensors.imu import MountedImu
 from executive_plugins.robot.mujoco.sensors.lidar import SpinningLidar
 from executive_plugins.robot.mujoco.sensors.pose_history import PoseHistory
+from executive_plugins.robot.mujoco.sensors.settings import SensorSettings
 from executive_plugins.robot.mujoco.site.ray_mesh import Mesh, joined
 from executive_plugins.robot.mujoco.site.site import Site
 from executive_plugins.robot.mujoco.site.site_scene import SiteScene
-from pydantic import Field
 
 from executive.arrays import Float
-from executive.config import Settings
 from executive.geometry.pose import pose
 from executive.machine.machine import Machine
 from executive.machine.sensor import Encoders, Gnss, Imu, Lidar, Sensor
@@ -26,21 +25,6 @@ from executive.messages.observation import Observation
 
 Measure = Callable[[float, mujoco.MjData], Observation | None]
 _EPSILON = 1e-6  # tolerance for rounding of times, which are sums of steps
-
-
-class SensorSettings(Settings):
-    """Location on earth, density of the lidars, and faults."""
-
-    datum: tuple[float, float, float] = Field(
-        (47.4084, 8.5106, 440.0),
-        description="Origin of the map: latitude [deg], longitude [deg], altitude [m].",
-    )
-    azimuth_stride: int = Field(
-        1, ge=1, le=20, description="Fire only every n-th azimuth step of the lidars."
-    )
-    dropouts: tuple[Dropout, ...] = Field(
-        (), description="Time spans in which a sensor sends nothing."
-    )
 
 
 class SensorSuite:

@@ -4,23 +4,17 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from executive_plugins.robot.mujoco.physics import PhysicsSettings
+from executive_plugins.robot.mujoco.settings import PhysicsSettings
+from executive_plugins.robot.mujoco.site.settings import (
+    SiteSettings,
+)
 from executive_plugins.robot.mujoco.site.stone_model import StoneModel
 from executive_plugins.robot.mujoco.site.stone_placement import place
-from executive_plugins.robot.mujoco.site.stones import StoneSettings, make_stones
-from executive_plugins.robot.mujoco.site.terrain import Terrain, TerrainSettings, make_terrain
-from pydantic import Field
+from executive_plugins.robot.mujoco.site.stones import make_stones
+from executive_plugins.robot.mujoco.site.terrain import Terrain, make_terrain
 
 from executive.arrays import Float
-from executive.config import Settings
 from executive.machine.machine import Machine
-
-
-class SiteSettings(Settings):
-    """The ground and the stones."""
-
-    terrain: TerrainSettings = Field(TerrainSettings(), description="Shape of the ground.")
-    stones: StoneSettings = Field(StoneSettings(), description="Which stones lie on it.")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,38 +4,14 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from pydantic import Field
+from executive_plugins.robot.mujoco.site.settings import TerrainSettings
 from scipy.ndimage import gaussian_filter, map_coordinates
 
 from executive.arrays import Float, Int, checked
-from executive.config import Meters, Settings
 
 TERRAIN = "terrain"
 _LEAST_ELEVATION_M = 1e-3  # MuJoCo requires a positive elevation, also of level ground
 _BEDROCK_M = 2.0  # thickness below the lowest point, so that nothing falls through
-
-
-class TerrainSettings(Settings):
-    """The shape of the ground."""
-
-    half_size_m: Meters = Field(
-        15.0, gt=2, le=100, description="Half the side of the square of ground [m]."
-    )
-    cell_m: Meters = Field(
-        0.2, ge=0.1, le=1, description="Cell of the height field [m]; 0.1 m runs 8 times slower."
-    )
-    undulation_m: Meters = Field(
-        0.04, ge=0, le=1, description="Standard deviation of the gentle waves [m]."
-    )
-    wavelength_m: Meters = Field(
-        6.0, ge=1, le=50, description="Typical length of the gentle waves [m]."
-    )
-    roughness_m: Meters = Field(
-        0.012, ge=0, le=0.3, description="Standard deviation of ruts and clods [m]."
-    )
-    pad_radius_m: Meters = Field(
-        2.8, ge=0, le=20, description="Radius of the level pad about the machine [m]."
-    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

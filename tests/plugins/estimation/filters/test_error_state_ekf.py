@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 from executive_plugins.estimation.filters.cloning_filter import CloningFilter
-from executive_plugins.estimation.filters.error_state_ekf import (
-    ErrorStateEkf,
-    ErrorStateEkfSettings,
-)
+from executive_plugins.estimation.filters.error_state_ekf import ErrorStateEkf
+from executive_plugins.estimation.filters.settings import ErrorStateEkfSettings
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState, retract
 

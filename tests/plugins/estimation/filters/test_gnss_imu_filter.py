@@ -6,12 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from executive_plugins.estimation.cabin.estimator import INITIALISING
-from executive_plugins.estimation.filters.gnss_imu_filter import (
-    FALLBACK,
-    GLOBAL,
-    GnssImuFilter,
-    GnssImuSettings,
-)
+from executive_plugins.estimation.filters.gnss_imu_filter import FALLBACK, GLOBAL, GnssImuFilter
+from executive_plugins.estimation.filters.settings import GnssImuSettings
 
 from executive.errors import ConfigError
 from executive.geometry.pose import inverse, pose

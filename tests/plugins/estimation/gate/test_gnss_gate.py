@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from executive_plugins.estimation.gate.gnss_gate import Compared, GnssGate, GnssGateSettings
+from executive_plugins.estimation.gate.gnss_gate import Compared, GnssGate
 from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.gate.settings import GnssGateSettings
 
 from executive.geometry.rotation import from_rpy
 

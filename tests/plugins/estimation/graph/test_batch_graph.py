@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.graph.batch_graph import SMOOTHED, BatchGraph
-from executive_plugins.estimation.graph.dual_graph import DualGraphSettings
 from executive_plugins.estimation.graph.factors import fix_factor
-from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
+from executive_plugins.estimation.graph.settings import DualGraphSettings, SmootherSettings
 from executive_plugins.estimation.graph.whole_graph import Recording, WholeGraph
 from executive_plugins.estimation.graph.window import GraphWindow
 from executive_plugins.estimation.inertial.noise import InertialNoise

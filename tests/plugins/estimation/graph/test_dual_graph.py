@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from executive_plugins.estimation.cabin.estimator import INITIALISING
-from executive_plugins.estimation.graph.dual_graph import DualGraph, DualGraphSettings
+from executive_plugins.estimation.graph.dual_graph import DualGraph
+from executive_plugins.estimation.graph.settings import DualGraphSettings
 
 from executive.errors import ConfigError
 from executive.geometry.pose import inverse

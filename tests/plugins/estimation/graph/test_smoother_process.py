@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from executive_plugins.estimation.gate.measurements import Fix
-from executive_plugins.estimation.graph.dual_graph import DualGraphSettings
+from executive_plugins.estimation.graph.settings import DualGraphSettings, SmootherSettings
 from executive_plugins.estimation.graph.smoother_child import Start
 from executive_plugins.estimation.graph.smoother_process import (
     InlineSmoother,
@@ -17,7 +17,6 @@ from executive_plugins.estimation.graph.smoother_process import (
     SmootherHost,
     SmootherUpdate,
 )
-from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
 from executive_plugins.estimation.live.propagator import LivePropagator

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from executive_plugins.estimation.gate.measurements import Standstill
-from executive_plugins.estimation.graph.smoother_settings import SmootherSettings
+from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.standstill_check import StandstillCheck
 from executive_plugins.estimation.inertial.state import VELOCITY, Inertial, InertialState
 

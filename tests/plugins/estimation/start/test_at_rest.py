@@ -12,7 +12,8 @@ from executive_plugins.estimation.inertial.state import (
     VELOCITY,
     Inertial,
 )
-from executive_plugins.estimation.start.at_rest import RestInitialisation, RestSettings
+from executive_plugins.estimation.start.at_rest import RestInitialisation
+from executive_plugins.estimation.start.settings import RestSettings
 
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.rotation import log_so3

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter, GnssImuSettings
+from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
+from executive_plugins.estimation.filters.settings import GnssImuSettings
 
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.rotation import from_rpy, yaw_of

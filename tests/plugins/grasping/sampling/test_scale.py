@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from executive_plugins.grasping.sampled_antipodal import SampledAntipodal, SampledAntipodalSettings
-from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
+from executive_plugins.grasping.sampled_antipodal import SampledAntipodal
+from executive_plugins.grasping.sampled_cnn import SampledCnn
+from executive_plugins.grasping.settings import SampledAntipodalSettings, SampledCnnSettings
 from pydantic import ValidationError
 
 from executive.arrays import Float

@@ -7,7 +7,8 @@ import mujoco
 import numpy as np
 import pytest
 from executive_plugins.robot.mujoco.oracle import MujocoOracle
-from executive_plugins.robot.mujoco.robot import MujocoRobot, MujocoSettings
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.settings import MujocoSettings
 
 from executive.arrays import Float
 from executive.geometry.pose import pose, transform

@@ -4,9 +4,9 @@ seed.
 
 import numpy as np
 import pytest
-from executive_plugins.robot.mujoco.robot import MujocoRobot, MujocoSettings
-from executive_plugins.robot.mujoco.site.site import SiteSettings
-from executive_plugins.robot.mujoco.site.stones import StoneSettings
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.settings import MujocoSettings
+from executive_plugins.robot.mujoco.site.settings import SiteSettings, StoneSettings
 
 from executive.errors import RobotError
 from executive.machine.machine import load_machine

@@ -7,11 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 from executive_plugins.physics.hull_mesh import hull_mesh
-from executive_plugins.robot.mujoco.physics import PhysicsSettings
-from executive_plugins.robot.mujoco.site.site import Site, SiteSettings, make_site
+from executive_plugins.robot.mujoco.settings import PhysicsSettings
+from executive_plugins.robot.mujoco.site.settings import (
+    SiteSettings,
+    StoneSettings,
+    TerrainSettings,
+)
+from executive_plugins.robot.mujoco.site.site import Site, make_site
 from executive_plugins.robot.mujoco.site.stone_model import StoneModel
-from executive_plugins.robot.mujoco.site.stones import StoneSettings
-from executive_plugins.robot.mujoco.site.terrain import TerrainSettings, make_terrain
+from executive_plugins.robot.mujoco.site.terrain import make_terrain
 from executive_plugins.robot.mujoco.world import World
 
 from executive.errors import ConfigError, RobotError

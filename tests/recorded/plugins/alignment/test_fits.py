@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from executive_plugins.alignment.gicp import Gicp, GicpSettings
-from executive_plugins.alignment.local_fit import AlignmentSettings, measure
+from executive_plugins.alignment.gicp import Gicp
+from executive_plugins.alignment.local_fit import measure
+from executive_plugins.alignment.settings import AlignmentSettings, GicpSettings
 
 from executive.errors import DataError
 from executive.geometry.pose import pose, transform

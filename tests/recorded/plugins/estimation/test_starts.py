@@ -7,15 +7,15 @@ import pytest
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState, propagate
 from executive_plugins.estimation.live.layout import ESTIMATE, LIVE, SAMPLE
-from executive_plugins.estimation.start.at_rest import RestSettings
-from executive_plugins.estimation.start.chassis import (
-    StandstillDetector,
-    StandstillSettings,
-    TurnJoint,
-)
+from executive_plugins.estimation.start.chassis import StandstillDetector, TurnJoint
 from executive_plugins.estimation.start.chassis_level import ChassisLevel
 from executive_plugins.estimation.start.first_state import FirstState
-from executive_plugins.estimation.start.in_motion import MovingStart, MovingStartSettings
+from executive_plugins.estimation.start.in_motion import MovingStart
+from executive_plugins.estimation.start.settings import (
+    MovingStartSettings,
+    RestSettings,
+    StandstillSettings,
+)
 
 from executive.geometry.rotation import from_rpy
 from executive.messages.joints import JointSample

@@ -3,11 +3,9 @@
 from dataclasses import replace
 
 import pytest
-from executive_plugins.estimation.filters.error_state_ekf import (
-    ErrorStateEkf,
-    ErrorStateEkfSettings,
-)
-from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter, GnssImuSettings
+from executive_plugins.estimation.filters.error_state_ekf import ErrorStateEkf
+from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
+from executive_plugins.estimation.filters.settings import ErrorStateEkfSettings, GnssImuSettings
 
 from executive.errors import ConfigError
 from executive.messages.odometry import LidarIncrement

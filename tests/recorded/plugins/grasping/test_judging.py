@@ -30,7 +30,8 @@ from executive_plugins.grasping.learning.training_scene import (
     look_at,
     neighbour_place,
 )
-from executive_plugins.grasping.sampling.pool import Sampler, SamplingSettings
+from executive_plugins.grasping.sampling.pool import Sampler
+from executive_plugins.grasping.sampling.settings import SamplingSettings
 from executive_plugins.grasping.simulated_lift import SimulatedLift
 
 from executive.geometry.pose import pose

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from executive_plugins.grasping.sampled_cnn import SampledCnn, SampledCnnSettings
+from executive_plugins.grasping.sampled_cnn import SampledCnn
+from executive_plugins.grasping.settings import SampledCnnSettings
 
 from executive.errors import DataError
 from executive.geometry.pose import pose

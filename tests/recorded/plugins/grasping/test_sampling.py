@@ -12,13 +12,14 @@ from executive_plugins.grasping.sampling.frames import (
 from executive_plugins.grasping.sampling.ground import fill_ground, fit_ground
 from executive_plugins.grasping.sampling.jaw_field import build_jaw_field
 from executive_plugins.grasping.sampling.planning_cloud import build_planning_cloud
-from executive_plugins.grasping.sampling.pool import Sampler, SamplingSettings
+from executive_plugins.grasping.sampling.pool import Sampler
 from executive_plugins.grasping.sampling.ranking import (
     best_first,
     paper_costs,
     ranked_rounds,
     spread,
 )
+from executive_plugins.grasping.sampling.settings import SamplingSettings
 
 from executive.geometry.pose import pose
 from executive.geometry.rotation import exp_so3, from_rpy

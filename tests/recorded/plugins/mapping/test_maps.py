@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from executive_plugins.mapping.pose_graph import PoseGraph, PoseGraphSettings
+from executive_plugins.mapping.pose_graph import PoseGraph
 from executive_plugins.mapping.scan_front_end import ScanFrontEnd
-from executive_plugins.mapping.voxel_map import VoxelMap, VoxelMapSettings
+from executive_plugins.mapping.settings import PoseGraphSettings, VoxelMapSettings
+from executive_plugins.mapping.voxel_map import VoxelMap
 
 from executive.errors import DataError
 from executive.messages.lidar import LidarScan

@@ -7,11 +7,12 @@ from executive_plugins.mapping.density import dense_share
 from executive_plugins.mapping.deskew import cabin_poses, place, time_slices
 from executive_plugins.mapping.graph_host import InlineGraph
 from executive_plugins.mapping.node_track import NodeTrack
-from executive_plugins.mapping.odometry_noise import OdometryNoise, OdometryNoiseSettings
+from executive_plugins.mapping.odometry_noise import OdometryNoise
 from executive_plugins.mapping.pair_graph import PairGraph, PairNode, Poses
 from executive_plugins.mapping.pair_store import PairStore
 from executive_plugins.mapping.pose_constraint import PoseConstraint
-from executive_plugins.mapping.scan_matching import ScanMatcher, ScanMatchingSettings
+from executive_plugins.mapping.scan_matching import ScanMatcher
+from executive_plugins.mapping.settings import OdometryNoiseSettings, ScanMatchingSettings
 from executive_plugins.mapping.smoothing import smoothed
 from executive_plugins.mapping.voxel_grid import VoxelGrid
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from executive_plugins.monitoring.jaw_slip import JawSlip, JawSlipSettings
-from executive_plugins.monitoring.payload_drop import PayloadDrop, PayloadDropSettings
+from executive_plugins.monitoring.jaw_slip import JawSlip
+from executive_plugins.monitoring.payload_drop import PayloadDrop
 from executive_plugins.monitoring.payload_scale import PayloadScale
+from executive_plugins.monitoring.settings import JawSlipSettings, PayloadDropSettings
 from executive_plugins.monitoring.signal_filters import LowPass, RunningMedian
 
 from executive.messages.joints import JointSample

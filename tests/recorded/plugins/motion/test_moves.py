@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from executive_plugins.motion.hermite import Hermite, HermiteSettings
+from executive_plugins.motion.hermite import Hermite
+from executive_plugins.motion.settings import HermiteSettings
 
 from executive.geometry.pose import pose
 from executive.messages.cloud import Cloud

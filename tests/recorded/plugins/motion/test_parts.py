@@ -7,13 +7,11 @@ from executive_plugins.motion.convex_body import ConvexBody
 from executive_plugins.motion.forward_kinematics import link_frames
 from executive_plugins.motion.ground import ground_normal
 from executive_plugins.motion.ground_heights import ground_heights
-from executive_plugins.motion.inverse_kinematics import (
-    InverseKinematics,
-    InverseKinematicsSettings,
-)
+from executive_plugins.motion.inverse_kinematics import InverseKinematics
 from executive_plugins.motion.obstacles import Obstacles
 from executive_plugins.motion.path import path_through
 from executive_plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
+from executive_plugins.motion.settings import InverseKinematicsSettings
 from executive_plugins.motion.sweep import chain, slowed, sweep
 from executive_plugins.motion.timing import Limits, accelerations, time_path
 from executive_plugins.motion.waypoints import Waypoints, join, reach_below_m

@@ -5,7 +5,8 @@ import pytest
 from executive_plugins.objects.association import associate
 from executive_plugins.objects.growth import fit_of, icp_shift, merged, shifts_of
 from executive_plugins.objects.scene import surface_within, surroundings, unexplained
-from executive_plugins.objects.sqlite import SqliteObjects, SqliteObjectsSettings
+from executive_plugins.objects.settings import SqliteObjectsSettings
+from executive_plugins.objects.sqlite import SqliteObjects
 from executive_plugins.objects.surface import box_centre, diagonal_m, pack, unpack
 
 from executive.errors import DataError

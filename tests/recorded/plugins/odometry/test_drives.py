@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from executive_plugins.odometry.kiss_icp import KissIcp, KissIcpSettings
-from executive_plugins.odometry.scan_to_submap import ScanToSubmap, ScanToSubmapSettings
+from executive_plugins.odometry.kiss_icp import KissIcp
+from executive_plugins.odometry.scan_to_submap import ScanToSubmap
+from executive_plugins.odometry.settings import KissIcpSettings, ScanToSubmapSettings
 
 from executive.messages.lidar import LidarScan
 

@@ -2,7 +2,8 @@
 
 import mujoco
 import numpy as np
-from executive_plugins.physics.contact import ContactSettings, apply_contact
+from executive_plugins.physics.contact import apply_contact
+from executive_plugins.physics.contact_settings import ContactSettings
 from executive_plugins.physics.even_directions import even_directions
 from executive_plugins.physics.hull_mesh import hull_mesh
 from executive_plugins.physics.quarried_block import block, ratios

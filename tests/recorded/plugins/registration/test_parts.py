@@ -13,7 +13,7 @@ from executive_plugins.registration.form import form_error
 from executive_plugins.registration.gate import NOTHING, measure
 from executive_plugins.registration.iss import salient_points, surface_shapes
 from executive_plugins.registration.neighbours import neighbours_within
-from executive_plugins.registration.segment_shot import SegmentShotSettings
+from executive_plugins.registration.settings import SegmentShotSettings
 from executive_plugins.registration.shot import reference_frame, shot_descriptors
 from executive_plugins.registration.shot_features import (
     describe_keypoints,

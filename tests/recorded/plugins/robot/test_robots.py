@@ -2,16 +2,22 @@
 
 import numpy as np
 import pytest
-from executive_plugins.robot.kinematic import KinematicRobot, KinematicSettings
-from executive_plugins.robot.mujoco.robot import MujocoRobot, MujocoSettings
-from executive_plugins.robot.mujoco.site.site import SiteSettings
+from executive_plugins.robot.kinematic import KinematicRobot
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.settings import MujocoSettings
+from executive_plugins.robot.mujoco.site.settings import (
+    SiteSettings,
+    StoneSettings,
+    TerrainSettings,
+)
 from executive_plugins.robot.mujoco.site.stone_meshes import mesh_files, read_skin
 from executive_plugins.robot.mujoco.site.stone_placement import footprint, gap
-from executive_plugins.robot.mujoco.site.stones import StoneSettings, make_stones
+from executive_plugins.robot.mujoco.site.stones import make_stones
 from executive_plugins.robot.mujoco.site.surface_texture import ground_skin, stone_skin
-from executive_plugins.robot.mujoco.site.terrain import TerrainSettings, make_terrain
+from executive_plugins.robot.mujoco.site.terrain import make_terrain
 from executive_plugins.robot.mujoco.truth.surface import TrueSurface
 from executive_plugins.robot.mujoco.truth.tracking import Tracking
+from executive_plugins.robot.settings import KinematicSettings
 from executive_plugins.robot.trajectory_follower import Follower
 
 from executive.errors import ConfigError, RobotError

@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from executive_plugins.segmentation.ground_and_clusters import (
-    GroundAndClusters,
-    GroundAndClustersSettings,
-)
+from executive_plugins.segmentation.ground_and_clusters import GroundAndClusters
+from executive_plugins.segmentation.settings import GroundAndClustersSettings
 
 from executive.errors import DataError
 from executive.messages.cloud import Cloud

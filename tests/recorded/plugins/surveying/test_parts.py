@@ -8,22 +8,29 @@ import pytest
 from executive_plugins.surveying.camera_alignment import align_cameras
 from executive_plugins.surveying.camera_positions import positions_of
 from executive_plugins.surveying.depth_maps import (
-    DepthSettings,
     confirmed,
     make_view,
     measure_depth,
     neighbours_of,
     sweep_planes,
 )
-from executive_plugins.surveying.flight import FlightSettings, take_pictures
+from executive_plugins.surveying.flight import take_pictures
 from executive_plugins.surveying.fusion import below_flight, fuse
-from executive_plugins.surveying.grid_flight import GridFlightSettings, fly, look
+from executive_plugins.surveying.grid_flight import fly, look
 from executive_plugins.surveying.grid_flight import recorded as recorded_positions
 from executive_plugins.surveying.photograph_folder import read_photographs
 from executive_plugins.surveying.plane_sweep import View, sweep
-from executive_plugins.surveying.point_cloud_file import PointCloudFile, PointCloudFileSettings
-from executive_plugins.surveying.reconstruction import ReconstructionSettings, own_frame, warp
-from executive_plugins.surveying.simulated_drone import SimulatedDrone, SimulatedDroneSettings
+from executive_plugins.surveying.point_cloud_file import PointCloudFile
+from executive_plugins.surveying.reconstruction import own_frame, warp
+from executive_plugins.surveying.settings import (
+    DepthSettings,
+    FlightSettings,
+    GridFlightSettings,
+    PointCloudFileSettings,
+    ReconstructionSettings,
+    SimulatedDroneSettings,
+)
+from executive_plugins.surveying.simulated_drone import SimulatedDrone
 from executive_plugins.surveying.structure_from_motion import PosedPicture
 from PIL import Image
 

@@ -4,13 +4,15 @@ import mujoco
 import numpy as np
 import open3d as o3d
 import pytest
-from executive_plugins.robot.mujoco.physics import PhysicsSettings
-from executive_plugins.robot.mujoco.sensors.suite import SensorSettings, SensorSuite
+from executive_plugins.robot.mujoco.sensors.settings import SensorSettings
+from executive_plugins.robot.mujoco.sensors.suite import SensorSuite
+from executive_plugins.robot.mujoco.settings import PhysicsSettings
 from executive_plugins.robot.mujoco.site.ray_mesh import RayMesh
+from executive_plugins.robot.mujoco.site.settings import TerrainSettings
 from executive_plugins.robot.mujoco.site.site import Site
 from executive_plugins.robot.mujoco.site.site_scene import SiteScene
 from executive_plugins.robot.mujoco.site.stone_model import StoneModel
-from executive_plugins.robot.mujoco.site.terrain import TerrainSettings, make_terrain
+from executive_plugins.robot.mujoco.site.terrain import make_terrain
 from executive_plugins.robot.mujoco.world import World
 
 from executive.arrays import Float

@@ -4,7 +4,8 @@ change nothing.
 
 import numpy as np
 import pytest
-from executive_plugins.robot.mujoco.robot import MujocoRobot, MujocoSettings
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.settings import MujocoSettings
 from executive_plugins.robot.mujoco.site import photographs
 from executive_plugins.robot.mujoco.site.surface_texture import ground_skin, stone_skin
 

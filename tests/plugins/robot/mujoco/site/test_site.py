@@ -3,10 +3,12 @@
 import mujoco
 import numpy as np
 import pytest
-from executive_plugins.robot.mujoco.physics import PhysicsSettings, apply_physics
-from executive_plugins.robot.mujoco.site.site import Site, SiteSettings, make_site
+from executive_plugins.robot.mujoco.physics import apply_physics
+from executive_plugins.robot.mujoco.settings import PhysicsSettings
+from executive_plugins.robot.mujoco.site.settings import SiteSettings, TerrainSettings
+from executive_plugins.robot.mujoco.site.site import Site, make_site
 from executive_plugins.robot.mujoco.site.stone_placement import footprint, gap
-from executive_plugins.robot.mujoco.site.terrain import TERRAIN, TerrainSettings, make_terrain
+from executive_plugins.robot.mujoco.site.terrain import TERRAIN, make_terrain
 
 from executive.errors import ConfigError
 from executive.geometry.pose import transform

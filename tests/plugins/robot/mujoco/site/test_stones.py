@@ -10,8 +10,9 @@ from executive_plugins.robot.mujoco.site.mass_properties import (
     inertia_about_origin,
     volume_and_centroid,
 )
+from executive_plugins.robot.mujoco.site.settings import StoneSettings
 from executive_plugins.robot.mujoco.site.stone_meshes import read_skin
-from executive_plugins.robot.mujoco.site.stones import StoneSettings, make_stones
+from executive_plugins.robot.mujoco.site.stones import make_stones
 from pydantic import ValidationError
 from scipy.spatial import ConvexHull
 

@@ -1,7 +1,8 @@
 """The dual graph over streams with faults."""
 
 import pytest
-from executive_plugins.estimation.graph.dual_graph import DualGraph, DualGraphSettings
+from executive_plugins.estimation.graph.dual_graph import DualGraph
+from executive_plugins.estimation.graph.settings import DualGraphSettings
 
 SMOOTHER = {
     "lag_s": 0.6,

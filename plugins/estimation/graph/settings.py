@@ -1,8 +1,9 @@
-"""Settings of the two graphs."""
+"""Settings of the estimation plugins, apart from them: reading a mission imports no algorithm."""
 
 from typing import Literal
 
-from executive_plugins.estimation.gate.gnss_gate import GnssGateSettings
+from executive_plugins.estimation.cabin.settings import CabinSettings
+from executive_plugins.estimation.gate.settings import GnssGateSettings
 from pydantic import Field
 
 from executive.config import Meters, MetersPerSecond, Radians, RadiansPerSecond, Seconds, Settings
@@ -65,4 +66,23 @@ class SmootherSettings(Settings):
         ge=0,
         le=30,
         description="Time before and after a contradiction during which standstill is ignored [s].",
+    )
+
+
+class DualGraphSettings(CabinSettings):
+    """Settings of the estimator, in addition to those of all cabin estimators."""
+
+    process: bool = Field(
+        False,
+        description="Whether to smooth in a separate process; false gives the same result on each "
+        "run.",
+    )
+    answer_within_s: Seconds = Field(
+        1.0,
+        gt=0.05,
+        le=60,
+        description="Time without an answer after which the smoother's process is replaced [s].",
+    )
+    smoother: SmootherSettings = Field(
+        default_factory=SmootherSettings, description="The graphs and the gate."
     )

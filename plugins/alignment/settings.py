@@ -1,0 +1,35 @@
+"""Settings of the alignment plugins, apart from them: reading a mission imports no algorithm."""
+
+from pydantic import Field
+
+from executive.config import Meters, Settings
+
+
+class AlignmentSettings(Settings):
+    """Resolution and acceptance of an alignment."""
+
+    voxel_m: Meters = Field(
+        0.05, gt=0, le=1, description="Grid to which both clouds are thinned [m]."
+    )
+    neighbours: int = Field(
+        12, ge=5, le=50, description="Points that shape a surface's normal or covariance."
+    )
+    max_iterations: int = Field(40, ge=1, description="Most steps of the optimisation.")
+    min_points: int = Field(20, ge=6, description="Fewer points of either cloud are refused.")
+    gate_distance_m: Meters = Field(
+        0.10, gt=0, description="Distance up to which points count as overlapping [m]."
+    )
+    max_rmse_m: Meters = Field(
+        0.04, gt=0, description="Largest accepted distance of overlapping points [m]."
+    )
+    min_overlap: float = Field(
+        0.4, ge=0, le=1, description="Smallest accepted share of source points that overlap."
+    )
+
+
+class GicpSettings(AlignmentSettings):
+    """Resolution and acceptance of an alignment."""
+
+
+class PointToPlaneSettings(AlignmentSettings):
+    """Resolution and acceptance of an alignment."""

@@ -1,0 +1,74 @@
+"""Settings of the estimation plugins, apart from them: reading a mission imports no algorithm."""
+
+from pydantic import Field
+
+from executive.config import Meters, RadiansPerSecond, Seconds, Settings
+
+
+class RestSettings(Settings):
+    """Conditions under which the machine counts as being at rest."""
+
+    duration_s: Seconds = Field(
+        2.0, gt=0, le=60, description="Time at rest that is needed before the first state [s]."
+    )
+    max_rate_rad_s: RadiansPerSecond = Field(
+        0.02, gt=0, le=0.2, description="Largest mean angular velocity that may be a bias [rad/s]."
+    )
+    max_rate_std_rad_s: RadiansPerSecond = Field(
+        0.02, gt=0, le=0.2, description="Largest spread of the angular velocity [rad/s]."
+    )
+    max_force_std_m_s2: float = Field(
+        0.3, gt=0, le=5, description="Largest spread of the specific force [m/s²]."
+    )
+    max_antenna_std_m: float = Field(
+        0.06,
+        gt=0,
+        le=1,
+        description="Largest spread of an antenna's fixes [m]; larger where the fixes state so.",
+    )
+
+
+class StandstillSettings(Settings):
+    """When the chassis counts as being at rest, and how accurate that information is.
+
+    A chassis without an inertial sensor never counts as being at rest.
+    """
+
+    is_used: bool = Field(
+        True, description="Whether to correct the estimate while the chassis is at rest."
+    )
+    max_rate_std_rad_s: RadiansPerSecond = Field(
+        0.01,
+        gt=0,
+        le=0.2,
+        description="Largest standard deviation of the chassis' angular velocity [rad/s].",
+    )
+    max_force_std_m_s2: float = Field(
+        0.1,
+        gt=0,
+        le=5,
+        description="Largest standard deviation of the chassis' specific force [m/s²].",
+    )
+    velocity_std_m_s: float = Field(
+        0.01, gt=0, le=1, description="Standard deviation of the speed of a chassis at rest [m/s]."
+    )
+    rate_std_rad_s: RadiansPerSecond = Field(
+        0.005,
+        gt=0,
+        le=1,
+        description="Standard deviation of the angular velocity of a chassis at rest [rad/s].",
+    )
+
+
+class MovingStartSettings(Settings):
+    """Amount of motion that gives the heading; for rigs with one antenna."""
+
+    distance_m: Meters = Field(
+        8.0, gt=0, le=1000, description="Distance from the rest position that is needed [m]."
+    )
+    duration_s: Seconds = Field(
+        20.0, gt=0, le=300, description="Time since rest after which the attempt ends [s]."
+    )
+    max_misfit: float = Field(
+        0.15, gt=0, lt=1, description="Largest misfit of the two paths, as a share of the distance."
+    )

@@ -1,0 +1,65 @@
+"""Settings of the grasping plugins, apart from them: reading a mission imports no algorithm."""
+
+from typing import Literal
+
+from executive_plugins.grasping.sampling.settings import SamplingSettings
+from pydantic import Field, model_validator
+
+from executive.config import Meters
+
+
+class SampledPlannerSettings(SamplingSettings):
+    """Sampling, the stages of the paper, reach and simulated lifts."""
+
+    approach_m: Meters = Field(
+        0.8, ge=0, description="Length of the straight descent to a grasp, free and in reach [m]."
+    )
+    overload: float = Field(
+        1.15, ge=1, description="Refused ratio of mass to payload; above 1, as a hull is too large."
+    )
+    keep_aligned: int = Field(
+        40, ge=1, description="Number of grasps that pass the ranking by alignment (Sec. 5.4)."
+    )
+    keep_enclosing: int = Field(
+        20, ge=1, description="Number of grasps that pass the ranking by enclosing (Sec. 5.4)."
+    )
+    rehearsed: int = Field(
+        32, ge=0, le=500, description="Largest number of simulated lifts; with 0 the order is kept."
+    )
+    max_slip_m: Meters = Field(
+        0.3, gt=0, description="Slip in simulated lifts above which a grasp is refused [m]."
+    )
+    max_grasps: int = Field(8, ge=1, description="Largest number of grasps returned.")
+
+    @model_validator(mode="after")
+    def _check_scale(self) -> "SampledPlannerSettings":
+        if self.scale != 1 and self.rehearsed:
+            raise ValueError(
+                "simulated lifts support machines of full size only: with a scale, set rehearsed: 0"
+            )
+        return self
+
+
+class SampledAntipodalSettings(SampledPlannerSettings):
+    """Sampling, the stages of the paper, reach and simulated lifts."""
+
+
+class SampledCnnSettings(SampledPlannerSettings):
+    """The network, and how its predictions are used."""
+
+    weights: str = Field(
+        "two_stream", description="Shipped weights two_stream or four_layer, or a safetensors file."
+    )
+    ranking: Literal["learned", "paper"] = Field(
+        "learned",
+        description="learned: by predicted success; paper: stages among likely successes.",
+    )
+    min_success: float = Field(
+        0.5, ge=0, le=1, description="Least predicted success for the ranking 'paper'."
+    )
+    rehearsed: int = Field(
+        8, ge=0, le=500, description="Largest number of simulated lifts per plan; 0 for none."
+    )
+    max_slip_m: Meters = Field(
+        1.0, gt=0, description="Slip in simulated lifts above which a grasp is refused [m]."
+    )

@@ -1,0 +1,49 @@
+"""Settings of the motion plugins, apart from them: reading a mission imports no algorithm."""
+
+from pydantic import Field
+
+from executive.config import Meters, Radians, Settings
+
+
+class InverseKinematicsSettings(Settings):
+    """Tolerances and iterations."""
+
+    position_tolerance_m: Meters = Field(
+        0.005, gt=0, le=0.1, description="Largest deviation of position [m]."
+    )
+    orientation_tolerance_rad: Radians = Field(
+        0.06,
+        gt=0,
+        le=0.5,
+        description="Largest deviation of orientation, for arms with few joints [rad].",
+    )
+    iterations: int = Field(30, ge=5, le=500, description="Largest number of iterations per seed.")
+    margin: float = Field(
+        0.005, ge=0, le=0.1, description="Distance kept from the joint limits [rad] or [m]."
+    )
+
+
+class HermiteSettings(Settings):
+    """Speed, clearances and tolerances of planned motions."""
+
+    speed: float = Field(
+        0.9, gt=0, le=1, description="Share of the joints' velocity and acceleration limits to use."
+    )
+    clearance: Meters = Field(
+        0.3, ge=0, le=3, description="Height kept above obstacles while travelling [m]."
+    )
+    contact_tolerance: Meters = Field(
+        0.05,
+        ge=0,
+        le=0.3,
+        description="Depth of map points inside arm or stone that is tolerated [m].",
+    )
+    machine_clearance: Meters = Field(
+        0.05, ge=0, le=0.5, description="Distance kept between parts of the machine [m]."
+    )
+    least_arrival: float = Field(
+        0.5, gt=0, le=1, description="Least share of the straight arrival that must be in reach."
+    )
+    inverse_kinematics: InverseKinematicsSettings = Field(
+        InverseKinematicsSettings(), description="How positions for a pose are found."
+    )

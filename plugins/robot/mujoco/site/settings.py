@@ -1,0 +1,99 @@
+"""Settings of the robot plugins, apart from them: reading a mission imports no algorithm."""
+
+from pathlib import Path
+
+from pydantic import Field, model_validator
+
+from executive.config import Kilograms, KilogramsPerCubicMeter, Meters, Radians, Settings
+
+
+class PlacementSettings(Settings):
+    """Where stones lie: a sector of an annulus around the turning axis."""
+
+    min_radius_m: Meters | None = Field(
+        None, ge=0, le=100, description="Nearest centroid [m]; 0.45 of the reach if not given."
+    )
+    max_radius_m: Meters | None = Field(
+        None, ge=0, le=100, description="Farthest centroid [m]; 0.75 of the reach if not given."
+    )
+    sector_centre_rad: Radians = Field(
+        0.0, ge=-3.2, le=3.2, description="Middle of the sector, from x [rad]."
+    )
+    sector_width_rad: Radians = Field(
+        2.8,
+        gt=0,
+        le=6.2832,
+        description="Width of the sector; the rest remains free for slots [rad].",
+    )
+    gap_m: Meters = Field(
+        0.4, ge=0, le=10, description="Least free distance between two stones [m]."
+    )
+
+
+class StoneSettings(Settings):
+    """Number, kind and placement of the stones."""
+
+    count: int = Field(7, ge=0, le=200, description="Number of stones.")
+    folder: Path | None = Field(
+        None, description="Folder of closed meshes; generated blocks if not given."
+    )
+    scale: float = Field(1.0, gt=0, le=1000, description="Factor on the meshes of the folder.")
+    density_kg_m3: KilogramsPerCubicMeter = Field(
+        2700.0, ge=100, le=20000, description="Density [kg/m³]."
+    )
+    volume_m3: tuple[float, float] = Field(
+        (0.5, 1.0), description="Least and largest generated volume [m³]."
+    )
+    max_mass_kg: Kilograms | None = Field(
+        None,
+        gt=0,
+        description="Largest mass of a mesh of the folder [kg]; the payload if not given.",
+    )
+    roughness_m: Meters = Field(
+        0.008, ge=0, le=0.1, description="Standard deviation of generated bumps [m]."
+    )
+    edge_m: Meters = Field(
+        0.12, ge=0.03, le=1, description="Size of generated bumps: edge of the skin's mesh [m]."
+    )
+    placement: PlacementSettings = Field(
+        PlacementSettings(), description="Where the stones may lie."
+    )
+
+    @model_validator(mode="after")
+    def _check_volume(self) -> "StoneSettings":
+        least, most = self.volume_m3
+        if not 0.001 <= least <= most <= 20:
+            raise ValueError(
+                f"volume_m3 is [least, most] within 0.001 to 20 m³, got {list(self.volume_m3)}"
+            )
+        return self
+
+
+class TerrainSettings(Settings):
+    """The shape of the ground."""
+
+    half_size_m: Meters = Field(
+        15.0, gt=2, le=100, description="Half the side of the square of ground [m]."
+    )
+    cell_m: Meters = Field(
+        0.2, ge=0.1, le=1, description="Cell of the height field [m]; 0.1 m runs 8 times slower."
+    )
+    undulation_m: Meters = Field(
+        0.04, ge=0, le=1, description="Standard deviation of the gentle waves [m]."
+    )
+    wavelength_m: Meters = Field(
+        6.0, ge=1, le=50, description="Typical length of the gentle waves [m]."
+    )
+    roughness_m: Meters = Field(
+        0.012, ge=0, le=0.3, description="Standard deviation of ruts and clods [m]."
+    )
+    pad_radius_m: Meters = Field(
+        2.8, ge=0, le=20, description="Radius of the level pad about the machine [m]."
+    )
+
+
+class SiteSettings(Settings):
+    """The ground and the stones."""
+
+    terrain: TerrainSettings = Field(TerrainSettings(), description="Shape of the ground.")
+    stones: StoneSettings = Field(StoneSettings(), description="Which stones lie on it.")

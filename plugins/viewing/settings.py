@@ -1,0 +1,16 @@
+"""Settings of the viewing plugins, apart from them: reading a mission imports no algorithm."""
+
+from pydantic import Field
+
+from executive.config import Seconds, Settings
+
+
+class RerunSettings(Settings):
+    """Settings of the recording."""
+
+    machine_period_s: Seconds = Field(
+        0.1, gt=0, le=10, description="Time between two drawings of the machine [s]."
+    )
+    max_points: int = Field(
+        120_000, ge=1000, description="Largest number of points drawn of one cloud."
+    )
