@@ -2,7 +2,7 @@
 
 import mujoco
 from executive_plugins.physics.contact import apply_contact
-from executive_plugins.robot.mujoco.settings import PhysicsSettings
+from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 
 
 def apply_physics(spec: mujoco.MjSpec, settings: PhysicsSettings) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from executive_plugins.robot.mujoco.machine.arm_servos import ArmServos, make_servos
 from executive_plugins.robot.mujoco.machine.jaw_drive import JawDrive, make_jaw_drive
 from executive_plugins.robot.mujoco.physics import apply_physics
-from executive_plugins.robot.mujoco.settings import PhysicsSettings
+from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 from executive_plugins.robot.mujoco.site.site import Site
 from executive_plugins.robot.trajectory_follower import Follower
 

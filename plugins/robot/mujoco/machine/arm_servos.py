@@ -6,7 +6,7 @@ They are position loops with velocity feed-forward and a slow integral part.
 import mujoco
 import numpy as np
 from executive_plugins.physics.gravity import GRAVITY_M_S2
-from executive_plugins.robot.mujoco.settings import PhysicsSettings
+from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 
 from executive.arrays import Float
 from executive.machine.kinematics import Kinematics

@@ -1,7 +1,7 @@
 """The drive of the jaws: one force-limited velocity actuator; the other jaw is coupled to it."""
 
 import mujoco
-from executive_plugins.robot.mujoco.settings import PhysicsSettings
+from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 
 from executive.machine.machine import Machine
 

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from executive_plugins.physics.settling import come_to_rest
 from executive_plugins.robot.mujoco.physics import apply_physics
-from executive_plugins.robot.mujoco.settings import PhysicsSettings
+from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 from executive_plugins.robot.mujoco.site.settings import PlacementSettings
 from executive_plugins.robot.mujoco.site.stone_model import StoneModel
 from executive_plugins.robot.mujoco.site.terrain import Terrain

@@ -4,9 +4,9 @@ import mujoco
 import numpy as np
 import open3d as o3d
 import pytest
+from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 from executive_plugins.robot.mujoco.sensors.settings import SensorSettings
 from executive_plugins.robot.mujoco.sensors.suite import SensorSuite
-from executive_plugins.robot.mujoco.settings import PhysicsSettings
 from executive_plugins.robot.mujoco.site.ray_mesh import RayMesh
 from executive_plugins.robot.mujoco.site.settings import TerrainSettings
 from executive_plugins.robot.mujoco.site.site import Site

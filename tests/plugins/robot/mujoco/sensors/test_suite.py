@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 import pytest
+from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 from executive_plugins.robot.mujoco.sensors.settings import SensorSettings
 from executive_plugins.robot.mujoco.sensors.suite import SensorSuite
-from executive_plugins.robot.mujoco.settings import PhysicsSettings
 from executive_plugins.robot.mujoco.site.settings import TerrainSettings
 from executive_plugins.robot.mujoco.site.site import Site
 from executive_plugins.robot.mujoco.site.terrain import make_terrain

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 from executive_plugins.robot.mujoco.physics import apply_physics
-from executive_plugins.robot.mujoco.settings import PhysicsSettings
+from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 from executive_plugins.robot.mujoco.site.settings import SiteSettings, TerrainSettings
 from executive_plugins.robot.mujoco.site.site import Site, make_site
 from executive_plugins.robot.mujoco.site.stone_placement import footprint, gap

@@ -1,0 +1,21 @@
+"""Settings of the simulated world's physics."""
+
+from executive_plugins.physics.contact_settings import ContactSettings
+from pydantic import Field
+
+from executive.config import Newtons, Seconds
+
+
+class PhysicsSettings(ContactSettings):
+    """Contacts, integration step, and gains of the drives."""
+
+    timestep_s: Seconds = Field(0.0025, ge=0.001, le=0.004, description="Integration step [s].")
+    servo_rad_s: float = Field(
+        25.0, gt=1, le=60, description="Natural frequency of the arm's position servos [rad/s]."
+    )
+    jaw_stiffness: float = Field(
+        4.0, gt=0, le=20, description="Speed of the jaws over their distance from the target [1/s]."
+    )
+    grip_force_n: Newtons = Field(
+        35000.0, gt=0, description="Tip force before the first command [N]."
+    )
