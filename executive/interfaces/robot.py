@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,12 @@ class Robot(Plugin, ABC):
     """Measures and moves. Its settings class derives from RobotSettings."""
 
     capability = "robot"
+
+    # Kinds of the machine's sensors that the backend does not have: nobody waits for them.
+    lacks: ClassVar[frozenset[str]] = frozenset()
+
+    # Whether its sensors are ideal: equal samples in a row are then no sign of a stuck sensor.
+    is_ideal: ClassVar[bool] = False
 
     @abstractmethod
     def read(self, until_s: float) -> Sequence[Observation]:

@@ -3,11 +3,11 @@
 Reading a journal needs the classes of its events; importing their modules registers them.
 """
 
-from executive.events import finding, mission, node, site, stone
+from executive.events import fault, finding, mission, node, site, stone, watch
 from executive.journal.entry import Entry
 from executive.journal.journal import Journal
 from executive.journal.reading import JournalFile, read_journal
 
-EVENT_MODULES = (mission, node, site, stone, finding)
+EVENT_MODULES = (mission, node, site, stone, finding, fault, watch)
 
 __all__ = ["EVENT_MODULES", "Entry", "Journal", "JournalFile", "read_journal"]

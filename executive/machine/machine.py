@@ -19,7 +19,7 @@ from executive.machine.provenance import Sourced
 from executive.machine.rig import Rig
 
 _FOLDER = Path(str(files("executive_robot_models")))  # machines that come with the package
-_FILE = "robot.yaml"
+FILE = "robot.yaml"
 
 
 class Stance(Sourced):
@@ -31,6 +31,14 @@ class Stance(Sourced):
     payload_kg: float = Field(gt=0, description="Heaviest load of the gripper [kg].")
     reach_m: float = Field(
         gt=0, description="Largest distance of the tips from the turning axis [m]."
+    )
+    tracking_error: float = Field(
+        0.1,
+        gt=0,
+        description="Largest distance of a moving joint from its path [rad] or [m].",
+    )
+    tracking_lag_s: float = Field(
+        0.2, ge=0, lt=2, description="Largest delay of a joint behind its path [s]."
     )
 
 
@@ -193,12 +201,12 @@ def machine_folder(model: str) -> Path:
         ConfigError: If neither holds a robot.yaml; the message lists the shipped machines.
     """
     for folder in (_FOLDER / model, Path(model)):
-        if (folder / _FILE).is_file():
+        if (folder / FILE).is_file():
             return folder
-    shipped = [path.parent.name for path in sorted(_FOLDER.glob(f"*/{_FILE}"))]
+    shipped = [path.parent.name for path in sorted(_FOLDER.glob(f"*/{FILE}"))]
     raise ConfigError(
         f"no machine '{model}': neither shipped nor a folder with a "
-        f"{_FILE}{did_you_mean(model, shipped)}"
+        f"{FILE}{did_you_mean(model, shipped)}"
     )
 
 
@@ -209,7 +217,7 @@ def load_machine(model: str) -> Machine:
         ConfigError: If there is none, or its robot.yaml is wrong; the message names every wrong
             field.
     """
-    path = machine_folder(model) / _FILE
+    path = machine_folder(model) / FILE
     try:
         description = yaml.load(path.read_text(encoding="utf-8"), Loader=yaml.CSafeLoader)
     except yaml.YAMLError as error:

@@ -14,6 +14,17 @@ class _Mounted(Sourced, Origin):
     link: str = Field(description="Link that carries it.")
     rate_hz: float = Field(gt=0, description="Samples or revolutions a second [Hz].")
     latency_s: float = Field(0.0, ge=0, lt=1, description="Time from stamp to arrival [s].")
+    age_periods: float = Field(
+        3.0, ge=1, le=1000, description="Periods without a good sample until it counts as lost."
+    )
+    may_repeat: bool = Field(
+        False, description="Whether equal values in a row are usual, as of a coarse encoder."
+    )
+
+    @property
+    def age_limit_s(self) -> float:
+        """Age of the newest good sample from which on the sensor counts as lost [s]."""
+        return self.latency_s + self.age_periods / self.rate_hz
 
     @property
     def T_link_sensor(self) -> Float:
@@ -38,6 +49,12 @@ class Imu(_Mounted):
     """An inertial measurement unit."""
 
     kind: Literal["imu"]
+    gyro_range_rad_s: float = Field(
+        8.7, gt=0, description="Largest angular velocity that it measures [rad/s]."
+    )
+    accel_range_m_s2: float = Field(
+        78.0, gt=0, description="Largest specific force that it measures [m/s²]."
+    )
     gyro_noise_rad_s: float = Field(ge=0, description="Standard deviation of a sample [rad/s].")
     gyro_bias_rad_s: float = Field(
         ge=0, description="Standard deviation of the bias at the start [rad/s]."

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from executive.clock import Clock, wall_s
 from executive.errors import RobotError
 from executive.events.event import Event
@@ -21,6 +23,10 @@ from executive.events.mission import (
     VerdictGiven,
 )
 from executive.events.site import RegionNamed
+from executive.events.watch import MissionHeld, MissionWentOn
+from executive.faults.injector import Injector
+from executive.geometry.pose import inverse
+from executive.geometry.rotation import log_so3
 from executive.interfaces.plugin import Plugin
 from executive.interfaces.robot import Robot
 from executive.journal import Journal
@@ -39,6 +45,7 @@ from executive.mission.assembly import Assembly
 from executive.mission.context import NodeContext, Services
 from executive.mission.display import Display
 from executive.mission.fault import fault_of
+from executive.mission.guard import Guard, GuardSettings, failure_of
 from executive.mission.jobs.jobs import Jobs
 from executive.mission.operator import Operator
 from executive.mission.phase import Phase, checked_change
@@ -46,6 +53,7 @@ from executive.mission.record.account import Account
 from executive.mission.report import Ending
 from executive.mission.streams import StreamListener, Streams
 from executive.tree.build import node_states
+from executive.watch.watch import Decision, Wish
 
 _STOP_LIMIT_S = 10.0  # a machine that has not come to rest by then is faulted
 _STATE_PERIOD_S = 1.0  # of the estimates kept for the report
@@ -69,6 +77,7 @@ class Setup:
     recorder: Recorder | None = None
     regions: Mapping[str, Region] = field(default_factory=dict)
     can_fail: frozenset[tuple[str, str]] = frozenset()  # capability and name: `on_error: fail`
+    guard: GuardSettings = field(default_factory=GuardSettings)
 
 
 class MachineMovesError(RobotError):
@@ -103,7 +112,12 @@ class Mission(Runtime, StreamListener):
             setup.clock,
             lambda viewer, error: self.take_error("viewing", viewer, error),
         )
-        machine = setup.assembly.machine
+        machine, plugins = setup.assembly.machine, setup.assembly.plugins
+        self.injector = Injector(setup.guard.faults, machine, setup.seed, setup.clock)
+        self.injector.install(plugins, lambda event: self.record("", event))
+        self.guard = Guard(
+            setup.guard, machine, plugins, setup.clock, lambda event: self.record("", event)
+        )
         lidars = [name for name, sensor in machine.sensors.items() if sensor.kind == "lidar"]
         self.services = Services(
             clock=setup.clock,
@@ -112,7 +126,7 @@ class Mission(Runtime, StreamListener):
             kinematics=Kinematics(machine),
             plugins=setup.assembly.plugins,
             jobs=setup.jobs,
-            streams=Streams(setup.assembly.plugins, lidars, self),
+            streams=Streams(setup.assembly.plugins, lidars, self, self.guard),
             account=self.account,
             journal=setup.journal,
             folder=setup.folder,
@@ -120,6 +134,8 @@ class Mission(Runtime, StreamListener):
             show=self.show,
             regions=setup.regions,
         )
+        self.guard.bind(self.services.streams)
+        self._before_hold: tuple[float, BaseState, bool] | None = None
         self._halt = halt
         self.root = build(self)
 
@@ -130,6 +146,7 @@ class Mission(Runtime, StreamListener):
 
     def record(self, node: str, event: Event) -> None:
         self.journal.append(self._tick, self.clock.now_s(), node, event)
+        self.injector.heed(node, event)
 
     def show(self, entity: str, value: object) -> None:
         if isinstance(value, Stone):
@@ -191,8 +208,10 @@ class Mission(Runtime, StreamListener):
 
     def _guarded_tick(self) -> None:
         try:
+            self.injector.step()
             self._read()
             self._follow_requests()
+            self._heed(self.guard.step())
             if self.phase in (Phase.RUNNING, Phase.AWAITING_OPERATOR):
                 self._tick_tree()
         except MissionFaultError:
@@ -243,6 +262,42 @@ class Mission(Runtime, StreamListener):
         elif not self._pause_requested and self.phase == Phase.PAUSED:
             self._robot.resume()
             self._change(Phase.RUNNING, "resumed by the operator")
+
+    def _heed(self, decision: Decision) -> None:
+        """Do what a watched condition asks for."""
+        if self._ending is not None or self.phase is Phase.PAUSED:
+            return
+        if decision.wish is Wish.STOP:
+            self._fault(failure_of(decision))
+        elif decision.wish is Wish.HOLD and self.phase is not Phase.HELD:
+            self._before_hold = (
+                self.clock.now_s(),
+                self.services.streams.state(),
+                self.guard.is_following,
+            )
+            self._robot.stop()
+            self.record("", MissionHeld(decision.condition, decision.reason))
+            self._change(Phase.HELD, decision.reason)
+        elif decision.wish is Wish.GO_ON and self.phase is Phase.HELD:
+            self._go_on(decision)
+
+    def _go_on(self, decision: Decision) -> None:
+        """End a hold; a path that was stopped for it is followed to its end."""
+        now = self.services.streams.state()
+        since_s, before, was_following = self._before_hold or (self.clock.now_s(), now, False)
+        moved = inverse(before.T_map_cabin) @ now.T_map_cabin
+        self.record(
+            "",
+            MissionWentOn(
+                held_s=round(self.clock.now_s() - since_s, 6),
+                reason=decision.reason,
+                moved_m=float(np.linalg.norm(moved[:3, 3])),
+                turned_rad=float(np.linalg.norm(log_so3(moved[:3, :3]))),
+            ),
+        )
+        if was_following:
+            self._robot.resume()
+        self._change(Phase.RUNNING, decision.reason)
 
     def _come_to_rest(self, after_tick: Callable[["Mission"], None]) -> None:
         try:

@@ -11,6 +11,7 @@ class Phase(StrEnum):
     IDLE = "idle"
     RUNNING = "running"
     PAUSED = "paused"
+    HELD = "held"  # a watched condition is broken: the machine stands until it holds again
     AWAITING_OPERATOR = "awaiting_operator"
     STOPPING = "stopping"
     DONE = "done"
@@ -20,11 +21,26 @@ class Phase(StrEnum):
 _NEXT: dict[Phase, frozenset[Phase]] = {
     Phase.IDLE: frozenset({Phase.RUNNING, Phase.FAULTED, Phase.STOPPING}),
     Phase.RUNNING: frozenset(
-        {Phase.PAUSED, Phase.AWAITING_OPERATOR, Phase.STOPPING, Phase.DONE, Phase.FAULTED}
+        {
+            Phase.PAUSED,
+            Phase.HELD,
+            Phase.AWAITING_OPERATOR,
+            Phase.STOPPING,
+            Phase.DONE,
+            Phase.FAULTED,
+        }
     ),
+    Phase.HELD: frozenset({Phase.RUNNING, Phase.PAUSED, Phase.STOPPING, Phase.FAULTED}),
     Phase.PAUSED: frozenset({Phase.RUNNING, Phase.STOPPING, Phase.FAULTED}),
     Phase.AWAITING_OPERATOR: frozenset(
-        {Phase.RUNNING, Phase.PAUSED, Phase.STOPPING, Phase.DONE, Phase.FAULTED}
+        {
+            Phase.RUNNING,
+            Phase.PAUSED,
+            Phase.HELD,
+            Phase.STOPPING,
+            Phase.DONE,
+            Phase.FAULTED,
+        }
     ),
     Phase.STOPPING: frozenset({Phase.DONE, Phase.FAULTED}),
     Phase.DONE: frozenset(),

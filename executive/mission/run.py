@@ -16,6 +16,7 @@ from executive.journal import Journal
 from executive.logs.recorder import Recorder
 from executive.mission.assembly import Assembly, Selections, assemble
 from executive.mission.fault import fault_of
+from executive.mission.guard import GuardSettings
 from executive.mission.interrupts import Aborted, stop_on_interrupt
 from executive.mission.jobs.choice import Choice
 from executive.mission.mission import Mission, Setup
@@ -101,6 +102,7 @@ class Run:
             recorder=self._recorder(),
             regions=description.regions,
             can_fail=_can_fail(description),
+            guard=GuardSettings(description.faults, description.watch),
         )
         self._mission: Mission | None = None
         self._is_closed = False
@@ -215,12 +217,20 @@ class Run:
             "counts": self._account.counts(),
             **self._account.findings.as_report(),
             "ignored_observations": self._ignored(),
+            **self._guarded(),
             "resources": resources_since(self._begun_cpu_s),
             "timings_ms": timings_from(durations),
         }
 
     def _ignored(self) -> dict[str, int]:
         return dict(self._mission.services.streams.ignored) if self._mission is not None else {}
+
+    def _guarded(self) -> dict[str, Any]:
+        """Return what was injected on purpose, and which observations were refused."""
+        if self._mission is None:
+            return {}
+        injected = self._mission.injector.report()
+        return self._mission.guard.report() | ({"faults": injected} if injected else {})
 
     def _truth(self) -> dict[str, Any]:
         if self._mission is None:

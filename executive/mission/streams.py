@@ -47,11 +47,27 @@ class StreamListener(ABC):
         """Take the first observation of a type that no plugin takes."""
 
 
+class StreamGuard(ABC):
+    """Decides which observations reach the plugins, and whether scans may be fused."""
+
+    @abstractmethod
+    def refuses(self, observation: object) -> bool:
+        """Return whether an observation cannot be true; it then goes to no plugin."""
+
+    @abstractmethod
+    def may_fuse(self) -> bool:
+        """Return whether the pose of the cabin is known well enough to fuse a scan."""
+
+
 class Streams:
     """Feeds the stream plugins and keeps the newest values for snapshots."""
 
     def __init__(
-        self, plugins: Mapping[str, Any], lidars: Sequence[str], listener: StreamListener
+        self,
+        plugins: Mapping[str, Any],
+        lidars: Sequence[str],
+        listener: StreamListener,
+        guard: "StreamGuard | None" = None,
     ) -> None:
         self._estimator: Estimator = plugins["estimation"]
         self._odometry: LidarOdometry | None = plugins.get("odometry")
@@ -60,6 +76,7 @@ class Streams:
         self._observers = _observers(plugins)
         self._lidars = tuple(lidars)
         self._listener = listener
+        self._guard = guard
         self._status = "INITIALISING"
         self._told = 0  # number of the estimator's status changes that have been handed on
         self._history: deque[tuple[float, BaseState, JointSample]] = deque()
@@ -78,6 +95,8 @@ class Streams:
     def process(self, observations: Sequence[Observation]) -> None:
         """Take all observations of one tick."""
         for observation in observations:
+            if self._guard is not None and self._guard.refuses(observation):
+                continue
             handler = self._handlers.get(type(observation))
             if handler is not None:
                 handler(observation)
@@ -88,6 +107,10 @@ class Streams:
     def state(self) -> BaseState:
         """Return the newest state estimate."""
         return self._estimator.state()
+
+    def recent_states(self) -> Sequence[BaseState]:
+        """Return the states of the last second, in order of their stamps."""
+        return [state for _, state, _ in self._history]
 
     def _observe(self, observation: object) -> bool:
         """Hand an observation to the plugins that ask for its type; return whether one does."""
@@ -164,6 +187,9 @@ class Streams:
             return None
 
     def _map(self, mapper: Mapper) -> None:
+        if self._guard is not None and not self._guard.may_fuse():
+            self._scans.clear()
+            return
         started_s = wall_s()
         try:
             mapper.add_scan_pair([self._scans[name] for name in self._lidars], self._motion())

@@ -7,12 +7,14 @@ from typing import Any, Literal
 from pydantic import Field
 
 from executive.config import Seconds, Settings
+from executive.faults.description import Fault
 from executive.leaf.action import Leaf
 from executive.messages.region import Region
 from executive.tree.expressions.syntax import Expression
 from executive.tree.job_settings import JobSettings
 from executive.tree.place import Place
 from executive.tree.problem import Mark, Problem
+from executive.watch.rules import Watched
 
 
 class LoopSettings(Settings):
@@ -472,6 +474,8 @@ class MissionFile:
         trees: `main`, and every tree that it calls.
         warnings: What works but was hardly meant.
         regions: Named parts of the ground, by name.
+        faults: What is done to the mission on purpose, in the order of the file.
+        watch: What is watched while it runs, and what happens then, by condition.
     """
 
     name: str
@@ -481,3 +485,5 @@ class MissionFile:
     trees: Mapping[str, Tree]
     warnings: tuple[Problem, ...] = field(default=())
     regions: Mapping[str, Region] = field(default_factory=dict)
+    faults: tuple[Fault, ...] = field(default=())
+    watch: Watched = field(default_factory=dict)

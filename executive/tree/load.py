@@ -9,8 +9,9 @@ from executive.tree.catalogue import Catalogue, InstalledCatalogue
 from executive.tree.claims import ClaimCheck
 from executive.tree.dataflow.nodes import Dataflow
 from executive.tree.expansion import check_expansion
+from executive.tree.fault_reader import SECTIONS, head, read_faults_and_watch
 from executive.tree.language import LeafUse, LoopSettings, MissionFile, Tree
-from executive.tree.override import Override, apply_override
+from executive.tree.override import Override, PlacedSetting, apply_override, placed_setting
 from executive.tree.plugin_reader import PluginReader, layered
 from executive.tree.problem import Problems
 from executive.tree.reading import Reading
@@ -62,7 +63,8 @@ def _load(path_or_name: str, overrides: Sequence[Override], reading: Reading) ->
     if not found:
         reading.problems.raise_errors()
     mission = found[-1]
-    loop_table, plugin_table = _settings(found, overrides, reading)
+    placed = [one for option in overrides if (one := placed_setting(option, reading))]
+    loop_table, plugin_table = _settings(found, placed, reading)
     loop = check_settings(LoopSettings, loop_table, "loop", reading.problems)
     plugins = PluginReader(reading)
     selected = plugins.read(plugin_table)
@@ -76,16 +78,24 @@ def _load(path_or_name: str, overrides: Sequence[Override], reading: Reading) ->
     if check_expansion(trees, reading.problems):
         Dataflow(trees, reading.problems).check()
         ClaimCheck(trees, reading.problems).check()
+    faults, watch = read_faults_and_watch(found, placed, trees, selected, reading)
     name, description = _titles(mission, reading)
     reading.problems.raise_errors()
-    warnings = reading.problems.warnings()
     return MissionFile(
-        name, description, loop or LoopSettings(), selected, trees, warnings, regions
+        name=name,
+        description=description,
+        loop=loop or LoopSettings(),
+        plugins=selected,
+        trees=trees,
+        warnings=reading.problems.warnings(),
+        regions=regions,
+        faults=faults,
+        watch=watch,
     )
 
 
 def _settings(
-    found: Sequence[Layer], overrides: Sequence[Override], reading: Reading
+    found: Sequence[Layer], placed: Sequence[PlacedSetting], reading: Reading
 ) -> tuple[Table, Table]:
     mark = found[-1].table.mark
     loop, plugins = Table({}, mark), Table({}, mark)
@@ -96,8 +106,9 @@ def _settings(
             loop = laid if isinstance(laid, Table) else loop
         if over_plugins:
             plugins = layered(plugins, over_plugins)
-    for option in overrides:
-        loop, plugins = apply_override(option, loop, plugins, reading)
+    for setting in placed:
+        if head(setting) not in SECTIONS:
+            loop, plugins = apply_override(setting, loop, plugins, reading)
     return loop, plugins
 
 

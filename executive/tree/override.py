@@ -30,11 +30,16 @@ class PlacedSetting:
 Override = str | PlacedSetting
 
 
+def placed_setting(option: Override, reading: Reading) -> PlacedSetting | None:
+    """Return an option or a setting of another file, or None after a mistake was noted."""
+    return option if isinstance(option, PlacedSetting) else parsed_option(option, reading)
+
+
 def apply_override(
     option: Override, loop: Table, plugins: Table, reading: Reading
 ) -> tuple[Table, Table]:
     """Apply one setting to those of the loop and of the plugins; errors name the option."""
-    setting = option if isinstance(option, PlacedSetting) else parsed_option(option, reading)
+    setting = placed_setting(option, reading)
     if setting is None:
         return loop, plugins
     path, value, mark = setting.key.split("."), setting.value, setting.mark

@@ -5,6 +5,7 @@ from typing import Any
 
 import yaml
 
+from executive.config import Settings
 from executive.registry import is_plural
 from executive.tree.expressions.syntax import Truth
 from executive.tree.language import (
@@ -81,8 +82,17 @@ def resolved_document(mission: MissionFile) -> dict[str, Any]:
             name: {"polygon": region.corners_map.tolist()}
             for name, region in mission.regions.items()
         }
+    if mission.watch:
+        document["watch"] = {name: _given(rule) for name, rule in mission.watch.items()}
+    if mission.faults:
+        document["faults"] = [_given(fault) for fault in mission.faults]
     document["trees"] = {name: _tree(tree) for name, tree in mission.trees.items()}
     return document
+
+
+def _given(settings: Settings) -> dict[str, Any]:
+    """Return the settings that are not absent."""
+    return {name: one for name, one in settings_dump(settings).items() if one is not None}
 
 
 class _Dumper(yaml.SafeDumper):

@@ -13,7 +13,18 @@ from executive.tree.value import Scalar, Table, TableEntry, Value
 
 _SUFFIXES = (".yaml", ".yml")
 API = 1
-MISSION_KEYS = ("api", "mission", "description", "extends", "loop", "plugins", "regions", "trees")
+MISSION_KEYS = (
+    "api",
+    "mission",
+    "description",
+    "extends",
+    "loop",
+    "plugins",
+    "regions",
+    "watch",
+    "faults",
+    "trees",
+)
 LIBRARY_KEYS = ("api", "trees")
 
 

@@ -32,6 +32,8 @@ class KinematicRobot(Robot):
     """Moves exactly as commanded; its base is at the origin of the map."""
 
     Settings = KinematicSettings
+    lacks = frozenset({"lidar"})
+    is_ideal = True
 
     def __init__(self, settings: KinematicSettings, machine: Machine) -> None:
         self._settings = settings

@@ -1,0 +1,1 @@
+"""Faults on purpose, in front of any robot and any plugin: what a mission is tried against."""

@@ -1,0 +1,174 @@
+"""The guard of a mission: faults on purpose, the gate of the streams, watched conditions."""
+
+import re
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from executive.arrays import Float
+from executive.clock import Clock
+from executive.events.event import Event
+from executive.events.mission import Fault as FaultRecord
+from executive.events.watch import ObservationRefused, ScansNotFused
+from executive.faults.description import Fault
+from executive.faults.tap import tap
+from executive.interfaces.robot import Robot
+from executive.machine.machine import Machine
+from executive.mission.streams import StreamGuard, Streams
+from executive.watch.ages import Ages
+from executive.watch.antenna_check import AntennaCheck
+from executive.watch.estimate_watch import estimate_trouble, stale
+from executive.watch.gate import Gate
+from executive.watch.motion import MotionWatch
+from executive.watch.rules import ESTIMATE, EstimateRule, Watched
+from executive.watch.watch import Decision, Watch
+
+
+@dataclass(frozen=True, slots=True)
+class GuardSettings:
+    """What a mission's file says of faults and of what is watched."""
+
+    faults: Sequence[Fault] = ()
+    watch: Watched | None = None
+
+
+class Guard(StreamGuard):
+    """Refuses observations that cannot be true, and asks for a hold or a stop."""
+
+    def __init__(
+        self,
+        settings: GuardSettings,
+        machine: Machine,
+        plugins: Mapping[str, Any],
+        clock: Clock,
+        record: Callable[[Event], None],
+    ) -> None:
+        self._machine, self._clock, self._record = machine, clock, record
+        self._robot: Robot = plugins["robot"]
+        self._estimator: Any = plugins["estimation"]
+        self._streams: Streams | None = None
+        antennas = AntennaCheck(machine, self._states, self._datum)
+        self._gate = Gate(machine, antennas, is_ideal=self._robot.is_ideal)
+        self._ages = Ages(machine, self._robot.lacks, clock.now_s())
+        self._motion = MotionWatch(machine, self._T_map_base)
+        self._watch = Watch(machine, settings.watch or {}, record)
+        imus = [sensor.age_limit_s for sensor in machine.sensors_of("imu")]
+        self.age_limit_s = max(imus, default=float("inf"))
+        self._is_localised = False
+        self._told: dict[str, str] = {}  # kind of the refusal of each sensor's newest observation
+        self._is_fusing = True
+        self.refused: Counter[str] = Counter()  # observations by sensor and kind of reason
+        self.scans_not_fused = 0
+        tap(self._robot, "command", self._command)
+        tap(self._robot, "stop", self._stop)
+
+    def bind(self, streams: Streams) -> None:
+        """Take the streams, whose states observations are compared with."""
+        self._streams = streams
+
+    def refuses(self, observation: object) -> bool:
+        sensor, reason = self._gate.refusal(observation, self._now_s())
+        if not sensor:
+            return False
+        kind = _kind(reason)
+        self._ages.take(sensor, getattr(observation, "stamp_s", 0.0), reason)
+        if reason:
+            self.refused[f"{sensor}: {kind}"] += 1
+            if self._told.get(sensor) != kind:
+                stamp_s = float(getattr(observation, "stamp_s", 0.0))
+                self._record(ObservationRefused(sensor, reason, stamp_s))
+        self._told[sensor] = kind
+        return bool(reason)
+
+    def may_fuse(self) -> bool:
+        reason = self._state_trouble()
+        if reason:
+            self.scans_not_fused += 1
+            if self._is_fusing:
+                self._record(ScansNotFused(reason))
+        self._is_fusing = not reason
+        return not reason
+
+    def step(self) -> Decision:
+        """Look at every condition, and return what to do; once a tick, after the robot was read."""
+        now_s = self._now_s()
+        troubles = dict(self._ages.troubles(now_s))
+        sample = self._streams.joints if self._streams is not None else None
+        if sample is not None:
+            troubles |= self._motion.troubles(sample, self._watch.rules)
+        if self._is_localised or self._state_is_ready():
+            estimate = self._state_trouble()
+            self._is_localised = self._is_localised or not estimate
+            if estimate and self._is_localised and ESTIMATE in self._watch.rules:
+                troubles[ESTIMATE] = estimate
+        return self._watch.step(troubles, now_s)
+
+    @property
+    def is_following(self) -> bool:
+        """Whether the robot follows a path that nobody has stopped."""
+        return self._motion.is_followed
+
+    def report(self) -> dict[str, Any]:
+        """Return what the report says of observations; empty if all were used."""
+        found: dict[str, Any] = {}
+        if self.refused:
+            found["refused_observations"] = dict(self.refused)
+        if self.scans_not_fused:
+            found["scans_not_fused"] = self.scans_not_fused
+        return found
+
+    def _state_trouble(self) -> str:
+        """Return why the pose may not be used: by the mission's rule, else by its age alone."""
+        if self._streams is None:
+            return ""
+        state, rule = self._streams.state(), self._watch.rules.get(ESTIMATE)
+        if isinstance(rule, EstimateRule):
+            return estimate_trouble(state, self._now_s(), self.age_limit_s, rule)
+        return stale(state, self._now_s(), self.age_limit_s) if state.is_ready else ""
+
+    def _state_is_ready(self) -> bool:
+        return self._streams is not None and self._streams.state().is_ready
+
+    def _now_s(self) -> float:
+        return self._clock.now_s()
+
+    def _states(self) -> Sequence[Any]:
+        return self._streams.recent_states() if self._streams is not None else ()
+
+    def _datum(self) -> Float | None:
+        datum = getattr(self._estimator, "datum", None)
+        return None if datum is None else datum
+
+    def _T_map_base(self) -> Float | None:
+        if self._streams is None or not self._state_is_ready():
+            return None
+        return self._streams.state().T_map_base
+
+    def _command(self, command: Callable[..., None], given: Any) -> None:
+        command(given)  # a command that the robot refuses is none
+        self._ages.command(given, self._now_s())
+        self._motion.command(given, self._now_s())
+
+    def _stop(self, stop: Callable[..., None]) -> None:
+        self._motion.stopped()
+        stop()
+
+
+def failure_of(decision: Decision) -> FaultRecord:
+    """Return the record of a condition that ends the mission."""
+    return FaultRecord(
+        component=f"watched condition '{decision.condition}'",
+        capability="",
+        name=decision.condition,
+        verb="",
+        node="",
+        error=decision.reason,
+        place="",
+        traceback="",
+    )
+
+
+def _kind(reason: str) -> str:
+    """Return a reason without its numbers, so that equal ones are counted together."""
+    return re.sub(r"-?\d+(\.\d+)?(e[+-]?\d+)?", "…", reason)
