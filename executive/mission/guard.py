@@ -81,8 +81,8 @@ class Guard(StreamGuard):
         self._told[sensor] = kind
         return bool(reason)
 
-    def may_fuse(self) -> bool:
-        reason = self._state_trouble()
+    def may_fuse(self, stamp_s: float) -> bool:
+        reason = self._state_trouble(stamp_s)
         if reason:
             self.scans_not_fused += 1
             if self._is_fusing:
@@ -98,7 +98,7 @@ class Guard(StreamGuard):
         if sample is not None:
             troubles |= self._motion.troubles(sample, self._watch.rules)
         if self._is_localised or self._state_is_ready():
-            estimate = self._state_trouble()
+            estimate = self._state_trouble(now_s)
             self._is_localised = self._is_localised or not estimate
             if estimate and self._is_localised and ESTIMATE in self._watch.rules:
                 troubles[ESTIMATE] = estimate
@@ -118,14 +118,14 @@ class Guard(StreamGuard):
             found["scans_not_fused"] = self.scans_not_fused
         return found
 
-    def _state_trouble(self) -> str:
-        """Return why the pose may not be used: by the mission's rule, else by its age alone."""
+    def _state_trouble(self, at_s: float) -> str:
+        """Return why the pose may not be used at a time [s]; without a rule its age counts."""
         if self._streams is None:
             return ""
         state, rule = self._streams.state(), self._watch.rules.get(ESTIMATE)
         if isinstance(rule, EstimateRule):
-            return estimate_trouble(state, self._now_s(), self.age_limit_s, rule)
-        return stale(state, self._now_s(), self.age_limit_s) if state.is_ready else ""
+            return estimate_trouble(state, at_s, self.age_limit_s, rule)
+        return stale(state, at_s, self.age_limit_s) if state.is_ready else ""
 
     def _state_is_ready(self) -> bool:
         return self._streams is not None and self._streams.state().is_ready

@@ -55,8 +55,8 @@ class StreamGuard(ABC):
         """Return whether an observation cannot be true; it then goes to no plugin."""
 
     @abstractmethod
-    def may_fuse(self) -> bool:
-        """Return whether the pose of the cabin is known well enough to fuse a scan."""
+    def may_fuse(self, stamp_s: float) -> bool:
+        """Return whether the cabin's pose at a stamp [s] is known well enough to fuse a scan."""
 
 
 class Streams:
@@ -187,7 +187,8 @@ class Streams:
             return None
 
     def _map(self, mapper: Mapper) -> None:
-        if self._guard is not None and not self._guard.may_fuse():
+        newest_s = max(scan.stamp_s for scan in self._scans.values())
+        if self._guard is not None and not self._guard.may_fuse(newest_s):
             self._scans.clear()
             return
         started_s = wall_s()
