@@ -3,13 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from executive.arrays import Float
 from executive.geometry.polygon import contains
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.placement import Slot
-from executive.messages.stone import StoneState
+from executive.messages.stone import Stone, StoneState
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,14 +34,17 @@ class FindFreeSlots(Condition):
             slots: All slots of the mission, best first.
         """
         stones = self.context.use(ObjectDatabase).stones()
-        placed = [stone.outline_map for stone in stones if stone.state is StoneState.PLACED]
+        placed = [stone for stone in stones if stone.state is StoneState.PLACED]
         free = [slot for slot in slots if not _is_taken(slot, placed)]
         if not free:
             return failed(f"all {len(slots)} slots are taken")
         return succeeded(FreeSlots(free), f"{len(free)} slots are free")
 
 
-def _is_taken(slot: Slot, outlines: Sequence[Float]) -> bool:
-    """Return whether a slot's place lies under a stone, seen from above."""
-    place = slot.position_map[None, :2]
-    return any(bool(contains(outline, place)[0]) for outline in outlines)
+def _is_taken(slot: Slot, placed: Sequence[Stone]) -> bool:
+    """Return whether a stone stands on a slot, not below it: the slot lies under its outline."""
+    place = slot.position_map
+    return any(
+        stone.centroid_map[2] > place[2] and bool(contains(stone.outline_map, place[None, :2])[0])
+        for stone in placed
+    )

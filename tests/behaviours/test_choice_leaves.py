@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from executive.behaviours.begin_round import BeginRound
+from executive.behaviours.find_course_slots import FindCourseSlots
 from executive.behaviours.find_free_slots import FindFreeSlots
 from executive.behaviours.no_stone_left import NoStoneLeft
 from executive.behaviours.select_largest import SelectLargest
@@ -128,3 +129,28 @@ def test_the_reason_of_setting_aside_is_any_text_but_none():
     assert SetAsideSettings(reason="x").reason == "x"
     with pytest.raises(ValueError, match="reason"):
         SetAsideSettings(reason="")
+
+
+def test_a_stone_below_a_slot_does_not_take_it(stand, database):
+    put(database, PLACED, PLACED)
+    low, high = np.array([5.0, 0.0, 0.0]), np.array([5.0, 0.0, 2.0])
+    ended = stand.tick(FindFreeSlots, slots=[Slot(1, low), Slot(2, high)])
+    assert [slot.id for slot in ended.outputs["free_slots"]] == [2]
+
+
+def test_the_next_course_goes_onto_the_gaps_of_the_last(stand, database):
+    ended = stand.tick(FindCourseSlots, settings={"heading": np.pi / 2}, course=[1, 2])
+    assert ended.status == "SUCCESS"
+    (slot,) = ended.outputs["slots"]
+    first, second = (database.stone(number) for number in (1, 2))
+    faces = first.points_map[:, 1].max(), second.points_map[:, 1].min()
+    assert slot.position_map[1] == pytest.approx(np.mean(faces))
+    tops = max(stone.points_map[:, 2].max() for stone in (first, second))
+    assert slot.position_map[2] == pytest.approx(tops, abs=0.1)
+    assert (slot.heading_rad, slot.gap_m) == (np.pi / 2, 0.1)
+
+
+def test_one_stone_has_no_gap(stand, database):
+    ended = stand.tick(FindCourseSlots, settings={"heading": 0.0}, course=[1])
+    assert ended.status == "FAILURE"
+    assert ended.reason == "a course of 1 stones has no gap for a stone to rest on"

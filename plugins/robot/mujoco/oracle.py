@@ -12,7 +12,8 @@ from executive_plugins.robot.mujoco.truth.tracking import SAME_STONE_M, Tracking
 from executive_plugins.robot.mujoco.truth.truth_log import TruthLog
 
 from executive.arrays import Float
-from executive.geometry.pose import inverse
+from executive.geometry.polygon import outline_of
+from executive.geometry.pose import inverse, transform
 from executive.geometry.rotation import angle_between
 from executive.interfaces.oracle import Attempt, MissionView, Oracle
 from executive.interfaces.robot import Robot
@@ -103,6 +104,7 @@ class MujocoOracle(Oracle):
     ) -> dict[str, Any]:
         report: dict[str, Any] = {"id": i + 1, "held_object": None, "slot_error_m": None}
         report |= {"database_error_m": None, "database_error_rad": None}
+        report |= self._at_the_end(i)
         if sighting is None:
             return report
         first, seen_s = sighting
@@ -119,6 +121,18 @@ class MujocoOracle(Oracle):
             report["database_error_m"] = float(np.linalg.norm(T_tracked[:3, 3] - T_expected[:3, 3]))
             report["database_error_rad"] = angle_between(T_expected[:3, :3], T_tracked[:3, :3])
         return report
+
+    def _at_the_end(self, i: int) -> dict[str, Any]:
+        """Return the volume of a stone, and where it lies at the end, in the map."""
+        model, T_end = self._site.stones[i], self._log.T_world_stone(i, self._log.end_s)
+        corners = transform(T_end, model.hull)
+        return {
+            "volume_m3": model.volume_m3,
+            "centre_m": T_end[:3, 3],
+            "outline_m": outline_of(corners),
+            "bottom_m": float(corners[:, 2].min()),
+            "top_m": float(corners[:, 2].max()),
+        }
 
     def _grasp(self, attempts: Sequence[Attempt], i: int, target: int) -> dict[str, Any]:
         attempt = attempts[i]

@@ -97,10 +97,22 @@ def test_slot_errors_are_horizontal_distances_of_the_true_centroid() -> None:
     assert stones[1]["id"] == 2
     assert stones[1]["held_object"] == 9
     assert stones[1]["slot_error_m"] == pytest.approx(0.5)
-    assert stones[0] == {
-        "id": 1,
-        **dict.fromkeys(("held_object", "slot_error_m", "database_error_m", "database_error_rad")),
-    }
+    unseen = ("held_object", "slot_error_m", "database_error_m", "database_error_rad")
+    assert [stones[0][name] for name in ("id", *unseen)] == [1, None, None, None, None]
+
+
+def test_the_truth_tells_where_each_stone_lies_at_the_end() -> None:
+    show = Show()
+    show.put("stone_2", np.array([3.0, -4.0, 0.5]))
+    show.play(0.2)
+    found = show.truth()["stones"][1]
+    np.testing.assert_allclose(found["centre_m"][:2], [3.0, -4.0], atol=0.01)
+    assert found["bottom_m"] < found["centre_m"][2] < found["top_m"]
+    outline = np.array(found["outline_m"])
+    assert (outline.min(axis=0) < [3.0, -4.0]).all()
+    assert (outline.max(axis=0) > [3.0, -4.0]).all()
+    box = np.prod(np.ptp(outline, axis=0)) * (found["top_m"] - found["bottom_m"])
+    assert 0 < found["volume_m3"] < box
 
 
 def test_database_errors_compare_the_tracked_frame_with_the_true_motion() -> None:

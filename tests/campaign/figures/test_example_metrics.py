@@ -1,0 +1,103 @@
+"""Whether the examples did what their names say, on runs that are made up."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from executive.campaign.figures.metrics.examples import AsNamed, FalseSuccess
+from executive.events.site import RegionNamed
+from executive.events.stone import StoneReleased
+from executive.geometry.polygon import rectangle
+from executive.interfaces.metric import RunRecord, Share, TimedEvent
+
+
+def stone(
+    number: int,
+    at: tuple[float, float],
+    volume_m3: float = 0.6,
+    bottom_m: float = 0.0,
+    error_m: float | None = 0.05,
+) -> dict[str, Any]:
+    """Return a stone of 1.2 m by 1 m by 0.7 m as the truth tells of it."""
+    return {
+        "id": number,
+        "held_object": number,
+        "slot_error_m": error_m,
+        "volume_m3": volume_m3,
+        "outline_m": rectangle(np.array(at), 1.2, 1.0, 0.0).tolist(),
+        "bottom_m": bottom_m,
+        "top_m": bottom_m + 0.7,
+    }
+
+
+def released(number: int, node: str) -> TimedEvent:
+    event = StoneReleased(number, number, np.zeros(3), np.eye(4), np.eye(4))
+    return TimedEvent(1.0, event, f"main/{node}/0:relocate_one")
+
+
+def judged(mission: str, stones: list[dict[str, Any]], *events: TimedEvent, outcome="success"):
+    run = RunRecord({"mission": mission, "outcome": outcome, "truth": {"stones": stones}}, events)
+    return AsNamed().measure(run), FalseSuccess().measure(run)
+
+
+GOOD, FALSE, FAILED = (
+    (Share(1, 1), Share(0, 1)), (Share(0, 1), Share(1, 1)), (Share(0, 1), Share(0, 1))
+)  # fmt: skip
+LARGE, SMALL = "3:large stones", "4:small stones"
+ROWS = (released(1, LARGE), released(2, SMALL))
+
+
+@pytest.mark.parametrize(
+    ("stones", "events", "verdict"),
+    [
+        ([stone(1, (0, 5), 0.9), stone(2, (0, -5), 0.6)], ROWS, GOOD),
+        ([stone(1, (0, 5), 0.68), stone(2, (0, -5), 0.72)], ROWS, GOOD),  # too alike to tell
+        ([stone(1, (0, 5), 0.9)], ROWS[:1], GOOD),  # all of one size
+        (
+            [stone(1, (0, 5), 0.9), stone(2, (0, -5), 0.5), stone(3, (2, -5), 1.0)],
+            (*ROWS, released(3, SMALL)),
+            FALSE,
+        ),
+        ([stone(1, (0, 5), 0.9), stone(2, (0, -5), 0.6, error_m=0.4)], ROWS, FALSE),
+        ([stone(1, (0, 5), 0.9), stone(2, (4, 0), 0.6, error_m=None)], ROWS[:1], FALSE),
+    ],
+)
+def test_sorted_stones_stand_in_the_row_of_their_size(stones, events, verdict):
+    assert judged("sort", stones, *events) == verdict
+
+
+def test_a_mission_that_reports_failure_is_no_false_success():
+    assert judged("sort", [stone(1, (0, 5), error_m=2.0)], outcome="failure") == FAILED
+
+
+@pytest.mark.parametrize(("x", "verdict"), [(7.0, GOOD), (6.1, FALSE), (4.0, FALSE)])
+def test_a_corridor_is_clear_when_no_outline_comes_into_it(x, verdict):
+    corners = np.array([[3.0, -8.0], [5.7, -8.0], [5.7, 8.0], [3.0, 8.0]])
+    named = TimedEvent(0.0, RegionNamed("corridor", corners))
+    assert judged("clear_corridor", [stone(1, (x, 0.0))], named) == verdict
+
+
+def test_without_the_corridor_nothing_is_proved():
+    assert judged("clear_corridor", [stone(1, (9.0, 0.0))]) == FALSE
+
+
+@pytest.mark.parametrize(
+    ("second", "third", "verdict"),
+    [
+        ((1.3, 5.0), (0.65, 5.0, 0.72), GOOD),
+        ((1.6, 5.0), (0.8, 5.0, 0.72), FALSE),  # 0.4 m apart
+        ((1.3, 5.0), (0.65, 5.0, 0.0), FALSE),  # on the ground
+        ((1.3, 5.0), (-0.1, 5.0, 0.72), FALSE),  # on one stone alone
+        ((1.3, 5.0), (0.65, 5.0, 1.0), FALSE),  # on nothing
+    ],
+)
+def test_a_second_course_rests_on_two_neighbours(second, third, verdict):
+    x, y, bottom_m = third
+    stones = [stone(1, (0.0, 5.0)), stone(2, second), stone(3, (x, y), bottom_m=bottom_m)]
+    assert judged("two_courses", stones) == verdict
+
+
+def test_other_missions_and_real_machines_are_not_judged():
+    assert judged("pick_and_place", [stone(1, (0, 0))]) == (None, None)
+    assert judged("sort", []) == (None, None)
