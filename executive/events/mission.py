@@ -24,6 +24,48 @@ class MissionEnded(Event):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Resumed(Event):
+    """The run goes on after it was cut off: killed, crashed, or without power.
+
+    Attributes:
+        lines: Number of lines of the journal before this one.
+        cut_off_bytes: Length of a last line that was cut off and left out [byte].
+        restored: Capabilities of the plugins whose state was kept and taken back.
+        not_restored: Capabilities of those that keep nothing, or whose state was lost.
+        under_way: Nodes of the leaves that were under way.
+    """
+
+    lines: int
+    cut_off_bytes: int
+    restored: tuple[str, ...]
+    not_restored: tuple[str, ...]
+    under_way: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WorldObserved(Event):
+    """The world was observed anew after a run was resumed, before anything moved.
+
+    Attributes:
+        status: Status of the state estimate.
+        jaw_rad: Angle of the jaws [rad]; None if no joint sample came.
+        held: Id of the stone that is held by the database; None for none.
+        is_held: Whether the jaws hold something, by their angle and by the weight.
+        payload_kg: Mass in the jaws [kg]; None if the machine does not measure it.
+        seen: Ids of known stones that the scan shows where they were.
+        unseen: Ids of known stones of which the scan shows nothing.
+    """
+
+    status: str
+    jaw_rad: float | None
+    held: int | None
+    is_held: bool
+    payload_kg: float | None
+    seen: tuple[int, ...]
+    unseen: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class StopFailed(Event):
     """The robot did not take the command to stop."""
 

@@ -1,7 +1,9 @@
 """Events of the tree's nodes: when they began and ended, and what modifiers decided."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Any
 
 from executive.events.event import Event
 
@@ -28,6 +30,51 @@ class NodeEnded(Event):
 
     status: NodeResult
     reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LeafCalled(Event):
+    """An action begins.
+
+    Attributes:
+        inputs: Its inputs by port; of a large value, its class alone.
+    """
+
+    inputs: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LeafAnswered(Event):
+    """A leaf answered; of a condition, only an answer that differs from the one before.
+
+    Attributes:
+        success: Whether it succeeded.
+        reason: Why it failed, or a remark.
+        is_final: It failed for a cause that repetition cannot change.
+        outputs: Its outputs by port, as `executive.journal.value_folder` keeps values.
+        state: What the leaf itself remembers, kept in the same way.
+        draws: How often the leaf has asked for a random generator.
+        visit: Number of this visit of a condition in its tick, from 1; 0 for an action.
+    """
+
+    success: bool
+    reason: str
+    is_final: bool = False
+    outputs: Mapping[str, Any] = field(default_factory=dict)
+    state: Any = None
+    draws: int = 0
+    visit: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LeafTakenUp(Event):
+    """A leaf that was under way when its run was cut off is taken up again.
+
+    Attributes:
+        policy: What its class declares: redo, verify, ask or fail.
+    """
+
+    policy: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,7 +1,7 @@
 """What every plugin has in common."""
 
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from executive.config import NoSettings, Settings
 
@@ -58,6 +58,22 @@ class Plugin:
 
     def take(self, observation: object) -> None:
         """Take one observation of a type that `takes` names; by default, do nothing."""
+
+    # How often what `keep` returns has changed so far, asked at each tick; 0 in a plugin that keeps
+    # nothing.
+    changes: int = 0
+
+    def keep(self) -> Mapping[str, Any]:
+        """Return what the plugin has learnt and a restarted one could not measure anew.
+
+        It is written into the run's folder as the mission goes, and `restore` is given it when a
+        run that was cut off is resumed. Values are numbers, texts, arrays, messages, and lists and
+        mappings of them; by default there is nothing to keep.
+        """
+        return {}
+
+    def restore(self, kept: Mapping[str, Any]) -> None:
+        """Take back what `keep` returned in a run that was cut off; called once, after `start`."""
 
     def start(self) -> None:
         """Acquire resources; called once, before the first verb."""

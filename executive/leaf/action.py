@@ -15,6 +15,7 @@ from executive.interfaces.robot import Robot
 from executive.leaf.claims import Part
 from executive.leaf.context import Context
 from executive.leaf.job import Job
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, Result
 from executive.leaf.port import Port, inputs_of, outputs_of
 
@@ -32,6 +33,10 @@ class Leaf(Generic[Own]):
         claims: Parts of the machine that the leaf drives, such as `(Part.JAWS,)`; two leaves that
             drive the same part are refused in one `parallel`. Not declared, a leaf that needs the
             robot claims the whole machine, and another leaf claims nothing.
+        on_resume: What becomes of the leaf when its run is cut off while it is under way. Not
+            declared, a leaf that drives a part of the machine fails, and another is redone.
+        is_irreversible: What the leaf commands cannot be taken back, such as opening the jaws: its
+            intention is on the disk before it begins.
         Settings: Class of the settings, as given in brackets; without settings, `NoSettings`.
         inputs: Input ports, read from the signature of `run` or `check`.
         outputs: Output ports, read from its return annotation.
@@ -39,6 +44,8 @@ class Leaf(Generic[Own]):
 
     needs: ClassVar[tuple[type[Plugin], ...]] = ()
     claims: ClassVar[tuple[str, ...] | None] = None
+    on_resume: ClassVar[OnResume | None] = None
+    is_irreversible: ClassVar[bool] = False
     Settings: ClassVar[type[Settings]] = NoSettings
     inputs: ClassVar[Mapping[str, Port]] = {}
     outputs: ClassVar[Mapping[str, Port]] = {}
@@ -53,6 +60,22 @@ class Leaf(Generic[Own]):
         if cls.claims is not None:
             return cls.claims
         return (Part.MACHINE,) if Robot in cls.needs else ()
+
+    @classmethod
+    def resumes(cls) -> OnResume:
+        """Return what becomes of the leaf when it is cut off, declared or derived."""
+        if cls.on_resume is not None:
+            return cls.on_resume
+        return OnResume.FAIL if cls.parts() else OnResume.REDO
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """Return what the leaf remembers beyond one call; kept, and restored on resuming."""
+        return {k: v for k, v in vars(self).items() if k not in ("settings", "context")}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Take back what `state` returned."""
+        vars(self).update(state)
 
     def __init_subclass__(cls) -> None:
         for base in get_original_bases(cls):
@@ -74,6 +97,10 @@ class Action(Leaf[Own], ABC):
     @abstractmethod
     def run(self, *args: Any, **kwargs: Any) -> Steps[Any]:  # each leaf names its own ports
         """Do what the leaf is for; the parameters are the input ports by name."""
+
+    def verify(self, *args: Any, **kwargs: Any) -> Steps[Any]:  # with the ports of `run`
+        """Look how far a call that was cut off is, and do the rest; see `OnResume.VERIFY`."""
+        raise NotImplementedError(f"{type(self).__name__} declares VERIFY and has no `verify`")
 
 
 class Condition(Leaf[Own], ABC):

@@ -7,6 +7,7 @@ from executive.clock import Clock
 from executive.errors import ExecutiveError
 from executive.events.event import Event
 from executive.leaf.context import Context
+from executive.leaf.memory import Memory
 from executive.leaf.store import Store
 
 
@@ -34,6 +35,7 @@ class Runtime(ABC):
     clock: Clock
     store: Store
     asked_s: float = 0.0  # time in which a question to the operator was open
+    memory: Memory | None = None  # None: what leaves answer is not kept
     is_faulted: bool = False  # a fault has ended the mission; no leaf may begin
 
     @abstractmethod

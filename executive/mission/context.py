@@ -72,7 +72,7 @@ class NodeContext(Context):
     def __init__(self, services: Services, node: str) -> None:
         self._services = services
         self._node = node
-        self._draws = 0
+        self.draws = 0  # random generators that the leaf has asked for
 
     def now_s(self) -> float:
         return self._services.clock.now_s()
@@ -96,8 +96,8 @@ class NodeContext(Context):
         return self._services.jobs.start(verb, *args, **kwargs)
 
     def rng(self) -> np.random.Generator:
-        self._draws += 1
-        return seeded(self._services.seed, self._node, self._draws)
+        self.draws += 1
+        return seeded(self._services.seed, self._node, self.draws)
 
     def state(self) -> BaseState:
         return self._services.streams.state()

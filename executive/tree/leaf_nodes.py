@@ -10,10 +10,13 @@ from executive.leaf.action import Action
 from executive.leaf.action import Condition as ConditionLeaf
 from executive.leaf.action import Steps as LeafSteps
 from executive.leaf.job import Job
+from executive.leaf.memory import Recalled
 from executive.leaf.outcome import Outcome
+from executive.leaf.port import written_by
 from executive.leaf.runtime import MissionFaultError, Runtime
 from executive.tree.language import LeafUse
 from executive.tree.nodes import TreeNode
+from executive.tree.taking_up import taken_up
 from executive.tree.wiring import Scope
 
 
@@ -31,6 +34,30 @@ class LeafCall:
         self.leaf = use.leaf(use.settings, self._context)
         self._runtime = runtime
         self._scope = scope
+        self._is_condition = issubclass(use.leaf, ConditionLeaf)
+        self.memory = runtime.memory
+        if self.memory is not None:
+            self.memory.attach(path, lambda state: self.leaf.restore(state))
+
+    def recalled(self) -> Recalled | None:
+        """Return how this visit went in the past of a resumed mission; None in the present."""
+        if self.memory is None:
+            return None
+        found = self.memory.recall(self.path, is_condition=self._is_condition)
+        if found is not None:
+            for port, value in found.written.items():
+                self._scope.store.set(self.use.outputs[port].key, value)
+        return found
+
+    def kept(self, outcome: Outcome[Any]) -> Outcome[Any]:
+        """Return what the leaf answered, after it was kept for resuming."""
+        if self.memory is not None:
+            written = written_by(outcome)
+            state = self.leaf.state
+            self.memory.answered(
+                self.path, outcome, written, state, is_condition=self._is_condition
+            )
+        return outcome
 
     def inputs(self) -> dict[str, Any]:
         """Return the leaf's inputs by port.
@@ -73,6 +100,12 @@ class Asked:
 
     def __call__(self) -> Outcome[Any]:
         """Ask, and write the outputs."""
+        found = self._call.recalled()
+        if found is not None and found.outcome is not None:
+            return found.outcome
+        return self._call.kept(self._answer())
+
+    def _answer(self) -> Outcome[Any]:
         try:
             inputs = self._call.inputs()
         except ConfigError as error:
@@ -117,15 +150,19 @@ class RunNode(TreeNode):
         self._call = LeafCall(use, path, runtime, scope)
         self._steps: LeafSteps[Any] | None = None
         self._job: Job[Any] | None = None
+        self._cut_off: dict[str, Any] | None = None  # inputs of a call that a crash has cut off
 
     def update(self) -> Status:
         """Go on as far as possible without waiting."""
+        found = self._call.recalled()
+        if found is not None:
+            return self._as_before(found)
         inputs: dict[str, Any] = {}
         if self._steps is None:
             try:
-                inputs = self._call.inputs()
+                inputs = self._call.inputs() if self._cut_off is None else self._cut_off
             except ConfigError as error:
-                return self.take(Outcome(False, str(error)))
+                return self.take(self._call.kept(Outcome(False, str(error))))
         try:
             outcome = self._advance(inputs)
         except Exception as error:  # the runtime decides what an escaped error means
@@ -134,12 +171,21 @@ class RunNode(TreeNode):
         if outcome is None:
             return Status.RUNNING
         self._steps = self._job = None
-        return self.take(outcome)
+        return self.take(self._call.kept(outcome))
+
+    def _as_before(self, found: Recalled) -> Status:
+        """Follow what was: a call that is under way at the end of the past is taken up again."""
+        if found.has_begun and self._cut_off is None:
+            self._cut_off = self._call.inputs()
+        if found.outcome is None:
+            return Status.RUNNING
+        self._cut_off = None
+        return self.take(found.outcome)
 
     def cancel(self) -> None:
         """Give up the job, and let the generator clean up."""
         steps, job = self._steps, self._job
-        self._steps = self._job = None
+        self._steps = self._job = self._cut_off = None
         try:
             try:
                 if job is not None:
@@ -186,6 +232,12 @@ class RunNode(TreeNode):
     def _begun(self, inputs: dict[str, Any]) -> LeafSteps[Any]:
         if not isinstance(self._call.leaf, Action):
             raise ConfigError(f"{self._call.use.name} is no action")
+        if self._cut_off is not None:
+            self._cut_off = None
+            return taken_up(self._call.leaf, inputs, self.path, self.runtime)
+        if self._call.memory is not None:
+            irreversible = self._call.leaf.is_irreversible
+            self._call.memory.called(self.path, inputs, is_irreversible=irreversible)
         steps = self._call.leaf.run(**inputs)
         if not hasattr(steps, "send"):
             raise ConfigError(f"run() of {self._call.use.name} is no generator: it needs a 'yield'")

@@ -14,17 +14,17 @@ class Cylinder:
 
     def __init__(self, radius_m: float) -> None:
         self._radius_m = radius_m
-        self._centre_map = np.zeros(3)
+        self.centre_map = np.zeros(3)
 
     def follow(self, position_map: Float) -> bool:
         """Move the centre if the machine has moved far enough; return whether it was moved."""
-        if np.linalg.norm(position_map - self._centre_map) <= _STRIDE_M:
+        if np.linalg.norm(position_map - self.centre_map) <= _STRIDE_M:
             return False
-        self._centre_map = position_map
+        self.centre_map = position_map
         return True
 
     def contains(self, points_map: Float) -> Bool:
         """Return which points lie within, shape (N, 3) → (N,)."""
-        offset = points_map - self._centre_map
+        offset = points_map - self.centre_map
         is_near = (offset[:, :2] ** 2).sum(axis=1) < self._radius_m**2
         return np.asarray(is_near & (np.abs(offset[:, 2]) < self._radius_m))

@@ -60,6 +60,14 @@ def _refill(
             means[row, axis] = old_means[n, axis]
 
 
+def _capacity_for(voxels: int) -> int:
+    """Return the rows of a table for an expected number of voxels."""
+    capacity = _FIRST_CAPACITY
+    while voxels > 0.5 * _LOAD * capacity:
+        capacity *= 2
+    return capacity
+
+
 class VoxelGrid:
     """Voxels in a hash table of 40 bytes a row, with a load of at most 0.6.
 
@@ -117,6 +125,17 @@ class VoxelGrid:
         means, counts = self._means[rows], self._counts[rows]
         return smoothed(self._keys[rows], means, np.minimum(counts, self._memory), reach_m), counts
 
+    def rows(self) -> tuple[Int, Float, Int]:
+        """Return keys (N,), means [m] (N, 3) and numbers of points (N,) in order of the voxels."""
+        rows = self._rows()
+        return self._keys[rows], self._means[rows], self._counts[rows]
+
+    def refill(self, keys: Int, means: Float, counts: Int) -> None:
+        """Replace the content by what `rows` returned."""
+        self._allocate(_capacity_for(len(keys)))
+        _refill(self._keys, self._means, self._counts, keys, means, counts)
+        self._size = len(keys)
+
     def copy(self) -> "VoxelGrid":
         """Return an independent grid with the same content."""
         twin = VoxelGrid(self._voxel_m, self._memory)
@@ -146,10 +165,7 @@ class VoxelGrid:
     def _rebuild(self, rows: Int, expected: int) -> None:
         """Move some rows into a table for an expected number of voxels."""
         keys, means, counts = self._keys[rows], self._means[rows], self._counts[rows]
-        capacity = _FIRST_CAPACITY
-        while expected > 0.5 * _LOAD * capacity:
-            capacity *= 2
-        self._allocate(capacity)
+        self._allocate(_capacity_for(expected))
         _refill(self._keys, self._means, self._counts, keys, means, counts)
         self._size = len(rows)
 

@@ -3,7 +3,8 @@
 Joints follow exactly, sensors are ideal, and lidars measure nothing.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from executive_plugins.physics.gravity import GRAVITY_M_S2
@@ -48,6 +49,26 @@ class KinematicRobot(Robot):
         self._sensors = {n: s for n, s in machine.sensors.items() if s.kind in ("imu", "gnss")}
         # Poses of the last three steps, whose second differences give accelerations.
         self._poses = [self._sensor_poses()] * 3
+
+    @property
+    def changes(self) -> int:  # type: ignore[override]
+        return self._steps
+
+    def keep(self) -> Mapping[str, Any]:
+        """Return the state of the simulated machine."""
+        return {
+            "steps": self._steps,
+            "arm": (self._q, self._dq),
+            "jaw": (self._jaw, self._jaw_goal),
+            "poses": self._poses,
+            "follower": self._follower.keep(),
+        }
+
+    def restore(self, kept: Mapping[str, Any]) -> None:
+        """Go on with a machine whose process has ended."""
+        self._steps, self._poses = kept["steps"], kept["poses"]
+        (self._q, self._dq), (self._jaw, self._jaw_goal) = kept["arm"], kept["jaw"]
+        self._follower.restore(kept["follower"])
 
     def read(self, until_s: float) -> Sequence[Observation]:
         fails_at_s = self._settings.fails_at_s

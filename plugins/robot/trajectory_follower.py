@@ -1,5 +1,8 @@
 """Follows a trajectory, and stops along its path by slowing down the time of the path."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from executive.arrays import Float, Int
@@ -81,6 +84,21 @@ class Follower:
             self._held, self._trajectory = position, None
             velocity = np.zeros_like(velocity)
         return position, velocity
+
+    def keep(self) -> Mapping[str, Any]:
+        """Return the reference and the path that is followed."""
+        return {
+            "held": self._held,
+            "trajectory": self._trajectory,
+            "columns": self._columns,
+            "progress": (self._s, self._rate, self._is_stopping),
+        }
+
+    def restore(self, kept: Mapping[str, Any]) -> None:
+        """Take back what `keep` returned."""
+        self._held, self._trajectory = kept["held"], kept["trajectory"]
+        self._columns = kept["columns"]
+        self._s, self._rate, self._is_stopping = kept["progress"]
 
     def _reference(self) -> tuple[Float, Float]:
         position, velocity = self._held.copy(), np.zeros_like(self._held)

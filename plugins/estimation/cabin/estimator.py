@@ -69,6 +69,19 @@ class CabinEstimator(Estimator):
     def datum(self) -> tuple[float, float, float] | None:
         return self._cabin.datum
 
+    @property
+    def changes(self) -> int:  # type: ignore[override]
+        return int(self._datum is not None)
+
+    def keep(self) -> Mapping[str, Any]:
+        """Return the map's origin: the state itself is estimated anew from it."""
+        return {} if self._datum is None else {"datum": self._datum}
+
+    def restore(self, kept: Mapping[str, Any]) -> None:
+        """Take back the origin, so that the map stays where it was."""
+        if "datum" in kept:
+            self._datum = np.array(kept["datum"])
+
     def start(self) -> None:
         settings = self._cabin
         imu = cabin_imu(self._machine, settings.imu)

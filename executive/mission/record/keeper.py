@@ -1,0 +1,109 @@
+"""The state of plugins, kept in the run's folder as the mission goes on, for resuming it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from executive.errors import DataError
+from executive.interfaces.plugin import Plugin
+from executive.journal.value_file import from_bytes, to_bytes
+from executive.mission.assembly import selected_plugins
+
+_PERIOD_S = 5.0  # of what changes all the time, such as a map while the lidars scan
+_MACHINE = "machine"
+
+
+@dataclass(frozen=True, slots=True)
+class Instant:
+    """When the machine's state was kept.
+
+    Attributes:
+        tick: Number of the tick that was to come.
+        mission_s: The mission's time [s].
+        machine_s: The machine's time, which its stamps are given in [s].
+    """
+
+    tick: int
+    mission_s: float
+    machine_s: float
+
+
+class Keeper:
+    """Writes what plugins `keep`, each into a file of its own, whole or not at all.
+
+    The robot's is written at each tick, because a simulated world lives in this process; the time
+    is beside it. The others' are written when a leaf has ended that may have changed them, and
+    every few seconds.
+    """
+
+    def __init__(self, folder: Path, plugins: Mapping[str, Any]) -> None:
+        self._folder = folder
+        self._robot: Plugin = plugins["robot"]
+        self._others = [
+            (f"{capability}-{name}", plugin)
+            for capability, name, plugin in selected_plugins(plugins)
+            if plugin is not self._robot and type(plugin).keep is not Plugin.keep
+        ]
+        self._silent = [
+            capability
+            for capability, _, plugin in selected_plugins(plugins)
+            if not plugin.is_stateless and type(plugin).keep is Plugin.keep
+        ]
+        self._written = dict.fromkeys((name for name, _ in self._others), 0)
+        self._written_s = 0.0
+        self.failure: OSError | None = None
+
+    def keep(self, instant: Instant, *, leaf_ended: bool) -> None:
+        """Write what has changed; called at the end of each tick."""
+        if self.failure is not None:
+            return
+        try:
+            self._write(_MACHINE, {"at": instant, "state": self._robot.keep()})
+            if leaf_ended or instant.machine_s - self._written_s >= _PERIOD_S:
+                self._written_s = instant.machine_s
+                self._keep_others()
+        except OSError as error:
+            self.failure = error
+
+    def restore(self) -> tuple[Instant | None, tuple[str, ...], tuple[str, ...]]:
+        """Give the plugins back what they kept.
+
+        Returns:
+            When the machine's state was kept, if it was; capabilities whose state was taken back;
+            and those of plugins with a state that keep nothing, or whose state was lost.
+        """
+        restored: list[str] = []
+        lost = list(self._silent)
+        for name, plugin in self._others:
+            kept = self._read(name)
+            if kept is not None:
+                plugin.restore(kept)
+            (lost if kept is None else restored).append(name.partition("-")[0])
+        machine = self._read(_MACHINE)
+        if machine is None:
+            return None, tuple(restored), ("robot", *lost)
+        if machine["state"]:
+            self._robot.restore(machine["state"])
+            restored.insert(0, "robot")
+        return machine["at"], tuple(restored), tuple(lost)
+
+    def _keep_others(self) -> None:
+        for name, plugin in self._others:
+            changes = plugin.changes
+            if changes != self._written[name]:
+                self._written[name] = changes
+                self._write(name, plugin.keep())
+
+    def _write(self, name: str, value: Any) -> None:
+        path = self._folder / name
+        partial = path.with_suffix(".partial")
+        self._folder.mkdir(exist_ok=True)
+        partial.write_bytes(to_bytes(value))
+        partial.replace(path)
+
+    def _read(self, name: str) -> Any:
+        try:
+            return from_bytes((self._folder / name).read_bytes())
+        except (OSError, DataError):
+            return None
