@@ -1,0 +1,136 @@
+"""The world is observed anew after a run was cut off, before anything moves.
+
+The machine may have gone on without this process, and so may the world: the pose is estimated
+again, the lidars look from where they stand, and the jaws and the weight tell what is held.
+"""
+
+from collections.abc import Generator
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from executive.arrays import Float
+from executive.errors import RobotError
+from executive.events.mission import WorldObserved
+from executive.geometry.pose import transform
+from executive.interfaces.monitoring import Monitor
+from executive.interfaces.objects import ObjectDatabase
+from executive.interfaces.robot import Robot
+from executive.messages.command import SwitchLidars
+from executive.messages.lidar import LidarScan
+from executive.messages.stone import Stone, StoneState
+from executive.messages.verdict import Trouble, Verdict
+from executive.mission.context import NodeContext, Services
+
+_NODE = "resume"
+_LOCALISED_S = 60.0  # a start at rest takes seconds; beyond that the operator has to look
+_SCANS = 5  # revolutions of each lidar
+_NEAR_M = 0.10  # a return this near to a stone's model is of that stone: as `objects.agreement_m`
+_RETURNS = 5  # of a stone that is seen
+_EMPTY_RAD = 0.08  # jaws that are closed further hold nothing, as IsHolding has it
+
+
+class Observation:
+    """Looks around, one tick at a time."""
+
+    def __init__(self, services: Services) -> None:
+        self._services = services
+        self._context = NodeContext(services, _NODE)
+        self._scans: list[LidarScan] = []
+
+    def steps(self) -> Generator[None, None, None]:
+        """Observe; each step waits for the observations of the next tick.
+
+        Raises:
+            RobotError: If the machine does not tell its pose or its joints.
+        """
+        plugins = self._services.plugins
+        robot: Robot = plugins["robot"]
+        robot.stop()  # what was under way when the run was cut off
+        yield from self._localise()
+        if "mapping" in plugins and self._lidars():
+            yield from self._scan(robot)
+        self._record(self._held())
+
+    def _localise(self) -> Generator[None, None, None]:
+        ticks = 0
+        while not self._context.state().is_ready or self._services.streams.joints is None:
+            ticks += 1
+            if ticks * self._services.tick_s > _LOCALISED_S:
+                raise RobotError(
+                    f"the machine was not localised within {_LOCALISED_S:.0f} s after the run was "
+                    f"resumed: its state is {self._context.state().status}. Nothing has moved"
+                )
+            yield None
+
+    def _scan(self, robot: Robot) -> Generator[None, None, None]:
+        rate_hz = min(lidar.rate_hz for lidar in self._lidars())
+        robot.command(SwitchLidars(True))
+        try:
+            for _ in range(round((_SCANS + 1) / rate_hz / self._services.tick_s)):
+                yield None
+                self._scans += self._services.streams.arrived_scans
+        finally:
+            robot.command(SwitchLidars(False))
+
+    def _lidars(self) -> list[object]:
+        return list(self._services.machine.sensors_of("lidar"))
+
+    def _held(self) -> Stone | None:
+        """Return the stone that the database says is held, after the monitors were told."""
+        if "objects" not in self._services.plugins:
+            return None
+        stones = self._context.use(ObjectDatabase).stones()
+        held = next((stone for stone in stones if stone.state is StoneState.HELD), None)
+        if held is None:
+            return None
+        self._context.begin_hold()
+        if self._jaw_rad() < _EMPTY_RAD:
+            now_s = self._context.now_s()
+            detail = f"the jaws are closed to {self._jaw_rad():.2f} rad after the run was cut off"
+            self._services.verdicts.append(Verdict(now_s, _NODE, Trouble.DROP, detail))
+        return held
+
+    def _jaw_rad(self) -> float:
+        return self._context.joints().of(self._services.machine.jaw.name)[0]
+
+    def _payload_kg(self) -> float | None:
+        monitors: tuple[Monitor, ...] = tuple(self._services.plugins.get("monitoring", ()))
+        masses = [monitor.payload_kg(self._context.joints()) for monitor in monitors]
+        return next((round(mass, 1) for mass in masses if mass is not None), None)
+
+    def _record(self, held: Stone | None) -> None:
+        seen, unseen = self._stones()
+        self._context.record(
+            WorldObserved(
+                status=self._context.state().status,
+                jaw_rad=self._jaw_rad(),
+                held=None if held is None else held.id,
+                is_held=self._jaw_rad() >= _EMPTY_RAD,
+                payload_kg=self._payload_kg(),
+                seen=seen,
+                unseen=unseen,
+            )
+        )
+
+    def _stones(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Return ids of the lying stones that the scans show, and of the others."""
+        if "objects" not in self._services.plugins:
+            return (), ()
+        lying = [one for one in self._context.use(ObjectDatabase).stones() if one.state.is_lying]
+        if not self._scans:
+            return (), tuple(stone.id for stone in lying)
+        returns = cKDTree(np.vstack([self._in_map(scan) for scan in self._scans]))
+        seen = [stone.id for stone in lying if _is_seen(stone, returns)]
+        return tuple(seen), tuple(stone.id for stone in lying if stone.id not in seen)
+
+    def _in_map(self, scan: LidarScan) -> Float:
+        """Return a scan's points in the map [m], shape (N, 3): the machine is at rest."""
+        frames = self._services.kinematics.frames(self._context.arm())
+        T_map_lidar = self._context.state().T_map_base @ frames[scan.frame]
+        return np.asarray(transform(T_map_lidar, scan.points_lidar))
+
+
+def _is_seen(stone: Stone, returns: cKDTree) -> bool:
+    distances, _ = returns.query(stone.points_map, distance_upper_bound=_NEAR_M)
+    return int(np.isfinite(distances).sum()) >= _RETURNS
