@@ -12,6 +12,10 @@ class Clock(ABC):
         """Return the time since the mission's start [s]."""
 
     @abstractmethod
+    def go_on_at(self, tick: int, tick_s: float, now_s: float) -> None:
+        """Go on with a mission that was cut off: this is its time, and the number of its tick."""
+
+    @abstractmethod
     def advance(self, dt_s: float) -> None:
         """End the current tick, which lasts `dt_s` seconds."""
 
@@ -25,6 +29,9 @@ class SimulatedClock(Clock):
 
     def now_s(self) -> float:
         return self._ticks * self._dt_s
+
+    def go_on_at(self, tick: int, tick_s: float, now_s: float) -> None:
+        self._ticks, self._dt_s = round(now_s / tick_s), tick_s
 
     def advance(self, dt_s: float) -> None:
         if self._ticks and dt_s != self._dt_s:
@@ -47,6 +54,10 @@ class WallClock(Clock):
 
     def now_s(self) -> float:
         return time.monotonic() - self._origin_s
+
+    def go_on_at(self, tick: int, tick_s: float, now_s: float) -> None:
+        self._origin_s = time.monotonic() - now_s
+        self._next_s = now_s
 
     def advance(self, dt_s: float) -> None:
         self._next_s = max(self._next_s + dt_s, self.now_s())

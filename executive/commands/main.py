@@ -27,6 +27,7 @@ from executive.commands.grasps.grasp import grasp
 from executive.commands.logs.compare_estimators import compare_estimators
 from executive.commands.logs.estimate import estimate
 from executive.commands.missions.check import check
+from executive.commands.missions.resume import resume
 from executive.commands.missions.run import run
 from executive.commands.missions.schema import schema
 from executive.commands.missions.show import show
@@ -72,6 +73,7 @@ plugins_app = typer.Typer(
 app.add_typer(plugins_app, name="plugins")
 _VERBS: dict[str, Callable[..., None]] = {
     "run": run,
+    "resume": resume,
     "check": check,
     "show": show,
     "schema": schema,

@@ -146,7 +146,7 @@ def _read_one_of(kinds: Sequence[Any], value: Any, where: str) -> Any:
 
 
 def _scalar(wanted: Any, value: Any, where: str) -> Any:
-    if not isinstance(wanted, type) or wanted is object:
+    if not isinstance(wanted, type) or wanted in (object, Any):
         return value
     accepted = (int, float) if wanted is float else (wanted,)
     is_truth = isinstance(value, bool) and wanted is not bool

@@ -13,6 +13,10 @@ class Monitor(Plugin, ABC):
     capability = "monitoring"
     is_plural = True
 
+    def payload_kg(self, sample: JointSample) -> float | None:
+        """Return the mass in the jaws [kg] of a machine at rest; None if it cannot be told."""
+        return None
+
     @abstractmethod
     def begin_hold(self) -> None:
         """Watch from now on: the jaws have closed on a stone."""

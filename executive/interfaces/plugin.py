@@ -61,7 +61,7 @@ class Plugin:
 
     # How often what `keep` returns has changed so far, asked at each tick; 0 in a plugin that keeps
     # nothing.
-    changes: int = 0
+    revision: int = 0
 
     def keep(self) -> Mapping[str, Any]:
         """Return what the plugin has learnt and a restarted one could not measure anew.

@@ -36,6 +36,7 @@ class Services:
     """What the leaves of one mission share."""
 
     clock: Clock
+    tick_s: float
     seed: int
     machine: Machine
     kinematics: Kinematics

@@ -50,6 +50,10 @@ from executive.mission.jobs.jobs import Jobs
 from executive.mission.operator import Operator
 from executive.mission.phase import Phase, checked_change
 from executive.mission.record.account import Account
+from executive.mission.record.keeper import Instant, Keeper
+from executive.mission.record.leaf_memory import LeafMemory
+from executive.mission.record.observation import Observation
+from executive.mission.record.resumption import PastClock, Resumption
 from executive.mission.report import Ending
 from executive.mission.streams import StreamListener, Streams
 from executive.tree.build import node_states
@@ -73,6 +77,8 @@ class Setup:
     journal: Journal
     account: Account
     operator: Operator
+    memory: LeafMemory
+    keeper: Keeper
     folder: Path
     recorder: Recorder | None = None
     regions: Mapping[str, Region] = field(default_factory=dict)
@@ -121,6 +127,7 @@ class Mission(Runtime, StreamListener):
         lidars = [name for name, sensor in machine.sensors.items() if sensor.kind == "lidar"]
         self.services = Services(
             clock=setup.clock,
+            tick_s=setup.tick_s,
             seed=setup.seed,
             machine=machine,
             kinematics=Kinematics(machine),
@@ -137,14 +144,20 @@ class Mission(Runtime, StreamListener):
         self.guard.bind(self.services.streams)
         self._before_hold: tuple[float, BaseState, bool] | None = None
         self._halt = halt
+        self.memory: LeafMemory = setup.memory
+        self.memory.bind(self.record)
         self.root = build(self)
 
     # --- what the nodes see
 
     def context(self, node: str) -> NodeContext:
-        return NodeContext(self.services, node)
+        context = NodeContext(self.services, node)
+        self.memory.watch(node, context)
+        return context
 
     def record(self, node: str, event: Event) -> None:
+        if self.memory.took(node, event):
+            return
         self.journal.append(self._tick, self.clock.now_s(), node, event)
         self.injector.heed(node, event)
 
@@ -158,9 +171,12 @@ class Mission(Runtime, StreamListener):
     def ask(
         self, node: str, question: str, default: bool | str | None, choices: Sequence[str] = ()
     ) -> Question:
-        asked = self._setup.operator.ask(question, default, choices)
-        self._questions.append(asked)
-        return asked
+        def put() -> Question:
+            asked = self._setup.operator.ask(question, default, choices)
+            self._questions.append(asked)
+            return asked
+
+        return self.memory.question(node, put)
 
     def fail(self, error: Exception, node: str, leaf: str) -> str:
         if isinstance(error, MissionFaultError):
@@ -192,6 +208,8 @@ class Mission(Runtime, StreamListener):
             self.record("", RegionNamed(name, region.corners_map))
             self.show(f"regions/{name}", region)
         try:
+            if self.memory.history is not None:
+                self._observe_anew(after_tick)
             while self._ending is None:
                 self._guarded_tick()
                 after_tick(self)
@@ -205,6 +223,39 @@ class Mission(Runtime, StreamListener):
         )
         self.record("", MissionEnded(self._ending.outcome, self._ending.reason))
         return self._ending
+
+    def follow_past(self, resumption: Resumption) -> None:
+        """Bring the tree to where a run that was cut off was; nothing is commanded.
+
+        Raises:
+            DataError: If the tree does something else than it did.
+        """
+        self.memory.history, now = resumption.history, self.clock
+        self.clock = PastClock(resumption.history)
+        resumption.follow(self.root, self.memory)
+        self.clock = now
+
+    def go_on_at(self, instant: Instant, event: Event) -> None:
+        """Let the mission's time go on, and journal it."""
+        self._tick = instant.tick
+        self.clock.go_on_at(instant.tick, self._setup.tick_s, instant.mission_s)
+        self.journal.append(self._tick, instant.mission_s, "", event)
+
+    def _observe_anew(self, after_tick: Callable[["Mission"], None]) -> None:
+        """Look at the world before anything moves; the time that takes counts against no limit."""
+        began_s = self.clock.now_s()
+        try:
+            for _ in Observation(self.services).steps():
+                self._end_tick()
+                after_tick(self)
+                self._read()
+                self._follow_requests()
+                if self._ending is not None:
+                    return
+        except Exception as error:  # whatever escapes a plugin
+            self._fault(fault_of(error, self.services.plugins))
+        self.asked_s += self.clock.now_s() - began_s
+        self._ticked_s = self.clock.now_s()
 
     def _guarded_tick(self) -> None:
         try:
@@ -236,6 +287,7 @@ class Mission(Runtime, StreamListener):
         if self.phase is Phase.AWAITING_OPERATOR:
             self.asked_s += now_s - self._ticked_s
         self._ticked_s = now_s
+        self.memory.begin_tick(self._tick)
         self.root.tick_once()
         open_questions = [q for q in self._questions if q.answer() is None]
         self._questions = open_questions
@@ -348,6 +400,13 @@ class Mission(Runtime, StreamListener):
                 self.show("joints", self.services.streams.joints)
         self._tick += 1
         self.clock.advance(self._setup.tick_s)
+        self._keep()
+
+    def _keep(self) -> None:
+        """Write what a resumed run needs of the plugins."""
+        now_s = self.clock.now_s()
+        leaf_ended, self.memory.has_answered = self.memory.has_answered, False
+        self._setup.keeper.keep(Instant(self._tick, now_s, now_s), leaf_ended=leaf_ended)
 
     def _is_due(self, period_s: float) -> bool:
         return self._tick % max(1, round(period_s / self._setup.tick_s)) == 0

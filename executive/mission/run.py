@@ -13,6 +13,7 @@ from executive.events.event import Event, plain
 from executive.events.mission import Faulted
 from executive.interfaces.robot import RobotSettings
 from executive.journal import Journal
+from executive.journal.value_folder import ValueFolder
 from executive.logs.recorder import Recorder
 from executive.mission.assembly import Assembly, Selections, assemble
 from executive.mission.fault import fault_of
@@ -22,6 +23,10 @@ from executive.mission.jobs.choice import Choice
 from executive.mission.mission import Mission, Setup
 from executive.mission.operator import Operator
 from executive.mission.record.account import Account
+from executive.mission.record.keeper import Keeper
+from executive.mission.record.leaf_memory import LeafMemory
+from executive.mission.record.resumption import Resumption
+from executive.mission.record.run_options import KeptOptions
 from executive.mission.report import (
     Ending,
     cpu_s,
@@ -50,6 +55,11 @@ class Options:
     runner: str | None = None
     answer: bool | None = None
 
+    @property
+    def kept(self) -> KeptOptions:
+        """Return what a resumed run takes over."""
+        return KeptOptions(self.seed, self.real_time, self.runner, self.answer)
+
 
 @dataclass(frozen=True, slots=True)
 class Result:
@@ -68,8 +78,15 @@ class Result:
 class Run:
     """One run of a checked mission; whatever happens, its folder holds what there is."""
 
-    def __init__(self, description: MissionFile, options: Options) -> None:
+    def __init__(
+        self, description: MissionFile, options: Options, resumption: Resumption | None = None
+    ) -> None:
         """Make the plugins and the folder; nothing moves yet.
+
+        Args:
+            description: The mission.
+            options: How it is run.
+            resumption: The run that was cut off and is to go on.
 
         Raises:
             ConfigError: If the folder, the machine's model or a plugin's settings are refused.
@@ -79,11 +96,20 @@ class Run:
         self._selections = _selections(description, options)
         self._model = model_of(description)
         self._assembly = _assembled(self._selections, self._model, options.seed)
-        self.folder = RunFolder.create(options.run_dir, description.name)
-        self.folder.mission.write_text(resolved_yaml(description), encoding="utf-8")
+        self._resumption = resumption
+        if resumption is None:
+            self.folder = RunFolder.create(options.run_dir, description.name)
+            self.folder.mission.write_text(resolved_yaml(description), encoding="utf-8")
+            options.kept.write(self.folder.options)
+        else:
+            self.folder = resumption.folder
         self._account = Account()
         self._journal = Journal(self.folder.journal)
+        if resumption is not None:
+            resumption.write_after(self._journal, self._account)
         self._journal.follow(self._account.add)
+        values = ValueFolder(self.folder.values)
+        self._memory = LeafMemory(values, lambda: self._secure(values))
         clock = WallClock() if options.real_time else SimulatedClock()
         choice = Choice(self._assembly.plugins, self._selections, self._model, options.seed)
         self._setup = Setup(
@@ -98,6 +124,8 @@ class Run:
             journal=self._journal,
             account=self._account,
             operator=Operator(options.answer),
+            memory=self._memory,
+            keeper=Keeper(self.folder.kept, self._assembly.plugins),
             folder=self.folder.path,
             recorder=self._recorder(),
             regions=description.regions,
@@ -132,6 +160,7 @@ class Run:
                     self._setup.recorder.close()
                 self._close_after_error()
                 self._journal.close()
+                self.folder.release()
         return Result(report, self.folder, ending.exit_status)
 
     def _run(self, after_tick: Callable[[Mission], None]) -> Ending:
@@ -145,12 +174,33 @@ class Run:
             self._mission = Mission(
                 self._setup, lambda runtime: build_tree(self._description, runtime), halt
             )
+            if self._resumption is not None:
+                self._resume(self._resumption, self._mission)
             with stop_on_interrupt(self._mission):
                 return self._mission.run(after_tick)
+        except DataError as error:
+            if self._resumption is None:
+                return self._faulted(error)
+            raise  # the past cannot be followed; nothing has moved
         except Aborted as error:
             return Ending("stopped", str(error))
         except Exception as error:  # an error that escaped the loop itself
             return self._faulted(error)
+
+    def _resume(self, resumption: Resumption, mission: Mission) -> None:
+        """Bring plugins and tree to where the run was cut off.
+
+        Raises:
+            DataError: If the journal cannot be followed; nothing has moved then.
+        """
+        mission.follow_past(resumption)
+        kept, restored, lost = self._setup.keeper.restore()
+        instant = resumption.instant(kept, self._setup.tick_s)
+        mission.go_on_at(instant, resumption.event(restored, lost))
+
+    def _secure(self, values: ValueFolder) -> None:
+        values.secure()
+        self._journal.secure()
 
     def _start(self) -> None:
         self._assembly.start()

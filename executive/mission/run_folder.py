@@ -1,10 +1,11 @@
 """The folder of one run: what a mission leaves behind."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 
 from executive.errors import ConfigError
+from executive.mission.record.run_lock import RunLock
 
 
 @dataclass(frozen=True, slots=True)
@@ -12,13 +13,15 @@ class RunFolder:
     """Paths of a run's files; DESIGN: a run's folder."""
 
     path: Path
+    lock: RunLock | None = field(default=None, compare=False)  # held by the run that writes
 
     @classmethod
     def create(cls, path: Path | None, mission: str) -> "RunFolder":
         """Make the folder; without a path, a new one under `runs/`.
 
         Raises:
-            ConfigError: If it holds a run already, or cannot be made.
+            ConfigError: If it holds a run already, another run writes into it, or it cannot be
+                made or written.
         """
         folder = path or _fresh(mission)
         try:
@@ -27,9 +30,27 @@ class RunFolder:
             raise ConfigError(
                 f"the run folder {folder} cannot be made: {error.strerror}"
             ) from error
-        if (folder / "journal.jsonl").exists():
+        made = cls(folder, RunLock(folder))
+        if made.journal.exists():
+            made.release()
             raise ConfigError(f"{folder} holds a run already; give another --run-dir")
-        return cls(folder)
+        return made
+
+    @classmethod
+    def open(cls, path: Path) -> "RunFolder":
+        """Open the folder of a run that was cut off, to go on with it.
+
+        Raises:
+            ConfigError: If it holds no run, or a run writes into it.
+        """
+        if not cls(path).journal.is_file() or not cls(path).mission.is_file():
+            raise ConfigError(f"{path} holds no run: it lacks journal.jsonl or mission.yaml")
+        return cls(path, RunLock(path))
+
+    def release(self) -> None:
+        """Let another run write."""
+        if self.lock is not None:
+            self.lock.release()
 
     @property
     def mission(self) -> Path:
@@ -38,6 +59,18 @@ class RunFolder:
     @property
     def journal(self) -> Path:
         return self.path / "journal.jsonl"
+
+    @property
+    def options(self) -> Path:
+        return self.path / "options.json"
+
+    @property
+    def values(self) -> Path:
+        return self.path / "values"
+
+    @property
+    def kept(self) -> Path:
+        return self.path / "kept"
 
     @property
     def objects(self) -> Path:

@@ -89,11 +89,13 @@ class Streams:
         }
         self.joints: JointSample | None = None
         self.scan_pairs = 0
+        self.arrived_scans: list[LidarScan] = []  # of this tick
         self.ignored: Counter[str] = Counter()  # observations by type that no plugin takes
         self.durations_ms: dict[str, list[float]] = {}
 
     def process(self, observations: Sequence[Observation]) -> None:
         """Take all observations of one tick."""
+        self.arrived_scans.clear()
         for observation in observations:
             if self._guard is not None and self._guard.refuses(observation):
                 continue
@@ -174,6 +176,7 @@ class Streams:
             if increment is not None:
                 self._estimator.add_odometry(increment)
         self._scans[scan.frame] = scan
+        self.arrived_scans.append(scan)
         if self._mapper is not None and self._history and len(self._scans) == len(self._lidars):
             self._map(self._mapper)
 

@@ -38,7 +38,7 @@ class VoxelMap(Mapper):
         self._grid: VoxelGrid | None = None
         self._cloud: Cloud | None = None
         self._held_radius_m = 0.0
-        self.changes = 0
+        self.revision = 0
         self._cylinder = Cylinder(settings.radius_m)
 
     def start(self) -> None:
@@ -92,7 +92,7 @@ class VoxelMap(Mapper):
                 f"the radius around a held stone is {radius_m} m; it must not be negative"
             )
         self._held_radius_m = float(radius_m)
-        self.changes += 1
+        self.revision += 1
 
     def remove_sphere(self, centre_map: Float, radius_m: float) -> int:
         """Remove all voxels in a sphere, until new returns fill them."""
@@ -130,7 +130,7 @@ class VoxelMap(Mapper):
 
     def _changed(self) -> None:
         self._cloud = None
-        self.changes += 1
+        self.revision += 1
 
     def _running(self) -> tuple[ScanFrontEnd, VoxelGrid]:
         if self._front_end is None or self._grid is None:

@@ -51,6 +51,9 @@ class PayloadDrop(Monitor):
     def start(self) -> None:
         self._scale = PayloadScale(self._machine)
 
+    def payload_kg(self, sample: JointSample) -> float | None:
+        return self._scale.weigh(sample)
+
     def begin_hold(self) -> None:
         self._hold = _Hold(LowPass(self._settings.smoothing))
 

@@ -51,7 +51,7 @@ class KinematicRobot(Robot):
         self._poses = [self._sensor_poses()] * 3
 
     @property
-    def changes(self) -> int:  # type: ignore[override]
+    def revision(self) -> int:  # type: ignore[override]
         return self._steps
 
     def keep(self) -> Mapping[str, Any]:

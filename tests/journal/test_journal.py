@@ -7,7 +7,7 @@ import resource
 from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
 from types import UnionType
-from typing import Union, get_args, get_origin, get_type_hints
+from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 import pytest
@@ -106,7 +106,7 @@ def sample(kind):
         return kind(**{f.name: sample(get_type_hints(kind)[f.name]) for f in fields(kind)})
     if issubclass(kind, Enum):
         return next(iter(kind))
-    return {int: 3, float: 0.5, bool: True, str: "text"}[kind]
+    return {int: 3, float: 0.5, bool: True, str: "text", Any: "any"}[kind]
 
 
 def test_the_same_entries_give_the_same_bytes(tmp_path):

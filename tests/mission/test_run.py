@@ -244,7 +244,7 @@ def test_ended_at_once_no_leaf_outlives_the_robot(tmp_path, monkeypatch):
         "stopped at once by the operator",
     )
     swing = [e for e in read_journal(result.folder.journal) if e.node == "main/1:ScanSwing"]
-    assert [e.kind for e in swing] == ["node_started", "node_ended"]
+    assert [e.kind for e in swing] == ["node_started", "leaf_called", "node_ended"]
     assert calls == ["stop", "close"]  # the leaf's clean-up stops the machine while there is one
 
 

@@ -90,9 +90,9 @@ class Keeper:
 
     def _keep_others(self) -> None:
         for name, plugin in self._others:
-            changes = plugin.changes
-            if changes != self._written[name]:
-                self._written[name] = changes
+            revision = plugin.revision
+            if revision != self._written[name]:
+                self._written[name] = revision
                 self._write(name, plugin.keep())
 
     def _write(self, name: str, value: Any) -> None:

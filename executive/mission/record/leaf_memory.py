@@ -9,7 +9,8 @@ from executive.events.node import LeafAnswered, LeafCalled, LeafTakenUp
 from executive.journal.value_folder import ValueFolder
 from executive.leaf.memory import Memory, OnResume, Recalled
 from executive.leaf.outcome import Outcome
-from executive.mission.record.history import History
+from executive.leaf.runtime import Question
+from executive.mission.record.history import History, is_of_tree
 
 _SHORT = 8  # items of a list that are written out among the inputs
 
@@ -20,11 +21,35 @@ class Draws(Protocol):
     draws: int
 
 
+class PastQuestion(Question):
+    """A question of the past: answered as it was, or put again if it was still open."""
+
+    def __init__(self, history: History, node: str, ask: Callable[[], Question]) -> None:
+        self._history = history
+        self._node = node
+        self._ask = ask
+        self._now: Question | None = None
+        self._source = ""
+
+    def answer(self) -> bool | str | None:
+        if self._now is None and self._history.is_over:
+            self._now = self._ask()
+        if self._now is not None:
+            return self._now.answer()
+        answered = self._history.answer_to(self._node)
+        self._source = answered.source if answered else ""
+        return answered.answer if answered else None
+
+    def source(self) -> str:
+        return self._now.source() if self._now is not None else self._source
+
+
 class LeafMemory(Memory):
     """Keeps answers as events of the nodes, and follows the past of a resumed mission.
 
     Attributes:
         history: The past; None in a mission that was not cut off.
+        has_answered: A leaf has answered since this was set to False.
     """
 
     def __init__(self, values: ValueFolder, secure: Callable[[], None]) -> None:
@@ -35,8 +60,10 @@ class LeafMemory(Memory):
         self._draws: dict[str, Draws] = {}
         self._visits: Counter[str] = Counter()
         self._tick = -1
+        self._is_live = False
         self._told: dict[str, Mapping[str, Any]] = {}  # the newest answer of each condition
         self.history: History | None = None
+        self.has_answered = False
 
     def bind(self, record: Callable[[str, Event], None]) -> None:
         """Name where events go."""
@@ -57,13 +84,13 @@ class LeafMemory(Memory):
             self._tick = tick
             self._visits.clear()
 
-    def go_live(self) -> None:
+    def _go_live(self, history: History) -> None:
         """Give all leaves their own state back, before the first of them is asked itself.
 
         Raises:
             DataError: If the state of one was not kept.
         """
-        for node, answer in (self.history.answers if self.history else {}).items():
+        for node, answer in history.answers.items():
             self._told[node] = _told(answer)
             if node in self._draws:
                 self._draws[node].draws = answer.draws
@@ -73,9 +100,33 @@ class LeafMemory(Memory):
     def recall(self, node: str, *, is_condition: bool) -> Recalled | None:
         if is_condition:
             self._visits[node] += 1
-        if self.history is None or self.history.is_over:
+        if self.history is None:
             return None
-        return self.history.visit(node, is_condition=is_condition, number=self._visits[node])
+        if not self.history.is_over:
+            found = self.history.visit(node, is_condition=is_condition, number=self._visits[node])
+            if found is not None:
+                return found
+        if not self._is_live:
+            self._is_live = True
+            self._go_live(self.history)
+        return None
+
+    def took(self, node: str, event: Event) -> bool:
+        """Take what the tree records while its past is followed; return whether it is.
+
+        Raises:
+            DataError: If it records something else than it did.
+        """
+        if not self.is_past or self.history is None or not is_of_tree(node, event):
+            return False
+        self.history.compare(node, event)
+        return True
+
+    def question(self, node: str, ask: Callable[[], Question]) -> Question:
+        """Return a question: in the past, as it was answered then."""
+        if not self.is_past or self.history is None:
+            return ask()
+        return PastQuestion(self.history, node, ask)
 
     def called(self, node: str, inputs: Mapping[str, Any], *, is_irreversible: bool) -> None:
         self._record(node, LeafCalled({port: _shown(value) for port, value in inputs.items()}))
@@ -103,7 +154,7 @@ class LeafMemory(Memory):
             draws=self._draws[node].draws if node in self._draws else 0,
             visit=self._visits[node] if is_condition else 0,
         )
-        told = _told(answer)
+        self.has_answered, told = True, _told(answer)
         if is_condition and self._told.get(node) == told:
             return
         self._told[node] = told

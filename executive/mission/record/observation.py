@@ -4,7 +4,7 @@ The machine may have gone on without this process, and so may the world: the pos
 again, the lidars look from where they stand, and the jaws and the weight tell what is held.
 """
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -16,6 +16,7 @@ from executive.geometry.pose import transform
 from executive.interfaces.monitoring import Monitor
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.robot import Robot
+from executive.machine.sensor import Sensor
 from executive.messages.command import SwitchLidars
 from executive.messages.lidar import LidarScan
 from executive.messages.stone import Stone, StoneState
@@ -73,8 +74,8 @@ class Observation:
         finally:
             robot.command(SwitchLidars(False))
 
-    def _lidars(self) -> list[object]:
-        return list(self._services.machine.sensors_of("lidar"))
+    def _lidars(self) -> Sequence[Sensor]:
+        return tuple(self._services.machine.sensors_of("lidar"))
 
     def _held(self) -> Stone | None:
         """Return the stone that the database says is held, after the monitors were told."""

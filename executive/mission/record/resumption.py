@@ -1,14 +1,12 @@
 """What is known of a run that was cut off, and how its mission goes on from there."""
 
 import os
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 from py_trees.behaviour import Behaviour
 
 from executive.clock import Clock
-from executive.errors import ConfigError, DataError
+from executive.errors import ConfigError
 from executive.events.mission import MissionEnded, Resumed
 from executive.events.node import LeafAnswered, LeafCalled, NodeEnded
 from executive.journal import Entry, Journal, JournalFile
@@ -16,6 +14,7 @@ from executive.journal.value_folder import ValueFolder
 from executive.mission.record.account import Account
 from executive.mission.record.history import History
 from executive.mission.record.keeper import Instant
+from executive.mission.record.leaf_memory import LeafMemory
 from executive.mission.run_folder import RunFolder
 from executive.tree.modifiers import RetryNode
 from executive.tree.repeating import RepeatingNode
@@ -30,6 +29,9 @@ class PastClock(Clock):
     def now_s(self) -> float:
         return self._history.time_s
 
+    def go_on_at(self, tick: int, tick_s: float, now_s: float) -> None:
+        """Do nothing: the history says which tick comes next."""
+
     def advance(self, dt_s: float) -> None:
         """Do nothing: the history says which tick comes next."""
 
@@ -39,12 +41,14 @@ class Resumption:
     """A run that was cut off, as its folder holds it.
 
     Attributes:
+        folder: The run's folder, whose lock this process holds.
         entries: All entries of its journal.
         cut_off_bytes: Length of a last line that was left out [byte].
         checksum: Checksum of the last entry.
         history: The tree's past.
     """
 
+    folder: RunFolder
     entries: tuple[Entry, ...]
     cut_off_bytes: int
     checksum: str
@@ -55,11 +59,9 @@ class Resumption:
         """Read a run's folder, and take a last line that was cut off out of its journal.
 
         Raises:
-            ConfigError: If it holds no run, or one that has ended.
+            ConfigError: If its mission has ended.
             DataError: If the journal is damaged before its last line; it names the line.
         """
-        if not folder.journal.is_file() or not folder.mission.is_file():
-            raise ConfigError(f"{folder.path} holds no run: it lacks journal.jsonl or mission.yaml")
         file = JournalFile(folder.journal)
         entries = tuple(file.entries())
         ended = next((e.event for e in entries if isinstance(e.event, MissionEnded)), None)
@@ -71,7 +73,7 @@ class Resumption:
         if file.cut_off:
             os.truncate(folder.journal, file.whole_bytes)
         history = History(entries, ValueFolder(folder.values))
-        return cls(entries, file.cut_off, file.checksum, history)
+        return cls(folder, entries, file.cut_off, file.checksum, history)
 
     def write_after(self, journal: Journal, account: Account) -> None:
         """Let a journal and an account go on after the past."""
@@ -80,7 +82,7 @@ class Resumption:
         if self.entries:
             journal.go_on_after(self.entries[-1], self.checksum)
 
-    def follow(self, root: Behaviour) -> None:
+    def follow(self, root: Behaviour, memory: LeafMemory) -> None:
         """Tick a new tree through the past.
 
         Raises:
@@ -89,7 +91,12 @@ class Resumption:
         nodes = list(root.iterate())
         counts = (RepeatingNode, RetryNode)
         every_tick = any(node.is_repeated and isinstance(node, counts) for node in nodes)
-        self.history.follow(root.tick_once, every_tick=every_tick)
+
+        def tick() -> None:
+            memory.begin_tick(self.history.tick)
+            root.tick_once()
+
+        self.history.follow(tick, every_tick=every_tick)
 
     def instant(self, kept: Instant | None, tick_s: float) -> Instant:
         """Return when the mission goes on: where the machine's state was kept, and not before the

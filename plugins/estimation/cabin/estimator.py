@@ -69,8 +69,28 @@ class CabinEstimator(Estimator):
     def datum(self) -> tuple[float, float, float] | None:
         return self._cabin.datum
 
+    def start(self) -> None:
+        settings = self._cabin
+        imu = cabin_imu(self._machine, settings.imu)
+        self._noise = InertialNoise.of(imu, settings.noise_factor, settings.gravity_m_s2)
+        self._T_imu_cabin = inverse(imu.T_link_sensor)
+        self._antennas_imu = antennas_in_imu(self._machine, imu)
+        self._stamp_gate = StampGate()
+        self._turn = TurnJoint(self._machine)
+        self._standing = StandstillDetector(settings.standing)
+        self._datum: Float | None = None
+        if settings.datum is not None:
+            self._datum = np.array(settings.datum)
+        self._status_changes: list[StatusChange] = []
+        self._reported_s = -np.inf
+        memory = self._shared_memory()
+        self._propagator = LivePropagator(
+            self._T_imu_cabin, self._turn, self._noise, settings.restart_after_s, memory
+        )
+        self._restart()
+
     @property
-    def changes(self) -> int:  # type: ignore[override]
+    def revision(self) -> int:  # type: ignore[override]
         return int(self._datum is not None)
 
     def keep(self) -> Mapping[str, Any]:
@@ -81,24 +101,6 @@ class CabinEstimator(Estimator):
         """Take back the origin, so that the map stays where it was."""
         if "datum" in kept:
             self._datum = np.array(kept["datum"])
-
-    def start(self) -> None:
-        settings = self._cabin
-        imu = cabin_imu(self._machine, settings.imu)
-        self._noise = InertialNoise.of(imu, settings.noise_factor, settings.gravity_m_s2)
-        self._T_imu_cabin = inverse(imu.T_link_sensor)
-        self._antennas_imu = antennas_in_imu(self._machine, imu)
-        self._stamp_gate = StampGate()
-        self._turn = TurnJoint(self._machine)
-        self._standing = StandstillDetector(settings.standing)
-        self._datum = None if settings.datum is None else np.array(settings.datum)
-        self._status_changes: list[StatusChange] = []
-        self._reported_s = -np.inf
-        memory = self._shared_memory()
-        self._propagator = LivePropagator(
-            self._T_imu_cabin, self._turn, self._noise, settings.restart_after_s, memory
-        )
-        self._restart()
 
     def _shared_memory(self) -> Any:
         """Return memory for the propagator that another process reads; None if none does."""

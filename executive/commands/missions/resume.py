@@ -1,0 +1,34 @@
+"""`executive resume`: a run that was cut off goes on."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from executive.commands.console import answer, say
+from executive.commands.options import JsonOption
+
+
+def resume(
+    run_dir: Annotated[Path, typer.Argument(help="Folder of the run.", show_default=False)],
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Go on with a run that was killed, crashed, or lost its power.
+
+    The journal is followed without moving anything, the world is observed anew, and what was under
+    way is verified, redone, asked about, or fails, as each leaf declares.
+
+    Example: executive resume runs/pick_and_place-20260101-120000
+    """
+    from executive.mission.progress import progress
+    from executive.mission.resume import resumed_run
+
+    made = resumed_run(run_dir)
+    with progress(quiet=quiet) as after_tick:
+        result = made.execute(after_tick)
+    say(result.summary)
+    say(f"  report     {result.folder.report}")
+    if as_json:
+        answer(result.report)
+    raise typer.Exit(result.exit_status)
