@@ -20,7 +20,7 @@ def say(text: str, end: str = "\n") -> None:
 
 def answer(value: Any) -> None:
     """Print plain values as JSON, on standard output."""
-    print(json.dumps(value, indent=2, ensure_ascii=False))
+    print(json.dumps(value, indent=2, ensure_ascii=False), flush=True)
 
 
 def one_of(option: str, value: str, allowed: Sequence[str]) -> str:

@@ -31,6 +31,7 @@ from executive.commands.missions.resume import resume
 from executive.commands.missions.run import run
 from executive.commands.missions.schema import schema
 from executive.commands.missions.show import show
+from executive.commands.missions.simulate import simulate
 from executive.commands.missions.words import words
 from executive.commands.plugins.doctor import doctor
 from executive.commands.plugins.list import list_plugins
@@ -76,6 +77,7 @@ _VERBS: dict[str, Callable[..., None]] = {
     "resume": resume,
     "check": check,
     "show": show,
+    "simulate": simulate,
     "schema": schema,
     "words": words,
     "campaign": campaign,

@@ -1,0 +1,173 @@
+"""A machine in another process, real or simulated, that speaks the robot wire."""
+
+import time
+from collections.abc import Sequence
+
+from pydantic import Field
+
+from executive.config import Seconds
+from executive.errors import ConfigError, RobotError
+from executive.interfaces.robot import Robot, RobotSettings
+from executive.messages.command import Command
+from executive.messages.observation import Observation
+from executive.wire.address import Address
+from executive.wire.connection import Connection
+from executive.wire.frame import Frame, Kind
+from executive.wire.payload import pack, unpack
+
+
+class WireSettings(RobotSettings):
+    """Settings of a machine behind the robot wire."""
+
+    address: str = Field(description="Where the machine listens: unix:PATH or 127.0.0.1:PORT.")
+    answer_limit: Seconds = Field(
+        0.5, gt=0, le=10, description="The machine has to answer a command by then [s]."
+    )
+    silence_limit: Seconds = Field(
+        0.5, gt=0, le=10, description="A machine that sends nothing for so long has failed [s]."
+    )
+    reset_at_start: bool = Field(
+        True, description="Reset a stop that an earlier mission ended in, when this one starts."
+    )
+
+
+class WireRobot(Robot):
+    """Sends commands to a machine, and hears from it.
+
+    Each `read` tells the machine that the executive is alive. As the driver of what lives by its
+    own clock, it measures silence on the wall clock. Stamps are converted to the mission's
+    time: at the first `read`, the machine's clock is taken to show that of the mission.
+
+    Attributes:
+        dropped: Observations that were measured before the mission began.
+    """
+
+    Settings = WireSettings
+
+    def __init__(self, settings: WireSettings) -> None:
+        self._settings = settings
+        self._connection: Connection | None = None
+        self._sequence = 0
+        self._offset_s: float | None = None  # machine's clock at the mission's start
+        self._machine_s = 0.0
+        self._heard_s = 0.0
+        self._latched = ""
+        self._waiting: list[Frame] = []
+        self.dropped = 0
+
+    def start(self) -> None:
+        """Connect with the machine.
+
+        Raises:
+            ConfigError: If nothing listens at the address.
+            RobotError: If the machine refuses, such as one that another executive drives.
+        """
+        address = Address.parse(self._settings.address)
+        try:
+            found = address.connect(self._settings.answer_limit)
+        except OSError as error:
+            raise ConfigError(
+                f"no machine listens at {address} ({error.strerror or error}); start one with "
+                "'executive simulate', or correct robot.address"
+            ) from error
+        self._connection = Connection(found)
+        self._ask(Frame(Kind.HELLO, {"role": "executive", "model": self._settings.model}))
+        if self._settings.reset_at_start:
+            self._ask(Frame(Kind.RESET))
+            self._latched = ""
+
+    def close(self) -> None:
+        """End the connection; the machine comes to rest by itself if it still moves."""
+        if self._connection is not None:
+            self._connection.close()
+            self._connection = None
+
+    def read(self, until_s: float) -> Sequence[Observation]:
+        connection = self._open()
+        if self._offset_s is None:  # the start of other plugins took some time
+            self._heard_s = time.monotonic()
+        connection.send(Frame(Kind.ALIVE))
+        self._hear(0.0)
+        observations: list[Observation] = []
+        arrived, self._waiting = self._waiting, []
+        for frame in arrived:
+            observations += self._observations(frame, until_s)
+        if self._latched:
+            raise RobotError(f"the machine stopped by itself: {self._latched}")
+        silent_s = time.monotonic() - self._heard_s
+        if not connection.is_open or silent_s > self._settings.silence_limit:
+            raise RobotError(f"the machine has sent nothing for {silent_s:.2f} s")
+        return sorted(observations, key=lambda one: one.stamp_s)
+
+    def command(self, command: Command) -> None:
+        objects, body = pack([command])
+        self._ask(Frame(Kind.COMMAND, {"commands": objects}, body))
+
+    def stop(self) -> None:
+        self._ask(Frame(Kind.STOP))
+
+    def resume(self) -> None:
+        self._ask(Frame(Kind.RESUME))
+
+    def safe_stop(self, reason: str) -> None:
+        """Stop, and refuse every command that moves until `reset`."""
+        self._ask(Frame(Kind.SAFE_STOP, {"reason": reason}))
+
+    def reset(self) -> None:
+        """Take commands again after a safe stop.
+
+        Raises:
+            RobotError: If the machine still moves.
+        """
+        self._ask(Frame(Kind.RESET))
+        self._latched = ""
+
+    def latched(self) -> str:
+        """Return why commands are refused; empty while they are taken."""
+        return self._latched
+
+    def _open(self) -> Connection:
+        if self._connection is None:
+            raise RobotError("the machine is not connected: call start() first")
+        return self._connection
+
+    def _ask(self, frame: Frame) -> None:
+        """Send a frame and wait for its answer; observations that come before it are kept.
+
+        Raises:
+            RobotError: If the machine refuses, or does not answer in time.
+        """
+        connection = self._open()
+        self._sequence += 1
+        connection.send(Frame(frame.kind, frame.head, frame.body, self._sequence))
+        limit_s = time.monotonic() + self._settings.answer_limit
+        while time.monotonic() < limit_s and connection.is_open:
+            answer = self._hear(limit_s - time.monotonic())
+            if answer is None:
+                continue
+            if answer.kind is Kind.REFUSED:
+                raise RobotError(f"the machine refuses: {answer.head.get('reason', '')}")
+            return
+        limit = self._settings.answer_limit
+        raise RobotError(f"the machine did not answer {frame.kind.name} within {limit:g} s")
+
+    def _hear(self, wait_s: float) -> Frame | None:
+        """Take what has arrived; return the answer to the newest question, if it is there."""
+        answer = None
+        for frame in self._open().receive(max(wait_s, 0.0)):
+            self._heard_s = time.monotonic()
+            if frame.kind is Kind.OBSERVATIONS:
+                self._waiting.append(frame)
+            elif frame.sequence == self._sequence or frame.kind is Kind.REFUSED:
+                answer = frame
+        return answer
+
+    def _observations(self, frame: Frame, until_s: float) -> list[Observation]:
+        self._machine_s = float(frame.head.get("time_s", self._machine_s))
+        self._latched = str(frame.head.get("latched", ""))
+        if self._offset_s is None:
+            self._offset_s = self._machine_s - until_s
+        found = unpack(frame.head.get("observations"), frame.body, self._offset_s)
+        kept = [one for one in found if one.stamp_s >= 0.0]
+        self.dropped += len(found) - len(kept)
+        return kept
