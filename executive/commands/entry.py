@@ -1,0 +1,35 @@
+"""The program `executive`: the command line, and runs under a supervisor of their own.
+
+This file imports nothing heavy: the supervisor is forked from it before the executive is imported.
+"""
+
+import sys
+
+from executive.supervision.supervisor import supervised
+
+_SUPERVISED = ("run", "resume")
+
+
+def main() -> None:
+    """Run the command line; a verb that moves a machine is supervised."""
+    words = sys.argv[1:]
+    if words and words[0] in _SUPERVISED and "--help" not in words:
+        sys.exit(supervised(_status, lambda text: print(text, file=sys.stderr, flush=True)))
+    sys.exit(_status())
+
+
+def _status() -> int:
+    from executive.commands.main import main as command_line
+
+    try:
+        command_line()
+    except SystemExit as end:
+        code = end.code
+        if isinstance(code, str):
+            print(code, file=sys.stderr)
+        return code if isinstance(code, int) else int(code is not None)
+    return 0
+
+
+if __name__ == "__main__":
+    main()

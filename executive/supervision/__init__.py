@@ -1,0 +1,1 @@
+"""The supervisor: a process beside the executive that can stop the machine without it."""

@@ -1,0 +1,145 @@
+"""A page of memory that the executive writes and its supervisor reads: signs of life.
+
+The page outlives the process that wrote it. A field is written by one process alone; numbers are
+aligned, so that a reader sees the old or the new one.
+"""
+
+import json
+import mmap
+import struct
+import time
+from collections.abc import Mapping
+from typing import Any
+
+_NUMBER = struct.Struct("<d")
+_TEXT_BYTES = 1024
+_NUMBERS = ("beat_s", "limit_s", "verb_until_s", "ended", "joints_s", "joints_limit_s")
+_TEXTS = ("activity", "run_dir", "machine", "stack", "mission")
+_TEXTS_AT = 8 * len(_NUMBERS)
+_NEVER_ENDED = -1.0
+
+
+class Beacon:
+    """Signs of life of one run.
+
+    Times are those of the system's monotonic clock, which is the same for all processes [s]. A
+    limit of 0 means that the supervisor does not watch it.
+    """
+
+    def __init__(self) -> None:
+        self._page = mmap.mmap(-1, _TEXTS_AT + _TEXT_BYTES * len(_TEXTS))
+        self._set("ended", _NEVER_ENDED)
+
+    # --- what the executive writes
+
+    def watch(self, limit_s: float, joints_limit_s: float) -> None:
+        """From now on a loop that gives no sign for so long, or has no joint sample, is stopped."""
+        self.beat()
+        self._set("joints_s", time.monotonic())
+        self._set("joints_limit_s", joints_limit_s)
+        self._set("limit_s", limit_s)
+
+    def unwatch(self) -> None:
+        """The loop has ended: nothing is stopped for silence any more."""
+        self._set("limit_s", 0.0)
+
+    def beat(self) -> None:
+        """Give a sign of life: once a tick."""
+        self._set("beat_s", time.monotonic())
+
+    def see_joints(self) -> None:
+        """Note that a joint sample has arrived."""
+        self._set("joints_s", time.monotonic())
+
+    def begin(self, activity: Mapping[str, str], limit_s: float) -> None:
+        """Note what is computed in the executive's own process, and how long it may take."""
+        self._write("activity", json.dumps(activity))
+        self._set("verb_until_s", time.monotonic() + limit_s)
+
+    def end(self) -> None:
+        """Note that this has ended."""
+        self._set("verb_until_s", 0.0)
+        self._write("activity", "")
+
+    def name(self, **texts: str) -> None:
+        """Note `run_dir`, `mission`, the address of the `machine`, or the file of the `stack`."""
+        for field, text in texts.items():
+            self._write(field, text)
+
+    def finish(self, status: int) -> None:
+        """Note that the run is over, with its exit status; without this note it was cut off."""
+        self.unwatch()
+        self._set("ended", float(status))
+
+    # --- what the supervisor reads
+
+    def silent_s(self) -> float:
+        """Return how long the loop has been silent beyond what it may [s]; 0 if it has not."""
+        now_s, limit_s = time.monotonic(), self._get("limit_s")
+        return now_s - self._get("beat_s") if 0 < limit_s < now_s - self._get("beat_s") else 0.0
+
+    def joints_age_s(self) -> float:
+        """Return the age of the newest joint sample [s] if it is too old; else 0."""
+        if not self._get("limit_s"):
+            return 0.0
+        age_s, limit_s = time.monotonic() - self._get("joints_s"), self._get("joints_limit_s")
+        return age_s if 0 < limit_s < age_s else 0.0
+
+    def overdue_s(self) -> float:
+        """Return how long ago a verb in the executive's process should have ended [s]; else 0."""
+        until_s = self._get("verb_until_s")
+        return max(time.monotonic() - until_s, 0.0) if until_s else 0.0
+
+    def status(self) -> int | None:
+        """Return the exit status of a run that ended in order; None of one that has not."""
+        ended = self._get("ended")
+        return None if ended == _NEVER_ENDED else int(ended)
+
+    def activity(self) -> Mapping[str, Any]:
+        """Return what was computed: component, capability, name, verb, place, package folder."""
+        try:
+            found = json.loads(self.text("activity") or "{}")
+        except ValueError:  # it was cut off in the middle of the note
+            return {}
+        return found if isinstance(found, dict) else {}
+
+    def forget(self) -> None:
+        """Watch nothing any more; what was computed stays known."""
+        self.unwatch()
+        self._set("verb_until_s", 0.0)
+
+    def text(self, field: str) -> str:
+        """Return one of the texts; empty if it was not written."""
+        start = _TEXTS_AT + _TEXT_BYTES * _TEXTS.index(field)
+        raw = self._page[start : start + _TEXT_BYTES]
+        return raw.split(b"\0", 1)[0].decode(errors="replace")
+
+    def _write(self, field: str, text: str) -> None:
+        start = _TEXTS_AT + _TEXT_BYTES * _TEXTS.index(field)
+        raw = text.encode()[: _TEXT_BYTES - 1]
+        self._page[start : start + _TEXT_BYTES] = raw.ljust(_TEXT_BYTES, b"\0")
+
+    def _set(self, field: str, value: float) -> None:
+        _NUMBER.pack_into(self._page, 8 * _NUMBERS.index(field), value)
+
+    def _get(self, field: str) -> float:
+        found: float = _NUMBER.unpack_from(self._page, 8 * _NUMBERS.index(field))[0]
+        return found
+
+
+_inherited: list[Beacon] = []
+
+
+def beacon() -> Beacon:
+    """Return the page that the supervisor of this process reads; without one, a page nobody reads.
+
+    It belongs to the process, as its exit status does: there is one run in a supervised process.
+    """
+    if not _inherited:
+        _inherited.append(Beacon())
+    return _inherited[0]
+
+
+def inherit(found: Beacon) -> None:
+    """Make a page the one of this process."""
+    _inherited[:] = [found]
