@@ -58,6 +58,14 @@ class Robot(Plugin, ABC):
     def stop(self) -> None:
         """Slow down along the present path within the limits, and hold; the jaws keep pressing."""
 
+    def address(self) -> str:
+        """Return where a supervisor can connect with the machine and stop it.
+
+        That is an address of the robot wire, such as `unix:/run/machine.sock`. It is empty for a
+        machine that nobody but this object can stop.
+        """
+        return ""
+
 
 class Scene(ABC):
     """A simulated robot's surroundings, as an external camera or lidar would see them."""

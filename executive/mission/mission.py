@@ -37,6 +37,7 @@ from executive.logs.recorder import Recorder
 from executive.machine.kinematics import Kinematics
 from executive.messages.base_state import BaseState
 from executive.messages.cloud import Cloud
+from executive.messages.joints import JointSample
 from executive.messages.region import Region
 from executive.messages.status_change import StatusChange
 from executive.messages.stone import Stone
@@ -56,6 +57,7 @@ from executive.mission.record.observation import Observation
 from executive.mission.record.resumption import PastClock, Resumption
 from executive.mission.report import Ending
 from executive.mission.streams import StreamListener, Streams
+from executive.supervision.beacon import beacon
 from executive.tree.build import node_states
 from executive.watch.watch import Decision, Wish
 
@@ -84,6 +86,7 @@ class Setup:
     regions: Mapping[str, Region] = field(default_factory=dict)
     can_fail: frozenset[tuple[str, str]] = frozenset()  # capability and name: `on_error: fail`
     guard: GuardSettings = field(default_factory=GuardSettings)
+    heartbeat_limit_s: float = 0.0  # the supervisor stops a loop that is silent for longer; 0: none
 
 
 class MachineMovesError(RobotError):
@@ -221,6 +224,7 @@ class Mission(Runtime, StreamListener):
         self._change(
             Phase.FAULTED if self._ending.outcome == "fault" else Phase.DONE, self._ending.reason
         )
+        beacon().unwatch()
         self.record("", MissionEnded(self._ending.outcome, self._ending.reason))
         return self._ending
 
@@ -277,6 +281,8 @@ class Mission(Runtime, StreamListener):
         read_s = wall_s()
         if self._setup.recorder is not None:
             self._setup.recorder.write(observations, self.clock.now_s())
+        if any(isinstance(one, JointSample) for one in observations):
+            beacon().see_joints()
         self.services.streams.process(observations)
         durations = self._setup.jobs.durations_ms
         durations.setdefault("robot.read", []).append(1e3 * (read_s - started_s))
@@ -388,6 +394,7 @@ class Mission(Runtime, StreamListener):
         return sample is None or rest.add(self.clock.now_s(), sample.position, sample.velocity)
 
     def _end_tick(self) -> None:
+        beacon().beat()
         while self._setup.jobs.told:
             self.record("", self._setup.jobs.told.popleft())
         state = self.services.streams.state()

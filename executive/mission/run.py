@@ -38,6 +38,7 @@ from executive.mission.report import (
 from executive.mission.run_folder import RunFolder
 from executive.mission.run_log import run_log
 from executive.mission.truth import truth_of
+from executive.supervision.beacon import beacon
 from executive.tree.build import build_tree, halt
 from executive.tree.language import MissionFile
 from executive.tree.resolved import resolved_yaml
@@ -131,6 +132,7 @@ class Run:
             regions=description.regions,
             can_fail=_can_fail(description),
             guard=GuardSettings(description.faults, description.watch),
+            heartbeat_limit_s=description.loop.heartbeat_limit if options.real_time else 0.0,
         )
         self._mission: Mission | None = None
         self._is_closed = False
@@ -144,6 +146,11 @@ class Run:
             DataError: If a file that a plugin needs is missing or wrong; nothing has moved then.
         """
         started_s, self._begun_cpu_s = wall_s(), cpu_s()
+        beacon().name(
+            run_dir=str(self.folder.path.absolute()),
+            mission=self._description.name,
+            machine=self._assembly.plugins["robot"].address(),
+        )
         with run_log(self.folder.log):
             try:
                 ending = self._run(after_tick)

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import Any
 
 _NUMBER = struct.Struct("<d")
-_TEXT_BYTES = 1024
+_TEXT_BYTES = 4096
 _NUMBERS = ("beat_s", "limit_s", "verb_until_s", "ended", "joints_s", "joints_limit_s")
 _TEXTS = ("activity", "run_dir", "machine", "stack", "mission")
 _TEXTS_AT = 8 * len(_NUMBERS)

@@ -23,7 +23,6 @@ class CutOff:
         self._beacon = beacon
         self._stack = self._left()
         self._activity = beacon.activity()
-        self.is_input_refused = code in (1, 2) and not beacon.text("run_dir")
         how = stopped or f"the executive's process {_ending(code)}"
         place = self._place()
         at = f" ({place})" if place else ""

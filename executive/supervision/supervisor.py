@@ -77,8 +77,14 @@ class Supervisor:
             return
         self._silent_since_s, self.reason = time.monotonic(), reason
         told = self._link.stop(f"supervisor: {reason}")
-        self._say(f"supervisor: {reason}; " + ("the machine was told to stop" if told else
-                  "no machine in another process is connected that could be told to stop"))
+        self._say(
+            f"supervisor: {reason}; "
+            + (
+                "the machine was told to stop"
+                if told
+                else "no machine in another process is connected that could be told to stop"
+            )
+        )
 
     def _end_child(self, reason: str) -> None:
         """Let the child write its call stack, and kill it."""
@@ -97,8 +103,6 @@ class Supervisor:
         cut_off = CutOff(self._beacon, code, self.reason)
         self._link.stop(f"supervisor: {cut_off.reason}")
         self._link.close()
-        if cut_off.is_input_refused:
-            return code
         self._say(f"fault: {cut_off.reason}")
         cut_off.write_report()
         return 3

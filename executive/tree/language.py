@@ -29,6 +29,12 @@ class LoopSettings(Settings):
         description="Where long verbs are computed; not given, inline in lock-step and in worker "
         "processes in real time.",
     )
+    heartbeat_limit: Seconds = Field(
+        0.2,
+        gt=0,
+        description="In real time, a supervisor stops the machine when the loop is silent for so "
+        "long, or the newest joint sample is so old [s].",
+    )
     jobs: JobSettings = Field(JobSettings(), description="Limits of the long verbs.")
 
 

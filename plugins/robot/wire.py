@@ -122,6 +122,9 @@ class WireRobot(Robot):
         self._ask(Frame(Kind.RESET))
         self._latched = ""
 
+    def address(self) -> str:
+        return self._settings.address
+
     def latched(self) -> str:
         """Return why commands are refused; empty while they are taken."""
         return self._latched

@@ -1,14 +1,17 @@
 """Where a verb is computed: the interface of runners, and the one that computes in the tick."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from concurrent.futures import Future
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 from executive.interfaces.plugin import Plugin
 from executive.mission.jobs.alarm import Overdue, alarm
 from executive.mission.jobs.call import Address, VerbCall, VerbOverdueError
-from executive.mission.jobs.stack import frames_of, place_among
+from executive.mission.jobs.stack import folder_of, frames_of, place_among
+from executive.supervision.beacon import beacon
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +34,25 @@ class Task:
         """Return the error of a call that took longer than its limit, and where it was then."""
         reason = f"no answer within {self.limit_s:g} s of computing"
         return self.address.error(VerbOverdueError, reason, place, trace)
+
+
+@contextmanager
+def noted(task: Task) -> Iterator[None]:
+    """Tell the supervisor what this process computes, in case it does not survive it."""
+    address = task.address
+    activity = {
+        "component": f"{address.capability} plugin '{address.name}'",
+        "capability": address.capability,
+        "name": address.name,
+        "verb": address.verb,
+        "place": address.place,
+        "folder": folder_of(task.plugin),
+    }
+    beacon().begin(activity, task.limit_s)
+    try:
+        yield
+    finally:
+        beacon().end()
 
 
 class Runner(ABC):
@@ -57,7 +79,7 @@ class InlineRunner(Runner):
     def submit(self, task: Task) -> Future[Any]:
         future: Future[Any] = Future()
         try:
-            with alarm(task.limit_s):
+            with noted(task), alarm(task.limit_s):
                 answer = task.call.of(task.plugin)
             future.set_result(answer)
         except Overdue as late:

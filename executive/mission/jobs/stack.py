@@ -3,7 +3,6 @@
 import re
 import sys
 import traceback
-from pathlib import Path
 from types import FrameType
 
 from executive.interfaces.plugin import Plugin
@@ -36,16 +35,17 @@ def place_in_dump(text: str, plugin: Plugin) -> str:
 
     The dump names the innermost call first. Without a line of the package, the innermost counts.
     """
-    package = sys.modules.get(type(plugin).__module__.partition(".")[0])
-    folders = [str(one) for one in getattr(package, "__path__", ())]
-    files = [getattr(package, "__file__", None) or ""]
+    folder = folder_of(plugin)
     found = [(one["file"], one["line"]) for one in _LINE.finditer(text)]
-    own = [
-        one
-        for one in found
-        if one[0] in files or any(Path(one[0]).is_relative_to(folder) for folder in folders)
-    ]
+    own = [one for one in found if folder and one[0].startswith(folder)]
     if not found:
         return ""
     file, line = (own or found)[0]
     return f"{shown(file)}:{line}"
+
+
+def folder_of(plugin: Plugin) -> str:
+    """Return the folder of a plugin's package, or its file if its module is in no package."""
+    package = sys.modules.get(type(plugin).__module__.partition(".")[0])
+    folders = [str(one) for one in getattr(package, "__path__", ())]
+    return folders[0] if folders else str(getattr(package, "__file__", None) or "")

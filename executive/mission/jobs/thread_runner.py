@@ -6,8 +6,9 @@ from concurrent.futures import Future, InvalidStateError
 from queue import SimpleQueue
 from typing import Any
 
-from executive.mission.jobs.runner import InlineRunner, Task
+from executive.mission.jobs.runner import InlineRunner, Task, noted
 from executive.mission.jobs.stack import frames_of_thread, place_among
+from executive.supervision.beacon import beacon
 
 _Queue = SimpleQueue[tuple[Task, Future[Any]] | None]
 
@@ -57,7 +58,8 @@ class ThreadRunner(InlineRunner):
         timer.start()
         with contextlib.suppress(InvalidStateError):  # the call was given up in the meantime
             try:
-                answer = task.call.of(task.plugin)
+                with noted(task):
+                    answer = task.call.of(task.plugin)
             except Exception as error:
                 future.set_exception(error)
             else:
@@ -66,6 +68,7 @@ class ThreadRunner(InlineRunner):
 
     def _give_up(self, task: Task, future: Future[Any], number: int) -> None:
         place, trace = place_among(frames_of_thread(number), task.plugin)
+        beacon().end()
         with contextlib.suppress(InvalidStateError):  # it has ended at this very moment
             future.set_exception(task.overdue(place, trace))
             self._begin()

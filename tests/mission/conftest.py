@@ -9,7 +9,7 @@ import pytest
 
 from executive import registry
 
-_PACKAGE = Path(__file__).parent / "faulty" / "package.py"
+_PACKAGE = Path(__file__).parent / "jobs" / "faulty" / "package.py"
 
 
 def _install(folder: Path) -> None:
