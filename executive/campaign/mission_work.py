@@ -17,6 +17,7 @@ from executive.config import Settings
 from executive.interfaces.work import Piece, Work
 from executive.mission.assembly import Selections, assemble, needed_for
 from executive.mission.run import Options, Run, model_of
+from executive.tree.instances import capability_of
 from executive.tree.language import MissionFile
 from executive.tree.load import load_mission
 
@@ -64,7 +65,7 @@ def _stateless(description: MissionFile) -> Selections:
         capability: several
         for capability, several in chosen.items()
         if all(
-            registry.load(name, one.name).is_stateless
+            registry.load(capability_of(name), one.name).is_stateless
             for name, needed in needed_for(chosen, capability).items()
             for one in needed
         )

@@ -1,7 +1,7 @@
 """What the tree's nodes need from the mission that ticks them."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from executive.clock import Clock
 from executive.errors import ExecutiveError
@@ -39,8 +39,13 @@ class Runtime(ABC):
     is_faulted: bool = False  # a fault has ended the mission; no leaf may begin
 
     @abstractmethod
-    def context(self, node: str) -> Context:
-        """Return the context of the leaf at a node path."""
+    def context(self, node: str, uses: Mapping[str, str]) -> Context:
+        """Return the context of the leaf at a node path.
+
+        Args:
+            node: The path.
+            uses: Name of the plugin that the leaf uses, by capability, where there are several.
+        """
 
     @abstractmethod
     def record(self, node: str, event: Event) -> None:

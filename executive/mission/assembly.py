@@ -11,15 +11,20 @@ from executive import registry
 from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
 from executive.machine.machine import Machine, load_machine
+from executive.tree.instances import capability_of, chosen_key
 from executive.tree.language import Selection
 
-# What a mission has chosen, by capability; picklable, so that a worker can make its own copies.
+# What a mission has chosen, by capability or `capability.name`; picklable, so that a worker can
+# make its own copies.
 Selections = Mapping[str, tuple[Selection, ...]]
 
 
 @dataclass(frozen=True, slots=True)
 class Assembly:
-    """The plugins of one mission by capability; plural capabilities hold a tuple."""
+    """The plugins of one mission by capability; plural capabilities hold a tuple.
+
+    Plugins with names stand under `capability.name`.
+    """
 
     machine: Machine
     plugins: Mapping[str, Any]
@@ -55,47 +60,52 @@ def assemble(selections: Selections, model: str, seed: int) -> Assembly:
     made: dict[str, Any] = {}
     order: list[Plugin] = []
 
-    def make(capability: str, path: tuple[str, ...]) -> Any:
-        if capability in made:
-            return made[capability]
-        if capability in path:
+    def make(key: str, path: tuple[str, ...]) -> Any:
+        if key in made:
+            return made[key]
+        if key in path:
+            raise ConfigError(f"plugins need each other in a circle: {' → '.join((*path, key))}")
+        if not selections.get(key):
             raise ConfigError(
-                f"plugins need each other in a circle: {' → '.join((*path, capability))}"
+                f"the {path[-1]} plugin needs a {key} plugin, and the mission selects none"
             )
-        if not selections.get(capability):
-            raise ConfigError(
-                f"the {path[-1]} plugin needs a {capability} plugin, and the mission selects none"
-            )
-        plugins = tuple(make_one(capability, chosen, path) for chosen in selections[capability])
-        made[capability] = plugins if registry.is_plural(capability) else plugins[0]
-        return made[capability]
+        plugins = tuple(make_one(key, chosen, path) for chosen in selections[key])
+        made[key] = plugins if registry.is_plural(capability_of(key)) else plugins[0]
+        return made[key]
 
-    def make_one(capability: str, chosen: Selection, path: tuple[str, ...]) -> Plugin:
+    def make_one(key: str, chosen: Selection, path: tuple[str, ...]) -> Plugin:
+        capability = capability_of(key)
         registry.require_extras(capability, chosen.name)
         plugin_class = registry.load(capability, chosen.name)
-        services = {"machine": machine, "rng": seeded(seed, f"{capability}/{chosen.name}", 0)}
+        services = {"machine": machine, "rng": seeded(seed, f"{key}/{chosen.name}", 0)}
         given = {
-            name: services[name] if name in services else make(name, (*path, capability))
+            name: services[name]
+            if name in services
+            else make(chosen_key(name, chosen.uses, selections) or name, (*path, key))
             for name in registry.dependencies_of(plugin_class)
         }
         try:
             plugin: Plugin = plugin_class(chosen.settings, **given)
         except Exception as error:
-            error.add_note(f"while the {capability} plugin '{chosen.name}' was made")
+            error.add_note(f"while the {key} plugin '{chosen.name}' was made")
             raise
         order.append(plugin)
         return plugin
 
     for capability in registry.capabilities():
-        if selections.get(capability):
-            make(capability, ())
+        for key, chosen in selections.items():
+            if chosen and capability_of(key) == capability:
+                make(key, ())
     return Assembly(machine, made, tuple(order))
 
 
 def selected_plugins(plugins: Mapping[str, Any]) -> Iterator[tuple[str, str, Plugin]]:
-    """Yield capability, name and plugin of all plugins of a mission."""
-    for capability, plugin in each_plugin(plugins):
-        yield capability, registry.name_of(capability, type(plugin)), plugin
+    """Yield capability, name and plugin of all plugins of a mission.
+
+    Of a plugin with a name, the capability is `capability.name`.
+    """
+    for key, plugin in each_plugin(plugins):
+        yield key, registry.name_of(capability_of(key), type(plugin)), plugin
 
 
 def each_plugin(plugins: Mapping[str, Any]) -> Iterator[tuple[str, Plugin]]:
@@ -105,17 +115,19 @@ def each_plugin(plugins: Mapping[str, Any]) -> Iterator[tuple[str, Plugin]]:
             yield capability, plugin
 
 
-def needed_for(selections: Selections, capability: str) -> dict[str, tuple[Selection, ...]]:
-    """Return the selections that a copy of one capability's plugin needs, itself included."""
-    wanted, reached = [capability], dict[str, tuple[Selection, ...]]()
+def needed_for(selections: Selections, key: str) -> dict[str, tuple[Selection, ...]]:
+    """Return the selections that a copy of one plugin needs, itself included, by key."""
+    wanted, reached = [key], dict[str, tuple[Selection, ...]]()
     while wanted:
-        name = wanted.pop()
-        if name in reached:
+        one = wanted.pop()
+        if one in reached:
             continue
-        reached[name] = selections.get(name, ())
-        for chosen in reached[name]:
-            dependencies = registry.dependencies_of(registry.load(name, chosen.name))
-            wanted.extend(d for d in dependencies if d in registry.capabilities())
+        reached[one] = selections.get(one, ())
+        for chosen in reached[one]:
+            plugin = registry.load(capability_of(one), chosen.name)
+            for name in registry.dependencies_of(plugin):
+                if name in registry.capabilities():
+                    wanted.append(chosen_key(name, chosen.uses, selections) or name)
     return reached
 
 

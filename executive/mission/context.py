@@ -25,6 +25,7 @@ from executive.mission.assembly import seeded
 from executive.mission.jobs.jobs import Jobs
 from executive.mission.record.account import Account
 from executive.mission.streams import Streams
+from executive.tree.instances import chosen_key
 
 Interface = TypeVar("Interface")
 Arguments = ParamSpec("Arguments")
@@ -70,9 +71,10 @@ class Services:
 class NodeContext(Context):
     """Hands a leaf snapshots, plugins and jobs, under its node's path."""
 
-    def __init__(self, services: Services, node: str) -> None:
+    def __init__(self, services: Services, node: str, uses: Mapping[str, str]) -> None:
         self._services = services
         self._node = node
+        self._uses = uses
         self.draws = 0  # random generators that the leaf has asked for
 
     def now_s(self) -> float:
@@ -80,12 +82,13 @@ class NodeContext(Context):
 
     def use(self, interface: Callable[..., Interface]) -> Interface:
         capability = str(getattr(interface, "capability", ""))
-        plugin: Interface | None = self._services.plugins.get(capability)
-        if plugin is None:
+        key = chosen_key(capability, self._uses, self._services.plugins)
+        if key is None:
             raise ConfigError(
                 f"{self._node} uses a {capability or interface} plugin, and the mission selects "
                 "none; name the interface in the leaf's 'needs'"
             )
+        plugin: Interface = self._services.plugins[key]
         return plugin
 
     def start(

@@ -153,8 +153,8 @@ class Mission(Runtime, StreamListener):
 
     # --- what the nodes see
 
-    def context(self, node: str) -> NodeContext:
-        context = NodeContext(self.services, node)
+    def context(self, node: str, uses: Mapping[str, str]) -> NodeContext:
+        context = NodeContext(self.services, node, uses)
         self.memory.watch(node, context)
         return context
 

@@ -271,6 +271,9 @@ class Run:
             "wall_s": round(wall, 3),
             "real_time_factor": round(ended_s / wall, 3),
             "picks": [pick.as_report() for pick in self._account.picks()],
+            "plugins": {
+                key: [one.name for one in several] for key, several in self._selections.items()
+            },
             "counts": self._account.counts(),
             **self._account.findings.as_report(),
             "ignored_observations": self._ignored(),

@@ -200,7 +200,7 @@ class _Builder:
 
     def _call(self, kind: Call, name: str, path: str, scope: Scope) -> Behaviour:
         tree = self._mission.trees[kind.tree]
-        inner = Scope(Store())
+        inner = Scope(Store(), {**scope.uses, **kind.uses})
         optional = frozenset(port for port, wanted in tree.inputs.items() if wanted.is_optional)
         root = self._child(tree.root, 0, path, inner)
         return CallNode(CallFrame(kind, optional, scope, inner), name, path, self._runtime, root)

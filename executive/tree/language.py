@@ -52,11 +52,13 @@ class Selection:
         name: Its name, as installed.
         settings: Checked settings.
         can_fail: Whether the mission goes on when the plugin raises an error (`on_error: fail`).
+        uses: Name of the plugin that it is given, by capability, where there are several.
     """
 
     name: str
     settings: Settings
     can_fail: bool = False
+    uses: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +136,7 @@ class LeafUse:
         outputs: Key of the store by output port.
         mark: Where it stands.
         parameters: The settings, if some of them are computed.
+        uses: Name of the plugin that it uses, by capability, where there are several.
     """
 
     name: str
@@ -143,6 +146,7 @@ class LeafUse:
     outputs: Mapping[str, Ref]
     mark: Mark
     parameters: Parameters | None = None
+    uses: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -375,6 +379,7 @@ class Call:
     inputs: Mapping[str, Source]
     outputs: Mapping[str, Ref]
     mark: Mark
+    uses: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def label(self) -> str:
@@ -476,7 +481,7 @@ class MissionFile:
         description: One line for people.
         loop: Settings of the tick loop.
         plugins: Selections by capability, in the order in which data flows; only `monitoring` may
-            have several.
+            have several. A plugin with a name stands under `capability.name`.
         trees: `main`, and every tree that it calls.
         warnings: What works but was hardly meant.
         regions: Named parts of the ground, by name.

@@ -30,7 +30,7 @@ class LeafCall:
     def __init__(self, use: LeafUse, path: str, runtime: Runtime, scope: Scope) -> None:
         self.use = use
         self.path = path
-        self._context = runtime.context(path)
+        self._context = runtime.context(path, {**scope.uses, **use.uses})
         self.leaf = use.leaf(use.settings, self._context)
         self._runtime = runtime
         self._scope = scope

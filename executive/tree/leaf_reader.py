@@ -10,6 +10,7 @@ from executive.leaf.action import Action, Leaf
 from executive.leaf.action import Condition as ConditionLeaf
 from executive.leaf.port import Port
 from executive.tree.expressions.syntax import Truth
+from executive.tree.instances import USE, read_uses
 from executive.tree.language import (
     Combined,
     Computed,
@@ -28,7 +29,7 @@ from executive.tree.setting_types import takes_text
 from executive.tree.settings import check_settings
 from executive.tree.value import Scalar, Table, TableEntry, Value, describe, plain, without
 
-LEAF_KEYS = ("with", "in", "out")
+LEAF_KEYS = ("with", "in", "out", USE)
 _NAME = re.compile(r"\w+")
 _CONDITION_FORMS = (
     'a check\'s name, "{key}", an expression such as "{count} > 3", or a mapping with one of '
@@ -63,8 +64,11 @@ class LeafReader:
         parameters = Parameters(plain(literals), known) if sources else None
         inputs = self._inputs(table.get("in"), leaf.inputs, name, value.mark)
         outputs = self._outputs(table.get("out"), leaf.outputs, name, value.mark)
+        needed = tuple(need.capability for need in leaf.needs)
+        use = table.get(USE)
+        uses = {} if use is None else read_uses(self._reading, use, name, needed)
         return (
-            LeafUse(name, leaf, settings, inputs, outputs, value.mark, parameters)
+            LeafUse(name, leaf, settings, inputs, outputs, value.mark, parameters, uses)
             if settings is not None
             else None
         )

@@ -10,6 +10,8 @@ from executive.tree.claims import ClaimCheck
 from executive.tree.dataflow.nodes import Dataflow
 from executive.tree.expansion import check_expansion
 from executive.tree.fault_reader import SECTIONS, head, read_faults_and_watch
+from executive.tree.instance_check import InstanceCheck
+from executive.tree.instances import instances_of
 from executive.tree.language import LeafUse, LoopSettings, MissionFile, Tree
 from executive.tree.override import Override, PlacedSetting, apply_override, placed_setting
 from executive.tree.plugin_reader import PluginReader, layered
@@ -69,7 +71,7 @@ def _load(path_or_name: str, overrides: Sequence[Override], reading: Reading) ->
     plugins = PluginReader(reading)
     selected = plugins.read(plugin_table)
     regions = read_regions(_regions(found, reading), reading)
-    reading = replace(reading, regions=regions)
+    reading = replace(reading, regions=regions, instances=instances_of(selected))
     trees = read_trees(_trees(found, reading), libraries(mission.path, reading), reading)
     if (
         "plugins" not in mission.table.entries or plugin_table.entries
@@ -78,6 +80,7 @@ def _load(path_or_name: str, overrides: Sequence[Override], reading: Reading) ->
     if check_expansion(trees, reading.problems):
         Dataflow(trees, reading.problems).check()
         ClaimCheck(trees, reading.problems).check()
+        InstanceCheck(trees, reading.instances, reading.problems).check()
     faults, watch = read_faults_and_watch(found, placed, trees, selected, reading)
     name, description = _titles(mission, reading)
     reading.problems.raise_errors()

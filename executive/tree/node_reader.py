@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 
 from executive.errors import did_you_mean
 from executive.tree.ask_reader import read_ask
+from executive.tree.instances import USE, read_uses
 from executive.tree.language import (
     UNREADABLE,
     Attempts,
@@ -60,7 +61,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "wait": (),
     "set": (),
     "ask": ("default", "choices", "out"),
-    "call": ("in", "out"),
+    "call": ("in", "out", USE),
     "do": ("else",),  # with `while` and `else` a kind of its own; else it carries modifiers
 }
 REPEATING = ("loop", "for_each", "consume")  # beside them, `do` is their body
@@ -372,9 +373,10 @@ class NodeReader:
         ins, outs = self._headers[tree]
         given = read_outputs(self._reading, table.get("out"), tuple(outs), tree)
         outputs = {port: given.get(port, Ref(port, value.mark, is_listed=False)) for port in outs}
-        return Call(
-            tree, self._call_inputs(table.get("in"), ins, tree, value.mark), outputs, value.mark
-        )
+        inputs = self._call_inputs(table.get("in"), ins, tree, value.mark)
+        use = table.get(USE)
+        uses = {} if use is None else read_uses(self._reading, use, tree, None)
+        return Call(tree, inputs, outputs, value.mark, uses)
 
     def _call_inputs(
         self, value: Value | None, ports: Ports, tree: str, mark: Mark

@@ -27,9 +27,16 @@ from executive.tree.traversal import uses_of
 
 def headline(node: Node) -> str:
     """Return the kind, the name and what matters of the arguments."""
-    words = _kind_words(node)
+    words = _kind_words(node) + _chosen(node)
     name = node.modifiers.name
     return f"{words} ({name})" if name else words
+
+
+def _chosen(node: Node) -> str:
+    """Return which plugins with names a leaf or call uses."""
+    wired = node.kind if isinstance(node.kind, Call) else getattr(node.kind, "use", None)
+    uses: Mapping[str, str] = wired.uses if wired is not None else {}
+    return "".join(f", use {capability}.{name}" for capability, name in uses.items())
 
 
 def _kind_words(node: Node) -> str:  # noqa: C901 - one case a kind

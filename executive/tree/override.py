@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from executive.errors import did_you_mean
 from executive.tree.document import read_text
+from executive.tree.instances import is_named
 from executive.tree.plugin_reader import normal
 from executive.tree.problem import Mark, Problems, one_line
 from executive.tree.reading import Reading
@@ -93,6 +94,8 @@ def _in_plugins(
         new: Value = normal(value)
     elif isinstance(known, Listing):
         new = _in_list(known, rest, value, mark, reading)
+    elif isinstance(known, Table) and is_named(known):
+        new = _in_named(capability, known, rest, value, mark, reading)
     elif rest == ["plugin"] and isinstance(known, Table) and _differs(known, value):
         new = Table({"plugin": TableEntry(mark, value)}, mark)
     elif known is not None:
@@ -106,6 +109,26 @@ def _in_plugins(
         return plugins
     key_mark = entry.key_mark if entry else mark
     return Table({**plugins.entries, capability: TableEntry(key_mark, new)}, plugins.mark)
+
+
+def _in_named(
+    capability: str, known: Table, path: list[str], value: Value, mark: Mark, reading: Reading
+) -> Value:
+    """Lay a value over the plugin that the path's first step names."""
+    entry = known.entries.get(path[0])
+    if entry is None:
+        near = did_you_mean(path[0], known.entries)
+        told = f"the {capability} plugins have names: write {capability}.NAME.field, no '{path[0]}'"
+        reading.problems.error(mark, f"{told}{near}")
+        return known
+    base = normal(entry.value)
+    if path[1:] == ["plugin"] and isinstance(base, Table) and _differs(base, value):
+        new: Value = Table({"plugin": TableEntry(mark, value)}, mark)
+    elif path[1:]:
+        new = _laid(base, path[1:], value, mark, reading)
+    else:
+        new = normal(value)
+    return Table({**known.entries, path[0]: TableEntry(entry.key_mark, new)}, known.mark)
 
 
 def _differs(known: Table, value: Value) -> bool:

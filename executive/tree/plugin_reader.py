@@ -1,11 +1,22 @@
 """Reads a mission's plugins: layers merged, names and settings checked, needs fulfilled."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
 from executive.registry import dependencies_of, is_plural
 from executive.tree.catalogue import REQUIRED, SERVICES
+from executive.tree.instances import (
+    SINGLE,
+    USE,
+    capability_of,
+    chosen_key,
+    instances_of,
+    is_named,
+    key_of,
+    read_uses,
+)
 from executive.tree.language import ON_ERROR, ON_ERROR_WORDS, LeafUse, Selection
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading
@@ -36,9 +47,23 @@ def normal(value: Value) -> Value:
 def _laid(base: Value, new: Value) -> Value:
     if not isinstance(base, Table) or not isinstance(new, Table):
         return new
+    if is_named(base) and "plugin" not in new.entries:
+        return _instances_laid(base, new)
+    if is_named(new):
+        return new
     chosen = new.get("plugin")
     same = chosen is None or _name(base) == _name(new)
     return merged(base, new) if same else new
+
+
+def _instances_laid(base: Table, new: Table) -> Table:
+    """Lay plugins with names over those of a lower layer, name by name."""
+    entries = dict(base.entries)
+    for name, entry in new.entries.items():
+        known = entries.get(name)
+        value = _laid(known.value, entry.value) if known else entry.value
+        entries[name] = TableEntry(entry.key_mark, value)
+    return Table(entries, new.mark)
 
 
 def _is_empty(value: Value) -> bool:
@@ -74,6 +99,7 @@ class PluginReader:
     def __init__(self, reading: Reading) -> None:
         self._reading = reading
         self._marks: dict[str, Mark] = {}
+        self._uses: dict[str, Value] = {}  # what `use:` says, by key
 
     def read(self, table: Table) -> dict[str, tuple[Selection, ...]]:
         """Return the selections by capability, in the order in which data flows."""
@@ -84,12 +110,46 @@ class PluginReader:
             entry = table.entries.get(capability)
             if entry is not None and not _is_empty(entry.value):
                 self._marks[capability] = entry.key_mark
-                found[capability] = self._several(capability, normal(entry.value))
+                value = normal(entry.value)
+                if is_named(value) and isinstance(value, Table):
+                    found |= self._named(capability, value)
+                else:
+                    found[capability] = self._several(capability, value)
+        return self._with_uses(found)
+
+    def _named(self, capability: str, table: Table) -> dict[str, tuple[Selection, ...]]:
+        """Return the selections of plugins with names, by `capability.name`."""
+        if capability in SINGLE:
+            told = (
+                f"{capability} takes one plugin, without a name: the mission itself uses it"
+                if not is_plural(capability)
+                else f"{capability} takes a list of plugins, without names: all of them are used"
+            )
+            self._reading.fail(table, told)
+            return {}
+        found: dict[str, tuple[Selection, ...]] = {}
+        for name, entry in table.entries.items():
+            if self._reading.checked_name(name, entry.key_mark, "the name of a plugin"):
+                one = self._one(capability, entry.value, key_of(capability, name))
+                found[key_of(capability, name)] = (one,) if one else ()
         return found
+
+    def _with_uses(
+        self, found: dict[str, tuple[Selection, ...]]
+    ) -> dict[str, tuple[Selection, ...]]:
+        """Return the selections with what they choose among plugins with names."""
+        reading = replace(self._reading, instances=instances_of(found))
+        chosen = dict(found)
+        for key, use in self._uses.items():
+            for one in found.get(key, ()):
+                plugin = self._reading.catalogue.plugin(capability_of(key), one.name)
+                uses = read_uses(reading, use, f"the plugin '{one.name}'", dependencies_of(plugin))
+                chosen[key] = (replace(one, uses=uses),)
+        return chosen
 
     def _several(self, capability: str, value: Value) -> tuple[Selection, ...]:
         if not isinstance(value, Listing):
-            one = self._one(capability, value)
+            one = self._one(capability, value, capability)
             return (one,) if one else ()
         if not is_plural(capability):
             plural = filter(is_plural, self._reading.catalogue.capabilities())
@@ -105,16 +165,19 @@ class PluginReader:
             self._reading.fail(value, f"a {capability} plugin is listed twice")
         return tuple(one for one in chosen if one)
 
-    def _one(self, capability: str, value: Value) -> Selection | None:
-        table = self._reading.table(value, f"the {capability} plugin")
+    def _one(self, capability: str, value: Value, key: str = "") -> Selection | None:
+        """Read one plugin; without a key it is one of a list, which chooses nothing by name."""
+        table = self._reading.table(value, f"the {key or capability} plugin")
         chosen = plugin_of(capability, table, self._reading) if table else None
         if table is None or chosen is None:
             return None
         name, plugin = chosen
         can_fail = self._can_fail(capability, table)
-        settings = check_settings(
-            plugin.Settings, without(table, ["plugin", ON_ERROR]), name, self._reading.problems
-        )
+        use = table.get(USE) if key else None
+        if use is not None:
+            self._uses[key] = use
+        own = without(table, ["plugin", ON_ERROR, *([USE] if key else [])])
+        settings = check_settings(plugin.Settings, own, name, self._reading.problems)
         return Selection(name, settings, can_fail) if settings is not None else None
 
     def _can_fail(self, capability: str, table: Table) -> bool:
@@ -147,13 +210,23 @@ class PluginReader:
             for interface in use.leaf.needs:
                 if interface.capability not in self._marks:
                     self._missing(use.mark, use.name, interface.capability)
-        for capability, selections in chosen.items():
+        for key, selections in chosen.items():
             for one in selections:
-                self._check_dependencies(capability, one)
+                self._check_dependencies(capability_of(key), one, chosen)
 
-    def _check_dependencies(self, capability: str, one: Selection) -> None:
+    def _check_dependencies(
+        self, capability: str, one: Selection, chosen: Mapping[str, tuple[Selection, ...]]
+    ) -> None:
         mark = self._marks[capability]
         for name in dependencies_of(self._reading.catalogue.plugin(capability, one.name)):
+            names = instances_of(chosen).get(name, ())
+            if names and chosen_key(name, one.uses, chosen) is None:
+                told = (
+                    f"the {capability} plugin '{one.name}' is given a {name} plugin, and the "
+                    f"mission has several: {', '.join(names)}; choose one with "
+                    f"'use: {names[0]}' beside 'plugin: {one.name}'"
+                )
+                self._reading.problems.error(mark, told)
             if name in SERVICES or name in self._marks:
                 continue
             if name in self._reading.catalogue.capabilities():

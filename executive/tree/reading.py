@@ -23,10 +23,17 @@ _REFERENCE = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What reading a mission needs; each method notes a mistake and then returns None."""
+    """What reading a mission needs; each method notes a mistake and then returns None.
+
+    Attributes:
+        catalogue: What can be chosen.
+        problems: Where mistakes are noted.
+        instances: Names of plugins by capability, where a mission selects several by name.
+    """
 
     catalogue: Catalogue
     problems: Problems
+    instances: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     regions: Mapping[str, Region] = field(default_factory=dict)  # of the mission, by name
 
     def fail(self, value: Value, message: str) -> None:

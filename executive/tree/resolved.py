@@ -8,6 +8,7 @@ import yaml
 from executive.config import Settings
 from executive.registry import is_plural
 from executive.tree.expressions.syntax import Truth
+from executive.tree.instances import USE
 from executive.tree.language import (
     ON_ERROR,
     Ask,
@@ -76,7 +77,7 @@ def resolved_document(mission: MissionFile) -> dict[str, Any]:
     if mission.description:
         document["description"] = mission.description
     document["loop"] = settings_dump(mission.loop)
-    document["plugins"] = {c: _selections(c, several) for c, several in mission.plugins.items()}
+    document["plugins"] = _plugins(mission.plugins)
     if mission.regions:
         document["regions"] = {
             name: {"polygon": region.corners_map.tolist()}
@@ -115,7 +116,20 @@ _Dumper.add_representer(str, _Dumper.text)
 
 def _selection(one: Selection) -> dict[str, Any]:
     on_error = {ON_ERROR: "fail"} if one.can_fail else {}
-    return {"plugin": one.name, **on_error, **settings_dump(one.settings)}
+    uses = {USE: dict(one.uses)} if one.uses else {}
+    return {"plugin": one.name, **on_error, **uses, **settings_dump(one.settings)}
+
+
+def _plugins(plugins: Mapping[str, tuple[Selection, ...]]) -> dict[str, Any]:
+    """Return `plugins:`, those with names below their capability."""
+    written: dict[str, Any] = {}
+    for key, several in plugins.items():
+        capability, _, name = key.partition(".")
+        if name:
+            written.setdefault(capability, {})[name] = _selection(several[0])
+        else:
+            written[capability] = _selections(capability, several)
+    return written
 
 
 def _selections(capability: str, several: tuple[Selection, ...]) -> Any:
@@ -174,7 +188,8 @@ def _kind(kind: Kind) -> dict[str, Any]:  # noqa: C901 - one case a kind
         case Ask():
             return _ask(kind)
         case Call():
-            wires = {"in": _wires(kind.inputs), "out": _wires(kind.outputs)}
+            wires: dict[str, Any] = {"in": _wires(kind.inputs), "out": _wires(kind.outputs)}
+            wires[USE] = dict(kind.uses)
             return {"call": kind.tree, **{side: given for side, given in wires.items() if given}}
 
 
@@ -213,6 +228,7 @@ def _use(use: LeafUse) -> dict[str, Any]:
         "with": _settings(use),
         "in": _wires(use.inputs),
         "out": _wires(use.outputs),
+        USE: dict(use.uses),
     }
     return {key: part for key, part in parts.items() if part}
 

@@ -13,6 +13,7 @@ from executive.errors import ConfigError
 from executive.leaf.action import Action, Leaf
 from executive.registry import is_plural
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
+from executive.tree.instances import SINGLE, USE
 from executive.tree.language import ON_ERROR, ON_ERROR_WORDS, LoopSettings
 from executive.tree.region_reader import RegionShape
 from executive.tree.sources import API
@@ -31,6 +32,11 @@ _DURATION: Schema = {
 _NODE: Schema = {"$ref": "#/$defs/node"}
 _CONDITION: Schema = {"$ref": "#/$defs/condition"}
 _NODES: Schema = {"type": "array", "items": _NODE, "minItems": 1}
+_USE: Schema = {
+    "type": ["string", "object"],
+    "description": "The name of a plugin, where the mission has several of a capability.",
+    "additionalProperties": {"type": "string"},
+}
 _WORD: Schema = {"type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*$"}
 
 
@@ -106,6 +112,15 @@ class _Builder:
                 partly,
             ]
         }
+        if capability not in SINGLE:
+            plugin = [self._plugin(capability, name) for name in names]
+            named = {
+                "type": "object",
+                "description": "Several plugins, each under a name that `use:` chooses.",
+                "not": {"required": ["plugin"]},
+                "additionalProperties": {"anyOf": plugin},
+            }
+            return {"anyOf": [*one["anyOf"], named]}
         if not is_plural(capability):
             return one
         return {"anyOf": [*one["anyOf"], {"type": "array", "items": one}]}
@@ -123,6 +138,7 @@ class _Builder:
             "properties": {
                 "plugin": {"const": name},
                 ON_ERROR: {"enum": list(ON_ERROR_WORDS)},
+                USE: _USE,
                 **settings.get("properties", {}),
             },
             "required": ["plugin"],
@@ -150,6 +166,7 @@ class _Builder:
             "with": {"$ref": f"#/$defs/{definition}"},
             "in": _wires({port: spec.doc for port, spec in leaf.inputs.items()}, _EXPRESSION),
             "out": _wires({port: spec.doc for port, spec in leaf.outputs.items()}),
+            USE: _USE,
         }
         return {"properties": properties, "required": [key, *(["with"] if is_needed else [])]}
 
@@ -241,7 +258,12 @@ def _kinds() -> Iterator[Schema]:
     }
     out = {"type": "object", "additionalProperties": _REFERENCE}
     yield {
-        "properties": {"call": {"type": "string"}, "in": {"type": "object"}, "out": out},
+        "properties": {
+            "call": {"type": "string"},
+            "in": {"type": "object"},
+            "out": out,
+            USE: _USE,
+        },
         "required": ["call"],
     }
 

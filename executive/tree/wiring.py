@@ -1,5 +1,6 @@
 """Between a leaf's ports and the store: inputs fetched, outputs checked and written."""
 
+from collections.abc import Mapping
 from copy import deepcopy
 from typing import Any
 
@@ -26,8 +27,10 @@ def title_of(title: Template, scope: "Scope") -> str:
 class Scope:
     """The store that the nodes of one tree share; a subtree's is emptied at each call."""
 
-    def __init__(self, store: Store) -> None:
+    def __init__(self, store: Store, uses: Mapping[str, str] | None = None) -> None:
+        """Keep a store, and which plugins with names the calls above have chosen."""
         self.store = store
+        self.uses = uses or {}
 
     def value(self, source: Source) -> Any:
         """Return the value of a reference or literal.

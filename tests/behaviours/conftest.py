@@ -256,7 +256,7 @@ class Stage(Runtime):
         self.store = Store()
         self.leaf_context = FakeContext(**plugins)
 
-    def context(self, node):
+    def context(self, node, uses):
         return self.leaf_context
 
     def record(self, node, event):

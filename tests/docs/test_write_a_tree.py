@@ -82,4 +82,4 @@ def test_the_tables_name_every_kind_and_every_modifier_in_order() -> None:
 
 
 def test_the_page_is_one_page() -> None:
-    assert len(PAGE.splitlines()) <= 170  # the tables alone have a line for each of thirty words
+    assert len(PAGE.splitlines()) <= 175  # the tables alone have a line for each of thirty words

@@ -243,7 +243,7 @@ def test_the_machine_is_at_rest_after_a_fault(run, monkeypatch):
     """The leaf commands a swing and then breaks: the robot must have been told to stop."""
     from executive_plugins.robot.kinematic import KinematicRobot
 
-    from executive.behaviours import scan_swing
+    from executive.leaf import swing
 
     stops = []
     stop = KinematicRobot.stop
@@ -261,7 +261,7 @@ def test_the_machine_is_at_rest_after_a_fault(run, monkeypatch):
         raise RuntimeError("in mid-swing")
 
     monkeypatch.setattr(KinematicRobot, "stop", noted)
-    monkeypatch.setattr(scan_swing, "follow", broken)
+    monkeypatch.setattr(swing, "follow", broken)
     status, _, _ = run(SCAN)
     assert status == 3
     assert stops

@@ -226,7 +226,7 @@ class FakeRuntime(Runtime):
         self.answer: Question | Exception | None = None
         self.can_do_without = False
 
-    def context(self, node: str) -> Context:
+    def context(self, node: str, uses: Mapping[str, str]) -> Context:
         return FakeContext(self, node)  # type: ignore[abstract]
 
     def record(self, node: str, event: Event) -> None:

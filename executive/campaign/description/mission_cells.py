@@ -88,10 +88,17 @@ class MissionCells:
 def _paths_in(mission: MissionFile, cell: Cell) -> Iterator[Place]:
     """Yield the places of relative paths among the settings of a cell."""
     for setting in cell.settings:
-        owner, _, path = setting.key.partition(".")
+        owner, path = _owner_of(setting.key, mission)
         if owner != LOOP:
             for checked in _checked(mission.plugins.get(owner, ()), path):
                 yield from relative_paths(setting.value, checked)
+
+
+def _owner_of(key: str, mission: MissionFile) -> tuple[str, str]:
+    """Return the plugin that a setting is of, by capability or `capability.name`, and its path."""
+    named = [one for one in mission.plugins if "." in one and key.startswith(f"{one}.")]
+    owner = named[0] if named else key.partition(".")[0]
+    return owner, key[len(owner) + 1 :]
 
 
 def _own_paths(mission: MissionFile, cell: Cell) -> Iterator[PlacedSetting]:

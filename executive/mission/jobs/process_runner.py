@@ -12,6 +12,7 @@ from executive.mission.jobs.limits import DEFAULT, Limits
 from executive.mission.jobs.runner import InlineRunner, Task
 from executive.mission.jobs.serving import serve
 from executive.mission.jobs.worker import Worker
+from executive.tree.instances import capability_of
 
 
 class ProcessRunner(InlineRunner):
@@ -66,8 +67,9 @@ class ProcessRunner(InlineRunner):
 def _modules(selections: Selections) -> list[str]:
     """Return the modules of the plugins that a worker may have to make, in order."""
     modules: dict[str, None] = {}
-    for capability, several in selections.items():
-        if any(registry.load(capability, one.name).is_stateless for one in several):
-            for needed, chosen in needed_for(selections, capability).items():
-                modules |= {registry.load(needed, one.name).__module__: None for one in chosen}
+    for key, several in selections.items():
+        if any(registry.load(capability_of(key), one.name).is_stateless for one in several):
+            for needed, chosen in needed_for(selections, key).items():
+                group = capability_of(needed)
+                modules |= {registry.load(group, one.name).__module__: None for one in chosen}
     return list(modules)

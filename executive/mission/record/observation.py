@@ -36,7 +36,7 @@ class Observation:
 
     def __init__(self, services: Services) -> None:
         self._services = services
-        self._context = NodeContext(services, _NODE)
+        self._context = NodeContext(services, _NODE, {})
         self._scans: list[LidarScan] = []
 
     def steps(self) -> Generator[None, None, None]:
