@@ -123,7 +123,7 @@ class MujocoOracle(Oracle):
         return report
 
     def _at_the_end(self, i: int) -> dict[str, Any]:
-        """Return the volume of a stone, and where it lies at the end, in the map."""
+        """Return the volume of a stone, where it lies at the end in the map, and on what."""
         model, T_end = self._site.stones[i], self._log.T_world_stone(i, self._log.end_s)
         corners = transform(T_end, model.hull)
         return {
@@ -132,6 +132,7 @@ class MujocoOracle(Oracle):
             "outline_m": outline_of(corners),
             "bottom_m": float(corners[:, 2].min()),
             "top_m": float(corners[:, 2].max()),
+            "touches": sorted(self._log.touched_by(i)),
         }
 
     def _grasp(self, attempts: Sequence[Attempt], i: int, target: int) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Whether the shipped examples did what their names say, by the simulator's truth."""
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ _ON_PLACE_M = 0.30  # from its slot, as `placed` counts
 # Estimated volumes are 2 to 9 % too small, so that two stones so alike may stand in either row.
 _ALIKE = 1.1
 _NEXT_M = 0.25  # between faces of neighbours in a course that is to have 0.1 m
-_RESTING_M = 0.15  # of a stone's lowest point from the top of one that carries it
+_GROUND = "terrain"
 
 _Stone = Mapping[str, Any]
 
@@ -32,8 +32,8 @@ class AsNamed(Metric):
         " name says. `sort`: each stone stands within 0.30 m of its place in a row, and none in the"
         " row of small stones has 1.1 times the volume of one in the other row. `clear_corridor`:"
         " no stone's outline from above comes into the region `corridor`. `two_courses`: each stone"
-        " of the first course is 0.25 m or less from a neighbour, and every other stone lies on two"
-        " of them."
+        " of the first course is 0.25 m or less from a neighbour, and every other stone is off the"
+        " ground and touches two of them."
     )
 
     def measure(self, run: RunRecord) -> Share | None:
@@ -87,30 +87,17 @@ def is_corridor_clear(run: RunRecord) -> bool:
 
 def has_two_courses(run: RunRecord) -> bool:
     """Return whether stones stand side by side, and all others rest on two of them."""
-    lower, upper = _courses(stones(run))
+    found = stones(run)
+    lower = [one for one in found if _GROUND in one["touches"]]
+    upper = [one for one in found if _GROUND not in one["touches"]]
     if len(lower) < 2 or not upper:
         return False
+    names = {f"stone_{one['id']}" for one in lower}
     beside = all(
         min(outline_gap(_outline(one), _outline(two)) for two in lower if two is not one) <= _NEXT_M
         for one in lower
     )
-    return beside and all(_carriers(one, lower) >= 2 for one in upper)
-
-
-def _courses(found: Sequence[_Stone]) -> tuple[list[_Stone], list[_Stone]]:
-    """Return the stones that no other carries, and those that lie on another."""
-    upper = [one for one in found if _carriers(one, found)]
-    return [one for one in found if one not in upper], upper
-
-
-def _carriers(one: _Stone, others: Sequence[_Stone]) -> int:
-    """Return the number of stones whose tops are at a stone's bottom, under its outline."""
-    return sum(
-        other is not one
-        and abs(one["bottom_m"] - other["top_m"]) < _RESTING_M
-        and outline_gap(_outline(one), _outline(other)) == 0.0
-        for other in others
-    )
+    return beside and all(len(names.intersection(one["touches"])) >= 2 for one in upper)
 
 
 def _newest_rows(run: RunRecord) -> dict[int, str]:

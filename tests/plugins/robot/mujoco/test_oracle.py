@@ -103,8 +103,8 @@ def test_slot_errors_are_horizontal_distances_of_the_true_centroid() -> None:
 
 def test_the_truth_tells_where_each_stone_lies_at_the_end() -> None:
     show = Show()
-    show.put("stone_2", np.array([3.0, -4.0, 0.5]))
-    show.play(0.2)
+    show.put("stone_2", np.array([3.0, -4.0, 3.0]))
+    show.play(1.2)
     found = show.truth()["stones"][1]
     np.testing.assert_allclose(found["centre_m"][:2], [3.0, -4.0], atol=0.01)
     assert found["bottom_m"] < found["centre_m"][2] < found["top_m"]
@@ -113,6 +113,17 @@ def test_the_truth_tells_where_each_stone_lies_at_the_end() -> None:
     assert (outline.max(axis=0) > [3.0, -4.0]).all()
     box = np.prod(np.ptp(outline, axis=0)) * (found["top_m"] - found["bottom_m"])
     assert 0 < found["volume_m3"] < box
+    assert found["touches"] == []  # in the air
+
+
+def test_the_truth_tells_what_a_stone_rests_on() -> None:
+    show = Show()
+    lower, upper = position(show, "stone_1"), show.truth()["stones"][0]["top_m"]
+    show.put("stone_2", np.array([lower[0], lower[1], upper]))
+    show.play(1.2)
+    one, two = show.truth()["stones"]
+    assert one["touches"] == ["stone_2", "terrain"]
+    assert two["touches"] == ["stone_1"]
 
 
 def test_database_errors_compare_the_tracked_frame_with_the_true_motion() -> None:
