@@ -16,6 +16,43 @@ class PhaseChanged(Event):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class PauseEnded(Event):
+    """Mission time goes on after the operator paused the mission, or was asked.
+
+    Attributes:
+        machine_s: Machine time that passed in the pause [s].
+    """
+
+    machine_s: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TickLate(Event):
+    """A tick took longer than the period of the loop.
+
+    Attributes:
+        late_s: By how much [s].
+        in_a_row: Number of late ticks in a row, this one included.
+    """
+
+    late_s: float
+    in_a_row: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartsReleased(Event):
+    """The parts of the machine that a cancelled leaf drove have come to rest.
+
+    Attributes:
+        parts: Names of the parts.
+        after_s: Machine time since the leaf was cancelled [s].
+    """
+
+    parts: tuple[str, ...]
+    after_s: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class MissionEnded(Event):
     """The mission is over; the outcome is success, failure, stopped or fault."""
 

@@ -65,11 +65,11 @@ class Injector:
         """Take an event of the journal: the start of a node may be what a fault waits for."""
         if isinstance(event, NodeStarted):
             for one in self._armed:
-                one.schedule.node_started(node, self._clock.now_s())
+                one.schedule.node_started(node, self._clock.machine_s())
 
     def step(self) -> None:
         """Begin and end faults; called at the start of each tick."""
-        now_s = self._clock.now_s()
+        now_s = self._clock.machine_s()
         for one in self._armed:
             if one.schedule.is_active(now_s) != one.is_active:
                 self._turn(one, now_s)

@@ -80,3 +80,13 @@ class Plugin:
 
     def close(self) -> None:
         """Release resources; also after an error, after a `start` that failed, or a second time."""
+
+    def paused(self, now_s: float) -> None:
+        """Learn that mission time stands still from now on [s]; by default, do nothing.
+
+        The operator has paused the mission, or is asked. The robot was told to stop before, and
+        observations go on: their stamps are machine time, which does not stand still.
+        """
+
+    def resumed(self, now_s: float) -> None:
+        """Learn that mission time goes on [s]; the robot goes on along its path after this."""

@@ -34,9 +34,10 @@ class Robot(Plugin, ABC):
 
     @abstractmethod
     def read(self, until_s: float) -> Sequence[Observation]:
-        """Return what was measured since the last call and has arrived by a mission time [s].
+        """Return what was measured since the last call and has arrived by a machine time [s].
 
-        A simulated robot advances its world to that time.
+        Machine time begins with the mission, and is the time of the stamps. Mission time stands
+        still in a pause; machine time does not. A simulated robot advances its world to it.
 
         Raises:
             RobotError: If the machine does not answer.
@@ -47,12 +48,16 @@ class Robot(Plugin, ABC):
         """Take a command; it replaces an earlier one of its kind.
 
         Raises:
-            RobotError: If the machine refuses, with the reason, such as a joint limit.
+            RobotError: If the machine refuses, with the reason, such as a joint limit; and if a
+                safe stop is latched and the command would move it.
         """
 
     @abstractmethod
     def resume(self) -> None:
-        """Go on along the path that `stop` interrupted; nothing if it interrupted none."""
+        """Go on along the path that `stop` interrupted; nothing if it interrupted none.
+
+        A second stop gives the path up: nothing is left to go on along then.
+        """
 
     @abstractmethod
     def stop(self) -> None:
@@ -65,6 +70,26 @@ class Robot(Plugin, ABC):
         machine that nobody but this object can stop.
         """
         return ""
+
+    @abstractmethod
+    def safe_stop(self, reason: str) -> None:
+        """Stop, give the path up, and refuse every command that moves until `reset`.
+
+        Jaws that press on something keep pressing, and jaws that move freely hold. A second safe
+        stop keeps the first reason.
+        """
+
+    @abstractmethod
+    def reset(self) -> None:
+        """Take commands again after a safe stop; nothing moves by it.
+
+        Raises:
+            RobotError: If the machine still moves, or the cause persists.
+        """
+
+    @abstractmethod
+    def latched(self) -> str:
+        """Return why commands are refused; empty while they are taken."""
 
 
 class Scene(ABC):

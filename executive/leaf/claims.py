@@ -2,6 +2,8 @@
 
 from enum import StrEnum
 
+from executive.machine.machine import Machine
+
 
 class Part(StrEnum):
     """A part of a machine that one leaf at a time may drive.
@@ -23,3 +25,18 @@ def common(first: tuple[str, ...], second: tuple[str, ...]) -> tuple[str, ...]:
     if Part.MACHINE in second:
         return first
     return tuple(part for part in first if part in second)
+
+
+def joints_of(parts: tuple[str, ...], machine: Machine) -> tuple[str, ...]:
+    """Return the joints that come to rest along a path when a leaf that drives parts is cancelled.
+
+    The jaws are none of them: another command of theirs replaces the one before at any moment. A
+    part of a name that is not in `Part` may be any joint of the arm.
+    """
+    if all(part in (Part.JAWS, Part.LIDARS) for part in parts):
+        return ()
+    if all(part in (Part.JAWS, Part.LIDARS, Part.CABIN) for part in parts):
+        return (machine.turn_joint,)
+    if Part.ARM in parts and all(part in (Part.ARM, Part.JAWS, Part.LIDARS) for part in parts):
+        return tuple(name for name in machine.arm_names if name != machine.turn_joint)
+    return machine.arm_names

@@ -1,12 +1,13 @@
 """Wait until the arm is at rest: the step before every plan that begins at its present place."""
 
 from collections import deque
-from collections.abc import Generator
+from collections.abc import Generator, Iterable
 
 import numpy as np
 
 from executive.arrays import Float
 from executive.leaf.context import Context
+from executive.machine.machine import Machine
 from executive.messages.command import START_TOLERANCE
 
 # [rad/s] or [m/s]: a slower joint is at rest; five times the noise of a good encoder's speed
@@ -37,6 +38,15 @@ class Rest:
     def strayed(self) -> Float:
         """Return how far each joint strayed over the window [rad] or [m], shape (n,)."""
         return np.asarray(np.ptp([position for _, position in self._seen], axis=0))
+
+
+def stop_limit_s(machine: Machine, joints: Iterable[str]) -> float:
+    """Return the time after which joints that were told to stop must be at rest [s].
+
+    Twice the longest stop of a single joint at its acceleration limit, because the curvature of a
+    path may use up to half of that limit; and the window in which shaking on the spot shows.
+    """
+    return 2.0 * machine.stop_s(joints) + _WINDOW_S
 
 
 def come_to_rest(context: Context) -> Generator[None, None, str]:

@@ -34,7 +34,7 @@ class Runtime(ABC):
 
     clock: Clock
     store: Store
-    asked_s: float = 0.0  # time in which a question to the operator was open
+    uncounted_s: float = 0.0  # mission time that counts against no limit: of observing anew
     memory: Memory | None = None  # None: what leaves answer is not kept
     is_faulted: bool = False  # a fault has ended the mission; no leaf may begin
 
@@ -60,9 +60,16 @@ class Runtime(ABC):
     def limited_time_s(self) -> float:
         """Return the time that counts against limits [s].
 
-        It is the mission's time without the time in which the operator was asked.
+        It is the mission's time without the time in which a resumed mission observed anew.
         """
-        return self.clock.now_s() - self.asked_s
+        return self.clock.now_s() - self.uncounted_s
+
+    def let_go(self, node: str, parts: tuple[str, ...]) -> None:  # noqa: B027 - optional
+        """Take back the parts of the machine that a cancelled leaf drove: they may still move."""
+
+    def still_driven(self, parts: tuple[str, ...]) -> str:
+        """Return what a leaf that drives parts must wait for; empty if it may begin."""
+        return ""
 
     @abstractmethod
     def fail(self, error: Exception, node: str, leaf: str) -> str:

@@ -167,6 +167,16 @@ class Machine(Rig):
         """Largest accelerations of the arm's joints [rad/s²] or [m/s²], shape (n,)."""
         return np.array([joint.max_acceleration for joint in self.joints])
 
+    def stop_s(self, joints: Iterable[str]) -> float:
+        """Return the longest time in which a joint comes to rest from its largest speed [s].
+
+        Args:
+            joints: Names of the joints; of none, it takes no time.
+        """
+        times = dict(zip(self.arm_names, self.max_velocity / self.max_acceleration, strict=True))
+        times[self.jaw.name] = self.jaw.max_velocity / self.jaw.max_acceleration
+        return float(max((times[name] for name in joints), default=0.0))
+
     @cached_property
     def max_jerk(self) -> Float:
         """Largest jerks of the arm's joints [rad/s³] or [m/s³], shape (n,)."""

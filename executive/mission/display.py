@@ -1,9 +1,13 @@
 """Values for the viewer; an error of the viewer ends the showing, and by default nothing else."""
 
 from collections.abc import Callable
+from typing import Any
 
 from executive.clock import Clock
 from executive.interfaces.viewing import Viewer
+from executive.messages.base_state import BaseState
+from executive.messages.joints import JointSample
+from executive.tree.build import node_states
 
 
 class Display:
@@ -30,3 +34,10 @@ class Display:
         except Exception as error:  # the mission decides what it means
             viewer, self._viewer = self._viewer, None
             self._on_error(viewer, error)
+
+    def show_machine(self, root: Any, state: BaseState, joints: JointSample | None) -> None:
+        """Hand on where the machine and its tree are."""
+        self.show("tree", {node.path: node.status for node in node_states(root)})
+        self.show("state", state)
+        if joints is not None:
+            self.show("joints", joints)

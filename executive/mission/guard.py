@@ -50,7 +50,7 @@ class Guard(StreamGuard):
         self._streams: Streams | None = None
         antennas = AntennaCheck(machine, self._states, self._datum)
         self._gate = Gate(machine, antennas, is_ideal=self._robot.is_ideal)
-        self._ages = Ages(machine, self._robot.lacks, clock.now_s())
+        self._ages = Ages(machine, self._robot.lacks, clock.machine_s())
         self._motion = MotionWatch(machine, self._T_map_base)
         self._watch = Watch(machine, settings.watch or {}, record)
         imus = [sensor.age_limit_s for sensor in machine.sensors_of("imu")]
@@ -131,7 +131,7 @@ class Guard(StreamGuard):
         return self._streams is not None and self._streams.state().is_ready
 
     def _now_s(self) -> float:
-        return self._clock.now_s()
+        return self._clock.machine_s()
 
     def _states(self) -> Sequence[Any]:
         return self._streams.recent_states() if self._streams is not None else ()

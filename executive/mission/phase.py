@@ -30,8 +30,12 @@ _NEXT: dict[Phase, frozenset[Phase]] = {
             Phase.FAULTED,
         }
     ),
-    Phase.HELD: frozenset({Phase.RUNNING, Phase.PAUSED, Phase.STOPPING, Phase.FAULTED}),
-    Phase.PAUSED: frozenset({Phase.RUNNING, Phase.STOPPING, Phase.FAULTED}),
+    Phase.HELD: frozenset(
+        {Phase.RUNNING, Phase.PAUSED, Phase.AWAITING_OPERATOR, Phase.STOPPING, Phase.FAULTED}
+    ),
+    Phase.PAUSED: frozenset(
+        {Phase.RUNNING, Phase.HELD, Phase.AWAITING_OPERATOR, Phase.STOPPING, Phase.FAULTED}
+    ),
     Phase.AWAITING_OPERATOR: frozenset(
         {
             Phase.RUNNING,

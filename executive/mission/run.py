@@ -20,7 +20,7 @@ from executive.mission.fault import fault_of
 from executive.mission.guard import GuardSettings
 from executive.mission.interrupts import Aborted, stop_on_interrupt
 from executive.mission.jobs.choice import Choice
-from executive.mission.mission import Mission, Setup
+from executive.mission.mission import Mission
 from executive.mission.operator import Operator
 from executive.mission.record.account import Account
 from executive.mission.record.keeper import Keeper
@@ -37,6 +37,7 @@ from executive.mission.report import (
 )
 from executive.mission.run_folder import RunFolder
 from executive.mission.run_log import run_log
+from executive.mission.setup import Setup
 from executive.mission.truth import truth_of
 from executive.supervision.beacon import beacon
 from executive.tree.build import build_tree, halt
@@ -133,6 +134,7 @@ class Run:
             can_fail=_can_fail(description),
             guard=GuardSettings(description.faults, description.watch),
             heartbeat_limit_s=description.loop.heartbeat_limit if options.real_time else 0.0,
+            late_ticks=description.loop.late_ticks,
         )
         self._mission: Mission | None = None
         self._is_closed = False
@@ -269,7 +271,7 @@ class Run:
             "started_s": 0.0,
             "ended_s": ended_s,
             "wall_s": round(wall, 3),
-            "real_time_factor": round(ended_s / wall, 3),
+            "real_time_factor": round(ended_s / max(wall - self._paused_wall_s(), 1e-3), 3),
             "picks": [pick.as_report() for pick in self._account.picks()],
             "plugins": {
                 key: [one.name for one in several] for key, several in self._selections.items()
@@ -278,9 +280,13 @@ class Run:
             **self._account.findings.as_report(),
             "ignored_observations": self._ignored(),
             **self._guarded(),
+            **({} if self._mission is None else self._mission.time_report()),
             "resources": resources_since(self._begun_cpu_s),
             "timings_ms": timings_from(durations),
         }
+
+    def _paused_wall_s(self) -> float:
+        return 0.0 if self._mission is None else self._mission.pause.wall_s
 
     def _ignored(self) -> dict[str, int]:
         return dict(self._mission.services.streams.ignored) if self._mission is not None else {}

@@ -44,6 +44,16 @@ class StillSite(Robot, Scene, Photographer):
     def stop(self) -> None:
         """Do nothing: the machine is at rest."""
 
+    def safe_stop(self, reason: str) -> None:
+        """Do nothing: the machine is at rest, and no command moves it."""
+
+    def reset(self) -> None:
+        """Do nothing: no safe stop is latched."""
+
+    def latched(self) -> str:
+        """Return that commands are taken."""
+        return ""
+
     def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
         """Return the range [m] to the ground z = 0 or to a boulder, shape (N,)."""
         with np.errstate(divide="ignore", invalid="ignore"):

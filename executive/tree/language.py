@@ -26,8 +26,14 @@ class LoopSettings(Settings):
     )
     runner: Literal["inline", "thread", "process"] | None = Field(
         None,
-        description="Where long verbs are computed; not given, inline in lock-step and in worker "
-        "processes in real time.",
+        description="Where long verbs are computed; not given, inline in lock-step, and in worker "
+        "processes on the wall clock, where inline is refused.",
+    )
+    late_ticks: int | None = Field(
+        None,
+        ge=1,
+        description="On the wall clock, so many late ticks in a row bring the machine to a safe "
+        "stop; not given, as many as fit into the machine's longest stop.",
     )
     heartbeat_limit: Seconds = Field(
         0.2,

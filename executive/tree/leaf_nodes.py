@@ -34,6 +34,7 @@ class LeafCall:
         self.leaf = use.leaf(use.settings, self._context)
         self._runtime = runtime
         self._scope = scope
+        self.parts = use.leaf.parts()
         self._is_condition = issubclass(use.leaf, ConditionLeaf)
         self.memory = runtime.memory
         if self.memory is not None:
@@ -142,7 +143,8 @@ class RunNode(TreeNode):
     """An action in the tree: its generator is resumed with a job's result, or at the next tick.
 
     When the node is cancelled, the job is given up and the generator closed, so that its `finally`
-    blocks run. Each round of activity begins a new generator.
+    blocks run; what the leaf drove is free for another leaf when it stands. Each round of activity
+    begins a new generator.
     """
 
     def __init__(self, use: LeafUse, name: str, path: str, runtime: Runtime, scope: Scope) -> None:
@@ -159,6 +161,9 @@ class RunNode(TreeNode):
             return self._as_before(found)
         inputs: dict[str, Any] = {}
         if self._steps is None:
+            self.feedback_message = self.runtime.still_driven(self._call.parts)
+            if self.feedback_message:
+                return Status.RUNNING
             try:
                 inputs = self._call.inputs() if self._cut_off is None else self._cut_off
             except ConfigError as error:
@@ -198,6 +203,8 @@ class RunNode(TreeNode):
                 self.feedback_message = self._call.failed(error).reason
             except MissionFaultError as fault:  # the next leaf to begin ends the tick
                 self.feedback_message = str(fault)
+        if steps is not None:
+            self.runtime.let_go(self.path, self._call.parts)
 
     def _advance(self, inputs: dict[str, Any]) -> Outcome[Any] | None:
         """Start or resume the generator; a job that is ready at once does not cost a tick."""

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from executive_plugins.physics.gravity import GRAVITY_M_S2
+from executive_plugins.robot.latch import Latch
 from executive_plugins.robot.settings import KinematicSettings
 from executive_plugins.robot.trajectory_follower import Follower
 
@@ -43,7 +44,9 @@ class KinematicRobot(Robot):
         self._q = np.array([machine.postures["scan"][name] for name in machine.arm_names])
         self._dq = np.zeros_like(self._q)
         self._jaw = self._jaw_goal = machine.gripper.open_rad
+        self._jaw_held: float | None = None  # in a pause: the goal of jaws that moved
         self._follower = Follower(machine, self._q)
+        self._latch = Latch()
         self._steps = 0
         self._T_map_base = pose(t=np.array([0.0, 0.0, machine.stance.base_height_m]))
         self._sensors = {n: s for n, s in machine.sensors.items() if s.kind in ("imu", "gnss")}
@@ -80,9 +83,11 @@ class KinematicRobot(Robot):
         return observations
 
     def command(self, command: Command) -> None:
+        self._latch.check(command)
         if isinstance(command, Follow):
             self._follower.follow(command.trajectory, self._q)
         elif isinstance(command, MoveJaws):
+            self._jaw_held = None
             closing = command.position_rad < self._jaw
             self._jaw_goal = (
                 max(command.position_rad, self._settings.jaws_stop_at)
@@ -95,6 +100,24 @@ class KinematicRobot(Robot):
 
     def resume(self) -> None:
         self._follower.resume()
+
+    def paused(self, now_s: float) -> None:
+        self._jaw_held, self._jaw_goal = self._jaw_goal, self._jaw
+
+    def resumed(self, now_s: float) -> None:
+        if self._jaw_held is not None:
+            self._jaw_goal, self._jaw_held = self._jaw_held, None
+
+    def safe_stop(self, reason: str) -> None:
+        self._latch.engage(reason)
+        self._follower.give_up()
+        self._jaw_goal, self._jaw_held = self._jaw, None
+
+    def reset(self) -> None:
+        self._latch.release(is_moving=self._follower.is_moving)
+
+    def latched(self) -> str:
+        return self._latch.reason
 
     def _step(self) -> list[Observation]:
         self._steps += 1

@@ -33,6 +33,7 @@ class Follower:
         self._trajectory: JointTrajectory | None = None
         self._columns = np.zeros(0, dtype=np.int64)
         self._s, self._rate, self._is_stopping = 0.0, 1.0, False
+        self._is_given_up = False
 
     @property
     def is_moving(self) -> bool:
@@ -61,14 +62,24 @@ class Follower:
         self._held = self._reference()[0]
         self._trajectory, self._columns = trajectory, columns
         self._s, self._rate, self._is_stopping = 0.0, 1.0, False
+        self._is_given_up = False
 
     def stop(self) -> None:
-        """Slow down along the path and hold; the path is kept for `resume`."""
+        """Slow down along the path and hold; the path is kept for `resume`.
+
+        A second stop gives the path up: what was cancelled is not taken up by a later `resume`.
+        """
+        self._is_given_up = self._is_given_up or self._is_stopping
         self._is_stopping = True
 
+    def give_up(self) -> None:
+        """Slow down along the path and hold for good."""
+        self._is_stopping = self._is_given_up = True
+
     def resume(self) -> None:
-        """Accelerate again along a path that `stop` has interrupted."""
-        self._is_stopping = False
+        """Accelerate again along a path that `stop` has interrupted, and that was not given up."""
+        if not self._is_given_up:
+            self._is_stopping = False
 
     def advance(self, dt_s: float) -> tuple[Float, Float]:
         """Advance by one step; return reference position and velocity, each shape (n,)."""

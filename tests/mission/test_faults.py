@@ -246,11 +246,11 @@ def test_the_machine_is_at_rest_after_a_fault(run, monkeypatch):
     from executive.leaf import swing
 
     stops = []
-    stop = KinematicRobot.stop
+    safe_stop = KinematicRobot.safe_stop
 
-    def noted(self):
-        stops.append(1)
-        stop(self)
+    def noted(self, reason):
+        stops.append(self)
+        safe_stop(self, reason)
 
     def broken(context, trajectory):
         from executive.interfaces.robot import Robot
@@ -260,11 +260,12 @@ def test_the_machine_is_at_rest_after_a_fault(run, monkeypatch):
         yield None
         raise RuntimeError("in mid-swing")
 
-    monkeypatch.setattr(KinematicRobot, "stop", noted)
+    monkeypatch.setattr(KinematicRobot, "safe_stop", noted)
     monkeypatch.setattr(swing, "follow", broken)
     status, _, _ = run(SCAN)
     assert status == 3
-    assert stops
+    assert "in mid-swing" in stops[0].latched()
+    assert not stops[0]._dq.any()
 
 
 def test_of_several_errors_of_closing_the_first_is_reported_and_all_are_logged(

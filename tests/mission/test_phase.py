@@ -30,9 +30,9 @@ def test_nothing_follows_the_end(last, then):
 
 def test_says_what_can_follow():
     with pytest.raises(
-        PhaseError, match="paused cannot become done; it can become faulted, running, stopping"
+        PhaseError, match="stopping cannot become running; it can become done, faulted"
     ):
-        checked_change(Phase.PAUSED, Phase.DONE)
+        checked_change(Phase.STOPPING, Phase.RUNNING)
 
 
 @pytest.mark.parametrize("phase", [p for p in Phase if p not in (Phase.DONE, Phase.FAULTED)])

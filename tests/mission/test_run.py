@@ -6,7 +6,6 @@ import resource
 import signal
 import subprocess
 import sys
-import threading
 import time
 
 import pytest
@@ -15,7 +14,6 @@ from executive_plugins.robot.kinematic import KinematicRobot
 from executive.events.mission import PhaseChanged
 from executive.journal import read_journal
 from executive.mission.interrupts import Aborted
-from executive.mission.operator import Operator
 from executive.mission.report import cpu_s
 from executive.mission.run import Options, Run
 from executive.tree.load import load_mission
@@ -148,55 +146,12 @@ def test_a_stop_brings_the_machine_to_rest_along_its_path(tmp_path):
     assert phases == ["running", "stopping", "done"]
 
 
-def test_a_pause_stops_the_machine_and_going_on_ends_the_swing(tmp_path):
-    """The path is taken up again where it was left: the mission ends as if nothing had happened,
-    only later.
-    """
-    paused_speed = []
-
-    def pause_for_a_while(mission):
-        if mission.clock.now_s() == pytest.approx(6.0):
-            mission.toggle_pause()
-        if mission.clock.now_s() == pytest.approx(15.0):
-            paused_speed.append(abs(mission.services.joints().velocity).max())
-            mission.toggle_pause()
-
-    undisturbed = run(tmp_path, SWING, name="undisturbed")
-    result = run(tmp_path, SWING, after_tick=pause_for_a_while)
-    assert result.report["outcome"] == "success"
-    assert paused_speed[0] < 0.01
-    assert result.report["ended_s"] > undisturbed.report["ended_s"] + 8.0
-
-
 def test_questions_are_answered_by_the_option_and_the_journal_says_so(tmp_path):
     ask = "trees: {main: {ask: 'Is the site clear?'}}"
     yes = run(tmp_path, ask, name="yes", answer=True)
     no = run(tmp_path, ask, name="no", answer=False)
     assert (yes.exit_status, no.exit_status) == (0, 1)
     assert '"option"' in yes.folder.journal.read_text()
-
-
-def test_the_time_that_a_person_takes_counts_against_no_limit(tmp_path, monkeypatch):
-    answered = threading.Event()
-
-    def read_line():
-        answered.wait()
-        return "yes\n"
-
-    monkeypatch.setattr(
-        "executive.mission.run.Operator", lambda preset: Operator(preset, read_line)
-    )
-
-    def answer_after_four_seconds(mission):
-        if mission.clock.now_s() >= 4.0:
-            answered.set()
-
-    ask = "loop: {time_limit: 2 s}\ntrees: {main: {ask: 'Is the site clear?', timeout: 1 s}}"
-    result = run(tmp_path, ask, after_tick=answer_after_four_seconds)
-    assert result.report["outcome"] == "success", result.report["reason"]
-    assert result.report["ended_s"] >= 4.0
-    late = "loop: {time_limit: 2 s}\ntrees: {main: {wait: 4 s}}"
-    assert "time limit" in run(tmp_path, late, name="late").report["reason"]
 
 
 @pytest.mark.parametrize("times", [1, 2])

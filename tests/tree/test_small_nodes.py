@@ -210,10 +210,10 @@ def test_a_choice_that_nobody_makes_is_a_failure(play: Any) -> None:
     assert "nobody chose" in tree.reason
 
 
-def test_the_time_of_a_question_counts_against_no_timeout(play: Any) -> None:
+def test_the_time_of_observing_anew_counts_against_no_timeout(play: Any) -> None:
     tree = play("timeout: 1 s\nsequence:\n  - wait: 0.5 s\n  - wait: 0.8 s")
     tree.tick(8)
-    tree.runtime.asked_s = 0.5
+    tree.runtime.uncounted_s = 0.5
     assert tree.finish() == "SUCCESS"
     late = play("timeout: 1 s\nsequence:\n  - wait: 0.5 s\n  - wait: 0.8 s")
     assert late.finish() == "FAILURE"

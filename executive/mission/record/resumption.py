@@ -24,16 +24,24 @@ class PastClock(Clock):
     """Shows the time of the tick that is followed."""
 
     def __init__(self, history: History) -> None:
+        super().__init__()
         self._history = history
 
     def now_s(self) -> float:
         return self._history.time_s
 
-    def go_on_at(self, tick: int, tick_s: float, now_s: float) -> None:
+    def machine_s(self) -> float:
+        return self._history.time_s
+
+    def go_on_at(self, tick: int, tick_s: float, now_s: float, machine_s: float) -> None:
         """Do nothing: the history says which tick comes next."""
 
-    def advance(self, dt_s: float) -> None:
-        """Do nothing: the history says which tick comes next."""
+    def advance(self, dt_s: float) -> float:
+        """Return 0: the history says which tick comes next."""
+        return 0.0
+
+    def idle(self) -> None:
+        """Do nothing: the past is followed as fast as it can be read."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
 import numpy as np
+from executive_plugins.robot.latch import Latch
 from executive_plugins.robot.mujoco.sensors.suite import SensorSuite
 from executive_plugins.robot.mujoco.settings import MujocoSettings
 from executive_plugins.robot.mujoco.site.photographs import photograph_site
@@ -34,6 +35,7 @@ class MujocoRobot(Robot, Scene, Photographer):
     ) -> None:
         self.settings, self._machine, self._rng = settings, machine, rng
         self._world: World | None = None
+        self._latch = Latch()
 
     def start(self) -> None:
         """Build the site and place the machine on it; takes some seconds.
@@ -72,7 +74,7 @@ class MujocoRobot(Robot, Scene, Photographer):
         return self._world
 
     def read(self, until_s: float) -> Sequence[Observation]:
-        """Advance the world to a mission time [s]; return the observations since the last call."""
+        """Advance the world to a machine time [s]; return the observations since the last call."""
         observations: list[Observation] = []
         # Half a step of slack: until_s is a rounded multiple of the tick.
         while self.world.time_s + CONTROL_STEP_S / 2 < until_s:
@@ -84,6 +86,7 @@ class MujocoRobot(Robot, Scene, Photographer):
 
     def command(self, command: Command) -> None:
         """Execute a command; see `World` for which ones are refused."""
+        self._latch.check(command)
         match command:
             case Follow():
                 self.world.follow(command)
@@ -99,6 +102,25 @@ class MujocoRobot(Robot, Scene, Photographer):
     def resume(self) -> None:
         """Continue along the path that `stop` interrupted."""
         self.world.resume()
+
+    def paused(self, now_s: float) -> None:
+        self.world.jaws.hold()
+
+    def resumed(self, now_s: float) -> None:
+        self.world.jaws.go_on()
+
+    def safe_stop(self, reason: str) -> None:
+        """Stop for good: the path is given up, and commands are refused until `reset`."""
+        self._latch.engage(reason)
+        self.world.give_up()
+
+    def reset(self) -> None:
+        """Take commands again; refused while a path is under way."""
+        self._latch.release(is_moving=self.world.is_moving)
+
+    def latched(self) -> str:
+        """Return why commands are refused; empty while they are taken."""
+        return self._latch.reason
 
     def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
         """Return ranges [m] along unit directions to ground or stones, inf for none, shape (N,)."""

@@ -91,6 +91,11 @@ class World:
         """Slow the arm down along its path; the jaws keep pressing."""
         self._follower.stop()
 
+    def give_up(self) -> None:
+        """Slow the arm down for good; jaws that press keep pressing, and others hold."""
+        self._follower.give_up()
+        self.jaws.hold()
+
     def resume(self) -> None:
         """Continue along the path that `stop` interrupted."""
         self._follower.resume()

@@ -5,6 +5,7 @@ from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 
 from executive.machine.machine import Machine
 
+_FREE_SHARE = 0.5  # of the commanded force: jaws that need less move freely
 _YIELD = 0.1  # lag behind the speed, over the top speed, at which the force is full
 
 
@@ -31,6 +32,7 @@ class JawDrive:
         self._id = model.actuator(machine.jaw.name).id
         self._joint = data.joint(machine.jaw.name)
         self._target_rad = self.position_rad
+        self._interrupted_rad: float | None = None
         self.press(self._target_rad, settings.grip_force_n)
 
     @property
@@ -50,7 +52,7 @@ class JawDrive:
 
     def press(self, target_rad: float, force_n: float) -> None:
         """Move towards an angle [rad] with at most a force [N] at each tip."""
-        self._target_rad = target_rad
+        self._target_rad, self._interrupted_rad = target_rad, None
         torque = 2 * force_n * self._machine.gripper.tip_radius_m  # one drive moves both tips
         self._model.actuator_forcerange[self._id] = (-torque, torque)
 
@@ -59,3 +61,18 @@ class JawDrive:
         top = self._machine.jaw.max_velocity
         speed = self._settings.jaw_stiffness * (self._target_rad - self.position_rad)
         self._data.ctrl[self._id] = min(max(speed, -top), top)
+
+    def hold(self) -> None:
+        """Hold jaws that move freely where they are; jaws that press on something keep pressing.
+
+        Pressing takes more than half of the force that was commanded: the drive then lags behind
+        its speed by as much as it does when something resists.
+        """
+        limit_nm = float(self._model.actuator_forcerange[self._id, 1])
+        if abs(self.effort_nm) < _FREE_SHARE * limit_nm and self._interrupted_rad is None:
+            self._interrupted_rad, self._target_rad = self._target_rad, self.position_rad
+
+    def go_on(self) -> None:
+        """Move on towards the angle that `hold` interrupted."""
+        if self._interrupted_rad is not None:
+            self._target_rad, self._interrupted_rad = self._interrupted_rad, None
