@@ -265,7 +265,7 @@ def test_the_machine_is_at_rest_after_a_fault(run, monkeypatch):
     status, _, _ = run(SCAN)
     assert status == 3
     assert "in mid-swing" in stops[0].latched()
-    assert not stops[0]._dq.any()
+    assert abs(stops[0]._dq).max() < 0.01  # what counts as rest
 
 
 def test_of_several_errors_of_closing_the_first_is_reported_and_all_are_logged(
