@@ -14,6 +14,13 @@ from typing import Any
 from executive.config import Settings
 from executive.errors import ConfigError, UnknownPluginError
 from executive.extras import MissingExtraError, missing_packages
+from executive.interfaces.declaration import (
+    Declared,
+    PluginSettings,
+    constructor_parameters,
+    declared_by_class,
+    declared_by_settings,
+)
 from executive.interfaces.plugin import Plugin
 
 # The shipped ones, in the order in which data flows (docs/architecture.md).
@@ -38,6 +45,7 @@ EXERCISES = "exercise"  # checks of the conformance kit for the plugins of a cap
 BEHAVIOURS = "behaviour"
 ORACLES = "oracle"
 SMOOTHERS = "smoothing"  # of whole recordings: no mission selects one
+SETTINGS = "settings"  # the settings class of a plugin, apart from it
 EXTRAS = "extra"  # the extra of its package that a plugin needs
 WORKS = "work"  # kinds of bulk work that a campaign can spread
 METRICS = "metric"  # what is measured on a run
@@ -203,14 +211,34 @@ def name_of(capability: str, plugin: type) -> str:
     return next((name for name, point in points if _target(point) == target), plugin.__name__)
 
 
+def declared(capability: str, name: str) -> Declared:
+    """Return what a plugin declares; it is imported if its settings are not announced apart.
+
+    Raises:
+        UnknownPluginError: If none of that name is installed; the message names the nearest.
+        BrokenPluginError: If what has to be imported cannot be.
+        MissingExtraError: If the extra that the plugin needs is not installed.
+    """
+    point = _entry_points(SETTINGS).get(f"{capability}.{name}")
+    if name not in _entry_points(capability) or point is None:
+        return declared_by_class(load(capability, name))
+    require_extras(capability, name)
+    settings = _loaded(SETTINGS, point.name)
+    if not (inspect.isclass(settings) and issubclass(settings, PluginSettings)):
+        raise BrokenPluginError(
+            f"{capability} plugin '{name}': {_target(point)} is no class of PluginSettings"
+        )
+    return declared_by_settings(settings)
+
+
 def settings_of(capability: str, name: str) -> type[Settings]:
-    """Return the settings class of a plugin; imports it."""
-    return load(capability, name).Settings  # type: ignore[no-any-return]
+    """Return the settings class of a plugin."""
+    return declared(capability, name).settings
 
 
 def dependencies_of(plugin: type[Plugin]) -> tuple[str, ...]:
     """Return the names of a plugin's constructor parameters after `settings`."""
-    return tuple(inspect.signature(plugin).parameters)[1:]
+    return constructor_parameters(plugin)
 
 
 def describe(capability: str, name: str) -> dict[str, Any]:

@@ -1,10 +1,14 @@
 """Convex hulls of points: their half-spaces, volume and corners."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from executive.arrays import Float
 from executive.errors import DataError
+
+if TYPE_CHECKING:
+    from scipy.spatial import ConvexHull
 
 
 def half_spaces(vertices: Float) -> Float:
@@ -46,7 +50,9 @@ def convex_corners(points: Float) -> Float:
     return np.asarray(points[_hull(points).vertices])
 
 
-def _hull(vertices: Float) -> ConvexHull:
+def _hull(vertices: Float) -> "ConvexHull":
+    from scipy.spatial import ConvexHull, QhullError  # slow to import: reading a mission needs none
+
     try:
         return ConvexHull(vertices)
     except (QhullError, ValueError) as error:
@@ -55,6 +61,6 @@ def _hull(vertices: Float) -> ConvexHull:
         ) from error
 
 
-def _faces(hull: ConvexHull) -> Float:
+def _faces(hull: "ConvexHull") -> Float:
     faces = hull.equations * (1.0, 1.0, 1.0, -1.0)
     return np.asarray(np.unique(faces.round(12), axis=0))  # one plane for all triangles of a face

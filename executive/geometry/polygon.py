@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from executive.arrays import Bool, Float
 from executive.errors import DataError
@@ -62,6 +61,8 @@ def outline_of(points: Float) -> Float:
     Raises:
         DataError: If the points lie on one line.
     """
+    from scipy.spatial import ConvexHull, QhullError  # slow to import, and few missions need it
+
     try:
         return np.asarray(points[ConvexHull(points[:, :2]).vertices, :2])
     except (QhullError, ValueError) as error:

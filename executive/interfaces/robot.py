@@ -1,21 +1,18 @@
 """The machine: real, simulated, or replayed."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
-from executive.arrays import Float
-from executive.config import Settings
+from executive.interfaces.declaration import PluginSettings
 from executive.interfaces.plugin import Plugin
 from executive.messages.command import Command
 from executive.messages.observation import Observation
 
 
-class RobotSettings(Settings):
+class RobotSettings(PluginSettings):
     """Settings of every robot backend."""
 
     model: str = Field("m545", description="Folder under robot_models, or a path to one.")
@@ -90,31 +87,3 @@ class Robot(Plugin, ABC):
     @abstractmethod
     def latched(self) -> str:
         """Return why commands are refused; empty while they are taken."""
-
-
-class Scene(ABC):
-    """A simulated robot's surroundings, as an external camera or lidar would see them."""
-
-    @abstractmethod
-    def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
-        """Return the range [m] to the first surface along each unit direction, inf for none."""
-
-
-class Photographer(ABC):
-    """A simulated robot's site as a drone's camera would photograph it beforehand."""
-
-    @abstractmethod
-    def photograph(
-        self, T_world_opticals: Sequence[Float], size_px: tuple[int, int], view_angle_rad: float
-    ) -> Iterator[NDArray[np.uint8]]:
-        """Yield one picture a pose: red, green, blue, shape (height, width, 3).
-
-        Args:
-            T_world_opticals: Poses of a pinhole camera; z looks forward, x right, y down, (4, 4)
-                each.
-            size_px: Width and height of the pictures.
-            view_angle_rad: Opening angle across the width [rad].
-
-        Raises:
-            RobotError: If this computer cannot draw without a screen; the message names the cure.
-        """

@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from executive.arrays import Float
+from executive.interfaces.facilities import Photographer, Scene
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.plugin import Plugin
-from executive.interfaces.robot import Photographer, Robot, Scene
+from executive.interfaces.robot import Robot
 from executive.messages.command import Command
 from executive.messages.observation import Observation
 from executive.messages.request import MotionPlan, MoveRequest

@@ -6,6 +6,7 @@ from typing import Any
 
 from executive import registry
 from executive.errors import ConfigError, UnknownPluginError, did_you_mean
+from executive.interfaces.declaration import Declared, declared_by_class
 from executive.interfaces.plugin import Plugin
 from executive.leaf.action import Leaf
 
@@ -42,6 +43,14 @@ class Catalogue(ABC):
             raise ConfigError(f"{capability} plugin '{name}' ({plugin.__qualname__}) is no Plugin")
         return plugin
 
+    def declared(self, capability: str, name: str) -> Declared:
+        """Return the settings class of a plugin, what it needs and what it gives.
+
+        Raises:
+            ConfigError: If there is none of that name, or it cannot be imported.
+        """
+        return declared_by_class(self.plugin(capability, name))
+
     def behaviour(self, name: str) -> type[Leaf[Any]]:
         """Return a behaviour's class.
 
@@ -66,6 +75,9 @@ class InstalledCatalogue(Catalogue):
 
     def behaviour_names(self) -> tuple[str, ...]:
         return self.plugin_names(registry.BEHAVIOURS)
+
+    def declared(self, capability: str, name: str) -> Declared:
+        return registry.declared(capability, name)
 
     def _load(self, capability: str, name: str) -> Any:
         return registry.load(capability, name)

@@ -6,7 +6,6 @@ from typing import Any
 from executive.config import Settings
 from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
-from executive.registry import dependencies_of
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
 from executive.tree.document import read_file
 from executive.tree.language import ON_ERROR, Selection
@@ -110,7 +109,7 @@ class Choices:
             ConfigError: If none of that name is installed.
         """
         name = name or self.name(capability)
-        settings_class = self.plugin(capability, name).Settings
+        settings_class = self._reading.catalogue.declared(capability, name).settings
         own = _table({} if known is None else known(settings_class), self._mark)
         laid = merged(own, without(self._table_of(capability, name), ["plugin", ON_ERROR]))
         table = self._reading.table(laid, f"the settings of {name}")
@@ -157,7 +156,7 @@ class Choices:
             found.append(capability)
             for table in self._tables(capability):
                 chosen = plugin_of(capability, table, self._reading)
-                needed = dependencies_of(chosen[1]) if chosen else ()
+                needed = chosen[1].dependencies if chosen else ()
                 wanted.extend(n for n in needed if n in self._reading.catalogue.capabilities())
         return tuple(c for c in self._reading.catalogue.capabilities() if c in found)
 

@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from executive.errors import ConfigError
-from executive.interfaces.plugin import Plugin
-from executive.registry import dependencies_of, is_plural
+from executive.interfaces.declaration import Declared
+from executive.registry import is_plural
 from executive.tree.catalogue import REQUIRED, SERVICES
 from executive.tree.instances import (
     SINGLE,
@@ -76,8 +76,8 @@ def _name(table: Table) -> object:
     return value.value if isinstance(value, Scalar) else None
 
 
-def plugin_of(capability: str, table: Table, reading: Reading) -> tuple[str, type[Plugin]] | None:
-    """Return name and class of a table's plugin, or None after a mistake was reported."""
+def plugin_of(capability: str, table: Table, reading: Reading) -> tuple[str, Declared] | None:
+    """Return a table's plugin and what it declares, or None after a mistake was reported."""
     chosen = table.get("plugin")
     if chosen is None:
         known = ", ".join(reading.catalogue.plugin_names(capability))
@@ -87,7 +87,7 @@ def plugin_of(capability: str, table: Table, reading: Reading) -> tuple[str, typ
     if name is None:
         return None
     try:
-        return name, reading.catalogue.plugin(capability, name)
+        return name, reading.catalogue.declared(capability, name)
     except ConfigError as error:
         reading.fail(chosen, str(error))
         return None
@@ -142,8 +142,8 @@ class PluginReader:
         chosen = dict(found)
         for key, use in self._uses.items():
             for one in found.get(key, ()):
-                plugin = self._reading.catalogue.plugin(capability_of(key), one.name)
-                uses = read_uses(reading, use, f"the plugin '{one.name}'", dependencies_of(plugin))
+                declared = self._reading.catalogue.declared(capability_of(key), one.name)
+                uses = read_uses(reading, use, f"the plugin '{one.name}'", declared.dependencies)
                 chosen[key] = (replace(one, uses=uses),)
         return chosen
 
@@ -177,7 +177,7 @@ class PluginReader:
         if use is not None:
             self._uses[key] = use
         own = without(table, ["plugin", ON_ERROR, *([USE] if key else [])])
-        settings = check_settings(plugin.Settings, own, name, self._reading.problems)
+        settings = check_settings(plugin.settings, own, name, self._reading.problems)
         return Selection(name, settings, can_fail) if settings is not None else None
 
     def _can_fail(self, capability: str, table: Table) -> bool:
@@ -218,7 +218,7 @@ class PluginReader:
         self, capability: str, one: Selection, chosen: Mapping[str, tuple[Selection, ...]]
     ) -> None:
         mark = self._marks[capability]
-        for name in dependencies_of(self._reading.catalogue.plugin(capability, one.name)):
+        for name in self._reading.catalogue.declared(capability, one.name).dependencies:
             names = instances_of(chosen).get(name, ())
             if names and chosen_key(name, one.uses, chosen) is None:
                 told = (

@@ -128,7 +128,7 @@ class _Builder:
     def _plugin(self, capability: str, name: str) -> Schema:
         try:
             settings = self._settings(
-                f"{capability}.{name}", self._catalogue.plugin(capability, name).Settings
+                f"{capability}.{name}", self._catalogue.declared(capability, name).settings
             )
         except ConfigError as error:
             settings = {"type": "object", "description": str(error), "properties": {}}

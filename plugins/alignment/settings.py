@@ -2,10 +2,11 @@
 
 from pydantic import Field
 
-from executive.config import Meters, Settings
+from executive.config import Meters
+from executive.interfaces.declaration import PluginSettings
 
 
-class AlignmentSettings(Settings):
+class AlignmentSettings(PluginSettings):
     """Resolution and acceptance of an alignment."""
 
     voxel_m: Meters = Field(

@@ -1,6 +1,6 @@
 """Settings of the grasping plugins, apart from them: reading a mission imports no algorithm."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from executive_plugins.grasping.sampling.settings import SamplingSettings
 from pydantic import Field, model_validator
@@ -43,9 +43,13 @@ class SampledPlannerSettings(SamplingSettings):
 class SampledAntipodalSettings(SampledPlannerSettings):
     """Sampling, the stages of the paper, reach and simulated lifts."""
 
+    needs: ClassVar[tuple[str, ...]] = ("machine", "motion")
+
 
 class SampledCnnSettings(SampledPlannerSettings):
     """The network, and how its predictions are used."""
+
+    needs: ClassVar[tuple[str, ...]] = ("machine", "motion")
 
     weights: str = Field(
         "two_stream", description="Shipped weights two_stream or four_layer, or a safetensors file."

@@ -1,8 +1,11 @@
 """Settings of the mapping plugins, apart from them: reading a mission imports no algorithm."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
 from executive.config import Meters, Radians, Seconds, Settings
+from executive.interfaces.declaration import PluginSettings
 
 
 class OdometryNoiseSettings(Settings):
@@ -71,7 +74,7 @@ class ScanMatchingSettings(Settings):
     )
 
 
-class MapSettings(Settings):
+class MapSettings(PluginSettings):
     """Extent and resolution of a map, and the returns that it excludes."""
 
     voxel_m: Meters = Field(0.03, gt=0, le=1, description="Edge of a voxel, res_voxel [m].")
@@ -108,6 +111,8 @@ class MapSettings(Settings):
 class PoseGraphSettings(MapSettings):
     """Settings of the pose graph, in addition to those of all maps."""
 
+    needs: ClassVar[tuple[str, ...]] = ("machine",)
+
     process: bool = Field(
         False, description="Solve in a separate process; false gives the same map on each run."
     )
@@ -139,3 +144,5 @@ class PoseGraphSettings(MapSettings):
 
 class VoxelMapSettings(MapSettings):
     """Extent and resolution of the map."""
+
+    needs: ClassVar[tuple[str, ...]] = ("machine",)

@@ -1,12 +1,17 @@
 """Settings of the monitoring plugins, apart from them: reading a mission imports no algorithm."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
-from executive.config import Kilograms, Meters, Seconds, Settings
+from executive.config import Kilograms, Meters, Seconds
+from executive.interfaces.declaration import PluginSettings
 
 
-class JawSlipSettings(Settings):
+class JawSlipSettings(PluginSettings):
     """When closing jaws count as slip. All lengths are openings between the tips."""
+
+    needs: ClassVar[tuple[str, ...]] = ("machine",)
 
     slip: Meters = Field(
         0.015, gt=0, le=0.5, description="Closing within the window that counts as slip [m]."
@@ -37,8 +42,10 @@ class JawSlipSettings(Settings):
     )
 
 
-class PayloadDropSettings(Settings):
+class PayloadDropSettings(PluginSettings):
     """When a loss of weight counts as a drop."""
+
+    needs: ClassVar[tuple[str, ...]] = ("machine",)
 
     smoothing: Seconds = Field(
         0.3, gt=0, le=5, description="Time constant of the estimated mass [s]."

@@ -1,8 +1,11 @@
 """Settings of the motion plugins, apart from them: reading a mission imports no algorithm."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
 from executive.config import Meters, Radians, Settings
+from executive.interfaces.declaration import PluginSettings
 
 
 class InverseKinematicsSettings(Settings):
@@ -23,8 +26,10 @@ class InverseKinematicsSettings(Settings):
     )
 
 
-class HermiteSettings(Settings):
+class HermiteSettings(PluginSettings):
     """Speed, clearances and tolerances of planned motions."""
+
+    needs: ClassVar[tuple[str, ...]] = ("machine",)
 
     speed: float = Field(
         0.9, gt=0, le=1, description="Share of the joints' velocity and acceleration limits to use."

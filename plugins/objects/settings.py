@@ -2,10 +2,11 @@
 
 from pydantic import Field
 
-from executive.config import Meters, Settings
+from executive.config import Meters
+from executive.interfaces.declaration import PluginSettings
 
 
-class SqliteObjectsSettings(Settings):
+class SqliteObjectsSettings(PluginSettings):
     """When a segment is a known stone, when its surface grows, and the resolution of surfaces."""
 
     max_distance_m: Meters = Field(

@@ -1,12 +1,17 @@
 """Settings of the odometry plugins, apart from them: reading a mission imports no algorithm."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
-from executive.config import Meters, MetersPerSecond, Radians, RadiansPerSecond, Seconds, Settings
+from executive.config import Meters, MetersPerSecond, Radians, RadiansPerSecond, Seconds
+from executive.interfaces.declaration import PluginSettings
 
 
-class KissIcpSettings(Settings):
+class KissIcpSettings(PluginSettings):
     """Settings of the odometry."""
+
+    needs: ClassVar[tuple[str, ...]] = ("machine",)
 
     frame: str = Field(
         "lidar_horizontal", description="The lidar to use; scans of other lidars are ignored."
@@ -41,8 +46,10 @@ class KissIcpSettings(Settings):
     )
 
 
-class ScanToSubmapSettings(Settings):
+class ScanToSubmapSettings(PluginSettings):
     """Settings of the odometry."""
+
+    needs: ClassVar[tuple[str, ...]] = ("machine",)
 
     frame: str = Field(
         "lidar_horizontal", description="The lidar to use; scans of other lidars are ignored."

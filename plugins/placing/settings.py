@@ -1,12 +1,17 @@
 """Settings of the placing plugins, apart from them: reading a mission imports no algorithm."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
-from executive.config import Meters, Radians, Settings
+from executive.config import Meters, Radians
+from executive.interfaces.declaration import PluginSettings
 
 
-class SlotsSettings(Settings):
+class SlotsSettings(PluginSettings):
     """Positions of slots, requirements on their ground, and the release of a stone."""
+
+    needs: ClassVar[tuple[str, ...]] = ("machine", "motion")
 
     radii_m: tuple[Meters, ...] = Field(
         (6.0, 7.2, 5.0, 4.2),

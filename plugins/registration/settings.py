@@ -1,11 +1,12 @@
 """Settings of the registration plugins, apart from them: reading a mission imports no algorithm."""
 
 from enum import StrEnum
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import Field, model_validator
 
-from executive.config import Meters, Settings
+from executive.config import Meters
+from executive.interfaces.declaration import PluginSettings
 
 
 class Preset(StrEnum):
@@ -32,7 +33,7 @@ _RADII = {
 }
 
 
-class SegmentSettings(Settings):
+class SegmentSettings(PluginSettings):
     """Settings of the search, the refinement and the acceptance."""
 
     voxel_m: Meters = Field(
@@ -79,6 +80,8 @@ class SegmentSettings(Settings):
 class KissMatcherSettings(SegmentSettings):
     """Resolution of the features, and the gate."""
 
+    needs: ClassVar[tuple[str, ...]] = ("segmentation", "alignment")
+
     feature_voxel_m: Meters = Field(
         0.10, gt=0, description="Grid to which the matcher thins segments [m]."
     )
@@ -86,6 +89,8 @@ class KissMatcherSettings(SegmentSettings):
 
 class SegmentFpfhSettings(SegmentSettings):
     """Radii of the features, sizes of the search, and the gate."""
+
+    needs: ClassVar[tuple[str, ...]] = ("segmentation", "alignment")
 
     feature_voxel_m: Meters = Field(
         0.06, gt=0, description="Grid of the points that shape features [m]."
@@ -99,6 +104,8 @@ class SegmentFpfhSettings(SegmentSettings):
 
 class SegmentShotSettings(SegmentSettings):
     """Radii of the features, sizes of the search, and the gate."""
+
+    needs: ClassVar[tuple[str, ...]] = ("segmentation", "alignment")
 
     preset: Preset = Field(
         Preset.SURE, description="Radii unless given one by one: sure, or the paper's."

@@ -1,5 +1,7 @@
 """Settings of the robot plugins, apart from them: reading a mission imports no algorithm."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
 from executive.config import Radians
@@ -8,6 +10,8 @@ from executive.interfaces.robot import RobotSettings
 
 class KinematicSettings(RobotSettings):
     """Settings of the robot without physics."""
+
+    needs: ClassVar[tuple[str, ...]] = ("machine",)
 
     jaws_stop_at: Radians = Field(
         0.4, ge=0, le=2, description="Angle at which closing jaws stop at a stone [rad]."

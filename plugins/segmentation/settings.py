@@ -3,10 +3,11 @@
 import numpy as np
 from pydantic import Field
 
-from executive.config import Meters, Radians, Settings
+from executive.config import Meters, Radians
+from executive.interfaces.declaration import PluginSettings
 
 
-class GroundAndClustersSettings(Settings):
+class GroundAndClustersSettings(PluginSettings):
     """Limits between ground and objects, and between objects."""
 
     plane_margin_m: Meters = Field(

@@ -1,10 +1,12 @@
 """Settings of the surveying plugins, apart from them: reading a mission imports no algorithm."""
 
 from pathlib import Path
+from typing import ClassVar
 
 from pydantic import Field
 
 from executive.config import Meters, Radians, Settings
+from executive.interfaces.declaration import PluginSettings
 
 
 class DepthSettings(Settings):
@@ -86,7 +88,7 @@ class GridFlightSettings(Settings):
     noise_m: Meters = Field(0.5, ge=0, le=20, description="Error of each, along each axis [m].")
 
 
-class PointCloudFileSettings(Settings):
+class PointCloudFileSettings(PluginSettings):
     """The file, and the limits of an acceptable cloud."""
 
     path: Path = Field(description="PLY, PCD, LAS, LAZ or XYZ file; coordinates in metres.")
@@ -128,8 +130,10 @@ class ReconstructionSettings(Settings):
     )
 
 
-class SimulatedDroneSettings(Settings):
+class SimulatedDroneSettings(PluginSettings):
     """The flight, and the errors of the reconstruction."""
+
+    needs: ClassVar[tuple[str, ...]] = ("robot.scene",)
 
     flight: FlightSettings = Field(FlightSettings(), description="Where pictures are taken.")
     reconstruction: ReconstructionSettings = Field(
@@ -158,7 +162,7 @@ class MotionSettings(Settings):
     )
 
 
-class PhotogrammetrySettings(Settings):
+class PhotogrammetrySettings(PluginSettings):
     """Settings of each step."""
 
     motion: MotionSettings = Field(MotionSettings(), description="Where pictures were taken.")
@@ -192,6 +196,8 @@ class ColmapSettings(PhotogrammetrySettings):
 
 class SimulatedPhotographsSettings(PhotogrammetrySettings):
     """The flight, and how its pictures are made into a cloud."""
+
+    needs: ClassVar[tuple[str, ...]] = ("robot.photographs",)
 
     flight: GridFlightSettings = Field(
         GridFlightSettings(), description="Where pictures are taken."

@@ -13,7 +13,8 @@ from executive.arrays import Float
 from executive.config import Settings
 from executive.errors import DataError
 from executive.geometry.voxels import voxel_means
-from executive.interfaces.robot import Robot, Scene
+from executive.interfaces.facilities import Scene
+from executive.interfaces.robot import Robot
 from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
 

@@ -22,7 +22,8 @@ from PIL import Image
 from executive.arrays import Float
 from executive.config import Settings
 from executive.errors import ConfigError
-from executive.interfaces.robot import Photographer, Robot
+from executive.interfaces.facilities import Photographer
+from executive.interfaces.robot import Robot
 from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
 

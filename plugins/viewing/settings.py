@@ -1,12 +1,17 @@
 """Settings of the viewing plugins, apart from them: reading a mission imports no algorithm."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
-from executive.config import Seconds, Settings
+from executive.config import Seconds
+from executive.interfaces.declaration import PluginSettings
 
 
-class RerunSettings(Settings):
+class RerunSettings(PluginSettings):
     """Settings of the recording."""
+
+    needs: ClassVar[tuple[str, ...]] = ("machine",)
 
     machine_period_s: Seconds = Field(
         0.1, gt=0, le=10, description="Time between two drawings of the machine [s]."

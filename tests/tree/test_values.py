@@ -298,7 +298,7 @@ def test_what_cannot_be_computed_fails_with_its_reason(run: Any) -> None:
         ("sum(each(r in {rocks}: {r.mass_kg})) §> 1 s", ": cannot compare a mass and a time; both "
          "sides need units of one dimension"),
         ("§any(r in {largest}: {r.id} > 1)", ": 'any' goes through a list, not Rock"),
-        ("{rocks[0].§reach} > 1", ": Rock has no field 'reach'. Did you mean 'reach_m'?"),
+        ("{rocks[0].§reech_m} > 1", ": Rock has no field 'reech_m'. Did you mean 'reach_m'?"),
     ],
 )  # fmt: skip
 def test_mistakes_in_conditions_are_told_at_their_letter(

@@ -7,10 +7,11 @@ from executive_plugins.estimation.start.settings import (
 )
 from pydantic import Field
 
-from executive.config import Seconds, Settings
+from executive.config import Seconds
+from executive.interfaces.declaration import PluginSettings
 
 
-class CabinSettings(Settings):
+class CabinSettings(PluginSettings):
     """Which sensors are used, and their accuracy beyond the machine's description."""
 
     datum: tuple[float, float, float] | None = Field(

@@ -1,5 +1,7 @@
 """Settings of the estimation plugins, apart from them: reading a mission imports no algorithm."""
 
+from typing import ClassVar
+
 from executive_plugins.estimation.cabin.settings import CabinSettings
 from pydantic import Field
 
@@ -8,6 +10,8 @@ from executive.config import Seconds
 
 class GnssImuSettings(CabinSettings):
     """Settings of the filter, in addition to those of all cabin estimators."""
+
+    needs: ClassVar[tuple[str, ...]] = ("machine",)
 
     lag_s: Seconds = Field(
         0.1,
@@ -32,6 +36,8 @@ class GnssImuSettings(CabinSettings):
 
 class ErrorStateEkfSettings(GnssImuSettings):
     """Settings of `gnss_imu_filter`, and the accuracy of lidar increments."""
+
+    needs: ClassVar[tuple[str, ...]] = ("machine",)
 
     odometry_scale: float = Field(
         1.0, gt=0, le=100, description="Factor on the increments' own standard deviation."

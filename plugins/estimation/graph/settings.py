@@ -1,6 +1,6 @@
 """Settings of the estimation plugins, apart from them: reading a mission imports no algorithm."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from executive_plugins.estimation.cabin.settings import CabinSettings
 from executive_plugins.estimation.gate.settings import GnssGateSettings
@@ -71,6 +71,8 @@ class SmootherSettings(Settings):
 
 class DualGraphSettings(CabinSettings):
     """Settings of the estimator, in addition to those of all cabin estimators."""
+
+    needs: ClassVar[tuple[str, ...]] = ("machine",)
 
     process: bool = Field(
         False,

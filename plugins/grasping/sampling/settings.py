@@ -2,10 +2,11 @@
 
 from pydantic import Field
 
-from executive.config import KilogramsPerCubicMeter, Meters, Radians, Settings
+from executive.config import KilogramsPerCubicMeter, Meters, Radians
+from executive.interfaces.declaration import PluginSettings
 
 
-class SamplingSettings(Settings):
+class SamplingSettings(PluginSettings):
     """Density, sampling and clearance, for a gripper that opens about two metres."""
 
     scale: float = Field(

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from executive.arrays import Float
 from executive.config import Settings
 from executive.errors import RobotError
-from executive.interfaces.robot import Photographer, Robot, Scene
+from executive.interfaces.facilities import Photographer, Scene
+from executive.interfaces.robot import Robot
 from executive.machine.machine import Machine
 from executive.messages.command import Command, Follow, MoveJaws, SwitchLidars
 from executive.messages.observation import Observation

@@ -13,7 +13,7 @@ from executive.arrays import Float
 from executive.errors import DataError
 from executive.geometry.rigid_fit import similarity_fit
 from executive.geometry.voxels import voxel_means
-from executive.interfaces.robot import Scene
+from executive.interfaces.facilities import Scene
 
 BALLS = np.array([[3.0, 2.0, 0.5], [5.0, -1.0, 0.5], [2.5, -4.0, 0.5], [5.5, 4.5, 0.5]])
 RADIUS = 0.5

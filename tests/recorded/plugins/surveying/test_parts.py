@@ -36,7 +36,7 @@ from PIL import Image
 
 from executive.errors import DataError
 from executive.geometry.pose import inverse
-from executive.interfaces.robot import Scene
+from executive.interfaces.facilities import Scene
 
 
 def rng(seed: int) -> np.random.Generator:
