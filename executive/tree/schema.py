@@ -112,7 +112,7 @@ class _Builder:
                 partly,
             ]
         }
-        if capability not in SINGLE:
+        if capability not in SINGLE and names:
             plugin = [self._plugin(capability, name) for name in names]
             named = {
                 "type": "object",
