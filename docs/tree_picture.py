@@ -1,9 +1,9 @@
-"""Draw a mission's tree with Graphviz, from what `executive show` prints.
+"""Draw the trees of missions with Graphviz, from what `executive show` prints.
 
     python docs/tree_picture.py
 
 Needs the program `dot` (Debian: graphviz). The subtrees that move one stone are left out, so that
-the picture can be read at the width of a page.
+the pictures can be read at the width of a page.
 """
 
 import re
@@ -11,17 +11,37 @@ import subprocess
 import sys
 from pathlib import Path
 
-PATH = Path(__file__).parent / "images" / "tree.svg"
-WORDS = ["show", "pick_and_place", "--as", "dot"]
-SHOWN = ("main", "map_and_segment", "relocate_all", "relocate_each", "relocate_one")
+IMAGES = Path(__file__).parent / "images"
+# The trees that each picture shows, by mission and picture.
+PICTURES = {
+    ("pick_and_place", "tree"): (
+        "main",
+        "map_and_segment",
+        "relocate_all",
+        "relocate_each",
+        "relocate_one",
+    ),
+    ("sort", "tree_sort"): ("main", "fill_row", "relocate_one"),
+    ("clear_corridor", "tree_clear_corridor"): ("main", "clear", "relocate_one"),
+    ("two_courses", "tree_two_courses"): ("main", "relocate_one"),
+}
 CLUSTER = re.compile(r'  subgraph cluster_\d+ \{\n    label="(\w+)";\n.*?\n  \}\n', re.S)
 
 
 def main() -> None:
-    """Write the picture."""
+    """Write the pictures, those of some missions if their names are given."""
+    for (mission, picture), shown in PICTURES.items():
+        if not sys.argv[1:] or mission in sys.argv[1:]:
+            path = IMAGES / f"{picture}.svg"
+            path.write_text(_svg(mission, shown), encoding="utf-8")
+            print(path)
+
+
+def _svg(mission: str, shown: tuple[str, ...]) -> str:
     executive = Path(sys.executable).with_name("executive")
-    dot = subprocess.run([executive, *WORDS], check=True, capture_output=True, text=True).stdout
-    kept = [match.group(0) for match in CLUSTER.finditer(dot) if match.group(1) in SHOWN]
+    words = [executive, "show", mission, "--as", "dot"]
+    dot = subprocess.run(words, check=True, capture_output=True, text=True).stdout
+    kept = [match.group(0) for match in CLUSTER.finditer(dot) if match.group(1) in shown]
     head = dot.partition("  subgraph")[0].replace(
         "{\n", "{\n  rankdir=LR; ranksep=0.3; nodesep=0.1;\n", 1
     )
@@ -29,8 +49,7 @@ def main() -> None:
     svg = subprocess.run(
         ["dot", "-Tsvg"], input=text, check=True, capture_output=True, text=True
     ).stdout
-    PATH.write_text(re.sub(r"<!--.*?-->\n?", "", svg, flags=re.S), encoding="utf-8")
-    print(PATH)
+    return re.sub(r"<!--.*?-->\n?", "", svg, flags=re.S)
 
 
 def _bottom_up(cluster: str) -> str:

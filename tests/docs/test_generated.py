@@ -62,6 +62,6 @@ def test_the_table_of_layers_is_the_contract() -> None:
 
 def test_the_picture_of_the_tree_shows_its_leaves() -> None:
     module = script("tree_picture")
-    picture = module.PATH.read_text(encoding="utf-8")
+    picture = (module.IMAGES / "tree.svg").read_text(encoding="utf-8")
     for name in ("Localise", "SurveySite", "RegisterDroneMap", "SelectLargest", "move_stone"):
         assert name in picture, "run `python docs/tree_picture.py`"

@@ -2,25 +2,67 @@
 
 import pytest
 
+from executive.campaign.figures.metrics.examples import AsNamed, FalseSuccess
+from executive.interfaces.metric import RunRecord, Share, TimedEvent
+from executive.journal import read_journal
+
 pytestmark = pytest.mark.mission
 
-STONES = 3
+STONES = 3  # the fewest that the drone's map can be registered by
 
 
 @pytest.fixture(scope="module")
-def sorted_site(tmp_path_factory, command_line, read_run):
-    folder = tmp_path_factory.mktemp("sort") / "run"
-    count = ("--set", f"robot.site.stones.count={STONES}")
-    answer = command_line("run", "sort", *count, "--run-dir", str(folder))
-    return read_run(folder, answer.status)
+def example(tmp_path_factory, command_line, read_run):
+    def run(name):
+        folder = tmp_path_factory.mktemp(name) / "run"
+        count = ("--set", f"robot.site.stones.count={STONES}")
+        answer = command_line("run", name, *count, "--run-dir", str(folder))
+        return read_run(folder, answer.status)
+
+    return run
 
 
-def test_sort_ends_with_success(sorted_site):
-    assert (sorted_site.report["outcome"], sorted_site.report["reason"]) == ("success", "")
+@pytest.fixture(scope="module")
+def sort(example):
+    return example("sort")
 
 
-def test_sort_puts_each_stone_into_the_row_of_its_size(sorted_site, check_truth):
-    check_truth(sorted_site, placed=STONES)
-    for stone in sorted_site.report["truth"]["stones"]:
-        side = 1 if stone["volume_m3"] > 0.7 else -1  # the larger ones to the left of the machine
-        assert side * stone["centre_m"][1] > 4.0
+@pytest.fixture(scope="module")
+def clear_corridor(example):
+    return example("clear_corridor")
+
+
+@pytest.fixture(scope="module")
+def two_courses(example):
+    return example("two_courses")
+
+
+@pytest.mark.parametrize("name", ["sort", "clear_corridor", "two_courses"])
+def test_an_example_does_what_its_name_says(name, request):
+    finished = request.getfixturevalue(name)
+    assert (finished.report["outcome"], finished.report["reason"]) == ("success", "")
+    journal = read_journal(finished.folder / "journal.jsonl")
+    events = tuple(TimedEvent(one.time_s, one.event, one.node) for one in journal)
+    run = RunRecord(finished.report, events)
+    assert AsNamed().measure(run) == Share(1, 1)
+    assert FalseSuccess().measure(run) == Share(0, 1)
+    assert finished.report["truth"]["collisions"] == []
+
+
+def test_the_rows_of_sort_are_on_both_sides(sort):
+    sides = {stone["centre_m"][1] > 0 for stone in sort.report["truth"]["stones"]}
+    assert sides == {True, False}
+
+
+def test_the_corridor_is_scanned_anew_before_it_is_called_clear(clear_corridor):
+    released = clear_corridor.events("stone_released")[-1]["time_s"]
+    assert clear_corridor.endings("Segment", from_s=released) == ["success"]
+    assert clear_corridor.endings("NoStoneMatches", from_s=released)[-1] == "success"
+
+
+def test_slots_keep_their_numbers(two_courses):
+    slots = [one["payload"]["slots"] for one in two_courses.events("slots_found")]
+    numbers = [slot["slot"] for found in slots for slot in found]
+    places = {slot["slot"]: slot["position_map"] for found in slots for slot in found}
+    assert len(places) > 2
+    assert sorted(places) == list(range(1, max(numbers) + 1))

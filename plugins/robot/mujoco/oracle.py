@@ -8,6 +8,7 @@ from executive_plugins.robot.mujoco.robot import MujocoRobot
 from executive_plugins.robot.mujoco.site.terrain import TERRAIN
 from executive_plugins.robot.mujoco.truth.contact_log import Span
 from executive_plugins.robot.mujoco.truth.surface import TrueSurface
+from executive_plugins.robot.mujoco.truth.touching import touching
 from executive_plugins.robot.mujoco.truth.tracking import SAME_STONE_M, Tracking
 from executive_plugins.robot.mujoco.truth.truth_log import TruthLog
 
@@ -92,12 +93,20 @@ class MujocoOracle(Oracle):
 
     def _stones(self, view: MissionView) -> list[dict[str, Any]]:
         now = {stone.id: stone for stone in view.stones}
+        touched = touching(self._site, self._at_end())
         sightings: dict[int, tuple[Stone, float]] = {}
         for first in view.first_stones:
             match = _match(self._log, first)
             if match is not None:
                 sightings.setdefault(match[0], (first, match[1]))
-        return [self._stone(i, sightings.get(i), now, view) for i in range(len(self._log.stones))]
+        return [
+            self._stone(i, sightings.get(i), now, view) | {"touches": touched[i]}
+            for i in range(len(self._log.stones))
+        ]
+
+    def _at_end(self) -> list[Float]:
+        """Return the pose of each stone at the end, (4, 4) each."""
+        return [self._log.T_world_stone(i, self._log.end_s) for i in range(len(self._log.stones))]
 
     def _stone(
         self, i: int, sighting: tuple[Stone, float] | None, now: dict[int, Stone], view: MissionView
@@ -123,7 +132,7 @@ class MujocoOracle(Oracle):
         return report
 
     def _at_the_end(self, i: int) -> dict[str, Any]:
-        """Return the volume of a stone, where it lies at the end in the map, and on what."""
+        """Return the volume of a stone, and where it lies at the end, in the map."""
         model, T_end = self._site.stones[i], self._log.T_world_stone(i, self._log.end_s)
         corners = transform(T_end, model.hull)
         return {
@@ -132,7 +141,6 @@ class MujocoOracle(Oracle):
             "outline_m": outline_of(corners),
             "bottom_m": float(corners[:, 2].min()),
             "top_m": float(corners[:, 2].max()),
-            "touches": sorted(self._log.touched_by(i)),
         }
 
     def _grasp(self, attempts: Sequence[Attempt], i: int, target: int) -> dict[str, Any]:

@@ -59,14 +59,6 @@ class ContactLog:
                 _force_n(model, data, int(touching[i])),
             )
 
-    def of_stones(self, data: mujoco.MjData) -> frozenset[tuple[str, str]]:
-        """Return which stones touch which other stones or the ground now, each pair both ways."""
-        touching = np.flatnonzero(data.contact.dist <= 0.0)
-        bodies = self._body_of_geom[data.contact.geom[touching]]
-        apart = bodies[~self._is_link[bodies].any(axis=1)]
-        pairs = {(self._names[int(a)], self._names[int(b)]) for a, b in apart}
-        return frozenset(pairs | {(b, a) for a, b in pairs})
-
     def _note(self, link: str, other: str, time_s: float, force_n: float) -> None:
         key = (link, other)
         span = self._open.get(key)

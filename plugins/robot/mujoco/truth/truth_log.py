@@ -1,6 +1,5 @@
 """True poses and contacts, recorded while the world is stepped; only the oracle reads them."""
 
-from collections import deque
 from collections.abc import Sequence
 
 import mujoco
@@ -13,7 +12,6 @@ from executive.machine.machine import Machine
 
 _PERIOD_S = 0.1  # between two recorded poses
 _EPSILON_S = 1e-6
-_TOUCHING = 10  # records of contacts of stones that are kept: resting contacts come and go
 
 
 class TruthLog:
@@ -33,7 +31,6 @@ class TruthLog:
         self._T_stones: list[list[Float]] = []
         self._T_cabin: list[Float] = []
         self._T_gripper: list[Float] = []
-        self._touching: deque[frozenset[tuple[str, str]]] = deque(maxlen=_TOUCHING)
 
     def step(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Record the end of a control step; poses and contacts in `data` must be up to date."""
@@ -43,17 +40,11 @@ class TruthLog:
             self._T_stones.append([_pose(data, i) for i in self._stone_ids])
             self._T_cabin.append(_pose(data, self._cabin_id))
             self._T_gripper.append(_pose(data, self._gripper_id))
-            self._touching.append(self.contacts.of_stones(data))
 
     @property
     def end_s(self) -> float:
         """Time of the last record [s]."""
         return self._stamps_s[-1]
-
-    def touched_by(self, stone: int) -> frozenset[str]:
-        """Return what a stone touched in the last second: other stones, `terrain`."""
-        name = self.stones[stone]
-        return frozenset(b for pairs in self._touching for a, b in pairs if a == name)
 
     def T_world_stone(self, stone: int, time_s: float) -> Float:
         """Return the pose of a stone at a time, interpolated, shape (4, 4).

@@ -113,17 +113,18 @@ def test_the_truth_tells_where_each_stone_lies_at_the_end() -> None:
     assert (outline.max(axis=0) > [3.0, -4.0]).all()
     box = np.prod(np.ptp(outline, axis=0)) * (found["top_m"] - found["bottom_m"])
     assert 0 < found["volume_m3"] < box
-    assert found["touches"] == []  # in the air
+    assert found["touches"] == ()  # in the air
 
 
 def test_the_truth_tells_what_a_stone_rests_on() -> None:
     show = Show()
-    lower, upper = position(show, "stone_1"), show.truth()["stones"][0]["top_m"]
-    show.put("stone_2", np.array([lower[0], lower[1], upper]))
+    lower, upper = show.truth()["stones"]
+    x, y, _ = lower["centre_m"]
+    show.put("stone_2", np.array([x, y, lower["top_m"] + upper["centre_m"][2] - upper["bottom_m"]]))
     show.play(1.2)
     one, two = show.truth()["stones"]
-    assert one["touches"] == ["stone_2", "terrain"]
-    assert two["touches"] == ["stone_1"]
+    assert one["touches"] == ("stone_2", "terrain")
+    assert two["touches"] == ("stone_1",)
 
 
 def test_database_errors_compare_the_tracked_frame_with_the_true_motion() -> None:
