@@ -6,9 +6,10 @@ import time
 from collections import deque
 from collections.abc import Iterator
 
-from executive.wire.frame import Frame, FrameReader, WireError
+from executive.wire.frame import Frame, FrameReader
 
 _CHUNK = 1 << 18
+_KEPT_BYTES = 16 * 2**20  # some eight revolutions of a lidar
 _SEND_S = 0.25  # an end that takes nothing for that long has failed
 
 
@@ -20,6 +21,7 @@ class Connection:
         self._socket.setblocking(False)
         self._reader = FrameReader()
         self._arrived: deque[Frame] = deque()
+        self._kept = bytearray()
         self.is_open = True
 
     def fileno(self) -> int:
@@ -41,11 +43,28 @@ class Connection:
                 self.close()
         return self.is_open
 
+    def post(self, frame: Frame) -> bool:
+        """Send a frame without ever waiting; return whether the other end is there.
+
+        What the other end does not take at once is kept, up to a bound beyond which it is given up.
+        """
+        self._kept += frame.packed()
+        while self._kept and self.is_open:
+            try:
+                del self._kept[: self._socket.send(self._kept)]
+            except BlockingIOError:
+                break
+            except OSError:
+                self.close()
+        if len(self._kept) > _KEPT_BYTES:
+            self.close()
+        return self.is_open
+
     def receive(self, wait_s: float = 0.0) -> Iterator[Frame]:
         """Yield the frames that have arrived; wait so long for the first one [s].
 
         Raises:
-            WireError: If the other end sends no frames of this version.
+            WireError: If the other end sends no frames of this version; close the connection then.
         """
         if self.is_open and not self._arrived:
             select.select([self._socket], [], [], wait_s)
@@ -64,11 +83,7 @@ class Connection:
             if not data:
                 self.close()
                 return
-            try:
-                self._arrived.extend(self._reader.feed(data))
-            except WireError:
-                self.close()
-                raise
+            self._arrived.extend(self._reader.feed(data))
 
     def close(self) -> None:
         """Close the connection; a second time it does nothing."""

@@ -6,7 +6,7 @@ uses the standard library alone, because the supervisor has to start at once and
 
 import json
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any
@@ -55,7 +55,7 @@ class Frame:
     """
 
     kind: Kind
-    head: Mapping[str, Any] = field(default_factory=dict)
+    head: dict[str, Any] = field(default_factory=dict)
     body: bytes = b""
     sequence: int = 0
 

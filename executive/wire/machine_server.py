@@ -3,7 +3,7 @@
 import logging
 import select
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -101,16 +101,16 @@ class MachineServer:
         self._tell(observations)
 
     def _tell(self, observations: Sequence[Observation]) -> None:
-        if self._executive is not None and self._is_driven:
+        if self._executive is not None and self._is_driven and not self._is_silent():
             objects, body = pack(observations)
             head = {**self._status(), "observations": objects}
-            self._executive.send(Frame(Kind.OBSERVATIONS, head, body))
+            self._executive.post(Frame(Kind.OBSERVATIONS, head, body))
         if time.monotonic() - self._status_s >= STATUS_S:
             self._status_s = time.monotonic()
             for one in self._supervisors:
-                one.send(Frame(Kind.STATUS, self._status()))
+                one.post(Frame(Kind.STATUS, self._status()))
 
-    def _status(self) -> Mapping[str, Any]:
+    def _status(self) -> dict[str, Any]:
         silent_s = time.monotonic() - self._heard_s if self._executive is not None else None
         return {
             "time_s": round(self._time_s, 6),
@@ -124,11 +124,14 @@ class MachineServer:
     def _notice_silence(self) -> None:
         if self._executive is None:
             return
-        silent_s = time.monotonic() - self._heard_s
         if not self._executive.is_open:
             self._stop_safely("the executive's connection ended")
-        elif self._is_driven and silent_s > self._silence_s:
+        elif self._is_driven and self._is_silent():
+            silent_s = time.monotonic() - self._heard_s
             self._stop_safely(f"the executive was silent for {silent_s:.2f} s")
+
+    def _is_silent(self) -> bool:
+        return time.monotonic() - self._heard_s > self._silence_s
 
     def _stop_safely(self, reason: str) -> None:
         if self._latch.engage(reason):
@@ -143,7 +146,7 @@ class MachineServer:
                     self._heard_s = time.monotonic()
                 self._take(one, frame)
         except (WireError, RobotError) as error:
-            one.send(Frame(Kind.REFUSED, {"reason": str(error)}))
+            one.post(Frame(Kind.REFUSED, {"reason": str(error)}))
             one.close()
 
     def _sweep(self) -> None:
@@ -158,12 +161,12 @@ class MachineServer:
             self._greet(one, frame)
         elif frame.kind is Kind.SAFE_STOP and (one in self._supervisors or one is self._executive):
             self._stop_safely(str(frame.head.get("reason", "")) or "asked for")
-            one.send(Frame(Kind.DONE, self._status(), sequence=frame.sequence))
+            one.post(Frame(Kind.DONE, self._status(), sequence=frame.sequence))
         elif one is self._executive:
             self._obey(one, frame)
         else:
             reason = f"{frame.kind.name} is for the executive; begin with HELLO and a role"
-            one.send(Frame(Kind.REFUSED, {"reason": reason}, sequence=frame.sequence))
+            one.post(Frame(Kind.REFUSED, {"reason": reason}, sequence=frame.sequence))
 
     def _greet(self, one: Connection, frame: Frame) -> None:
         role, model = frame.head.get("role"), frame.head.get("model")
@@ -175,14 +178,14 @@ class MachineServer:
         elif role == "executive" and model != self._model:
             reason = f"this machine is a '{self._model}', and the mission is for a '{model}'"
         if reason:
-            one.send(Frame(Kind.REFUSED, {"reason": reason}, sequence=frame.sequence))
+            one.post(Frame(Kind.REFUSED, {"reason": reason}, sequence=frame.sequence))
             return
         if role == "executive":
             self._executive, self._heard_s = one, time.monotonic()
         else:
             self._supervisors.append(one)
         head = {**self._status(), "model": self._model, "silence_s": self._silence_s}
-        one.send(Frame(Kind.WELCOME, head, sequence=frame.sequence))
+        one.post(Frame(Kind.WELCOME, head, sequence=frame.sequence))
 
     def _obey(self, one: Connection, frame: Frame) -> None:
         self._is_driven = self._is_driven or frame.kind is not Kind.RESET
@@ -203,4 +206,4 @@ class MachineServer:
                 return
         except RobotError as error:
             answer = Frame(Kind.REFUSED, {"reason": str(error)}, sequence=frame.sequence)
-        one.send(answer)
+        one.post(answer)

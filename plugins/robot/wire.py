@@ -71,10 +71,13 @@ class WireRobot(Robot):
                 "'executive simulate', or correct robot.address"
             ) from error
         self._connection = Connection(found)
-        self._ask(Frame(Kind.HELLO, {"role": "executive", "model": self._settings.model}))
-        if self._settings.reset_at_start:
-            self._ask(Frame(Kind.RESET))
-            self._latched = ""
+        try:
+            self._ask(Frame(Kind.HELLO, {"role": "executive", "model": self._settings.model}))
+            if self._settings.reset_at_start:
+                self.reset()
+        except RobotError:
+            self.close()
+            raise
 
     def close(self) -> None:
         """End the connection; the machine comes to rest by itself if it still moves."""
@@ -121,6 +124,8 @@ class WireRobot(Robot):
         """
         self._ask(Frame(Kind.RESET))
         self._latched = ""
+        for frame in self._waiting:  # they were sent before the machine took the reset
+            frame.head["latched"] = ""
 
     def address(self) -> str:
         return self._settings.address

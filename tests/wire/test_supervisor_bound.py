@@ -1,0 +1,33 @@
+"""The machine is told to stop in time, however the executive fails: one trial of each kind.
+
+`python tests/benchmarks/supervisor.py` does a hundred.
+"""
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PROGRAM = Path(__file__).parents[1] / "benchmarks" / "supervisor.py"
+BUSY_S = 0.5  # beyond the bound: tests share the processors with others
+
+
+@pytest.mark.parametrize("kind", ["leaf", "read", "gil", "kill"])
+def test_the_machine_is_told_to_stop(kind):
+    spec = importlib.util.spec_from_file_location("supervisor_program", PROGRAM)
+    program = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(program)
+    code = (
+        "import importlib.util, sys;"
+        f"spec = importlib.util.spec_from_file_location('program', {str(PROGRAM)!r});"
+        "program = importlib.util.module_from_spec(spec); spec.loader.exec_module(program);"
+        f"print(*program.trial({kind!r}, 0.01, 5.0))"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True
+    )
+    seconds, who = ended.stdout.split()
+    assert float(seconds) < program.BOUND_S + BUSY_S
+    assert who == ("machine" if kind == "kill" else "supervisor")
