@@ -41,6 +41,14 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
     answer_: Annotated[
         str | None, typer.Option("--answer", help="Answer the mission's questions: yes or no.")
     ] = None,
+    machine: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Drive the machine that listens there, such as one of `executive simulate`, in "
+            "real time: unix:PATH or 127.0.0.1:PORT.",
+        ),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -54,7 +62,7 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
         one_of("--answer", answer_, tuple(_ANSWERS))
 
     from executive.mission.progress import progress
-    from executive.mission.run import Options, Run
+    from executive.mission.run import Options, Run, model_of
     from executive.tree.load import load_mission
 
     options = Options(
@@ -62,11 +70,14 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
         run_dir=run_dir,
         record=record,
         record_log=record_log,
-        real_time=real_time,
+        real_time=real_time or machine is not None,
         runner=runner,
         answer=None if answer_ is None else _ANSWERS[answer_],
     )
-    made = Run(load_mission(mission, [*(set_ or ()), *_folder_of(stones)]), options)
+    settings = [*(set_ or ()), *_folder_of(stones)]
+    if machine is not None:
+        settings += _wire_to(machine, model_of(load_mission(mission, settings)))
+    made = Run(load_mission(mission, settings), options)
     with progress(quiet=quiet) as after_tick:
         result = made.execute(after_tick)
     say(result.summary)
@@ -80,3 +91,8 @@ def _folder_of(stones: Path | None) -> list[str]:
     if stones is None:
         return []
     return [f"robot.site.stones.folder={json.dumps(str(stones.resolve()))}"]
+
+
+def _wire_to(machine: str, model: str) -> list[str]:
+    """Return the settings of a robot behind the wire, for the machine that the mission is for."""
+    return ["robot.plugin=wire", f"robot.model={json.dumps(model)}", f"robot.address={machine}"]
