@@ -3,7 +3,7 @@
 import logging
 import select
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,6 @@ from executive.messages.observation import Observation
 from executive.wire.address import Address
 from executive.wire.connection import Connection
 from executive.wire.frame import Frame, Kind, WireError
-from executive.wire.latch import Latch
 from executive.wire.payload import pack, unpack
 
 STEP_S = 0.01  # of the machine's clock: the period of its fastest sensors
@@ -44,7 +43,6 @@ class MachineServer:
         self._silence_s = silence_s
         self._listening = address.listen()
         self.address = address if address.path else Address("", self._listening.getsockname()[1])
-        self._latch = Latch(robot)
         self._executive: Connection | None = None
         self._heard_s = 0.0
         self._is_driven = False  # from the first sign of life on, silence counts
@@ -114,7 +112,7 @@ class MachineServer:
         silent_s = time.monotonic() - self._heard_s if self._executive is not None else None
         return {
             "time_s": round(self._time_s, 6),
-            "latched": self._latch.reason,
+            "latched": self._robot.latched(),
             "at_rest": self._speed < _REST_SPEED,
             "speed": self._speed,
             "silent_s": silent_s,
@@ -134,7 +132,8 @@ class MachineServer:
         return time.monotonic() - self._heard_s > self._silence_s
 
     def _stop_safely(self, reason: str) -> None:
-        if self._latch.engage(reason):
+        if not self._robot.latched():
+            self._robot.safe_stop(reason)
             _log.warning("safe stop: %s", reason)
 
     # --- what others ask
@@ -191,19 +190,31 @@ class MachineServer:
         self._is_driven = self._is_driven or frame.kind is not Kind.RESET
         answer = Frame(Kind.DONE, {}, sequence=frame.sequence)
         try:
-            if frame.kind is Kind.COMMAND:
-                self._latch.check()
-                for command in unpack(frame.head.get("commands"), frame.body):
-                    self._robot.command(command)
-            elif frame.kind is Kind.STOP:
-                self._robot.stop()
-            elif frame.kind is Kind.RESUME:
-                self._latch.check()
-                self._robot.resume()
-            elif frame.kind is Kind.RESET:
-                self._latch.release(is_moving=self._speed >= _REST_SPEED)
-            elif frame.kind is Kind.ALIVE:
+            if frame.kind is Kind.ALIVE:
                 return
+            self._act(frame)
         except RobotError as error:
             answer = Frame(Kind.REFUSED, {"reason": str(error)}, sequence=frame.sequence)
         one.post(answer)
+
+    def _act(self, frame: Frame) -> None:
+        """Do what the executive asks.
+
+        Raises:
+            RobotError: If the machine refuses it.
+        """
+        robot, now_s = self._robot, self._time_s
+        if frame.kind is Kind.COMMAND:
+            for command in unpack(frame.head.get("commands"), frame.body):
+                robot.command(command)
+            return
+        actions: Mapping[Kind, Callable[[], None]] = {
+            Kind.STOP: robot.stop,
+            Kind.RESUME: robot.resume,
+            Kind.RESET: robot.reset,
+            Kind.PAUSED: lambda: robot.paused(now_s),
+            Kind.RESUMED: lambda: robot.resumed(now_s),
+        }
+        if frame.kind not in actions:
+            raise RobotError(f"{frame.kind.name} is nothing that an executive sends")
+        actions[frame.kind]()

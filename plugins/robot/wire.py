@@ -3,32 +3,16 @@
 import time
 from collections.abc import Sequence
 
-from pydantic import Field
+from executive_plugins.robot.settings import WireSettings
 
-from executive.config import Seconds
 from executive.errors import ConfigError, RobotError
-from executive.interfaces.robot import Robot, RobotSettings
+from executive.interfaces.robot import Robot
 from executive.messages.command import Command
 from executive.messages.observation import Observation
 from executive.wire.address import Address
 from executive.wire.connection import Connection
 from executive.wire.frame import Frame, Kind
 from executive.wire.payload import pack, unpack
-
-
-class WireSettings(RobotSettings):
-    """Settings of a machine behind the robot wire."""
-
-    address: str = Field(description="Where the machine listens: unix:PATH or 127.0.0.1:PORT.")
-    answer_limit: Seconds = Field(
-        0.5, gt=0, le=10, description="The machine has to answer a command by then [s]."
-    )
-    silence_limit: Seconds = Field(
-        0.5, gt=0, le=10, description="A machine that sends nothing for so long has failed [s]."
-    )
-    reset_at_start: bool = Field(
-        True, description="Reset a stop that an earlier mission ended in, when this one starts."
-    )
 
 
 class WireRobot(Robot):
@@ -52,6 +36,7 @@ class WireRobot(Robot):
         self._machine_s = 0.0
         self._heard_s = 0.0
         self._latched = ""
+        self._stops_itself = True  # a stop that is latched was not asked for
         self._waiting: list[Frame] = []
         self.dropped = 0
 
@@ -95,7 +80,7 @@ class WireRobot(Robot):
         arrived, self._waiting = self._waiting, []
         for frame in arrived:
             observations += self._observations(frame, until_s)
-        if self._latched:
+        if self._latched and self._stops_itself:
             raise RobotError(f"the machine stopped by itself: {self._latched}")
         silent_s = time.monotonic() - self._heard_s
         if not connection.is_open or silent_s > self._settings.silence_limit:
@@ -113,17 +98,13 @@ class WireRobot(Robot):
         self._ask(Frame(Kind.RESUME))
 
     def safe_stop(self, reason: str) -> None:
-        """Stop, and refuse every command that moves until `reset`."""
+        self._stops_itself = False
         self._ask(Frame(Kind.SAFE_STOP, {"reason": reason}))
+        self._latched = self._latched or reason
 
     def reset(self) -> None:
-        """Take commands again after a safe stop.
-
-        Raises:
-            RobotError: If the machine still moves.
-        """
         self._ask(Frame(Kind.RESET))
-        self._latched = ""
+        self._latched, self._stops_itself = "", True
         for frame in self._waiting:  # they were sent before the machine took the reset
             frame.head["latched"] = ""
 
@@ -131,8 +112,13 @@ class WireRobot(Robot):
         return self._settings.address
 
     def latched(self) -> str:
-        """Return why commands are refused; empty while they are taken."""
         return self._latched
+
+    def paused(self, now_s: float) -> None:
+        self._ask(Frame(Kind.PAUSED))
+
+    def resumed(self, now_s: float) -> None:
+        self._ask(Frame(Kind.RESUMED))
 
     def _open(self) -> Connection:
         if self._connection is None:

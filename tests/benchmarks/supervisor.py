@@ -3,7 +3,7 @@
 Each trial lets a machine behind the wire swing its cabin, driven by a loop in a supervised process
 that then fails in one way: `leaf` (it computes for ever), `read` (it waits for ever), `gil` (a
 library holds the interpreter's lock), `kill` (kill -9). The time is from the failure to the call of
-the machine's `stop`. Every trial must be told within the bound.
+the machine's `safe_stop`. Every trial must be told within the bound.
 
     python tests/benchmarks/supervisor.py --trials 100
 """
@@ -46,16 +46,16 @@ def machine(address: str, silence_s: float, note: Path) -> None:
     plugin = load("robot", "kinematic")
     robot = plugin(settings_of("robot", "kinematic")(), load_machine("m545"))
     server = MachineServer(robot, "m545", Address.parse(address), silence_s)
-    stop, latch = robot.stop, server._latch
+    stop = robot.safe_stop
 
-    def noted() -> None:
-        stop()
+    def noted(reason: str) -> None:
+        stop(reason)
         if not note.exists():
-            told = {"told_s": time.monotonic(), "reason": latch.reason}
+            told = {"told_s": time.monotonic(), "reason": reason}
             note.with_suffix(".part").write_text(json.dumps(told), encoding="utf-8")
             note.with_suffix(".part").rename(note)
 
-    robot.stop = noted
+    robot.safe_stop = noted
     signal.signal(signal.SIGTERM, lambda *_: setattr(server, "is_ended", True))
     server.run()
 
