@@ -89,7 +89,10 @@ class WhileNode(Modifier):
 
 
 class TimeoutNode(Modifier):
-    """Cancels its child when it has taken too long by the mission's clock: a failure."""
+    """Cancels its child when it has taken too long by the mission's clock: a failure.
+
+    The child is not ticked any more at the tick at which its time is over.
+    """
 
     def __init__(
         self, name: str, path: str, runtime: Runtime, child: Behaviour, limit_s: float
@@ -102,14 +105,13 @@ class TimeoutNode(Modifier):
         self._started_s = self.runtime.limited_time_s()
 
     def proceed(self) -> Steps:
+        took_s = self.runtime.limited_time_s() - self._started_s
+        if self.child.status is Status.RUNNING and took_s >= self._limit_s - EPSILON_S:
+            self.feedback_message = f"not done within {self._limit_s:g} s"
+            self.record(NodeTimedOut(self._limit_s))
+            return Status.FAILURE
         yield from self.child.tick()
-        if self.child.status is not Status.RUNNING:
-            return self.adopt(self.child)
-        if self.runtime.limited_time_s() - self._started_s < self._limit_s - EPSILON_S:
-            return self.adopt(self.child)
-        self.feedback_message = f"not done within {self._limit_s:g} s"
-        self.record(NodeTimedOut(self._limit_s))
-        return Status.FAILURE
+        return self.adopt(self.child)
 
 
 class RetryNode(Modifier):

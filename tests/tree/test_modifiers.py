@@ -99,8 +99,17 @@ def test_timeout_cancels_by_the_missions_clock(tree_of: Any, world: World) -> No
 
 
 def test_timeout_leaves_alone_what_ends_in_time(tree_of: Any, world: World) -> None:
-    tree = tree_of("run: Try\nwith: {ticks: 5}\ntimeout: 500 ms")
+    tree = tree_of("run: Try\nwith: {ticks: 4}\ntimeout: 500 ms")
     assert (tree.finish(), tree.reason) == ("SUCCESS", "there")
+
+
+@pytest.mark.parametrize("limit", ["500 ms", "450 ms"])
+def test_timeout_cancels_what_would_end_when_its_time_is_over(
+    tree_of: Any, world: World, limit: str
+) -> None:
+    tree = tree_of(f"run: Try\nwith: {{ticks: 5}}\ntimeout: {limit}")
+    assert tree.finish() == "FAILURE"
+    assert tree.runtime.endings() == [("main", "halted")]
 
 
 def test_if_leaves_the_node_out_of_a_sequence_and_says_so(tree_of: Any, world: World) -> None:

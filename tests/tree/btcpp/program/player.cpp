@@ -115,8 +115,8 @@ public:
   }
 };
 
-// Hands an end of its child that took time on at the next tick, as the rounds of a loop end theirs.
-// With `attempts="3"` it stands in a `retry`: a success, and the third failure, are handed on at once.
+// Hands a success of its child that took time on at the next tick, as a round of a loop ends its tick.
+// With `attempts="3"` it stands in a `retry` and does so with failures, up to the second.
 class Later : public BT::DecoratorNode
 {
 public:
@@ -139,7 +139,8 @@ public:
     }
     resetChild();
     const int attempts = std::stoi(text(*this, "attempts", "0"));
-    const bool is_last = attempts > 0 && (end_ == BT::NodeStatus::SUCCESS || ++ends_ == attempts);
+    const bool is_success = end_ == BT::NodeStatus::SUCCESS;
+    const bool is_last = attempts > 0 ? is_success || ++ends_ == attempts : !is_success;
     ends_ = is_last ? 0 : ends_;
     waits_ = was_running && !is_last;
     return waits_ ? BT::NodeStatus::RUNNING : end_;
