@@ -81,14 +81,22 @@ class PersistentSequenceNode(InOrderNode):
         super().__init__(name, path, runtime, children)
         self._scope = scope
         self._store: Store | None = None
+        self._is_resumed = False
 
     def begin(self) -> None:
         # The tree was called anew: the keys that the children before have written are gone.
         if self._next == len(self.children) or self._store is not self._scope.store:
             self._next = 0
-            self._last_acting = None
             self._store = self._scope.store
+        self._is_resumed = self._next > 0
+        self._last_acting = None
         reset_children(self)
+
+    def proceed(self) -> Steps:
+        status = yield from super().proceed()
+        if self._is_resumed:  # what was left out is the rest, not all
+            self.is_skipped = False
+        return status
 
 
 class ReactiveNode(Controller):

@@ -97,7 +97,7 @@ class Act(Action[ActSettings]):
 
 
 class TellSettings(Settings):
-    values: str | float | bool | list[Any] = ""
+    values: Any = ""
 
 
 class Tell(Action[TellSettings]):

@@ -2,8 +2,8 @@
 
 Left out is what differs on purpose (docs/node_rules.md, "Where it differs on purpose"): actions
 before the last child of a reactive sequence without any condition, earlier children of a reactive
-fallback that fail after some time, children of a parallel and rounds of a loop that are left out,
-and persistent sequences in called trees.
+fallback that fail after some time; what is left out as a child of a parallel, a round of a loop or
+within a timeout; and persistent sequences in called trees.
 """
 
 from dataclasses import dataclass, field
@@ -209,8 +209,8 @@ class _Maker:
         if place.may_skip:
             modifiers += ["if", "once"]
         how = self.chance.choice(modifiers)
-        if how == "retry" and place.may_skip:  # attempts that are left out are no attempts
-            how = "timeout"
+        if how in ("retry", "timeout") and place.may_skip:
+            node = self.node(_Place(place.depth - 1, False, place.in_call))
         values = {
             "while": self.condition,
             "if": self.condition,
