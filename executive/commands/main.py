@@ -27,6 +27,7 @@ from executive.commands.grasps.grasp import grasp
 from executive.commands.logs.compare_estimators import compare_estimators
 from executive.commands.logs.estimate import estimate
 from executive.commands.missions.check import check
+from executive.commands.missions.import_ import import_mission
 from executive.commands.missions.resume import resume
 from executive.commands.missions.run import run
 from executive.commands.missions.schema import schema
@@ -78,6 +79,7 @@ _VERBS: dict[str, Callable[..., None]] = {
     "check": check,
     "show": show,
     "simulate": simulate,
+    "import": import_mission,
     "schema": schema,
     "words": words,
     "campaign": campaign,

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 
 from executive.errors import did_you_mean
 from executive.tree.ask_reader import read_ask
+from executive.tree.expressions.syntax import Truth
 from executive.tree.instances import USE, read_uses
 from executive.tree.language import (
     UNREADABLE,
@@ -37,7 +38,7 @@ from executive.tree.language import (
 )
 from executive.tree.leaf_reader import LEAF_KEYS, LeafReader, check_port, read_outputs
 from executive.tree.problem import Mark
-from executive.tree.reading import Reading, is_text
+from executive.tree.reading import Reading, is_text, place_of
 from executive.tree.traversal import is_instant
 from executive.tree.value import Scalar, Table, Value, describe
 
@@ -64,6 +65,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "call": ("in", "out", USE),
     "do": ("else",),  # with `while` and `else` a kind of its own; else it carries modifiers
 }
+SKIP = "skip"  # as an `else`: the node is left out
 REPEATING = ("loop", "for_each", "consume")  # beside them, `do` is their body
 MODIFIERS = (
     "if",
@@ -228,6 +230,9 @@ class NodeReader:
 
     def _otherwise(self, table: Table) -> Node | None:
         value = table.get("else")
+        if value is not None and is_text(value) and describe(value).strip("'") == SKIP:
+            always, never = (Computed(Truth(one), place_of(value)) for one in (True, False))
+            return Node(CheckKeys(always), Modifiers(if_=never), value.mark)
         return None if value is None else self.node(value)
 
     def _switch(self, table: Table) -> Kind | None:

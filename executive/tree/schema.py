@@ -30,6 +30,7 @@ _DURATION: Schema = {
     "description": "A duration: seconds, or with a unit: 30 s, 2 min.",
 }
 _NODE: Schema = {"$ref": "#/$defs/node"}
+_OTHERWISE: Schema = {"anyOf": [_NODE, {"const": "skip"}]}
 _CONDITION: Schema = {"$ref": "#/$defs/condition"}
 _NODES: Schema = {"type": "array", "items": _NODE, "minItems": 1}
 _USE: Schema = {
@@ -212,16 +213,16 @@ def _kinds() -> Iterator[Schema]:
     for kind in ("not", "force_failure"):
         yield {"properties": {kind: _NODE}, "required": [kind]}
     yield {
-        "properties": {"if": _CONDITION, "then": _NODE, "else": _NODE},
+        "properties": {"if": _CONDITION, "then": _NODE, "else": _OTHERWISE},
         "required": ["if", "then"],
     }
     yield {
-        "properties": {"while": _CONDITION, "do": _NODE, "else": _NODE},
+        "properties": {"while": _CONDITION, "do": _NODE, "else": _OTHERWISE},
         "required": ["while", "do", "else"],
     }
     cases = {"type": "object", "additionalProperties": _NODE, "minProperties": 1}
     yield {
-        "properties": {"switch": _REFERENCE, "cases": cases, "else": _NODE},
+        "properties": {"switch": _REFERENCE, "cases": cases, "else": _OTHERWISE},
         "required": ["switch", "cases"],
     }
     loop = {"until": _CONDITION, "max": count}

@@ -33,9 +33,8 @@ def read_elements(text: str, file: str) -> XmlElement:
         reader.parser.Parse(text.encode("utf-8"), True)
     except expat.ExpatError as error:
         mark = Mark(file, error.lineno, error.offset + 1)
-        raise MissionFileError([Problem(mark, f"no XML: {expat.errors.messages[error.code]}")]) from (
-            error
-        )
+        told = f"no XML: {expat.errors.messages[error.code]}"
+        raise MissionFileError([Problem(mark, told)]) from error
     if reader.root is None:
         raise MissionFileError([Problem(Mark(file), "no XML: it has no element")])
     return reader.root

@@ -82,6 +82,8 @@ class _Writer:
 
     def node(self, node: Node) -> Element:
         """Return a node with its modifiers around it, outermost first."""
+        if _is_nothing(node):
+            return _left_out()
         element = self._kind(node.kind)
         name = node.modifiers.name
         if name and isinstance(node.kind, Group):  # its child has a name of its own
@@ -194,6 +196,13 @@ class _Writer:
         if kind.max_rounds:
             element.set("max", str(kind.max_rounds))
         return element
+
+
+def _is_nothing(node: Node) -> bool:
+    """Whether a node is always left out, as `else: skip` is."""
+    asked = node.modifiers.if_
+    is_never = isinstance(asked, Computed) and asked.expression == Truth(False)
+    return is_never and isinstance(node.kind, CheckKeys)
 
 
 def _left_out() -> Element:

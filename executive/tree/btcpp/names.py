@@ -53,6 +53,11 @@ def leaf_name(tag: str) -> str:
     return tag[:-1] if tag.endswith("_") and tag[:-1] in _TAKEN else tag
 
 
+def is_taken(name: str) -> bool:
+    """Whether a name is one of the library's nodes, or of the mission language's own."""
+    return name in _TAKEN
+
+
 def tree_id(name: str, leaves: frozenset[str]) -> str:
     """Return a tree's ID, which must be the name of no node; `leaves` are the tags in use."""
     return f"{name}_tree" if name in _TAKEN | leaves else name

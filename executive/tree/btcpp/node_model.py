@@ -90,7 +90,7 @@ def _tree_model(tree: Tree, written: str) -> Element:
     model = Element("SubTree", ID=written)
     for side, ports in (("input_port", tree.inputs), ("output_port", tree.outputs)):
         for name, wanted in ports.items():
-            _port(model, side, name, wanted.name, "")
+            _port(model, side, name, wanted.text, "")
     return model
 
 

@@ -36,7 +36,11 @@ def read_models(root: XmlElement) -> dict[str, Model]:
             models[model.get("ID")] = Model(
                 model.tag,
                 {one.get("name"): _SIDES[one.tag] for one in ports},
-                {one.get("name"): one.get("default") for one in ports if "default" in one.attributes},
+                {
+                    one.get("name"): one.get("default")
+                    for one in ports
+                    if "default" in one.attributes
+                },
                 {one.get("name"): one.get("type") for one in ports},
             )
     return models
@@ -66,7 +70,9 @@ class LeafImporter:
         kind = "run" if issubclass(leaf, Action) else "check"
         return {kind: name, **self._by_class(element, leaf, given)}
 
-    def _by_class(self, element: XmlElement, leaf: type[Leaf[Any]], given: Mapping[str, str]) -> Data:
+    def _by_class(
+        self, element: XmlElement, leaf: type[Leaf[Any]], given: Mapping[str, str]
+    ) -> Data:
         parts: dict[str, Data] = {"with": {}, "in": {}, "out": {}}
         for attribute, text in given.items():
             name = port(attribute)
@@ -87,7 +93,7 @@ class LeafImporter:
         self, element: XmlElement, side: str, name: str, text: str, parts: dict[str, Data]
     ) -> None:
         if "{" not in text:
-            told = f"port '{name}' takes a key, not the literal '{text}': write it with a Script before"
+            told = f"port '{name}' takes a key, not '{text}': write it with a Script before"
             self.problems.error(element.mark, told)
         elif unwrapped(text) not in (f"{{{name}}}", "{=}"):  # of the same name: not listed
             parts[side][name] = unwrapped(text)

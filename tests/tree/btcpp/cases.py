@@ -1,9 +1,9 @@
 """The cases after BehaviorTree.CPP's own tests, in the mission language: read, played and counted.
 
 A case is written anew from what a test of the library (4.10) expects; `case` names the test. In
-trees, `~a:2fs` is an action `a` that takes 2 ticks and fails at its first start, `?c:10` a condition
-whose answers change, `!{v}` a leaf that notes a value. `play` gives the expected line of each tick in
-the words of program/player.cpp; H halts the tree, and `set` changes keys from outside.
+trees, `~a:2fs` is an action `a` that takes 2 ticks and fails at its first start, `?c:10` a
+condition whose answers change, `!{v}` a leaf that notes a value. `play` gives the expected line of
+each tick in the words of program/player.cpp; H halts the tree, and `set` changes keys from outside.
 
 What `form` says:
     (nothing)    the same nodes, the same result

@@ -7,7 +7,6 @@ events of the leaves in their order: `R a+ c?1`.
 import json
 import tempfile
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from py_trees.behaviour import Behaviour
@@ -21,6 +20,7 @@ from executive.leaf.context import Context
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.runtime import MissionFaultError, Question, Runtime
 from executive.leaf.store import Store
+from executive.tree.btcpp.export_xml import to_xml
 from executive.tree.build import build_tree, halt
 from executive.tree.catalogue import TableCatalogue
 from executive.tree.language import MissionFile
@@ -126,6 +126,7 @@ class Given(Condition[GivenSettings]):
         return succeeded() if answer == "1" else failed("not given")
 
 
+__all__ = ["CATALOGUE", "Player", "loaded", "play", "to_xml"]
 LEAVES = {leaf.__name__: leaf for leaf in (Act, Given, Tell)}
 PLUGINS = {"robot": {"any": Plugin}, "estimation": {"any": Plugin}}
 CATALOGUE = TableCatalogue(LEAVES, PLUGINS)
@@ -195,8 +196,3 @@ def play(mission: MissionFile, ticks: int, halts: Sequence[int] = ()) -> list[st
         if number in halts:
             lines.append(player.halt())
     return lines
-
-
-def temporary(name: str) -> Path:
-    """Return a path in the system's folder for temporary files."""
-    return Path(tempfile.gettempdir()) / name

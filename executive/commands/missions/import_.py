@@ -1,0 +1,66 @@
+"""`executive import`: trees of another language as a mission."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from executive.commands.console import answer, say
+from executive.commands.options import JsonOption
+from executive.errors import ConfigError
+
+
+def import_mission(
+    file: Annotated[
+        Path,
+        typer.Argument(help="XML of BehaviorTree.CPP 4, as Groot2 writes it.", show_default=False),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(help="File to write; standard output without.", show_default=False),
+    ] = None,
+    extends: Annotated[
+        str, typer.Option(help="Mission whose plugins and settings it takes over, such as base.")
+    ] = "",
+    as_json: JsonOption = False,
+) -> None:
+    """Read trees of BehaviorTree.CPP 4 and write them as a mission.
+
+    What the mission language cannot say is listed with its line, and nothing is written.
+
+    Example: executive import patrol.xml --extends base --out patrol.yaml
+    """
+    from executive.tree.btcpp.import_xml import from_xml
+    from executive.tree.catalogue import InstalledCatalogue
+    from executive.tree.resolved import yaml_text
+    from executive.tree.sources import find
+
+    try:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{file} cannot be read: {error}") from error
+    if extends and find(extends) is None:
+        raise ConfigError(f"--extends: '{extends}' is no file and no shipped mission")
+    name = "".join(letter if letter.isalnum() else "_" for letter in file.stem) or "imported"
+    imported = from_xml(text, str(file), InstalledCatalogue(), name)
+    document = imported.document
+    if extends:
+        head = {key: document[key] for key in ("api", "mission")}
+        document = {**head, "extends": extends, "trees": document["trees"]}
+    for warning in imported.warnings:
+        say(str(warning))
+    if as_json:
+        answer(document)
+    elif out is None:
+        print(yaml_text(document), end="")
+    else:
+        _write(out, yaml_text(document))
+        count = len(document["trees"])
+        say(f"{out}: {count} tree{'s' if count > 1 else ''}; `executive check {out}` checks them")
+
+
+def _write(out: Path, text: str) -> None:
+    try:
+        out.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise ConfigError(f"--out: {out} cannot be written: {error}") from error
