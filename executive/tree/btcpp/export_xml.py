@@ -21,6 +21,7 @@ from executive.tree.btcpp.names import (
     attribute,
     leaf_tag,
     tree_id,
+    uses_attribute,
 )
 from executive.tree.btcpp.node_model import node_models
 from executive.tree.btcpp.script import assignment, condition_script, set_script
@@ -150,7 +151,8 @@ class _Writer:
                 return _condition(condition)
             case Call():
                 wires = {**_wires(kind.inputs), **_wires(kind.outputs)}
-                return Element("SubTree", {"ID": self._ids[kind.tree], **wires})
+                named = uses_attribute(kind.uses)
+                return Element("SubTree", {"ID": self._ids[kind.tree], **wires, **named})
             case Wait(duration_s=duration_s):
                 return Element("Sleep", msec=_milliseconds(duration_s))
             case Set():
@@ -267,7 +269,8 @@ def _leaf(use: LeafUse) -> Element:
     settings = {attribute(key): _text(value) for key, value in literals.items()}
     if use.parameters:
         settings |= _wires(use.parameters.sources)
-    return Element(leaf_tag(use.name), {**settings, **_wires(use.inputs), **_wires(use.outputs)})
+    wires = {**_wires(use.inputs), **_wires(use.outputs)}
+    return Element(leaf_tag(use.name), {**settings, **wires, **uses_attribute(use.uses)})
 
 
 def _wires(wires: Mapping[str, Source]) -> dict[str, str]:

@@ -29,6 +29,7 @@ BUILT_IN = frozenset(
         *("Action", "Condition", "Control", "Decorator", "BehaviorTree", "Root", "root"),
     )
 )
+USES = "use"  # of a leaf and a SubTree
 _TAKEN = BUILT_IN | set(OWN)
 _RESERVED = ("name", "ID")
 
@@ -41,6 +42,18 @@ def attribute(name: str) -> str:
 def port(name: str) -> str:
     """Return the port's or setting's name of an attribute."""
     return name[:-1] if name[:-1] in _RESERVED and name.endswith("_") else name
+
+
+def uses_attribute(uses: Mapping[str, str]) -> dict[str, str]:
+    """Return the plugins that a leaf or tree uses by name as an attribute: `placing=rows`."""
+    text = ";".join(f"{capability}={name}" for capability, name in uses.items())
+    return {USES: text} if uses else {}
+
+
+def uses_of_attribute(text: str) -> dict[str, str]:
+    """Return such an attribute as `use` has it."""
+    pairs = (part.partition("=") for part in text.split(";"))
+    return {capability: name for capability, _, name in pairs}
 
 
 def leaf_tag(name: str) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping
 from xml.etree.ElementTree import Element, SubElement
 
 from executive.leaf.action import Action
-from executive.tree.btcpp.names import OWN, attribute, leaf_tag
+from executive.tree.btcpp.names import OWN, USES, attribute, leaf_tag
 from executive.tree.language import Call, LeafUse, MissionFile, Tree
 from executive.tree.port_types import type_name
 from executive.tree.traversal import uses_of
@@ -64,7 +64,8 @@ def node_models(mission: MissionFile, ids: Mapping[str, str], tags: Collection[s
     """
     models = Element("TreeNodesModel")
     nodes = [node for tree in mission.trees.values() for node in tree.root.walk()]
-    uses = {use.name: use for node in nodes for use in uses_of(node)}
+    every = sorted((use for node in nodes for use in uses_of(node)), key=lambda use: len(use.uses))
+    uses = {use.name: use for use in every}  # one that names plugins, if there is any
     models.extend(_leaf_model(use) for _, use in sorted(uses.items()))
     called = {node.kind.tree for node in nodes if isinstance(node.kind, Call)}
     models.extend(_tree_model(mission.trees[name], ids[name]) for name in sorted(called))
@@ -81,6 +82,8 @@ def _leaf_model(use: LeafUse) -> Element:
     for side, ports in (("input_port", leaf.inputs), ("output_port", leaf.outputs)):
         for name, port in ports.items():
             _port(model, side, name, type_name(port.type), port.doc)
+    if use.uses:
+        _port(model, "input_port", USES, "", "The plugins that it uses, by name.")
     summary = (inspect.getdoc(leaf) or "").partition("\n")[0]
     SubElement(SubElement(model, "MetadataFields"), "Metadata", description=summary)
     return model

@@ -8,7 +8,7 @@ from typing import Any
 from executive.errors import ConfigError, did_you_mean
 from executive.leaf.action import Action, Leaf
 from executive.tree.btcpp.elements import XmlElement
-from executive.tree.btcpp.names import leaf_name, port
+from executive.tree.btcpp.names import USES, leaf_name, port, uses_of_attribute
 from executive.tree.catalogue import Catalogue
 from executive.tree.problem import Problems
 from executive.tree.setting_types import takes_text
@@ -76,7 +76,9 @@ class LeafImporter:
         parts: dict[str, Data] = {"with": {}, "in": {}, "out": {}}
         for attribute, text in given.items():
             name = port(attribute)
-            if name in leaf.Settings.model_fields:
+            if name == USES and name not in leaf.Settings.model_fields:
+                parts[USES] = uses_of_attribute(text)
+            elif name in leaf.Settings.model_fields:
                 value = _setting(leaf, name, text)
                 if value is not None:
                     parts["with"][name] = value

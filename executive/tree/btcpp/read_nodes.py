@@ -18,7 +18,7 @@ from executive.tree.btcpp.attributes import (
     truth,
 )
 from executive.tree.btcpp.elements import XmlElement
-from executive.tree.btcpp.names import COMPOSITES, TURNED
+from executive.tree.btcpp.names import COMPOSITES, TURNED, USES, uses_of_attribute
 from executive.tree.btcpp.read_leaf import LeafImporter, literal, unwrapped
 from executive.tree.btcpp.read_script import ScriptError
 from executive.tree.btcpp.scripted import with_scripts
@@ -27,6 +27,10 @@ from executive.tree.node_reader import SKIP
 from executive.tree.problem import Problems
 
 _KINDS = {tag: kind for kind, tag in (*COMPOSITES.items(), *TURNED.items())}
+_MODIFIERS = (
+    *("ForceSuccess", "RetryUntilSuccessful", "Timeout", "Delay", "RunOnce", "Precondition"),
+    *("OnHalt", "TryCatch", "IfThenElse", "WhileDoElse"),
+)
 _ANY = -1  # children
 # What has no counterpart, and what says it instead.
 _UNKNOWN = {
@@ -122,7 +126,8 @@ class NodeImporter:
         own = (element.tag, element.get("ID"), "")
         if name in own or (element.tag == "Sequence" and name == "set"):
             return node
-        if "name" in node or any(key in node for key in ("do", "optional", "once")):
+        is_modifier = element.tag in _MODIFIERS and not {"then", "else"} & node.keys()
+        if "name" in node or is_modifier:  # the name would become that of the node within
             return {"sequence": [node], "name": name}
         return {**node, "name": name}
 
@@ -266,6 +271,8 @@ class NodeImporter:
             raise CannotSayError(f"there is no tree '{name}' in this file")
         given = {key: text for key, text in given_ports(element).items() if key != "_autoremap"}
         node: Data = {"call": self._trees[name], "ports": given, "mark": element.mark}
+        if USES in given:
+            node[USES] = uses_of_attribute(given.pop(USES))
         if truth(element, "_autoremap"):
             node["is_automatic"] = True
         return node

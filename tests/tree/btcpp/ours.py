@@ -41,7 +41,7 @@ class PlayedRuntime(Runtime):
         self.starts: dict[str, int] = {}
         self.told: list[str] = []  # what leaves were given
 
-    def context(self, node: str) -> Context:
+    def context(self, node: str, uses: Mapping[str, str]) -> Context:
         return PlayedContext(self)  # type: ignore[abstract]
 
     def record(self, node: str, event: Event) -> None:
