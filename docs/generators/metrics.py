@@ -19,6 +19,9 @@ A **share** counts hits out of trials in each run: stones of a site, attempts, o
 **Values** are any number of measurements in each run. "Truth" is what the simulator knows, so that
 metrics by the truth are for simulated runs only.
 
+A mission reports figures of its own with the leaf `ReportFigure`; the figure `stones_found` is the
+metric `figure.stones_found`, whose values are one a run.
+
 A metric of your own, here over an event that a leaf of your own records
 ([write a tree](how-to/write_a_tree.md)):
 

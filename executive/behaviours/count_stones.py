@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 from pydantic import Field
 
-from executive.config import Settings
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
 from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.stone_filter import StoneFilter, matching_stones
 from executive.messages.stone import StoneState
 
 
-class CountStonesSettings(Settings):
+class CountStonesSettings(StoneFilter):
     states: tuple[StoneState, ...] = Field(
         (StoneState.ON_GROUND, StoneState.PLACED, StoneState.SET_ASIDE),
         min_length=1,
@@ -25,21 +25,20 @@ class StoneCount:
     """How many stones there are.
 
     Attributes:
-        count: Number of stones in these states.
+        count: Number of stones that match.
     """
 
     count: int
 
 
 class CountStones(Condition[CountStonesSettings]):
-    """Count the stones of the database that are in given states."""
+    """Count the stones of the database that meet all criteria."""
 
     needs = (ObjectDatabase,)
 
     def check(self) -> Outcome[StoneCount]:
         """Count them."""
-        stones = self.context.use(ObjectDatabase).stones()
-        count = sum(stone.state in self.settings.states for stone in stones)
+        count = len(matching_stones(self.context, self.settings))
         if count < self.settings.at_least:
             wanted = self.settings.at_least
             return failed(f"{count} stones, and {wanted} are wanted", StoneCount(count))

@@ -19,7 +19,10 @@ _TOP = 0.95  # quantile of heights that counts as the top: the next stone rests 
 
 class FindCourseSlotsSettings(Settings):
     heading: Radians = Field(
-        ge=-6.3, le=6.3, description="Direction of the row, from x towards y [rad]."
+        ge=-6.3,
+        le=6.3,
+        examples=["180 deg"],
+        description="Direction of the row, from x towards y [rad].",
     )
     gap: Meters = Field(0.1, ge=0, le=10, description="Distance between the faces of stones [m].")
     near: Meters = Field(

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from executive.errors import DataError
 from executive.events.finding import ListedStone, StonesListed
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
@@ -10,7 +11,7 @@ from executive.messages.stone import Stone
 
 
 class ListStones(Condition):
-    """Write every stone of the database into journal and report: state, place and extents.
+    """Write every stone of the database into journal and report: state, place, extents and volume.
 
     Fails when no stone is known.
     """
@@ -27,7 +28,18 @@ class ListStones(Condition):
 
 
 def _listed(stone: Stone) -> ListedStone:
-    extents_m = np.ptp(stone.points_map, axis=0)
     return ListedStone(
-        stone.id, stone.state.value, stone.centroid_map, extents_m, len(stone.points_map)
+        id=stone.id,
+        state=stone.state.value,
+        centroid_map=stone.centroid_map,
+        extents_m=np.ptp(stone.points_map, axis=0),
+        points=len(stone.points_map),
+        volume_m3=_volume_m3(stone),
     )
+
+
+def _volume_m3(stone: Stone) -> float | None:
+    try:
+        return stone.volume_m3
+    except DataError:  # its known surface spans no volume
+        return None

@@ -51,6 +51,7 @@ class ListedStone:
         centroid_map: Mean of its points [m], shape (3,).
         extents_m: Its extents along the axes of the map, as far as it was seen [m], shape (3,).
         points: Number of points of its model.
+        volume_m3: Volume of its convex hull [m³]; None if too little of it was seen.
     """
 
     id: int
@@ -58,6 +59,7 @@ class ListedStone:
     centroid_map: Float
     extents_m: Float
     points: int
+    volume_m3: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -85,9 +85,20 @@ class Operator:
     """Puts questions: to the terminal if there is one and no answer was given beforehand."""
 
     def __init__(
-        self, preset: bool | None = None, read_line: Callable[[], str] | None = None
+        self,
+        preset: bool | None = None,
+        read_line: Callable[[], str] | None = None,
+        chosen: Sequence[str] = (),
     ) -> None:
+        """Take the answers that were given beforehand.
+
+        Args:
+            preset: The answer to every question of yes or no.
+            read_line: How a line of the terminal is read.
+            chosen: Choices; a question takes the first of them that it offers.
+        """
         self._preset = preset
+        self._chosen = tuple(chosen)
         has_terminal = sys.stdin is not None and sys.stdin.isatty()
         self._read_line = read_line or (sys.stdin.readline if has_terminal else None)
 
@@ -104,9 +115,12 @@ class Operator:
         """
         if self._preset is not None and not choices:
             return Answered(self._preset, "option")
+        for choice in self._chosen:
+            if choice in choices:
+                return Answered(choice, "option")
         if self._read_line is not None:
             return TerminalQuestion(question, default, self._read_line, choices)
         if default is not None:
             return Answered(default, "default")
-        cure = "a default" if choices else "--answer yes|no or a default"
+        cure = f"--answer {'|'.join(choices or ('yes', 'no'))} or a default"
         raise ConfigError(f"no one can answer '{question}': there is no terminal; give {cure}")

@@ -56,11 +56,12 @@ class Options:
     real_time: bool = False
     runner: str | None = None
     answer: bool | None = None
+    choices: tuple[str, ...] = ()
 
     @property
     def kept(self) -> KeptOptions:
         """Return what a resumed run takes over."""
-        return KeptOptions(self.seed, self.real_time, self.runner, self.answer)
+        return KeptOptions(self.seed, self.real_time, self.runner, self.answer, self.choices)
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +126,7 @@ class Run:
             ),
             journal=self._journal,
             account=self._account,
-            operator=Operator(options.answer),
+            operator=Operator(options.answer, chosen=options.choices),
             memory=self._memory,
             keeper=Keeper(self.folder.kept, self._assembly.plugins),
             folder=self.folder.path,

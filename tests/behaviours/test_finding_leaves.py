@@ -6,10 +6,12 @@ import pytest
 from executive.behaviours.count_stones import CountStones
 from executive.behaviours.list_stones import ListStones
 from executive.behaviours.mark_point import MarkPoint
+from executive.behaviours.mark_region import MarkRegion
 from executive.behaviours.mark_stone import MarkStone
 from executive.behaviours.report_figure import ReportFigure
 from executive.events.finding import FigureReported, Marked, StonesListed
 from executive.interfaces.objects import ObjectDatabase
+from executive.messages.region import Region
 from executive.messages.stone import StoneState
 
 
@@ -48,6 +50,33 @@ def test_a_stone_is_marked_at_its_centroid(stage, database) -> None:
     assert ended.shown["marks/stone_2"].text == "cracked"
 
 
+def test_a_region_is_marked_at_the_height_that_the_map_shows_there(stage) -> None:
+    stand = stage.Stage(mapping=stage.PointMap([[1.0, 1.0, 0.4], [1.5, 1.0, 0.6], [9.0, 9.0, 5.0]]))
+    corners = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    stand.leaf_context.regions["yard"] = Region("yard", corners)
+    ended = stand.tick(MarkRegion, settings={"region": "yard", "text": "clear"})
+    assert (ended.status, ended.reason) == ("SUCCESS", "yard: clear")
+    (event,) = ended.events
+    assert (event.kind_of_place, event.region) == ("region", "yard")
+    np.testing.assert_allclose(event.position_map, [1.0, 1.0, 0.5])
+    assert ended.shown["marks/yard"].text == "clear"
+
+
+def test_a_region_that_was_not_seen_is_not_marked(stage) -> None:
+    stand = stage.Stage(mapping=stage.PointMap([[9.0, 9.0, 5.0]]))
+    corners = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0]])
+    stand.leaf_context.regions["yard"] = Region("yard", corners)
+    ended = stand.tick(MarkRegion, settings={"region": "yard", "text": "clear"})
+    assert ended.status == "FAILURE"
+    assert ended.reason == "the map shows nothing of the region 'yard': scan it first"
+    assert (ended.events, ended.shown) == ([], {})
+
+
+def test_stones_are_counted_by_their_size(stage, database) -> None:
+    ended = stage.Stage(objects=database).tick(CountStones, settings={"min_volume": "10 m3"})
+    assert ended.outputs == {"count": 0}
+
+
 def test_an_unknown_stone_is_not_marked(stage, database) -> None:
     ended = stage.Stage(objects=database).tick(MarkStone, settings={"text": "cracked"}, stone=9)
     assert ended.status == "FAILURE"
@@ -81,6 +110,7 @@ def test_all_stones_are_listed_with_place_and_extents(stage, database) -> None:
     ]
     np.testing.assert_allclose(event.stones[0].centroid_map, [5.0, 0.0, 0.3], atol=0.05)
     np.testing.assert_allclose(event.stones[0].extents_m, [1.0, 0.8, 0.6], atol=0.02)
+    assert event.stones[0].volume_m3 == pytest.approx(0.48, abs=0.05)
 
 
 def test_a_list_without_stones_is_a_failure_that_is_recorded(stage) -> None:

@@ -1,11 +1,14 @@
 """Questions are answered by a person, an option or a default, and say by which."""
 
+import re
 import time
 
 import pytest
 
 from executive.errors import ConfigError
 from executive.mission.operator import Operator
+from executive.mission.preset_answers import PresetAnswers, preset_answers
+from executive.tree.load import load_mission
 
 
 def wait_for(question, limit_s=5.0):
@@ -88,7 +91,7 @@ def test_an_option_for_yes_and_no_answers_no_choice(monkeypatch):
     monkeypatch.setattr("sys.stdin", None)
     question = Operator(preset=True).ask("where to?", "right", SIDES)
     assert (question.answer(), question.source()) == ("right", "default")
-    with pytest.raises(ConfigError, match="give a default"):
+    with pytest.raises(ConfigError, match=r"give --answer left\|right\|leave it or a default"):
         Operator(preset=True).ask("where to?", None, SIDES)
 
 
@@ -98,3 +101,53 @@ def test_a_closed_terminal_chooses_nothing_without_a_default(capsys):
     while question.answer() is None and time.monotonic() < deadline:
         time.sleep(0.01)
     assert (question.answer(), question.source()) == ("", "default")
+
+
+def test_a_choice_given_beforehand_answers_the_questions_that_offer_it(monkeypatch):
+    monkeypatch.setattr("sys.stdin", None)
+    operator = Operator(chosen=("left", "leave"))
+    asked = [
+        operator.ask("?", None, choices) for choices in (["grasp", "leave"], ["left", "leave"])
+    ]
+    assert [(one.answer(), one.source()) for one in asked] == [
+        ("leave", "option"),
+        ("left", "option"),
+    ]
+    with pytest.raises(ConfigError, match=r"give --answer a\|b or a default"):
+        operator.ask("?", None, ["a", "b"])
+    with pytest.raises(ConfigError, match=r"give --answer yes\|no or a default"):
+        operator.ask("?", None)
+
+
+@pytest.fixture
+def mission(tmp_path):
+    path = tmp_path / "asks.yaml"
+    path.write_text(
+        "api: 1\nmission: asks\nplugins: {robot: kinematic, estimation: gnss_imu_filter}\n"
+        "trees: {main: {sequence: [{ask: Go on?}, {ask: Which?, choices: [left, right]}]}}\n"
+    )
+    return load_mission(str(path))
+
+
+@pytest.mark.parametrize(
+    ("given", "preset"),
+    [
+        ([], PresetAnswers()),
+        (["no"], PresetAnswers(answer=False)),
+        (["right", "yes", "left"], PresetAnswers(True, ("right", "left"))),
+    ],
+)
+def test_answers_are_sorted_by_the_questions_that_take_them(mission, given, preset):
+    assert preset_answers(given, mission) == preset
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (["rigth"], "no question of asks takes 'rigth'. Did you mean 'right'?"),
+        (["yes", "no"], "yes and no are both given"),
+    ],
+)
+def test_answers_that_no_question_takes_are_refused(mission, given, told):
+    with pytest.raises(ConfigError, match=re.escape(told)):
+        preset_answers(given, mission)

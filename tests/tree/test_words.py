@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from pydantic import Field
 
@@ -10,6 +11,7 @@ from executive.errors import ConfigError
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
 from executive.leaf.outcome import succeeded
+from executive.messages.region import Region
 from executive.tree.catalogue import InstalledCatalogue
 from executive.tree.document import read_file
 from executive.tree.node_reader import KINDS, MODIFIERS, NodeReader
@@ -19,6 +21,7 @@ from executive.tree.words.leaf_word import leaf_word
 from executive.tree.words.vocabulary import Vocabulary, vocabulary
 
 ALL = vocabulary()
+REGIONS = {"corridor": Region("corridor", np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]))}
 TREES = {"relocate_one": ({"stone": "int", "free_slots": "list[Slot]"}, {})}
 
 
@@ -65,7 +68,8 @@ def test_the_example_of_a_word_is_a_node_without_mistake(name: str, tmp_path: Pa
     path.write_text(ALL.words[name].example, encoding="utf-8")
     problems = Problems()
     value = read_file(path, "example.yaml", problems)
-    node = NodeReader(Reading(InstalledCatalogue(), problems), TREES).node(value)
+    reading = Reading(InstalledCatalogue(), problems, regions=REGIONS)
+    node = NodeReader(reading, TREES).node(value)
     problems.raise_errors()
     assert node is not None
     assert name in path.read_text(encoding="utf-8")

@@ -31,6 +31,11 @@ _SHARE: Schema = {
     ],
     "description": "A share: 0.95 or 95 %.",
 }
+_FIGURE: Schema = {
+    "type": "string",
+    "pattern": r"^figure\.\w+$",
+    "description": "A figure that the mission reports by ReportFigure.",
+}
 _SEED: Schema = {
     "anyOf": [
         {"type": "integer", "minimum": 0},
@@ -156,6 +161,7 @@ def _limits() -> Schema:
 
 def _metrics() -> Schema:
     known = {}
+    where: Schema = {"type": "object", "additionalProperties": _LEVEL}
     for name in installed_metrics():
         try:
             measured = metric(name)
@@ -163,18 +169,30 @@ def _metrics() -> Schema:
             continue
         limits = dict.fromkeys(LIMITS, _SHARE if measured.is_share else _QUANTITY)
         bounds = limits if measured.is_share else dict.fromkeys(OF_VALUES, _closed(limits))
-        where = {"type": "object", "additionalProperties": _LEVEL}
-        one = _closed({**bounds, WHERE: where})
-        forms = [{"type": "null"}, one, {"type": "array", "items": one}]
-        known[name] = {"anyOf": forms, "description": measured.description}
-    return {"anyOf": [_closed(known), {"type": "array", "items": {"enum": list(known)}}]}
+        known[name] = _bounded({**bounds, WHERE: where}, measured.description)
+    of_values = dict.fromkeys(OF_VALUES, _closed(dict.fromkeys(LIMITS, _QUANTITY)))
+    figure = _bounded({**of_values, WHERE: where}, "A figure that the mission reports.")
+    named = {**_closed(known), "patternProperties": {_FIGURE["pattern"]: figure}}
+    listed = {"anyOf": [{"enum": list(known)}, _FIGURE]}
+    return {"anyOf": [named, {"type": "array", "items": listed}]}
+
+
+def _bounded(bounds: Schema, description: str) -> Schema:
+    """Return the schema of one metric: no bound, one, or several."""
+    one = _closed(bounds)
+    forms = [{"type": "null"}, one, {"type": "array", "items": one}]
+    return {"anyOf": forms, "description": description}
 
 
 def _comparison() -> Schema:
     given: Schema = {
         "factor": _TEXT,
         "baseline": _LEVEL,
-        "metrics": {"type": "array", "items": {"enum": list(installed_metrics())}, "minItems": 1},
+        "metrics": {
+            "type": "array",
+            "items": {"anyOf": [{"enum": list(installed_metrics())}, _FIGURE]},
+            "minItems": 1,
+        },
         "margin": {**_SHARE, "description": f"Difference that matters; {MARGIN} if absent."},
     }
     return _closed({key: given[key] for key in COMPARISON_KEYS}, "factor", "baseline")

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from executive import registry
+from executive.campaign.figures.metrics.figure import PREFIX, Figure
 from executive.errors import DataError
 from executive.interfaces.metric import (
     Measurement,
@@ -55,12 +56,14 @@ def _events(path: Path) -> tuple[TimedEvent, ...]:
 
 
 def metric(name: str) -> Metric:
-    """Return a metric by its installed name.
+    """Return a metric by its installed name; `figure.NAME` is a figure that missions report.
 
     Raises:
         UnknownPluginError: If none of that name is installed; the message names the nearest.
         BrokenPluginError: If it cannot be imported, or is no metric.
     """
+    if name.startswith(PREFIX):
+        return Figure(name.removeprefix(PREFIX))
     found = registry.load(registry.METRICS, name)
     if not issubclass(found, Metric):
         raise registry.BrokenPluginError(

@@ -10,7 +10,6 @@ from executive.commands.console import answer, one_of, say
 from executive.commands.options import JsonOption, MissionArgument, SeedOption, SetOption
 
 _RUNNERS = ("inline", "thread", "process")
-_ANSWERS = {"yes": True, "no": False}
 
 
 def run(  # noqa: PLR0913 - the options of the command line, each a parameter to typer
@@ -39,7 +38,12 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
         str | None, typer.Option(help="Where long computations run: inline, thread or process.")
     ] = None,
     answer_: Annotated[
-        str | None, typer.Option("--answer", help="Answer the mission's questions: yes or no.")
+        list[str] | None,
+        typer.Option(
+            "--answer",
+            help="Answer the mission's questions: yes, no, or one of a question's choices; may be "
+            "repeated.",
+        ),
     ] = None,
     machine: Annotated[
         str | None,
@@ -58,13 +62,18 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
     """
     if runner is not None:
         one_of("--runner", runner, _RUNNERS)
-    if answer_ is not None:
-        one_of("--answer", answer_, tuple(_ANSWERS))
 
+    from executive.mission.preset_answers import preset_answers
     from executive.mission.progress import progress
     from executive.mission.run import Options, Run, model_of
     from executive.tree.load import load_mission
 
+    settings = [*(set_ or ()), *_folder_of(stones)]
+    description = load_mission(mission, settings)
+    if machine is not None:
+        settings += _wire_to(machine, model_of(description))
+        description = load_mission(mission, settings)
+    preset = preset_answers(answer_ or (), description)
     options = Options(
         seed=seed,
         run_dir=run_dir,
@@ -72,12 +81,10 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
         record_log=record_log,
         real_time=real_time or machine is not None,
         runner=runner,
-        answer=None if answer_ is None else _ANSWERS[answer_],
+        answer=preset.answer,
+        choices=preset.choices,
     )
-    settings = [*(set_ or ()), *_folder_of(stones)]
-    if machine is not None:
-        settings += _wire_to(machine, model_of(load_mission(mission, settings)))
-    made = Run(load_mission(mission, settings), options)
+    made = Run(description, options)
     with progress(quiet=quiet) as after_tick:
         result = made.execute(after_tick)
     say(result.summary)

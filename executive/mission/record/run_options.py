@@ -15,6 +15,7 @@ class KeptOptions:
     real_time: bool
     runner: str | None
     answer: bool | None
+    choices: tuple[str, ...] = ()
 
     def write(self, path: Path) -> None:
         """Write them."""

@@ -7,7 +7,12 @@ from pathlib import Path
 import pytest
 
 from executive import registry
-from executive.campaign.figures.measurement import measure, measurements_from, record_of
+from executive.campaign.figures.measurement import (
+    measure,
+    measurements_from,
+    metric,
+    record_of,
+)
 from executive.campaign.figures.row import row_of
 from executive.campaign.trial import Limits, Outcome, Status, Trial
 from executive.errors import ConfigError, DataError
@@ -166,3 +171,11 @@ def test_a_row_says_how_its_run_ended() -> None:
     assert done.measurements == {"success": Share(0, 1)}
     killed = row_of(trial(), Outcome(4, Status.KILLED, "signal 9"))
     assert (killed.has_answer, killed.is_faulted, killed.measurements) == (False, False, {})
+
+
+def test_a_figure_that_the_mission_reports_is_a_metric() -> None:
+    report = {"outcome": "success", "figures": {"stones_found": {"value": 4.0, "unit": ""}}}
+    measured = measure(RunRecord(report), ["figure.stones_found", "figure.other"])
+    assert measured == {"figure.stones_found": {"values": [4.0]}}
+    assert metric("figure.stones_found").title == "figure stones_found"
+    assert metric("figure.other").title == "figure other"
