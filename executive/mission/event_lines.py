@@ -41,6 +41,14 @@ def line_of(event: Event) -> str:  # noqa: C901 - one line a kind of event
             return f"warning: {event.fault.summary}"
         case mission.ObservationIgnored():
             return f"warning: no plugin takes observations of type {event.type}"
+        case mission.TickLate():
+            return (
+                f"warning: a tick was {1e3 * event.late_s:.0f} ms late ({event.in_a_row} in a row)"
+            )
+        case mission.PartsReleased():
+            return f"{' and '.join(event.parts)} at rest {event.after_s:.1f} s after a cancel"
+        case mission.StopFailed():
+            return f"warning: the stop failed: {event.reason}"
         case mission.PhaseChanged():
             return event.after + (f": {event.reason}" if event.reason else "")
     return ""

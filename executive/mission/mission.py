@@ -1,47 +1,33 @@
-"""A running mission: the tick loop, and what the nodes of the tree see of it."""
+"""A running mission: the tick loop, what people ask of it, and how it ends."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from typing import Any
 
 from executive.clock import wall_s
 from executive.events.event import Event
 from executive.events.mission import (
     Fault,
-    Faulted,
     MissionEnded,
     PauseEnded,
     PhaseChanged,
     StopFailed,
 )
-from executive.events.site import RegionNamed
 from executive.events.watch import MissionHeld
-from executive.faults.injector import Injector
-from executive.interfaces.robot import Robot
-from executive.leaf.runtime import MissionFaultError, Question, Runtime
-from executive.leaf.store import Store
-from executive.machine.kinematics import Kinematics
+from executive.leaf.runtime import MissionFaultError, Runtime
 from executive.messages.base_state import BaseState
-from executive.messages.cloud import Cloud
 from executive.messages.joints import JointSample
-from executive.messages.stone import Stone
-from executive.mission.braking import Braking
-from executive.mission.context import NodeContext, Services
-from executive.mission.display import Display
-from executive.mission.guard import Guard, failure_of
+from executive.mission.guard import failure_of
 from executive.mission.hold import Hold
 from executive.mission.late_ticks import LateTicks
+from executive.mission.node_runtime import NodeRuntime
 from executive.mission.pause import Pause
 from executive.mission.phase import Phase, checked_change
-from executive.mission.plugin_errors import PluginErrors, log
 from executive.mission.record.keeper import Instant
-from executive.mission.record.leaf_memory import LeafMemory
 from executive.mission.record.observation import Observation
 from executive.mission.record.resumption import PastClock, Resumption
 from executive.mission.report import Ending
 from executive.mission.setup import Setup
 from executive.mission.standstill import Standstill
-from executive.mission.stream_events import StreamEvents
-from executive.mission.streams import Streams
 from executive.supervision.beacon import beacon
 from executive.watch.watch import Decision, Wish
 
@@ -50,115 +36,24 @@ _VIEW_PERIOD_S = 0.2  # of poses and tree states handed to the viewer
 _STOPPED = Ending("stopped", "stopped by the operator")
 
 
-class Mission(Runtime):
+class Mission(NodeRuntime):
     """The tick loop: read → streams → tree → commands → journal, viewer."""
 
     def __init__(
         self, setup: Setup, build: Callable[[Runtime], Any], halt: Callable[[Any], None]
     ) -> None:
-        self.clock = setup.clock
-        self.clock.start()
-        self.store = Store()
+        super().__init__(setup)
         self.phase = Phase.IDLE
         self.states: list[BaseState] = []
-        # For the report's truth: each stone as it was first shown, and the newest survey.
-        self.first_stones: dict[int, Stone] = {}
-        self.survey: Cloud | None = None
-        self._setup = setup
-        self.journal = setup.journal
-        self.account = setup.account
-        self._tick = 0  # of the mission: it stands still in a pause
-        self._ending: Ending | None = None
+        plugins, machine = setup.assembly.plugins, setup.assembly.machine
+        self.pause = Pause(setup.clock, plugins, self._events.take_error)
+        self.late_ticks = LateTicks(setup.tick_s, setup.late_ticks, machine)
+        self._hold: Hold | None = None
         self._stop_requested = False
         self._pause_requested = False
-        self._questions: list[Question] = []
         self._loops = 0  # as the ticks of the mission, and in a pause as well
-        plugins, machine = setup.assembly.plugins, setup.assembly.machine
-        self._robot: Robot = plugins["robot"]
-        self._errors = PluginErrors(plugins, setup.can_fail, self.record)
-        events = StreamEvents(self.record, self.show, self._errors)
-        self._display = Display(
-            plugins.get("viewing"),
-            setup.clock,
-            lambda viewer, error: events.take_error("viewing", viewer, error),
-        )
-        self.injector = Injector(setup.guard.faults, machine, setup.seed, setup.clock)
-        self.injector.install(plugins, lambda event: self.record("", event))
-        self.guard = Guard(
-            setup.guard, machine, plugins, setup.clock, lambda event: self.record("", event)
-        )
-        lidars = [name for name, sensor in machine.sensors.items() if sensor.kind == "lidar"]
-        self.services = Services(
-            clock=setup.clock,
-            tick_s=setup.tick_s,
-            seed=setup.seed,
-            machine=machine,
-            kinematics=Kinematics(machine),
-            plugins=plugins,
-            jobs=setup.jobs,
-            streams=Streams(plugins, lidars, events, self.guard),
-            account=self.account,
-            journal=setup.journal,
-            folder=setup.folder,
-            record=self.record,
-            show=self.show,
-            regions=setup.regions,
-            verdicts=events.verdicts,
-        )
-        self.guard.bind(self.services.streams)
-        self._hold: Hold | None = None
-        self.pause = Pause(setup.clock, plugins, events.take_error)
-        self.late_ticks = LateTicks(setup.tick_s, setup.late_ticks, machine)
-        self._braking = Braking(setup.clock, machine, self.record)
         self._halt = halt
-        self.memory: LeafMemory = setup.memory
-        self.memory.bind(self.record)
         self.root = build(self)
-
-    # --- what the nodes see
-
-    def context(self, node: str, uses: Mapping[str, str]) -> NodeContext:
-        context = NodeContext(self.services, node, uses)
-        self.memory.watch(node, context)
-        return context
-
-    def record(self, node: str, event: Event) -> None:
-        if self.memory.took(node, event):
-            return
-        self.journal.append(self._tick, self.clock.now_s(), node, event)
-        self.injector.heed(node, event)
-
-    def show(self, entity: str, value: object) -> None:
-        if isinstance(value, Stone):
-            self.first_stones.setdefault(value.id, value)
-        if entity == "survey" and isinstance(value, Cloud):
-            self.survey = value
-        self._display.show(entity, value)
-
-    def ask(
-        self, node: str, question: str, default: bool | str | None, choices: Sequence[str] = ()
-    ) -> Question:
-        def put() -> Question:
-            asked = self._setup.operator.ask(question, default, choices)
-            self._questions.append(asked)
-            return asked
-
-        return self.memory.question(node, put)
-
-    def let_go(self, node: str, parts: tuple[str, ...]) -> None:
-        self._braking.add(node, parts, self.services.streams.joints)
-
-    def still_driven(self, parts: tuple[str, ...]) -> str:
-        return self._braking.awaited(parts)
-
-    def fail(self, error: Exception, node: str, leaf: str) -> str:
-        if isinstance(error, MissionFaultError):
-            raise error
-        fault = self._errors.fault_of(error, node, leaf)
-        if self._errors.excuses(fault):
-            return fault.summary
-        self._fault(fault)
-        raise MissionFaultError(fault.summary) from error
 
     # --- what people do
 
@@ -181,7 +76,7 @@ class Mission(Runtime):
     def run(self, after_tick: Callable[["Mission"], None]) -> Ending:
         """Tick until the tree has ended or the mission is stopped; the machine is then at rest."""
         self._change(Phase.RUNNING, "")
-        self._show_regions()
+        self._name_regions()
         try:
             if self.memory.history is not None:
                 self._observe_anew(after_tick)
@@ -352,22 +247,6 @@ class Mission(Runtime):
         except Exception as error:  # the mission has ended in a fault: this is told beside it
             self.record("", StopFailed(f"{type(error).__name__}: {error}"))
 
-    def _safe_stop(self, reason: str) -> None:
-        """Latch the machine's safe stop; an error of it is recorded, and nothing is lost by it."""
-        try:
-            self._robot.safe_stop(reason)
-        except Exception as error:  # recorded, and the mission ends all the same
-            self.record("", StopFailed(f"{type(error).__name__}: {error}"))
-
-    def _fault(self, fault: Fault) -> None:
-        """Stop the machine for an error that escaped, and end the mission; the first one counts."""
-        log(fault)
-        self.record(fault.node, Faulted(fault))
-        if not self.is_faulted:
-            self.is_faulted = True
-            self._ending = Ending("fault", fault.summary, fault)
-        self._safe_stop(fault.summary)
-
     # --- the end of a tick
 
     def _end_tick(self) -> None:
@@ -395,11 +274,6 @@ class Mission(Runtime):
         instant = Instant(self._tick, self.clock.now_s(), self.clock.machine_s())
         leaf_ended, self.memory.has_answered = self.memory.has_answered, False
         self._setup.keeper.keep(instant, leaf_ended=leaf_ended)
-
-    def _show_regions(self) -> None:
-        for name, region in self.services.regions.items():
-            self.record("", RegionNamed(name, region.corners_map))
-            self.show(f"regions/{name}", region)
 
     @property
     def _is_still(self) -> bool:

@@ -106,12 +106,26 @@ def summary(report: Mapping[str, Any]) -> str:
         )
     if counts["plugin_failures"]:
         lines.append(f"  plugins    {counts['plugin_failures']} errors passed over (log.txt)")
+    lines += _time_lines(report)
     lines += [
         f"  ignored    {count} observations of type {kind}: no plugin takes them"
         for kind, count in report["ignored_observations"].items()
     ]
     lines += _truth_lines(report.get("truth"))
     return "\n".join(lines)
+
+
+def _time_lines(report: Mapping[str, Any]) -> list[str]:
+    """Say how often the mission was paused, and whether the loop kept its period."""
+    pauses, late = report.get("pauses", {}), report.get("late_ticks", {})
+    lines = []
+    if pauses.get("count"):
+        lines.append(
+            f"  paused     {pauses['count']} times, {_minutes(pauses['wall_s'])} on the wall"
+        )
+    if late.get("count"):
+        lines.append(f"  late       {late['count']} ticks, the worst by {late['worst_s']:.2f} s")
+    return lines
 
 
 def _truth_lines(truth: Mapping[str, Any] | None) -> list[str]:

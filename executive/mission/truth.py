@@ -1,6 +1,7 @@
 """The report's `truth` section: the only place that compares a mission with the simulator."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,13 +23,22 @@ def truth_of(robot_name: str, mission: Mission, picks: Sequence[Pick]) -> dict[s
     oracle: Oracle = registry.load(registry.ORACLES, robot_name)(plugins["robot"])
     objects = plugins.get("objects")
     stones = () if objects is None else objects.stones()
-    histories = None if objects is None else {one.id: objects.history(one.id) for one in stones}
+    at = mission.clock.machine_at  # the simulator knows nothing of pauses
+    histories = None
+    if objects is not None:
+        histories = {
+            one.id: [replace(e, stamp_s=at(e.stamp_s)) for e in objects.history(one.id)]
+            for one in stones
+        }
     view = MissionView(
         states=mission.states,
         stones=stones,
         first_stones=tuple(mission.first_stones.values()),
         slots=_slots(picks),
-        attempts=attempts_from(picks),
+        attempts=[
+            replace(one, started_s=at(one.started_s), ended_s=at(one.ended_s))
+            for one in attempts_from(picks)
+        ],
         histories=histories,
         map_cloud=plugins["mapping"].cloud() if "mapping" in plugins else None,
         registered_survey=_registered_survey(mission),

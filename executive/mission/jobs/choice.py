@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from executive.clock import Clock
+from executive.errors import ConfigError
 from executive.events.mission import WorkerReplaced
 from executive.mission.assembly import Selections
 from executive.mission.jobs.jobs import Jobs
@@ -39,6 +40,9 @@ class Choice:
 
         In lock-step, verbs are computed inline by default, which costs no process; in real time in
         worker processes, which can be ended.
+
+        Raises:
+            ConfigError: If verbs are to be computed in the tick of the wall clock.
         """
         limits, told = Limits.of(loop.jobs), deque[WorkerReplaced]()
         runners: dict[str, Callable[[], Runner]] = {
@@ -49,6 +53,11 @@ class Choice:
             ),
         }
         name = asked or loop.runner or ("inline" if is_lock_step else "process")
+        if name == "inline" and not is_lock_step:
+            raise ConfigError(
+                "on the wall clock no verb is computed in the tick, which it would delay: choose "
+                "the runner process or thread, or leave --real-time out"
+            )
         return Jobs(
             self.plugins,
             runners[name](),

@@ -1,0 +1,146 @@
+"""A running mission as the nodes of its tree see it: context, journal, questions, faults."""
+
+from collections.abc import Mapping, Sequence
+
+from executive.events.event import Event
+from executive.events.mission import Fault, Faulted, StopFailed
+from executive.events.site import RegionNamed
+from executive.faults.injector import Injector
+from executive.interfaces.robot import Robot
+from executive.leaf.runtime import MissionFaultError, Question, Runtime
+from executive.leaf.store import Store
+from executive.machine.kinematics import Kinematics
+from executive.messages.cloud import Cloud
+from executive.messages.stone import Stone
+from executive.mission.braking import Braking
+from executive.mission.context import NodeContext, Services
+from executive.mission.display import Display
+from executive.mission.guard import Guard
+from executive.mission.plugin_errors import PluginErrors, log
+from executive.mission.record.leaf_memory import LeafMemory
+from executive.mission.report import Ending
+from executive.mission.setup import Setup
+from executive.mission.stream_events import StreamEvents
+from executive.mission.streams import Streams
+
+
+class NodeRuntime(Runtime):
+    """A running mission as the nodes of its tree see it, and what both share."""
+
+    def __init__(self, setup: Setup) -> None:
+        self.clock = setup.clock
+        self.clock.start()
+        self.store = Store()
+        # For the report's truth: each stone as it was first shown, and the newest survey.
+        self.first_stones: dict[int, Stone] = {}
+        self.survey: Cloud | None = None
+        self._setup = setup
+        self.journal = setup.journal
+        self.account = setup.account
+        self._tick = 0  # of the mission: it stands still in a pause
+        self._ending: Ending | None = None
+        self._questions: list[Question] = []
+        plugins, machine = setup.assembly.plugins, setup.assembly.machine
+        self._robot: Robot = plugins["robot"]
+        self._errors = PluginErrors(plugins, setup.can_fail, self.record)
+        self._events = events = StreamEvents(self.record, self.show, self._errors)
+        self._display = Display(
+            plugins.get("viewing"),
+            setup.clock,
+            lambda viewer, error: events.take_error("viewing", viewer, error),
+        )
+        self.injector = Injector(setup.guard.faults, machine, setup.seed, setup.clock)
+        self.injector.install(plugins, lambda event: self.record("", event))
+        self.guard = Guard(
+            setup.guard, machine, plugins, setup.clock, lambda event: self.record("", event)
+        )
+        lidars = [name for name, sensor in machine.sensors.items() if sensor.kind == "lidar"]
+        self.services = Services(
+            clock=setup.clock,
+            tick_s=setup.tick_s,
+            seed=setup.seed,
+            machine=machine,
+            kinematics=Kinematics(machine),
+            plugins=plugins,
+            jobs=setup.jobs,
+            streams=Streams(plugins, lidars, events, self.guard),
+            account=self.account,
+            journal=setup.journal,
+            folder=setup.folder,
+            record=self.record,
+            show=self.show,
+            regions=setup.regions,
+            verdicts=events.verdicts,
+        )
+        self.guard.bind(self.services.streams)
+        self._braking = Braking(setup.clock, machine, self.record)
+        self.memory: LeafMemory = setup.memory
+        self.memory.bind(self.record)
+
+    # --- what the nodes see
+
+    def context(self, node: str, uses: Mapping[str, str]) -> NodeContext:
+        context = NodeContext(self.services, node, uses)
+        self.memory.watch(node, context)
+        return context
+
+    def record(self, node: str, event: Event) -> None:
+        if self.memory.took(node, event):
+            return
+        self.journal.append(self._tick, self.clock.now_s(), node, event)
+        self.injector.heed(node, event)
+
+    def show(self, entity: str, value: object) -> None:
+        if isinstance(value, Stone):
+            self.first_stones.setdefault(value.id, value)
+        if entity == "survey" and isinstance(value, Cloud):
+            self.survey = value
+        self._display.show(entity, value)
+
+    def ask(
+        self, node: str, question: str, default: bool | str | None, choices: Sequence[str] = ()
+    ) -> Question:
+        def put() -> Question:
+            asked = self._setup.operator.ask(question, default, choices)
+            self._questions.append(asked)
+            return asked
+
+        return self.memory.question(node, put)
+
+    def let_go(self, node: str, parts: tuple[str, ...]) -> None:
+        self._braking.add(node, parts, self.services.streams.joints)
+
+    def still_driven(self, parts: tuple[str, ...]) -> str:
+        return self._braking.awaited(parts)
+
+    def fail(self, error: Exception, node: str, leaf: str) -> str:
+        if isinstance(error, MissionFaultError):
+            raise error
+        fault = self._errors.fault_of(error, node, leaf)
+        if self._errors.excuses(fault):
+            return fault.summary
+        self._fault(fault)
+        raise MissionFaultError(fault.summary) from error
+
+    # --- faults
+
+    def _safe_stop(self, reason: str) -> None:
+        """Latch the machine's safe stop; an error of it is recorded, and nothing is lost by it."""
+        try:
+            self._robot.safe_stop(reason)
+        except Exception as error:  # recorded, and the mission ends all the same
+            self.record("", StopFailed(f"{type(error).__name__}: {error}"))
+
+    def _fault(self, fault: Fault) -> None:
+        """Stop the machine for an error that escaped, and end the mission; the first one counts."""
+        log(fault)
+        self.record(fault.node, Faulted(fault))
+        if not self.is_faulted:
+            self.is_faulted = True
+            self._ending = Ending("fault", fault.summary, fault)
+        self._safe_stop(fault.summary)
+
+    def _name_regions(self) -> None:
+        for name, region in self.services.regions.items():
+            self.record("", RegionNamed(name, region.corners_map))
+            self.show(f"regions/{name}", region)
