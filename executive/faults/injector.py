@@ -1,7 +1,8 @@
 """Lets the faults of a mission act: on what the robot reports, on commands, and on plugins."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,12 +11,17 @@ from executive.clock import Clock
 from executive.events.event import Event
 from executive.events.fault import FaultInjected, FaultRemoved
 from executive.events.node import NodeStarted
-from executive.faults.description import Fault, SensorFault
+from executive.faults.actuator_faults import FaultyActuator, Way
+from executive.faults.description import ActuatorFault, Fault, PluginFault, SensorFault
+from executive.faults.plugin_faults import misbehave
 from executive.faults.sensor_faults import FaultySensor, faulty_sensor
 from executive.faults.tap import tap
 from executive.faults.timing import Schedule
 from executive.machine.machine import Machine
+from executive.messages.command import Command
 from executive.messages.observation import Observation
+
+DELAY_S = 5.0  # of a verb that is late, where the file gives none
 
 
 @dataclass(slots=True)
@@ -53,23 +59,58 @@ class Injector:
             for one in self._armed
             if isinstance(one.fault, SensorFault)
         ]
+        self._actuators = [
+            (one, FaultyActuator(one.fault, machine))
+            for one in self._armed
+            if isinstance(one.fault, ActuatorFault)
+        ]
+        self._way = Way(self.now_s)
+        self._robot: Any = None
+        self._command: Callable[[Command], None] = lambda command: None
         self._record: Callable[[Event], None] = lambda event: None
 
     def install(self, plugins: Mapping[str, Any], record: Callable[[Event], None]) -> None:
         """Act on a mission's plugins from now on, and record when a fault begins and ends."""
-        self._record = record
+        self._record, self._robot = record, plugins["robot"]
+        self._command = self._robot.command
         if self._sensors:
-            tap(plugins["robot"], "read", self._read)
+            tap(self._robot, "read", self._read)
+        if self._actuators:
+            tap(self._robot, "command", self._commanded)
+            tap(self._robot, "stop", self._stopped)
+        for capability, verb in sorted({target for _, target in self._targets()}):
+            chosen = plugins.get(capability, ())
+            for plugin in chosen if isinstance(chosen, tuple) else (chosen,):
+                tap(plugin, verb, partial(self._called, capability, verb))
+
+    def now_s(self) -> float:
+        """Return the machine's time [s]; faults go on while the mission is held."""
+        return self._clock.machine_s()
+
+    def is_aimed_at(self, capability: str, verb: str) -> bool:
+        """Return whether a fault of the mission is one of a verb."""
+        return any(target == (capability, verb) for _, target in self._targets())
+
+    def decide(self, capability: str, verb: str) -> PluginFault | None:
+        """Return the fault of a call of a verb, or None; asked once a call."""
+        for one, target in self._targets():
+            fault = one.fault
+            if target != (capability, verb) or not isinstance(fault, PluginFault):
+                continue
+            if one.is_active and (fault.calls is None or one.acted < fault.calls):
+                one.acted += 1
+                return fault
+        return None
 
     def heed(self, node: str, event: Event) -> None:
         """Take an event of the journal: the start of a node may be what a fault waits for."""
         if isinstance(event, NodeStarted):
             for one in self._armed:
-                one.schedule.node_started(node, self._clock.machine_s())
+                one.schedule.node_started(node, self.now_s())
 
     def step(self) -> None:
         """Begin and end faults; called at the start of each tick."""
-        now_s = self._clock.machine_s()
+        now_s = self.now_s()
         for one in self._armed:
             if one.schedule.is_active(now_s) != one.is_active:
                 self._turn(one, now_s)
@@ -96,8 +137,15 @@ class Injector:
                 if armed is one:
                     faulty.begin()
             self._record(FaultInjected(*told))
+            for armed, actuator in self._actuators:
+                if armed is one:
+                    actuator.begin(self._robot, self._command, self._way)
+                    one.acted += 1
         else:
             one.spans[-1] = (one.spans[-1][0], now_s)
+            for armed, actuator in self._actuators:
+                if armed is one:
+                    actuator.end(self._robot)
             self._record(FaultRemoved(*told, one.acted))
 
     def _read(self, read: Callable[..., Sequence[Observation]], until_s: float) -> Any:
@@ -106,6 +154,36 @@ class Injector:
         for one, faulty in self._sensors:
             observations = self._altered(one, faulty, observations, until_s)
         return observations
+
+    def _commanded(self, command: Callable[[Command], None], given: Command) -> None:
+        """Let each active fault of an actuator act on a command."""
+        reaching: Command | None = given
+        for one, actuator in self._actuators:
+            if one.is_active and reaching is not None:
+                altered = actuator.alter(reaching, self._robot)
+                one.acted += altered is not reaching
+                reaching = altered
+        if reaching is not None:
+            command(reaching)
+            self._way.take(reaching)
+
+    def _stopped(self, stop: Callable[[], None]) -> None:
+        self._way.stop()
+        stop()
+
+    def _called(
+        self, capability: str, verb: str, method: Callable[..., Any], *args: Any, **kwargs: Any
+    ) -> Any:
+        """Let an active fault act on a call that is no job."""
+        fault = self.decide(capability, verb)
+        if fault is None:
+            return method(*args, **kwargs)
+        return misbehave(fault.how, fault.delay or DELAY_S, lambda: method(*args, **kwargs))
+
+    def _targets(self) -> Iterator[tuple[Armed, tuple[str, str]]]:
+        for one in self._armed:
+            if isinstance(one.fault, PluginFault):
+                yield one, (one.fault.plugin, one.fault.verb)
 
     def _altered(
         self, one: Armed, faulty: FaultySensor, before: list[Observation], now_s: float

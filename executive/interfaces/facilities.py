@@ -9,6 +9,14 @@ from numpy.typing import NDArray
 from executive.arrays import Float
 
 
+class Breakable(ABC):
+    """A simulated robot whose drives can lose pressure, for faults on purpose."""
+
+    @abstractmethod
+    def weaken(self, joint: str, share: float) -> None:
+        """Let the drive of a joint, or of the jaws, have a share of its effort; 1 is sound."""
+
+
 class Scene(ABC):
     """A simulated robot's surroundings, as an external camera or lidar would see them."""
 

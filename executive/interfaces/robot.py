@@ -27,7 +27,7 @@ class Robot(Plugin, ABC):
     lacks: ClassVar[frozenset[str]] = frozenset()
 
     # Whether its sensors are ideal: equal samples in a row are then no sign of a stuck sensor.
-    is_ideal: ClassVar[bool] = False
+    is_ideal: bool = False
 
     @abstractmethod
     def read(self, until_s: float) -> Sequence[Observation]:

@@ -1,6 +1,6 @@
 """Events as lines for a person."""
 
-from executive.events import mission, site, stone
+from executive.events import fault, mission, site, stone, watch
 from executive.events.event import Event
 
 
@@ -49,6 +49,20 @@ def line_of(event: Event) -> str:  # noqa: C901 - one line a kind of event
             return f"{' and '.join(event.parts)} at rest {event.after_s:.1f} s after a cancel"
         case mission.StopFailed():
             return f"warning: the stop failed: {event.reason}"
+        case fault.FaultInjected():
+            return f"fault {event.number} on purpose: {event.target} {event.how}"
+        case fault.FaultRemoved():
+            return f"fault {event.number} on purpose is over"
+        case watch.ObservationRefused():
+            return f"warning: {event.sensor}: an observation is refused: {event.reason}"
+        case watch.ConditionBroken():
+            return f"warning: {event.reason}"
+        case watch.ConditionRestored():
+            return f"{event.condition} is well again after {event.lasted_s:.1f} s"
+        case watch.ScansNotFused():
+            return f"warning: scans are not fused: {event.reason}"
+        case watch.MissionWentOn():
+            return f"goes on after a hold of {event.held_s:.1f} s: {event.reason}"
         case mission.PhaseChanged():
             return event.after + (f": {event.reason}" if event.reason else "")
     return ""

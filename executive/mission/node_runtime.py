@@ -51,6 +51,7 @@ class NodeRuntime(Runtime):
         )
         self.injector = Injector(setup.guard.faults, machine, setup.seed, setup.clock)
         self.injector.install(plugins, lambda event: self.record("", event))
+        setup.jobs.faults = self.injector
         self.guard = Guard(
             setup.guard, machine, plugins, setup.clock, lambda event: self.record("", event)
         )

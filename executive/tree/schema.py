@@ -10,6 +10,7 @@ from typing import Any
 
 from executive.config import Settings
 from executive.errors import ConfigError
+from executive.faults.description import KINDS
 from executive.leaf.action import Action, Leaf
 from executive.registry import is_plural
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
@@ -17,6 +18,16 @@ from executive.tree.instances import SINGLE, USE
 from executive.tree.language import ON_ERROR, ON_ERROR_WORDS, LoopSettings
 from executive.tree.region_reader import RegionShape
 from executive.tree.sources import API
+from executive.watch.rules import (
+    EFFORT,
+    ESTIMATE,
+    GEOFENCE,
+    JOINT_LIMITS,
+    TRACKING,
+    EstimateRule,
+    GeofenceRule,
+    Rule,
+)
 
 Schema = dict[str, Any]
 _EXPRESSION: Schema = {
@@ -86,6 +97,8 @@ class _Builder:
                 "description": "Named parts of the ground: a polygon, a box or a corridor.",
                 "additionalProperties": self._settings("region", RegionShape),
             },
+            "watch": self._watch(),
+            "faults": {"type": "array", "items": {"anyOf": self._faults()}},
             "trees": {"type": "object", "additionalProperties": {"$ref": "#/$defs/tree"}},
         }
         return {
@@ -150,6 +163,27 @@ class _Builder:
         for name, definition in schema.pop("$defs", {}).items():
             self._defs[f"{prefix}.{name}"] = definition
         return schema
+
+    # --- watch and faults
+
+    def _watch(self) -> Schema:
+        """Return the rules by condition; which sensors there are is the machine's file's."""
+        names: dict[str, type[Rule]] = {ESTIMATE: EstimateRule, GEOFENCE: GeofenceRule}
+        known = {name: self._rule(rule) for name, rule in names.items()}
+        known |= {name: self._rule(Rule) for name in (TRACKING, JOINT_LIMITS, EFFORT)}
+        return {
+            "type": "object",
+            "properties": known,
+            "additionalProperties": self._rule(Rule),
+            "description": "What is watched while the mission runs, and what happens then.",
+        }
+
+    def _rule(self, rule: type[Rule]) -> Schema:
+        words = {"enum": ["tell", "hold", "stop"]}
+        return {"anyOf": [words, self._settings(f"watch.{rule.__name__}", rule)]}
+
+    def _faults(self) -> list[Schema]:
+        return [self._settings(f"faults.{kind}", settings) for kind, settings in KINDS.items()]
 
     # --- nodes
 

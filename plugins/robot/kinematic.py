@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from executive_plugins.physics.gravity import GRAVITY_M_S2
 from executive_plugins.robot.latch import Latch
+from executive_plugins.robot.sensor_noise import SensorNoise
 from executive_plugins.robot.settings import KinematicSettings
 from executive_plugins.robot.trajectory_follower import Follower
 
@@ -35,10 +36,16 @@ class KinematicRobot(Robot):
 
     Settings = KinematicSettings
     lacks = frozenset({"lidar"})
-    is_ideal = True
 
-    def __init__(self, settings: KinematicSettings, machine: Machine) -> None:
+    def __init__(
+        self,
+        settings: KinematicSettings,
+        machine: Machine,
+        rng: np.random.Generator | None = None,
+    ) -> None:
         self._settings = settings
+        self.is_ideal = not settings.noise
+        self._noise = SensorNoise(machine, rng or np.random.default_rng(0))
         self._machine = machine
         self._kinematics = Kinematics(machine)
         self._q = np.array([machine.postures["scan"][name] for name in machine.arm_names])
@@ -146,7 +153,8 @@ class KinematicRobot(Robot):
                 for name, sensor in self._sensors.items()
                 if sensor.kind == "gnss"
             ]
-        return [*imus, *fixes, joints]
+        samples = [*imus, *fixes, joints]
+        return samples if self.is_ideal else [self._noise.on(sample) for sample in samples]
 
     def _sensor_poses(self) -> dict[str, Float]:
         frames = self._kinematics.frames(self._q)

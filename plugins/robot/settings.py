@@ -16,6 +16,9 @@ class KinematicSettings(RobotSettings):
     jaws_stop_at: Radians = Field(
         0.4, ge=0, le=2, description="Angle at which closing jaws stop at a stone [rad]."
     )
+    noise: bool = Field(
+        False, description="Whether samples have the noise of the machine's sensors."
+    )
     fails_at_s: float | None = Field(
         None, ge=0, description="Mission time at which the machine stops responding [s]."
     )

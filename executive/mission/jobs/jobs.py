@@ -12,11 +12,13 @@ from typing import Any, ParamSpec, TypeVar
 from executive.clock import Clock, wall_s
 from executive.errors import ConfigError
 from executive.events.mission import WorkerReplaced
+from executive.faults.injector import Injector
 from executive.interfaces.plugin import Plugin
 from executive.leaf.job import Job
 from executive.mission.assembly import selected_plugins
 from executive.mission.jobs.answer import unfit
 from executive.mission.jobs.call import Address, VerbCall, WrongAnswerError
+from executive.mission.jobs.faulty_call import decided
 from executive.mission.jobs.limits import DEFAULT, Limits
 from executive.mission.jobs.memory import MemoryLimit
 from executive.mission.jobs.runner import Runner, Task
@@ -93,6 +95,8 @@ class Jobs:
         self.durations_ms: dict[str, list[float]] = {}
         self.told: deque[WorkerReplaced] = deque() if told is None else told
         self._memory: MemoryLimit | None = None
+        # Which calls a fault on purpose lets fail; None without such faults.
+        self.faults: Injector | None = None
 
     def prepare(self) -> None:
         """Limit the memory of this process; in real time, start workers and wait for them.
@@ -131,13 +135,16 @@ class Jobs:
         future = self._runner.submit(task)
         stage = f"{task.address.capability}.{name}"
         future.add_done_callback(lambda _: self._measure(stage, started_s))
-        latency_s = task.plugin.latency_s.get(name, 0.0)
+        latency_s = task.plugin.latency_s.get(name, 0.0) + getattr(task.call, "charged_s", 0.0)
         ready_s = self._clock.now_s() + latency_s if self._is_lock_step else None
         return PluginJob(task, future, self._clock, ready_s, self._runner.abandon)
 
     def _task(self, verb: Callable[..., Any], call: VerbCall) -> Task:
         capability, name, plugin = self._plugin_of(verb)
         address = Address.of(capability, name, plugin, call.verb)
+        if self.faults is not None and self.faults.is_aimed_at(capability, call.verb):
+            fault = self.faults.decide(capability, call.verb)
+            call = decided(call, fault, is_lock_step=self._is_lock_step)
         return Task(address, plugin, call, self._limits.time_s(plugin, call.verb))
 
     def _plugin_of(self, verb: Callable[..., Any]) -> tuple[str, str, Plugin]:

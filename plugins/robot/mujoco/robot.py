@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 from executive.arrays import Float
 from executive.config import Settings
 from executive.errors import RobotError
-from executive.interfaces.facilities import Photographer, Scene
+from executive.interfaces.facilities import Breakable, Photographer, Scene
 from executive.interfaces.robot import Robot
 from executive.machine.machine import Machine
 from executive.messages.command import Command, Follow, MoveJaws, SwitchLidars
 from executive.messages.observation import Observation
 
 
-class MujocoRobot(Robot, Scene, Photographer):
+class MujocoRobot(Robot, Scene, Photographer, Breakable):
     """Simulates the machine on a random site, with its sensors; equal seeds give equal runs.
 
     `world` and `truth_log` hold the truth; only the sensors and the oracle read them.
@@ -122,6 +122,13 @@ class MujocoRobot(Robot, Scene, Photographer):
     def latched(self) -> str:
         """Return why commands are refused; empty while they are taken."""
         return self._latch.reason
+
+    def weaken(self, joint: str, share: float) -> None:
+        """Let a drive of the arm or of the jaws have a share of its effort; 1 is sound."""
+        if joint == self._machine.jaw.name:
+            self.world.jaws.weaken(share)
+        else:
+            self.world.arm.weaken(joint, share)
 
     def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
         """Return ranges [m] along unit directions to ground or stones, inf for none, shape (N,)."""

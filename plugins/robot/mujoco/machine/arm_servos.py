@@ -77,6 +77,8 @@ class ArmServos:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, machine: Machine) -> None:
         self._data, self._dt_s = data, float(model.opt.timestep)
+        self._model, self._names = model, machine.arm_names
+        self._max_effort = [joint.max_effort for joint in machine.joints]
         self._ids = np.array([model.actuator(name).id for name in machine.arm_names])
         joints = [model.joint(name) for name in machine.arm_names]
         self._qpos = np.array([joint.qposadr[0] for joint in joints])
@@ -97,6 +99,12 @@ class ArmServos:
     def effort(self) -> Float:
         """Return the efforts of the actuators, the weights of the links included, shape (n,)."""
         return np.array(self._data.qfrc_actuator[self._dofs])
+
+    def weaken(self, joint: str, share: float) -> None:
+        """Let a joint have only a share of its largest effort from now on; 1 is all of it."""
+        i = self._names.index(joint)
+        effort = share * self._max_effort[i]
+        self._model.actuator_forcerange[self._ids[i]] = (-effort, effort)
 
     def drive(self, position: Float, velocity: Float) -> None:
         """Set the reference position and velocity of this step, each shape (n,)."""

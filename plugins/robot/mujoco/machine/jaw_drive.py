@@ -31,6 +31,7 @@ class JawDrive:
         self._model, self._data, self._machine, self._settings = model, data, machine, settings
         self._id = model.actuator(machine.jaw.name).id
         self._joint = data.joint(machine.jaw.name)
+        self._share, self._torque = 1.0, 0.0
         self._target_rad = self.position_rad
         self._interrupted_rad: float | None = None
         self.press(self._target_rad, settings.grip_force_n)
@@ -54,6 +55,16 @@ class JawDrive:
         """Move towards an angle [rad] with at most a force [N] at each tip."""
         self._target_rad, self._interrupted_rad = target_rad, None
         torque = 2 * force_n * self._machine.gripper.tip_radius_m  # one drive moves both tips
+        self._torque = torque
+        self._limit()
+
+    def weaken(self, share: float) -> None:
+        """Have only a share of the commanded torque from now on; 1 is all of it."""
+        self._share = share
+        self._limit()
+
+    def _limit(self) -> None:
+        torque = self._share * self._torque
         self._model.actuator_forcerange[self._id] = (-torque, torque)
 
     def drive(self) -> None:

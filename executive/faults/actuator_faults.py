@@ -1,0 +1,119 @@
+"""The faults of actuators: what a drive makes of a command, in front of any robot."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from executive.faults.description import ARM, JAWS, ActuatorFault
+from executive.interfaces.facilities import Breakable
+from executive.interfaces.robot import Robot
+from executive.machine.machine import Machine
+from executive.messages.command import Command, Follow, MoveJaws
+from executive.messages.trajectory import JointTrajectory
+
+_NO_FORCE_N = 1.0  # what jaws without pressure still press with
+_STEP_S = 0.05  # of the rest of a path that is commanded anew
+_LEAST_S = 0.2  # a rest of a path that is shorter is not worth a new command
+
+
+class FaultyActuator:
+    """One fault of one drive: commands are changed before they reach the robot.
+
+    A simulated robot takes the loss of pressure itself: its arm sinks, and its jaws let go.
+    """
+
+    def __init__(self, fault: ActuatorFault, machine: Machine) -> None:
+        self.fault, self._machine = fault, machine
+        is_sluggish = fault.how == "sluggish"
+        self._share = fault.share if is_sluggish else 0.0
+        arm = machine.arm_names if fault.actuator == ARM else (fault.actuator,)
+        self._joints = () if fault.actuator == JAWS else arm
+
+    def begin(self, robot: Robot, command: Callable[[Command], None], way: "Way") -> None:
+        """Act on what the robot is doing when the fault begins."""
+        if self.fault.how == "open":
+            command(MoveJaws(self._machine.gripper.open_rad, self._machine.gripper.tip_force_n))
+        elif isinstance(robot, Breakable) and self.fault.how == "no_pressure":
+            self._weaken(robot, 0.0)
+        elif self.fault.actuator == JAWS:
+            command(MoveJaws(self._machine.gripper.open_rad, _NO_FORCE_N))
+        else:
+            rest = way.rest()
+            if rest is not None:
+                command(Follow(self._slowed(rest)))
+
+    def end(self, robot: Robot) -> None:
+        """Let the drive be sound again; what it has not moved stays where it is."""
+        if isinstance(robot, Breakable) and self.fault.how == "no_pressure":
+            self._weaken(robot, 1.0)
+
+    def alter(self, command: Command, robot: Robot) -> Command | None:
+        """Return the command that reaches the drives instead; None if none does."""
+        is_broken_itself = isinstance(robot, Breakable) and self.fault.how == "no_pressure"
+        if is_broken_itself:
+            return command
+        if isinstance(command, MoveJaws) and self.fault.actuator == JAWS:
+            return self._jaws(command)
+        if isinstance(command, Follow) and self._joints:
+            return Follow(self._slowed(command.trajectory))
+        return command
+
+    def _jaws(self, command: MoveJaws) -> MoveJaws | None:
+        if self.fault.how == "sluggish":
+            return replace(command, force_n=max(self._share * command.force_n, _NO_FORCE_N))
+        return None  # open, or without pressure: they do not close
+
+    def _slowed(self, trajectory: JointTrajectory) -> JointTrajectory:
+        """Return the trajectory with only a share of the motion of the faulty joints."""
+        share = np.array([self._share if n in self._joints else 1.0 for n in trajectory.names])
+        start = trajectory.position[0]
+        return replace(
+            trajectory,
+            position=start + share * (trajectory.position - start),
+            velocity=share * trajectory.velocity,
+        )
+
+    def _weaken(self, robot: Breakable, share: float) -> None:
+        names = (self._machine.jaw.name,) if self.fault.actuator == JAWS else self._joints
+        for name in names:
+            robot.weaken(name, share)
+
+
+class Way:
+    """The path that the robot follows, so that a fault can act in the middle of it.
+
+    Args:
+        now_s: Returns the machine's time [s].
+    """
+
+    def __init__(self, now_s: Callable[[], float]) -> None:
+        self._now_s = now_s
+        self._trajectory: JointTrajectory | None = None
+        self._began_s = 0.0
+
+    def take(self, command: Command) -> None:
+        """Take a command that the robot has accepted."""
+        if isinstance(command, Follow):
+            self._trajectory, self._began_s = command.trajectory, self._now_s()
+
+    def stop(self) -> None:
+        """Take a stop: the rest of the path is the robot's own."""
+        self._trajectory = None
+
+    def rest(self) -> JointTrajectory | None:
+        """Return what is left of the path; None if that is nothing."""
+        if self._trajectory is None:
+            return None
+        since_s = self._now_s() - self._began_s
+        left_s = self._trajectory.duration_s - since_s
+        if left_s < _LEAST_S:
+            return None
+        times = np.linspace(0.0, left_s, int(np.ceil(left_s / _STEP_S)) + 1)
+        at = [self._trajectory.at(since_s + time) for time in times]
+        return JointTrajectory(
+            self._trajectory.names,
+            times,
+            np.array([position for position, _ in at]),
+            np.array([velocity for _, velocity in at]),
+        )
