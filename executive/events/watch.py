@@ -56,7 +56,7 @@ class MissionWentOn(Event):
     Attributes:
         held_s: How long it lasted, in the machine's time [s].
         reason: Why the mission goes on.
-        moved_m: How far the estimate of the cabin has moved over the hold [m].
+        moved_m: How far the estimate of the chassis has moved over the hold [m].
         turned_rad: By how much it has turned [rad].
     """
 

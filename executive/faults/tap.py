@@ -9,13 +9,23 @@ from typing import Any
 def tap(owner: Any, verb: str, around: Callable[..., Any]) -> None:
     """Replace a method of one object by `around(method, *args, **kwargs)`.
 
-    The class stays as it is, and the object stays what it is to all who hold it. A traceback shows
-    the object as `self` of the replacement, so that an error is attributed to it.
+    The class stays as it is, and the object stays what it is to all who hold it.
     """
-    method = getattr(owner, verb)
+    object.__setattr__(owner, verb, wrapped(owner, verb, getattr(owner, verb), around))
+
+
+def wrapped(
+    owner: Any, verb: str, method: Callable[..., Any], around: Callable[..., Any]
+) -> MethodType:
+    """Return `around(method, *args, **kwargs)` as a method of an object.
+
+    A traceback shows the object as `self` of a function of the verb's name, so that an error is
+    attributed to both.
+    """
 
     @wraps(method)
     def replacement(self: Any, *args: Any, **kwargs: Any) -> Any:
         return around(method, *args, **kwargs)
 
-    object.__setattr__(owner, verb, MethodType(replacement, owner))
+    replacement.__code__ = replacement.__code__.replace(co_name=verb)
+    return MethodType(replacement, owner)

@@ -26,7 +26,7 @@ class Hold:
 
     def ended(self, now_s: float, state: BaseState, reason: str) -> MissionWentOn:
         """Return the event of its end, with how far the estimate moved meanwhile."""
-        moved = inverse(self.before.T_map_cabin) @ state.T_map_cabin
+        moved = inverse(self.before.T_map_base) @ state.T_map_base
         return MissionWentOn(
             held_s=round(now_s - self.since_s, 6),
             reason=reason,

@@ -1,11 +1,13 @@
 """A call of a verb that a fault on purpose makes fail, in whatever process it is computed."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 from executive.faults.description import PluginFault
 from executive.faults.injector import DELAY_S
 from executive.faults.plugin_faults import misbehave
+from executive.faults.tap import wrapped
 from executive.interfaces.plugin import Plugin
 from executive.mission.jobs.call import VerbCall
 
@@ -25,11 +27,12 @@ class DecidedCall(VerbCall):
     charged_s: float = 0.0
 
     def of(self, plugin: Plugin) -> Any:
-        return misbehave(self.how, self.sleeps_s, lambda: self._past_the_tap(plugin))
+        # The method of the class: one on the object would decide a second time.
+        method = getattr(type(plugin), self.verb).__get__(plugin)
+        return wrapped(plugin, self.verb, method, self._around)(*self.args, **self.kwargs)
 
-    def _past_the_tap(self, plugin: Plugin) -> Any:
-        """Call the method of the class, not the replacement that decides on direct calls."""
-        return getattr(type(plugin), self.verb)(plugin, *self.args, **self.kwargs)
+    def _around(self, method: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
+        return misbehave(self.how, self.sleeps_s, lambda: method(*args, **kwargs))
 
 
 def decided(call: VerbCall, fault: PluginFault | None, *, is_lock_step: bool) -> VerbCall:
