@@ -23,9 +23,8 @@ def wrapped(
     attributed to both.
     """
 
-    @wraps(method)
     def replacement(self: Any, *args: Any, **kwargs: Any) -> Any:
         return around(method, *args, **kwargs)
 
     replacement.__code__ = replacement.__code__.replace(co_name=verb)
-    return MethodType(replacement, owner)
+    return MethodType(wraps(method)(replacement), owner)
