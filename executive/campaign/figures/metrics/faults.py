@@ -1,0 +1,93 @@
+"""Metrics of missions with faults on purpose: noticed how soon, and what came of it."""
+
+from collections.abc import Iterator
+
+from executive.campaign.figures.metrics.report import truth
+from executive.events.fault import FaultInjected
+from executive.events.mission import Faulted, PluginFailed, VerdictGiven
+from executive.events.watch import ConditionBroken, ObservationRefused
+from executive.interfaces.metric import Metric, RunRecord, Share, Values
+from executive.mission.report import NEAR_M
+
+_NOTICES = (ObservationRefused, ConditionBroken, VerdictGiven, Faulted, PluginFailed)
+
+
+class FaultsNoticed(Metric):
+    """Faults on purpose that the mission has noticed."""
+
+    title = "faults noticed"
+    is_share = True
+    description = (
+        "Faults on purpose after whose begin an observation was refused, a watched condition was"
+        " broken, a monitor gave a verdict, or a plugin failed, out of all that were injected."
+    )
+
+    def measure(self, run: RunRecord) -> Share | None:
+        times = list(_notice_times(run))
+        return Share(sum(one is not None for one in times), len(times)) if times else None
+
+
+class NoticeTime(Metric):
+    """Time from a fault to its notice."""
+
+    title = "time until a fault is noticed"
+    unit = "s"
+    is_more_better = False
+    description = (
+        "Time from the begin of each fault on purpose that was noticed to what noticed it; ticks"
+        " are included."
+    )
+
+    def measure(self, run: RunRecord) -> Values | None:
+        found = [one for one in _notice_times(run) if one is not None]
+        return Values(tuple(found)) if found else None
+
+
+class FalseSuccess(Metric):
+    """Missions that end in success although they should not have."""
+
+    title = "false success"
+    is_share = True
+    is_more_better = False
+    description = (
+        "Runs that end in `success` although a fault on purpose was never noticed, or although by"
+        f" the simulator's truth a stone is more than {NEAR_M:.2f} m off its slot or off its pose in"
+        " the database."
+    )
+
+    def measure(self, run: RunRecord) -> Share:
+        if run.report["outcome"] != "success":
+            return Share(0, 1)
+        stones = truth(run).get("stones", ())
+        errors = [one.get(key) for one in stones for key in ("slot_error_m", "database_error_m")]
+        is_off = any(error is not None and error > NEAR_M for error in errors)
+        is_blind = any(one is None for one in _notice_times(run))
+        return Share(int(is_off or is_blind), 1)
+
+
+class Unsafe(Metric):
+    """Missions in which the machine hits something or lets a stone fall."""
+
+    title = "unsafe"
+    is_share = True
+    is_more_better = False
+    description = (
+        "Runs in which the machine collides, or a stone falls out of the jaws, by the simulator's"
+        " truth; not measured on robots without truth."
+    )
+
+    def measure(self, run: RunRecord) -> Share | None:
+        found = truth(run)
+        if not found:
+            return None
+        dropped = any(one["dropped"] for one in found.get("grasps", ()))
+        return Share(int(bool(found.get("collisions")) or dropped), 1)
+
+
+def _notice_times(run: RunRecord) -> Iterator[float | None]:
+    """Yield for each injected fault after how long it was noticed [s], or None."""
+    for i, one in enumerate(run.events):
+        if isinstance(one.event, FaultInjected):
+            later = (two for two in run.events[i + 1 :] if isinstance(two.event, _NOTICES))
+            found = next(later, None)
+            yield None if found is None else found.time_s - one.time_s
