@@ -43,10 +43,10 @@ class NoticeTime(Metric):
         return Values(tuple(found)) if found else None
 
 
-class FalseSuccess(Metric):
+class FaultySuccess(Metric):
     """Missions that end in success although they should not have."""
 
-    title = "false success"
+    title = "success in spite of a fault"
     is_share = True
     is_more_better = False
     description = (
