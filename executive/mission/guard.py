@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from executive.arrays import Float
@@ -15,6 +15,7 @@ from executive.faults.description import Fault
 from executive.faults.tap import tap
 from executive.interfaces.robot import Robot
 from executive.machine.machine import Machine
+from executive.messages.base_state import BaseState
 from executive.mission.streams import StreamGuard, Streams
 from executive.watch.ages import Ages
 from executive.watch.antenna_check import AntennaCheck
@@ -60,6 +61,7 @@ class Guard(StreamGuard):
         self._is_fusing = True
         self.refused: Counter[str] = Counter()  # observations by sensor and kind of reason
         self.scans_not_fused = 0
+        self.stale_states = 0  # of those that the report judges
         tap(self._robot, "command", self._command)
         tap(self._robot, "stop", self._stop)
 
@@ -104,10 +106,16 @@ class Guard(StreamGuard):
                 troubles[ESTIMATE] = estimate
         return self._watch.step(troubles, now_s)
 
-    @property
-    def is_following(self) -> bool:
-        """Whether the robot follows a path that nobody has stopped."""
-        return self._motion.is_followed
+    def judged(self, state: BaseState) -> BaseState:
+        """Return a state as it is judged now: one that is too old counts as the state of now.
+
+        A frozen state is used at each tick as if it were new; its error is that of the present.
+        """
+        now_s = self._now_s()
+        if not stale(state, now_s, self.age_limit_s):
+            return state
+        self.stale_states += 1
+        return replace(state, stamp_s=now_s)
 
     def report(self) -> dict[str, Any]:
         """Return what the report says of observations; empty if all were used."""
@@ -116,6 +124,8 @@ class Guard(StreamGuard):
             found["refused_observations"] = dict(self.refused)
         if self.scans_not_fused:
             found["scans_not_fused"] = self.scans_not_fused
+        if self.stale_states:
+            found["stale_states"] = self.stale_states
         return found
 
     def _state_trouble(self, at_s: float) -> str:

@@ -255,7 +255,7 @@ class Mission(NodeRuntime):
             self.record("", self._setup.jobs.told.popleft())
         state = self.services.streams.state()
         if state.is_ready and not self.pause.is_on and self._is_due(_STATE_PERIOD_S):
-            self.states.append(state)
+            self.states.append(self.guard.judged(state))
         if self._display.is_on and self._is_due(_VIEW_PERIOD_S):
             self._display.show_machine(self.root, state, self.services.streams.joints)
         if self._is_still:

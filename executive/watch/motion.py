@@ -32,11 +32,6 @@ class MotionWatch:
         self._is_followed = False
         self._path = np.zeros((0, 0))
 
-    @property
-    def is_followed(self) -> bool:
-        """Whether the newest trajectory has not been stopped."""
-        return self._is_followed
-
     def command(self, command: Command, now_s: float) -> None:
         """Take a command that the robot has accepted, at the machine's time [s]."""
         if isinstance(command, Follow):

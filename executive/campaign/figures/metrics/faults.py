@@ -51,8 +51,8 @@ class FaultySuccess(Metric):
     is_more_better = False
     description = (
         "Runs that end in `success` although a fault on purpose was never noticed, or although by"
-        f" the simulator's truth a stone is more than {NEAR_M:.2f} m off its slot or off its pose in"
-        " the database."
+        f" the simulator's truth a stone is more than {NEAR_M:.2f} m off its slot, or off its pose"
+        " in the database."
     )
 
     def measure(self, run: RunRecord) -> Share:
