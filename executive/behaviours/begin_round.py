@@ -3,6 +3,7 @@
 from executive.events.site import RoundBegun
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, succeeded
 from executive.messages.stone import StoneState
 
@@ -14,6 +15,7 @@ class BeginRound(Condition):
     """
 
     needs = (ObjectDatabase,)
+    on_resume = OnResume.REDO
 
     def check(self) -> Outcome[None]:
         objects = self.context.use(ObjectDatabase)

@@ -13,9 +13,11 @@ from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
 from executive.leaf.jaws import drive_jaws
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.removal import removal_radius, remove_from_map
 from executive.messages.hold import Hold
+from executive.messages.stone import StoneState
 
 
 class CloseGripperSettings(Settings):
@@ -50,6 +52,8 @@ class CloseGripper(Action[CloseGripperSettings]):
 
     needs = (Robot, ObjectDatabase, Mapper, Monitor)
     claims = (Part.JAWS,)
+    on_resume = OnResume.REDO
+    is_irreversible = True
 
     def run(self, stone: int) -> Steps[StoneHeld]:
         """Close, and fail if nothing is between the jaws.
@@ -63,9 +67,10 @@ class CloseGripper(Action[CloseGripperSettings]):
             self.context.record(JawsClosedOnNothing(stone, reason))
             return failed(reason)
         hold = Hold(stone, self.context.gripper(), angle_rad)
-        held = self.context.use(ObjectDatabase).grasp(
-            stone, hold.T_map_gripper, self.context.now_s()
-        )
+        objects = self.context.use(ObjectDatabase)
+        held = objects.stone(stone)
+        if held.state is not StoneState.HELD:  # as it is when a run is resumed after the grasp
+            held = objects.grasp(stone, hold.T_map_gripper, self.context.now_s())
         removed, put_back = remove_from_map(self.context, held, self.settings.removal_radius)
         self.context.use(Mapper).mask_held(removal_radius(held))
         self.context.begin_hold()

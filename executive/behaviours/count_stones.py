@@ -6,6 +6,7 @@ from pydantic import Field
 
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.stone_filter import StoneFilter, matching_stones
 from executive.messages.stone import StoneState
@@ -35,6 +36,7 @@ class CountStones(Condition[CountStonesSettings]):
     """Count the stones of the database that meet all criteria."""
 
     needs = (ObjectDatabase,)
+    on_resume = OnResume.REDO
 
     def check(self) -> Outcome[StoneCount]:
         """Count them."""

@@ -2,6 +2,7 @@
 
 from executive.interfaces.monitoring import Monitor
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 
 
@@ -15,6 +16,7 @@ class DetectSlip(Condition):
     """
 
     needs = (Monitor,)
+    on_resume = OnResume.REDO
 
     def check(self) -> Outcome[None]:
         verdicts = self.context.verdicts()

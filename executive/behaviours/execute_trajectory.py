@@ -3,7 +3,11 @@
 from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
-from executive.leaf.follow import follow
+from executive.leaf.follow import follow, position_of
+from executive.leaf.memory import OnResume
+from executive.leaf.outcome import failed
+from executive.leaf.rest import come_to_rest
+from executive.leaf.rest_of_path import rest_of
 from executive.messages.trajectory import JointTrajectory
 
 
@@ -12,6 +16,7 @@ class ExecuteTrajectory(Action):
 
     needs = (Robot,)
     claims = (Part.ARM, Part.CABIN)
+    on_resume = OnResume.VERIFY
 
     def run(self, trajectory: JointTrajectory) -> Steps[None]:
         """Follow the trajectory.
@@ -20,3 +25,15 @@ class ExecuteTrajectory(Action):
             trajectory: Joint positions over time.
         """
         return (yield from follow(self.context, trajectory))
+
+    def verify(self, trajectory: JointTrajectory) -> Steps[None]:
+        """Go on along a trajectory that was cut off, from where the arm came to rest on it.
+
+        Fails, so that the tree plans again, if the arm is not on the path.
+        """
+        if moving := (yield from come_to_rest(self.context)):
+            return failed(moving)
+        rest = rest_of(trajectory, position_of(self.context, trajectory))
+        if rest is None:
+            return failed("the arm left its path when the run was cut off: plan again")
+        return (yield from follow(self.context, rest))

@@ -10,6 +10,7 @@ from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.registration import Registrar
 from executive.interfaces.segmentation import Segmenter
 from executive.leaf.action import Action, Steps
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.surroundings import unexplained
 from executive.messages.cloud import Cloud
@@ -32,6 +33,7 @@ class FindAgain(Action[FindAgainSettings]):
     """
 
     needs = (Mapper, Segmenter, Registrar, ObjectDatabase)
+    on_resume = OnResume.REDO
 
     def run(self, stone: int) -> Steps[None]:
         """Search the surroundings of the stone's last known place.

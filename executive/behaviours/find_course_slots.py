@@ -9,6 +9,7 @@ from executive.arrays import Float
 from executive.config import Meters, Radians, Settings
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.slots_found import SlotList, tell_slots
 from executive.messages.placement import Slot
@@ -37,6 +38,7 @@ class FindCourseSlots(Condition[FindCourseSlotsSettings]):
     """
 
     needs = (ObjectDatabase,)
+    on_resume = OnResume.REDO
 
     def check(self, course: list[int]) -> Outcome[SlotList]:
         """Find the slots from where the stones are now.

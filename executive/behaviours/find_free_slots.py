@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from executive.geometry.polygon import contains
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.placement import Slot
 from executive.messages.stone import Stone, StoneState
@@ -26,6 +27,7 @@ class FindFreeSlots(Condition):
     """List the slots on which no placed stone stands; fail when all are taken."""
 
     needs = (ObjectDatabase,)
+    on_resume = OnResume.REDO
 
     def check(self, slots: list[Slot]) -> Outcome[FreeSlots]:
         """Compare the slots with the placed stones.

@@ -7,6 +7,7 @@ from executive.config import Meters, Radians, Settings
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.placing import PlacementPlanner
 from executive.leaf.action import Action, Steps
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.region_name import RegionName
 from executive.leaf.slots_found import SlotList, tell_slots
@@ -45,6 +46,7 @@ class FindSlots(Action[FindSlotsSettings]):
     """
 
     needs = (PlacementPlanner, ObjectDatabase)
+    on_resume = OnResume.REDO
 
     def run(self, segmentation: Segmentation, for_stone: int | None = None) -> Steps[SlotList]:
         """Ask the placement planner.

@@ -7,6 +7,7 @@ from executive.events.stone import PlaceForgotten
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, succeeded
 from executive.leaf.removal import remove_from_map
 
@@ -25,6 +26,7 @@ class ForgetPlace(Condition[ForgetPlaceSettings]):
     """
 
     needs = (Mapper, ObjectDatabase)
+    on_resume = OnResume.REDO
 
     def check(self, stone: int) -> Outcome[None]:
         """Remove the place.

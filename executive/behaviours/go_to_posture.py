@@ -10,6 +10,7 @@ from executive.config import Settings
 from executive.errors import did_you_mean
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed
 from executive.leaf.posture import POSTURE_NEEDS, move_to_posture
 from executive.machine.machine import Machine
@@ -43,6 +44,7 @@ class GoToPosture(Action[GoToPostureSettings]):
 
     needs = POSTURE_NEEDS
     claims = (Part.ARM, Part.CABIN)
+    on_resume = OnResume.REDO
 
     def run(self, hold: Hold | None = None) -> Steps[None]:
         """Plan the motion and follow it.

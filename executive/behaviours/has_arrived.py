@@ -7,6 +7,7 @@ from executive.config import Meters, Settings
 from executive.events.stone import ArrivedEarly
 from executive.interfaces.monitoring import Monitor
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.placement import Placement
 from executive.messages.verdict import Trouble
@@ -29,6 +30,7 @@ class HasArrived(Condition[HasArrivedSettings]):
     """
 
     needs = (Monitor,)
+    on_resume = OnResume.REDO
 
     def check(self, placement: Placement) -> Outcome[None]:
         """Compare the gripper's pose with the placement.

@@ -5,6 +5,7 @@ from pydantic import Field
 from executive.config import Radians, Settings
 from executive.interfaces.monitoring import Monitor
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.verdict import Trouble
 
@@ -19,6 +20,7 @@ class IsHolding(Condition[IsHoldingSettings]):
     """Succeed while the jaws are held apart and no monitor has reported a fall."""
 
     needs = (Monitor,)
+    on_resume = OnResume.REDO
 
     def check(self) -> Outcome[None]:
         angle_rad = self.context.joints().of(self.context.machine().jaw.name)[0]

@@ -6,6 +6,7 @@ from executive.errors import DataError
 from executive.events.finding import ListedStone, StonesListed
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.stone import Stone
 
@@ -17,6 +18,7 @@ class ListStones(Condition):
     """
 
     needs = (ObjectDatabase,)
+    on_resume = OnResume.REDO
 
     def check(self) -> Outcome[None]:
         """List them, by id."""

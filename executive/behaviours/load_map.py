@@ -11,6 +11,7 @@ from executive.events.finding import MapLoaded
 from executive.interfaces.mapping import Mapper
 from executive.leaf.action import Action, Steps
 from executive.leaf.map_file import read_map
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.messages.cloud import Cloud
 
@@ -47,6 +48,7 @@ class LoadMap(Action[LoadMapSettings]):
     """Read a map that SaveMap wrote, or any other cloud; with `merge`, put it into the map."""
 
     needs = (Mapper,)
+    on_resume = OnResume.REDO
 
     def run(self) -> Steps[LoadedMap]:
         yield None  # reading gets a tick of its own

@@ -3,6 +3,7 @@
 from executive.events.site import Localised
 from executive.interfaces.estimation import Estimator
 from executive.leaf.action import Action, Steps
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import succeeded
 
 
@@ -10,6 +11,7 @@ class Localise(Action):
     """Wait for a usable state estimate; bound it with a `timeout`."""
 
     needs = (Estimator,)
+    on_resume = OnResume.REDO
 
     def run(self) -> Steps[None]:
         while not self.context.state().is_ready:

@@ -8,6 +8,7 @@ from pydantic import Field
 from executive.config import Meters, Settings
 from executive.events.finding import Marked
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.mark import Mark
 
@@ -25,6 +26,8 @@ class MarkPointSettings(Settings):
 
 class MarkPoint(Condition[MarkPointSettings]):
     """Mark a point of the map with a text: in the viewer, the journal and the report."""
+
+    on_resume = OnResume.REDO
 
     def check(self) -> Outcome[None]:
         """Record the mark and show it."""

@@ -7,6 +7,7 @@ from executive.errors import DataError
 from executive.events.finding import Marked
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.mark import Mark
 
@@ -19,6 +20,7 @@ class MarkStone(Condition[MarkStoneSettings]):
     """Mark a known stone with a text: in the viewer, the journal and the report."""
 
     needs = (ObjectDatabase,)
+    on_resume = OnResume.REDO
 
     def check(self, stone: int) -> Outcome[None]:
         """Record the mark and show it.

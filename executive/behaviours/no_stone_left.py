@@ -2,6 +2,7 @@
 
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.stone import StoneState
 
@@ -10,6 +11,7 @@ class NoStoneLeft(Condition):
     """Succeed when no known stone is left on the ground: each is placed or set aside."""
 
     needs = (ObjectDatabase,)
+    on_resume = OnResume.REDO
 
     def check(self) -> Outcome[None]:
         stones = self.context.use(ObjectDatabase).stones()

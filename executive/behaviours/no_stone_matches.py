@@ -2,6 +2,7 @@
 
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.stone_filter import StoneFilter, matching_stones, words_of
 
@@ -13,6 +14,7 @@ class NoStoneMatches(Condition[StoneFilter]):
     """
 
     needs = (ObjectDatabase,)
+    on_resume = OnResume.REDO
 
     def check(self) -> Outcome[None]:
         found = matching_stones(self.context, self.settings)

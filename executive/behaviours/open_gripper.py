@@ -7,6 +7,7 @@ from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
 from executive.leaf.jaws import drive_jaws
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 
 
@@ -24,6 +25,8 @@ class OpenGripper(Action[OpenGripperSettings]):
 
     needs = (Robot,)
     claims = (Part.JAWS,)
+    on_resume = OnResume.REDO
+    is_irreversible = True
 
     def run(self) -> Steps[None]:
         wanted_rad = self.context.machine().gripper.open_rad

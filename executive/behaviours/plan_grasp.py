@@ -7,6 +7,7 @@ from executive.interfaces.grasping import GraspPlanner
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.surroundings import surroundings
 from executive.messages.grasp import Grasp
@@ -27,6 +28,7 @@ class PlanGrasp(Action):
     """Plan grasps of one stone on the planning cloud (Mascaro et al. 2020, Sec. 5)."""
 
     needs = (GraspPlanner, Mapper, ObjectDatabase)
+    on_resume = OnResume.REDO
 
     def run(self, stone: int) -> Steps[Grasps]:
         """Ask the grasp planner; a stone that it can never hold is a final failure.

@@ -15,6 +15,7 @@ from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
 from executive.leaf.context import Context
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import surroundings
@@ -68,6 +69,7 @@ class PlanPick(Action[PlanPickSettings]):
     """
 
     needs = (MotionPlanner, Mapper, ObjectDatabase)
+    on_resume = OnResume.REDO
 
     def __init__(self, settings: PlanPickSettings, context: Context) -> None:
         super().__init__(settings, context)

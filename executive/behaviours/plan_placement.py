@@ -13,6 +13,7 @@ from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.placing import PlacementPlanner
 from executive.leaf.action import Action, Steps
 from executive.leaf.job import Job
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_surface, surroundings
@@ -45,6 +46,7 @@ class PlanPlacement(Action[PlanPlacementSettings]):
     """Find the first slot with a placement, and the first placement with a collision-free path."""
 
     needs = (PlacementPlanner, MotionPlanner, Mapper, ObjectDatabase)
+    on_resume = OnResume.REDO
 
     def run(self, hold: Hold, free_slots: list[Slot]) -> Steps[PlacementPlanned]:
         """Plan for one slot after another.

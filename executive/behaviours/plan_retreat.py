@@ -8,6 +8,7 @@ from executive.interfaces.mapping import Mapper
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.path import PathPlanned
 from executive.leaf.rest import come_to_rest
@@ -27,6 +28,7 @@ class PlanRetreat(Action[PlanRetreatSettings]):
     """Plan a straight way up with the jaws as they are."""
 
     needs = (MotionPlanner, Mapper, ObjectDatabase)
+    on_resume = OnResume.REDO
 
     def run(self) -> Steps[PathPlanned]:
         if moving := (yield from come_to_rest(self.context)):

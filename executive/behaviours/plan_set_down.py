@@ -6,6 +6,7 @@ from executive.interfaces.mapping import Mapper
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.path import PathPlanned
 from executive.leaf.rest import come_to_rest
@@ -21,6 +22,7 @@ class PlanSetDown(Action):
     """Plan the way straight down for a stone that slips, so that it falls less far."""
 
     needs = (MotionPlanner, Mapper, ObjectDatabase)
+    on_resume = OnResume.REDO
 
     def run(self, hold: Hold) -> Steps[PathPlanned]:
         """Plan from where the gripper is.

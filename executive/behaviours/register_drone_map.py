@@ -6,6 +6,7 @@ from executive.events.site import SurveyRegistered
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.registration import Registrar
 from executive.leaf.action import Action, Steps
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
@@ -31,6 +32,7 @@ class RegisterDroneMap(Action):
     """
 
     needs = (Mapper, Registrar)
+    on_resume = OnResume.REDO
 
     def run(self, survey: Cloud) -> Steps[DroneMap]:
         """Register the survey on the map as it is now.

@@ -14,6 +14,7 @@ from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
 from executive.leaf.jaws import drive_jaws
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_surface, surroundings
@@ -42,6 +43,8 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
 
     needs = (Robot, ObjectDatabase, Mapper, Monitor)
     claims = (Part.JAWS,)
+    on_resume = OnResume.REDO
+    is_irreversible = True
 
     def run(self, hold: Hold, placement: Placement | None = None) -> Steps[None]:
         """Release the stone where the gripper is.
@@ -59,15 +62,20 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
         )
         yield from drive_jaws(self.context, opening_rad, self.settings.force)
         self.context.use(Mapper).mask_held(0.0)
-        state = StoneState.ON_GROUND if placement is None else StoneState.PLACED
-        if placement is None:
-            T_map_gripper[2, 3] -= self._fall_m(hold, T_map_gripper)
-        stone = self.context.use(ObjectDatabase).release(
-            hold.stone_id, T_map_gripper, self.context.now_s(), state
-        )
+        stone = self.context.use(ObjectDatabase).stone(hold.stone_id)
+        if stone.state is StoneState.HELD:  # not so when a run is resumed after the release
+            stone = self._released(hold, T_map_gripper, placement)
         self.context.show(f"stones/{stone.id}", stone)
         self._record(stone, placement)
         return succeeded()
+
+    def _released(self, hold: Hold, T_map_gripper: Float, placement: Placement | None) -> Stone:
+        state = StoneState.ON_GROUND if placement is None else StoneState.PLACED
+        if placement is None:
+            T_map_gripper[2, 3] -= self._fall_m(hold, T_map_gripper)
+        return self.context.use(ObjectDatabase).release(
+            hold.stone_id, T_map_gripper, self.context.now_s(), state
+        )
 
     def _record(self, stone: Stone, placement: Placement | None) -> None:
         if placement is None:

@@ -14,6 +14,7 @@ from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.registration import Registrar
 from executive.leaf.action import Action, Steps
 from executive.leaf.job import Job
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import succeeded
 from executive.leaf.surroundings import unexplained
 from executive.messages.alignment import Alignment
@@ -45,6 +46,7 @@ class RelocateAndRealign(Action[RelocateAndRealignSettings]):
     """
 
     needs = (Mapper, Aligner, Registrar, ObjectDatabase)
+    on_resume = OnResume.REDO
 
     def run(self, stone: int) -> Steps[None]:
         """Align, or register, and store the corrected pose.

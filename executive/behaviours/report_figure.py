@@ -5,6 +5,7 @@ from pydantic import Field
 from executive.config import Settings
 from executive.events.finding import FigureReported
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, succeeded
 
 FIGURE_NAME = r"^[A-Za-z][A-Za-z0-9_]{0,59}$"
@@ -26,6 +27,8 @@ class ReportFigureSettings(Settings):
 
 class ReportFigure(Condition[ReportFigureSettings]):
     """Write a number into journal and report, where a campaign finds it as `figure.NAME`."""
+
+    on_resume = OnResume.REDO
 
     def check(self) -> Outcome[None]:
         """Record it; a later figure of the same name replaces it in the report."""

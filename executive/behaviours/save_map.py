@@ -7,6 +7,7 @@ from executive.events.finding import MapSaved
 from executive.interfaces.mapping import Mapper
 from executive.leaf.action import Action, Steps
 from executive.leaf.map_file import MapFile, write_map
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 
 
@@ -25,6 +26,7 @@ class SaveMap(Action[SaveMapSettings]):
     """
 
     needs = (Mapper,)
+    on_resume = OnResume.REDO
 
     def run(self) -> Steps[None]:
         cloud = self.context.use(Mapper).cloud()

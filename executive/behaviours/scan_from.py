@@ -3,6 +3,7 @@
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
 from executive.leaf.heading import HeadingSettings, facing
+from executive.leaf.memory import OnResume
 from executive.leaf.posture import POSTURE_NEEDS, move_to_posture
 from executive.leaf.swing import SwingSettings, swing
 
@@ -19,6 +20,7 @@ class ScanFrom(Action[ScanFromSettings]):
 
     needs = POSTURE_NEEDS
     claims = (Part.ARM, Part.CABIN, Part.LIDARS)
+    on_resume = OnResume.REDO
 
     def run(self) -> Steps[None]:
         goal = facing(self.context, self.settings)

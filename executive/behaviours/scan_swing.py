@@ -5,6 +5,7 @@ from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
+from executive.leaf.memory import OnResume
 from executive.leaf.swing import SwingSettings, swing
 
 
@@ -20,6 +21,7 @@ class ScanSwing(Action[ScanSwingSettings]):
 
     needs = (Robot, Mapper, MotionPlanner)
     claims = (Part.ARM, Part.CABIN, Part.LIDARS)
+    on_resume = OnResume.REDO
 
     def run(self) -> Steps[None]:
         return (yield from swing(self.context, self.settings))

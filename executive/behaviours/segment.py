@@ -7,6 +7,7 @@ from executive.interfaces.mapping import Mapper
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.segmentation import Segmenter
 from executive.leaf.action import Action, Steps
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segmentation
@@ -37,6 +38,7 @@ class SegmentMap(Action):
     """
 
     needs = (Mapper, Segmenter, ObjectDatabase)
+    on_resume = OnResume.REDO
 
     def run(self, drone_map: Cloud | None = None) -> Steps[SiteSegments]:
         """Segment, and match the segments with known stones.

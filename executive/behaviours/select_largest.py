@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.stone import StoneState
 
@@ -26,6 +27,7 @@ class SelectLargest(Condition):
     """
 
     needs = (ObjectDatabase,)
+    on_resume = OnResume.REDO
 
     def check(self) -> Outcome[StoneSelected]:
         stones = self.context.use(ObjectDatabase).stones()

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.stone_filter import OrderedStones, ordered_stones, words_of
 from executive.messages.stone import Stone
@@ -26,6 +27,7 @@ class SelectStone(Condition[OrderedStones]):
     """Choose the first stone that meets all criteria; fail when none does."""
 
     needs = (ObjectDatabase,)
+    on_resume = OnResume.REDO
 
     def check(self) -> Outcome[StoneChosen]:
         found = ordered_stones(self.context, self.settings)

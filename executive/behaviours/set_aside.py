@@ -6,6 +6,7 @@ from executive.config import Settings
 from executive.events.stone import StoneSetAside
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, succeeded
 from executive.messages.stone import StoneState
 
@@ -22,6 +23,7 @@ class SetAside(Condition[SetAsideSettings]):
     """Leave a stone where it is and report it: it is not attempted again."""
 
     needs = (ObjectDatabase,)
+    on_resume = OnResume.REDO
 
     def check(self, stone: int) -> Outcome[None]:
         """Mark the stone, with the failure of the node before this one as the cause.

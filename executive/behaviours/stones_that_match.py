@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, succeeded
 from executive.leaf.stone_filter import OrderedStones, ordered_stones
 from executive.messages.stone import Stone
@@ -26,6 +27,7 @@ class StonesThatMatch(Condition[OrderedStones]):
     """List the stones that meet all criteria, in order; the list may be empty."""
 
     needs = (ObjectDatabase,)
+    on_resume = OnResume.REDO
 
     def check(self) -> Outcome[StonesMatching]:
         found = ordered_stones(self.context, self.settings)

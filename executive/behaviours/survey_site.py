@@ -6,6 +6,7 @@ from executive.errors import DataError
 from executive.events.site import SiteSurveyed
 from executive.interfaces.surveying import Survey
 from executive.leaf.action import Action, Steps
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.messages.cloud import Cloud
 
@@ -25,6 +26,7 @@ class SurveySite(Action):
     """Get a cloud of the site in a frame of its own (Mascaro et al. 2020, Sec. 4.1)."""
 
     needs = (Survey,)
+    on_resume = OnResume.REDO
 
     def run(self) -> Steps[SiteSurvey]:
         try:

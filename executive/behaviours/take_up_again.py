@@ -3,6 +3,7 @@
 from executive.events.stone import StonesTakenUpAgain
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.stone import Stone, StoneState
 
@@ -15,6 +16,7 @@ class TakeUpAgain(Condition):
     """
 
     needs = (ObjectDatabase,)
+    on_resume = OnResume.REDO
 
     def check(self) -> Outcome[None]:
         objects = self.context.use(ObjectDatabase)

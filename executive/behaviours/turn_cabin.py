@@ -3,6 +3,7 @@
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
 from executive.leaf.heading import HeadingSettings, facing
+from executive.leaf.memory import OnResume
 from executive.leaf.posture import POSTURE_NEEDS, move_to_posture
 from executive.messages.hold import Hold
 
@@ -16,6 +17,7 @@ class TurnCabin(Action[TurnCabinSettings]):
 
     needs = POSTURE_NEEDS
     claims = (Part.ARM, Part.CABIN)
+    on_resume = OnResume.REDO
 
     def run(self, hold: Hold | None = None) -> Steps[None]:
         """Plan the turn and follow it.

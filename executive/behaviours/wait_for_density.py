@@ -7,6 +7,7 @@ from executive.config import Meters, Radians, Seconds, Settings
 from executive.events.site import MapDense
 from executive.interfaces.mapping import Mapper
 from executive.leaf.action import Action, Steps
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import succeeded
 from executive.messages.sector import Sector
 
@@ -35,6 +36,7 @@ class WaitForDensity(Action[WaitForDensitySettings]):
     """
 
     needs = (Mapper,)
+    on_resume = OnResume.REDO
 
     def run(self) -> Steps[None]:
         mapper, sector = self.context.use(Mapper), self._region()

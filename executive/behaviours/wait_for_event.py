@@ -10,6 +10,7 @@ from executive.config import Seconds, Settings
 from executive.errors import did_you_mean
 from executive.events.event import Event, event_classes, plain
 from executive.leaf.action import Action, Steps
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 
 
@@ -61,6 +62,8 @@ class WaitForEvent(Action[WaitForEventSettings]):
 
     What was written before the leaf began does not count.
     """
+
+    on_resume = OnResume.REDO
 
     def run(self) -> Steps[EventSeen]:
         wanted = self.settings

@@ -24,7 +24,7 @@ def follow(context: Context, trajectory: JointTrajectory) -> Generator[None, Non
     it after planning.
     """
     robot = context.use(Robot)
-    away = np.abs(_position(context, trajectory) - trajectory.position[0])
+    away = np.abs(position_of(context, trajectory) - trajectory.position[0])
     if away.max() > _START_SHARE * START_TOLERANCE:
         name = trajectory.names[int(away.argmax())]
         return failed(f"{name} has moved {away.max():.3f} since the path was planned: plan again")
@@ -42,11 +42,11 @@ def follow(context: Context, trajectory: JointTrajectory) -> Generator[None, Non
 def _arrive(context: Context, trajectory: JointTrajectory) -> Generator[None, None, Outcome[None]]:
     started_s = still_since_s = context.now_s()
     goal = trajectory.position[-1]
-    before = _position(context, trajectory)
+    before = position_of(context, trajectory)
     before_s = started_s
     while True:
         yield None
-        now_s, position = context.now_s(), _position(context, trajectory)
+        now_s, position = context.now_s(), position_of(context, trajectory)
         error = np.abs(position - goal)
         is_over = now_s - started_s >= trajectory.duration_s
         if is_over and (error < _SETTLED).all():
@@ -66,6 +66,7 @@ def _arrive(context: Context, trajectory: JointTrajectory) -> Generator[None, No
             return failed(f"{trajectory.names[worst]} is {error[worst]:.3f} off its goal")
 
 
-def _position(context: Context, trajectory: JointTrajectory) -> np.ndarray:
+def position_of(context: Context, trajectory: JointTrajectory) -> np.ndarray:
+    """Return where the joints of a trajectory are now, shape (n,)."""
     sample = context.joints()
     return np.array([sample.of(name)[0] for name in trajectory.names])

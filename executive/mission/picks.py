@@ -94,7 +94,7 @@ class Picks:
                 self._end(time_s, event.trouble, event.detail)
             case StoneReleased():
                 self._end(time_s, "placed", "")
-                self._pick_of(event.stone).released = event
+                self._pick_released(event).released = event
             case StoneSetAside():
                 self._pick_of(event.stone).set_aside = event.reason
             case StoneRealigned() if event.stone in self._newest:
@@ -107,6 +107,14 @@ class Picks:
         """End an attempt that nothing has ended: by the next one, or by the end of the run."""
         if self._current is not None and self._current.outcome == _UNFINISHED:
             self._current.ended_s = now_s
+
+    def _pick_released(self, event: StoneReleased) -> Pick:
+        """Return the pick of a release; one that was told twice around a crash is told once."""
+        newest = self._newest.get(event.stone)
+        released = None if newest is None else newest.released
+        if newest is not None and released is not None and released.slot == event.slot:
+            return newest
+        return self._pick_of(event.stone)
 
     def _pick_of(self, stone: int) -> Pick:
         pick = self._newest.get(stone)
