@@ -4,6 +4,7 @@ People's text goes to standard error and answers go to standard output, so that 
 piped. A refusal is a ConfigError, which the command line turns into a message and exit status 2.
 """
 
+import contextlib
 import json
 import sys
 from collections.abc import Sequence
@@ -15,7 +16,8 @@ from executive.errors import ConfigError, did_you_mean
 
 def say(text: str, end: str = "\n") -> None:
     """Print a text for people, on standard error."""
-    print(text, end=end, file=sys.stderr, flush=True)
+    with contextlib.suppress(OSError):  # a closed pipe: nobody reads, and the work goes on
+        print(text, end=end, file=sys.stderr, flush=True)
 
 
 def answer(value: Any) -> None:

@@ -28,6 +28,8 @@ from executive.commands.logs.compare_estimators import compare_estimators
 from executive.commands.logs.estimate import estimate
 from executive.commands.missions.check import check
 from executive.commands.missions.import_ import import_mission
+from executive.commands.missions.journal import journal
+from executive.commands.missions.replay import replay
 from executive.commands.missions.resume import resume
 from executive.commands.missions.run import run
 from executive.commands.missions.schema import schema
@@ -76,6 +78,8 @@ app.add_typer(plugins_app, name="plugins")
 _VERBS: dict[str, Callable[..., None]] = {
     "run": run,
     "resume": resume,
+    "replay": replay,
+    "journal": journal,
     "check": check,
     "show": show,
     "simulate": simulate,

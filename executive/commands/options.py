@@ -22,6 +22,9 @@ SeedOption = Annotated[
 MissionArgument = Annotated[
     str, typer.Argument(metavar="MISSION", help="A mission file, or the name of a shipped one.")
 ]
+RunArgument = Annotated[
+    Path, typer.Argument(metavar="RUN_DIR", help="Folder of the run.", show_default=False)
+]
 CloudArgument = Annotated[
     Path,
     typer.Argument(

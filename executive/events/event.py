@@ -66,6 +66,11 @@ def event_classes() -> Mapping[str, type[Event]]:
     return {one.__name__: one for one in _KINDS.values() if one is not UnknownEvent}
 
 
+def known_kinds() -> Sequence[str]:
+    """Return the kinds of all events whose modules are imported."""
+    return tuple(_KINDS)
+
+
 def event_from(kind: str, payload: Mapping[str, Any]) -> Event:
     """Return the event that a line of a journal holds; of an unknown kind, an `UnknownEvent`.
 

@@ -23,6 +23,7 @@ class ValueFolder:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._pending: list[Path] = []
+        self.failure: OSError | None = None  # why values are no longer kept, such as a full disk
 
     def put(self, value: Any) -> Any:
         """Return what stands for a value in the journal, after it was kept.
@@ -79,9 +80,12 @@ class ValueFolder:
         path = self._folder / name
         if path.exists():
             return
-        self._folder.mkdir(exist_ok=True)
-        partial = path.with_suffix(".partial")
-        with partial.open("wb") as file:
-            file.write(data)
-        partial.replace(path)
+        try:
+            self._folder.mkdir(exist_ok=True)
+            partial = path.with_suffix(".partial")
+            partial.write_bytes(data)
+            partial.replace(path)
+        except OSError as error:
+            self.failure = error
+            return
         self._pending.append(path)

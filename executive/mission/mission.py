@@ -22,7 +22,7 @@ from executive.mission.late_ticks import LateTicks
 from executive.mission.node_runtime import NodeRuntime
 from executive.mission.pause import Pause
 from executive.mission.phase import Phase, checked_change
-from executive.mission.record.keeper import Instant
+from executive.mission.record.keeper import Instant, folder_fault
 from executive.mission.record.observation import Observation
 from executive.mission.record.resumption import PastClock, Resumption
 from executive.mission.report import Ending
@@ -273,6 +273,11 @@ class Mission(NodeRuntime):
         """Write what a resumed run needs of the plugins."""
         instant = Instant(self._tick, self.clock.now_s(), self.clock.machine_s())
         leaf_ended, self.memory.has_answered = self.memory.has_answered, False
+        failure = self.journal.failure or self.memory.failure or self._setup.keeper.failure
+        if failure is not None:
+            if self._ending is None:
+                self._fault(folder_fault(failure))
+            return
         self._setup.keeper.keep(instant, leaf_ended=leaf_ended)
 
     @property

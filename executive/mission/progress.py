@@ -1,5 +1,6 @@
 """Progress on standard error: a live tree on a terminal, plain lines elsewhere."""
 
+import os
 import sys
 from typing import Any
 
@@ -88,7 +89,38 @@ def progress(*, quiet: bool) -> Any:
     """Return the progress that suits standard error: live, plain, or none."""
     if quiet:
         return Silence()
-    return LiveProgress() if sys.stderr.isatty() else PlainProgress()
+    return Tolerant(LiveProgress() if sys.stderr.isatty() else PlainProgress())
+
+
+class Tolerant:
+    """Progress that falls silent when nobody reads it any more: the mission goes on."""
+
+    def __init__(self, shown: Any) -> None:
+        self._shown = shown
+
+    def __call__(self, mission: Mission) -> None:
+        try:
+            self._shown(mission)
+        except OSError:  # a closed pipe, or a terminal that is gone
+            self._shown = Silence()
+            drop_errors()
+
+    def __enter__(self) -> "Tolerant":
+        self._shown.__enter__()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        try:
+            self._shown.__exit__(*error)
+        except OSError:
+            drop_errors()
+
+
+def drop_errors() -> None:
+    """Send what is written to standard error nowhere from now on."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.__stderr__.fileno() if sys.__stderr__ is not None else 2)
+    os.close(nowhere)
 
 
 class Silence:

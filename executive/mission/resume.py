@@ -26,6 +26,7 @@ def resumed_run(path: Path) -> Run:
             real_time=kept.real_time,
             runner=kept.runner,
             answer=kept.answer,
+            choices=tuple(kept.choices),
         )
         return Run(load_mission(str(folder.mission)), options, resumption)
     except BaseException:

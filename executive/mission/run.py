@@ -10,7 +10,7 @@ from executive.clock import SimulatedClock, WallClock, wall_s
 from executive.clouds.ply_writer import write_ply
 from executive.errors import ConfigError, DataError, ExecutiveError, RobotError
 from executive.events.event import Event, plain
-from executive.events.mission import Faulted
+from executive.events.mission import Faulted, MissionEnded
 from executive.interfaces.robot import RobotSettings
 from executive.journal import Journal
 from executive.journal.value_folder import ValueFolder
@@ -18,10 +18,11 @@ from executive.logs.recorder import Recorder
 from executive.mission.assembly import Assembly, Selections, assemble
 from executive.mission.fault import fault_of
 from executive.mission.guard import GuardSettings
-from executive.mission.interrupts import Aborted, stop_on_interrupt
+from executive.mission.interrupts import stop_on_interrupt
 from executive.mission.jobs.choice import Choice
 from executive.mission.mission import Mission
 from executive.mission.operator import Operator
+from executive.mission.phase import Phase
 from executive.mission.record.account import Account
 from executive.mission.record.keeper import Keeper
 from executive.mission.record.leaf_memory import LeafMemory
@@ -38,6 +39,7 @@ from executive.mission.report import (
 from executive.mission.run_folder import RunFolder
 from executive.mission.run_log import run_log
 from executive.mission.setup import Setup
+from executive.mission.stop_signals import Aborted, stop_after_report, stop_at_once, stopping
 from executive.mission.truth import truth_of
 from executive.supervision.beacon import beacon
 from executive.tree.build import build_tree, halt
@@ -154,10 +156,12 @@ class Run:
             mission=self._description.name,
             machine=self._assembly.plugins["robot"].address(),
         )
-        with run_log(self.folder.log):
+        with stopping(stop_after_report), run_log(self.folder.log):
             try:
                 ending = self._run(after_tick)
                 wall = wall_s() - started_s
+                self._end_journal(ending)
+                self.folder.give_room()
                 write_report(self.folder.report, self._report(ending, wall))
                 truth: dict[str, Any] = {}
                 ending = self._afterwards(ending, self._save_map)
@@ -165,6 +169,13 @@ class Run:
                 ending = self._afterwards(ending, self._close)
                 report: dict[str, Any] = plain(self._report(ending, wall) | truth)
                 write_report(self.folder.report, report)
+                if self._account.has_ended:
+                    self.folder.forget_state()
+            except OSError as error:
+                raise RobotError(
+                    f"the report cannot be written into {self.folder.path}: {error.strerror}; the "
+                    "machine was brought to a safe stop"
+                ) from error
             finally:
                 if self._setup.recorder is not None:
                     self._setup.recorder.close()
@@ -174,6 +185,19 @@ class Run:
         return Result(report, self.folder, ending.exit_status)
 
     def _run(self, after_tick: Callable[[Mission], None]) -> Ending:
+        try:
+            with stopping(stop_at_once):
+                return self._started(after_tick)
+        except Aborted as error:
+            return Ending("stopped", str(error))
+
+    def _end_journal(self, ending: Ending) -> None:
+        """Write the end record, unless the mission did, or a run may still be resumed."""
+        begun = self._mission is not None and self._mission.phase is not Phase.IDLE
+        if not self._account.has_ended and (begun or self._resumption is None):
+            self._append(MissionEnded(ending.outcome, ending.reason))
+
+    def _started(self, after_tick: Callable[[Mission], None]) -> Ending:
         try:
             self._start()
         except (ConfigError, DataError):  # wrong settings or files; nothing has moved
@@ -192,8 +216,6 @@ class Run:
             if self._resumption is None:
                 return self._faulted(error)
             raise  # the past cannot be followed; nothing has moved
-        except Aborted as error:
-            return Ending("stopped", str(error))
         except Exception as error:  # an error that escaped the loop itself
             return self._faulted(error)
 

@@ -1,11 +1,14 @@
 """The folder of one run: what a mission leaves behind."""
 
+import shutil
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 
 from executive.errors import ConfigError
 from executive.mission.record.run_lock import RunLock
+
+_RESERVE_BYTES = 2**18  # for a report, whose size grows with the number of picks
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +37,13 @@ class RunFolder:
         if made.journal.exists():
             made.release()
             raise ConfigError(f"{folder} holds a run already; give another --run-dir")
+        try:
+            made._reserve.write_bytes(bytes(_RESERVE_BYTES))
+        except OSError as error:
+            made.release()
+            raise ConfigError(
+                f"the run folder {folder} cannot be written: {error.strerror}"
+            ) from error
         return made
 
     @classmethod
@@ -46,6 +56,19 @@ class RunFolder:
         if not cls(path).journal.is_file() or not cls(path).mission.is_file():
             raise ConfigError(f"{path} holds no run: it lacks journal.jsonl or mission.yaml")
         return cls(path, RunLock(path))
+
+    def give_room(self) -> None:
+        """Free what was set aside for the report, should the disk be full."""
+        self._reserve.unlink(missing_ok=True)
+
+    def forget_state(self) -> None:
+        """Remove what only a run that goes on or is resumed needs."""
+        for folder in (self.values, self.kept):
+            shutil.rmtree(folder, ignore_errors=True)
+
+    @property
+    def _reserve(self) -> Path:
+        return self.path / "reserve"
 
     def release(self) -> None:
         """Let another run write."""

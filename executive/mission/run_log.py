@@ -14,9 +14,11 @@ def run_log(path: Path) -> Iterator[None]:
     root = logging.getLogger()
     root.addHandler(handler)
     logging.captureWarnings(True)
+    told, logging.raiseExceptions = logging.raiseExceptions, False  # a full disk is told elsewhere
     try:
         yield
     finally:
+        logging.raiseExceptions = told
         logging.captureWarnings(False)
         root.removeHandler(handler)
         handler.close()

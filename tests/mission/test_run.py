@@ -13,9 +13,9 @@ from executive_plugins.robot.kinematic import KinematicRobot
 
 from executive.events.mission import PhaseChanged
 from executive.journal import read_journal
-from executive.mission.interrupts import Aborted
 from executive.mission.report import cpu_s
 from executive.mission.run import Options, Run
+from executive.mission.stop_signals import Aborted
 from executive.tree.load import load_mission
 
 PLUGINS = """

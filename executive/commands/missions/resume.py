@@ -1,16 +1,16 @@
 """`executive resume`: a run that was cut off goes on."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from executive.commands.console import answer, say
-from executive.commands.options import JsonOption
+from executive.commands.missions.starting import startable
+from executive.commands.options import JsonOption, RunArgument
 
 
 def resume(
-    run_dir: Annotated[Path, typer.Argument(help="Folder of the run.", show_default=False)],
+    run_dir: RunArgument,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -21,10 +21,11 @@ def resume(
 
     Example: executive resume runs/pick_and_place-20260101-120000
     """
-    from executive.mission.progress import progress
-    from executive.mission.resume import resumed_run
+    with startable():
+        from executive.mission.progress import progress
+        from executive.mission.resume import resumed_run
 
-    made = resumed_run(run_dir)
+        made = resumed_run(run_dir)
     with progress(quiet=quiet) as after_tick:
         result = made.execute(after_tick)
     say(result.summary)

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from executive.commands.console import answer, one_of, say
+from executive.commands.missions.starting import startable
 from executive.commands.options import JsonOption, MissionArgument, SeedOption, SetOption
 
 _RUNNERS = ("inline", "thread", "process")
@@ -63,28 +64,29 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
     if runner is not None:
         one_of("--runner", runner, _RUNNERS)
 
-    from executive.mission.preset_answers import preset_answers
-    from executive.mission.progress import progress
-    from executive.mission.run import Options, Run, model_of
-    from executive.tree.load import load_mission
+    with startable():
+        from executive.mission.preset_answers import preset_answers
+        from executive.mission.progress import progress
+        from executive.mission.run import Options, Run, model_of
+        from executive.tree.load import load_mission
 
-    settings = [*(set_ or ()), *_folder_of(stones)]
-    description = load_mission(mission, settings)
-    if machine is not None:
-        settings += _wire_to(machine, model_of(description))
+        settings = [*(set_ or ()), *_folder_of(stones)]
         description = load_mission(mission, settings)
-    preset = preset_answers(answer_ or (), description)
-    options = Options(
-        seed=seed,
-        run_dir=run_dir,
-        record=record,
-        record_log=record_log,
-        real_time=real_time or machine is not None,
-        runner=runner,
-        answer=preset.answer,
-        choices=preset.choices,
-    )
-    made = Run(description, options)
+        if machine is not None:
+            settings += _wire_to(machine, model_of(description))
+            description = load_mission(mission, settings)
+        preset = preset_answers(answer_ or (), description)
+        options = Options(
+            seed=seed,
+            run_dir=run_dir,
+            record=record,
+            record_log=record_log,
+            real_time=real_time or machine is not None,
+            runner=runner,
+            answer=preset.answer,
+            choices=preset.choices,
+        )
+        made = Run(description, options)
     with progress(quiet=quiet) as after_tick:
         result = made.execute(after_tick)
     say(result.summary)

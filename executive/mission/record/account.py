@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 from executive.arrays import Float
 from executive.events.event import Event
-from executive.events.mission import PluginFailed, VerdictGiven
+from executive.events.mission import MissionEnded, PluginFailed, VerdictGiven
 from executive.events.node import NodeEnded, NodeNotRetried, NodeResult
 from executive.events.site import SiteScanned, SiteSegmented, SlotsFound, SurveyRegistered
 from executive.events.stone import JawsClosedOnNothing
@@ -24,6 +24,7 @@ class Account:
     Attributes:
         last: The newest entry; None before the first.
         registered: The newest accepted registration of a survey.
+        has_ended: The end of the mission was journalled.
         stones_found: Number of stones that the last segmentation found.
         findings: What the mission reported about the site.
         slots: Place of each slot that was found, by its number [m], shape (3,).
@@ -33,6 +34,7 @@ class Account:
         self.last: Entry | None = None
         self.registered: SurveyRegistered | None = None
         self.stones_found = 0
+        self.has_ended = False
         self.findings = Findings()
         self.slots: dict[int, Float] = {}
         self._picks = Picks()
@@ -58,6 +60,8 @@ class Account:
         match event:
             case NodeEnded(status=NodeResult.FAILURE):
                 self._failures[entry.node] = entry.sequence, event.reason
+            case MissionEnded():
+                self.has_ended = True
             case VerdictGiven():
                 self._troubles[event.trouble] += 1
             case SiteSegmented():

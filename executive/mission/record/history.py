@@ -11,7 +11,7 @@ from typing import Any
 from executive.errors import DataError
 from executive.events import node as node_events
 from executive.events.event import Event
-from executive.events.mission import Resumed
+from executive.events.mission import WorldObserved
 from executive.events.node import LeafAnswered, LeafCalled, LeafTakenUp, QuestionAnswered
 from executive.journal import Entry
 from executive.journal.value_folder import ValueFolder
@@ -146,12 +146,12 @@ class History:
 def tree_entries(entries: Iterable[Entry]) -> list[Entry]:
     """Return what the tree recorded.
 
-    The tick in which a run was cut off is gone through again when it is resumed: its entries count
-    to the tick in which it was.
+    The tick in which a run was cut off is gone through again when it is resumed, once the world was
+    observed: its entries count to the tick in which it was.
     """
     found: list[Entry] = []
     for entry in entries:
-        if isinstance(entry.event, Resumed):
+        if isinstance(entry.event, WorldObserved):
             cut_off = found[-1].tick if found else 0
             for number in range(len(found) - 1, -1, -1):
                 if found[number].tick != cut_off:

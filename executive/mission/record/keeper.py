@@ -6,12 +6,19 @@ from pathlib import Path
 from typing import Any
 
 from executive.errors import DataError
+from executive.events.mission import Fault
 from executive.interfaces.plugin import Plugin
 from executive.journal.value_file import from_bytes, to_bytes
 from executive.mission.assembly import selected_plugins
 
 _PERIOD_S = 5.0  # of what changes all the time, such as a map while the lidars scan
 _MACHINE = "machine"
+
+
+def folder_fault(error: OSError) -> Fault:
+    """Return what ends a mission whose folder can no longer be written, such as on a full disk."""
+    told = f"{error.strerror or error}: the run's folder cannot be written, so the mission ends"
+    return Fault("the run's folder", "", "", "", "", told, "", "")
 
 
 @dataclass(frozen=True, slots=True)

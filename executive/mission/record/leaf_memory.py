@@ -74,6 +74,11 @@ class LeafMemory(Memory):
         self._draws[node] = draws
 
     @property
+    def failure(self) -> OSError | None:
+        """Return why answers are no longer kept; None while they are."""
+        return self._values.failure
+
+    @property
     def is_past(self) -> bool:
         """Whether the past is being followed."""
         return self.history is not None and not self.history.is_over

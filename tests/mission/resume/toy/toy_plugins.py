@@ -4,6 +4,8 @@ Everything of the executive is real: tree, leaves, database, journal. The robot 
 the simulated ones do, and counts what must not happen to a stone.
 """
 
+import itertools
+
 import numpy as np
 from executive_plugins.motion.hermite import Hermite
 from executive_plugins.robot.kinematic import KinematicRobot, KinematicSettings
@@ -187,8 +189,10 @@ class ToyMotion(Hermite):
                 return MotionPlan(None, "out of reach", np.empty((0, 3)))
             goals.append(q)
         times, positions, velocities = [0.0], [request.start], [np.zeros(len(request.start))]
-        for before, after in zip(goals, goals[1:], strict=False):
-            lasts_s = max(1.0, float((np.abs(after - before) / self._machine.max_velocity).max() * 4))
+        for before, after in itertools.pairwise(goals):
+            lasts_s = max(
+                1.0, float((np.abs(after - before) / self._machine.max_velocity).max() * 4)
+            )
             for u in np.linspace(0, 1, 11)[1:]:
                 times.append(times[-1] + lasts_s / 10)
                 positions.append(before + (after - before) * (3 * u**2 - 2 * u**3))

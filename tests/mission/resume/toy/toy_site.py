@@ -85,7 +85,7 @@ trees:
 
 
 def install(folder: Path) -> Path:
-    """Write the package and the mission into a folder and put it on the path; return the mission."""
+    """Write package and mission into a folder that goes on the path; return the mission."""
     folder.mkdir(parents=True, exist_ok=True)
     shutil.copy(HERE / "toy_plugins.py", folder)
     info = folder / "toy.egg-info"

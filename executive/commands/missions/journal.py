@@ -1,0 +1,53 @@
+"""`executive journal`: the lines of a run's journal, chosen by kind, node and time."""
+
+import json
+from typing import Annotated
+
+import typer
+
+from executive.commands.console import say
+from executive.commands.options import JsonOption, RunArgument
+
+
+def journal(
+    run_dir: RunArgument,
+    kind: Annotated[
+        list[str] | None, typer.Option(help="Only events of this kind; may be repeated.")
+    ] = None,
+    node: Annotated[
+        str | None, typer.Option(help="Only of this node and those below it, such as main/2.")
+    ] = None,
+    from_: Annotated[
+        float | None, typer.Option("--from", help="Only from this mission time on [s].")
+    ] = None,
+    to: Annotated[
+        float | None, typer.Option("--to", help="Only up to this mission time [s].")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Print a run's journal, every line checked; a run that goes on may be looked at.
+
+    Example: executive journal runs/monday --kind stone_grasped --from 60
+    """
+    from executive.mission.record.journal_view import line_for_people, plain_entry, reading
+
+    with reading(run_dir) as entries:
+        for entry in entries:
+            is_kind = not kind or entry.kind in kind
+            is_time = (from_ is None or entry.time_s >= from_) and (
+                to is None or entry.time_s <= to
+            )
+            if is_kind and is_time and (node is None or entry.node.startswith(node)):
+                text = json.dumps(plain_entry(entry), ensure_ascii=False) if as_json else None
+                print(line_for_people(entry) if text is None else text)
+    if kind:
+        _say_unknown(kind)
+
+
+def _say_unknown(kinds: list[str]) -> None:
+    from executive.errors import did_you_mean
+    from executive.events.event import known_kinds
+
+    for kind in kinds:
+        if kind not in known_kinds():
+            say(f"warning: no event of kind '{kind}'{did_you_mean(kind, known_kinds())}")
