@@ -32,6 +32,7 @@ from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 from executive.messages.command import Follow, SwitchLidars
 from executive.messages.placement import Slot
+from executive.messages.region import Region
 from executive.messages.request import MotionPlan
 from executive.messages.segment import Segment as Part
 from executive.messages.segment import Segmentation
@@ -240,3 +241,39 @@ def test_too_few_slots_are_a_failure_that_is_recorded(stage):
     assert ended.status == "FAILURE"
     assert ended.reason == "there is free ground for 0 stones, and 1 are wanted"
     assert [len(event.slots) for event in ended.events] == [0]
+
+
+def test_a_place_keeps_its_number_and_new_places_get_new_ones(stage):
+    def slot(number, y):
+        return Slot(number, np.array([5.0, y, 0.0]))
+
+    rounds = [(slot(1, 0.0), slot(2, 2.0)), (slot(1, 4.0), slot(2, 2.03), slot(3, 0.0))]
+    stand = stage.Stage(placing=stage.Scripted(PlacementPlanner, slots=rounds))
+    numbers = [
+        [one.id for one in stand.tick(FindSlots, segmentation=segmentation()).outputs["slots"]]
+        for _ in range(2)
+    ]
+    assert numbers == [[1, 2], [3, 2, 1]]
+
+
+def test_a_row_is_asked_for_with_the_stone_and_those_that_stand(stage, database):
+    planner = stage.Scripted(PlacementPlanner, slots=())
+    stand = stage.Stage(placing=planner, objects=database)
+    off = Region("off", np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]))
+    stand.leaf_context.regions = {"off": off}
+    settings = {"start": (1.0, 2.0), "heading": 1.5, "gap": 0.2, "keep_off": ("off",)}
+    stand.tick(FindSlots, settings=settings, segmentation=segmentation(), for_stone=2)
+    layout = planner.calls("slots")[0]["layout"]
+    assert (layout.row.start_map.tolist(), layout.row.heading_rad, layout.row.gap_m) == (
+        [1.0, 2.0],
+        1.5,
+        0.2,
+    )
+    assert layout.keep_off == (off,)
+    assert [stone.id for stone in layout.stones] == [2]
+    assert [stone.id for stone in layout.standing] == [1]
+
+
+def test_a_row_without_a_heading_is_refused():
+    with pytest.raises(ValueError, match="a row needs both 'start' and 'heading'"):
+        FindSlots.Settings(start=(1.0, 2.0))

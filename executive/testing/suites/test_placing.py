@@ -5,6 +5,8 @@ import numpy as np
 from executive.geometry.pose import inverse, pose, transform
 from executive.interfaces.placing import PlacementPlanner
 from executive.messages.cloud import Cloud
+from executive.messages.region import Region
+from executive.messages.slot_layout import SlotLayout
 from executive.testing.exercises.placing import BASE, HANGING, ground, site, stone_at
 from executive.testing.pytest_plugin import Insist
 
@@ -27,6 +29,14 @@ def test_slots_are_no_more_than_asked_apart_and_off_the_segments(
 
 def test_no_slots_are_asked_for_and_none_given(plugin: PlacementPlanner) -> None:
     assert plugin.slots(site(), BASE, 0) == ()
+
+
+def test_slots_keep_off_a_region(plugin: PlacementPlanner, insist: Insist) -> None:
+    left = Region("left", np.array([[-20.0, 0.0], [20.0, 0.0], [20.0, 20.0], [-20.0, 20.0]]))
+    layout = SlotLayout(keep_off=(left,), stones=(stone_at(5.0, 0.0),))
+    slots = plugin.slots(site(), BASE, 3, layout)
+    insist(slots, "it finds no slot off half of the site")
+    assert all(slot.position_map[1] < -0.4 for slot in slots)  # half of the stone's smaller side
 
 
 def test_a_stone_ends_over_its_slot_and_on_the_ground(
