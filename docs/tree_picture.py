@@ -24,6 +24,8 @@ PICTURES = {
     ("sort", "tree_sort"): ("main", "fill_row", "relocate_one"),
     ("clear_corridor", "tree_clear_corridor"): ("main", "clear", "relocate_one"),
     ("two_courses", "tree_two_courses"): ("main", "relocate_one"),
+    ("inspect", "tree_inspect"): ("main",),
+    ("confirm", "tree_confirm"): ("main", "move_confirmed", "grasp_and_put_down"),
 }
 CLUSTER = re.compile(r'  subgraph cluster_\d+ \{\n    label="(\w+)";\n.*?\n  \}\n', re.S)
 

@@ -5,6 +5,7 @@ import pytest
 from executive.campaign.figures.metrics.examples import AsNamed, FalseSuccess
 from executive.interfaces.metric import RunRecord, Share, TimedEvent
 from executive.journal import read_journal
+from executive.leaf.map_file import read_map
 
 pytestmark = pytest.mark.mission
 
@@ -13,10 +14,10 @@ STONES = 3  # the fewest that the drone's map can be registered by
 
 @pytest.fixture(scope="module")
 def example(tmp_path_factory, command_line, read_run):
-    def run(name):
+    def run(name, *more):
         folder = tmp_path_factory.mktemp(name) / "run"
         count = ("--set", f"robot.site.stones.count={STONES}")
-        answer = command_line("run", name, *count, "--run-dir", str(folder))
+        answer = command_line("run", name, *count, *more, "--run-dir", str(folder))
         return read_run(folder, answer.status)
 
     return run
@@ -37,7 +38,17 @@ def two_courses(example):
     return example("two_courses")
 
 
-@pytest.mark.parametrize("name", ["sort", "clear_corridor", "two_courses"])
+@pytest.fixture(scope="module")
+def inspect(example):
+    return example("inspect")
+
+
+@pytest.fixture(scope="module")
+def confirm(example):
+    return example("confirm", "--answer", "leave")
+
+
+@pytest.mark.parametrize("name", ["sort", "clear_corridor", "two_courses", "inspect", "confirm"])
 def test_an_example_does_what_its_name_says(name, request):
     finished = request.getfixturevalue(name)
     assert (finished.report["outcome"], finished.report["reason"]) == ("success", "")
@@ -66,3 +77,21 @@ def test_slots_keep_their_numbers(two_courses):
     places = {slot["slot"]: slot["position_map"] for found in slots for slot in found}
     assert len(places) > 2
     assert sorted(places) == list(range(1, max(numbers) + 1))
+
+
+def test_an_inspection_saves_a_map_that_can_be_read(inspect):
+    (saved,) = inspect.report["maps"]
+    found = read_map(inspect.folder / saved["file"])
+    assert (len(found.cloud), found.cloud.frame) == (saved["points"], "map")
+    assert inspect.events("stone_grasped") == []
+
+
+def test_stones_that_the_operator_leaves_lie_where_they_were(confirm):
+    left = [one["payload"] for one in confirm.events("stone_set_aside")]
+    answers = [one["payload"]["answer"] for one in confirm.events("question_answered")]
+    assert answers
+    assert set(answers) == {"leave"}
+    assert len(left) == len(answers)
+    held = {stone for stone, _ in confirm.story("stone_grasped")}
+    assert held
+    assert held.isdisjoint(one["stone"] for one in left)

@@ -7,8 +7,15 @@ import numpy as np
 import pytest
 
 from executive.campaign.figures.metrics.examples import AsNamed, FalseSuccess
+from executive.events.node import QuestionAnswered
 from executive.events.site import RegionNamed
-from executive.events.stone import StoneReleased
+from executive.events.stone import (
+    AttemptStarted,
+    GraspRecord,
+    JawsClosedOnNothing,
+    StoneGrasped,
+    StoneReleased,
+)
 from executive.geometry.polygon import rectangle
 from executive.interfaces.metric import RunRecord, Share, TimedEvent
 
@@ -100,3 +107,68 @@ def test_a_second_course_rests_on_two_neighbours(second, touches, verdict):
 def test_other_missions_and_real_machines_are_not_judged():
     assert judged("pick_and_place", [stone(1, (0, 0))]) == (None, None)
     assert judged("sort", []) == (None, None)
+
+
+def inspected(listed, *, figure=None, maps=("site.ply",)):
+    true = [stone(1, (5.0, 0.0)) | {"centre_m": [5.0, 0.0, 0.3]},
+            stone(2, (0.0, 5.0)) | {"centre_m": [0.0, 5.0, 0.3]}]  # fmt: skip
+    report = {
+        "mission": "inspect",
+        "outcome": "success",
+        "truth": {"stones": true},
+        "stones": [{"centroid_map": [*at, 0.4]} for at in listed],
+        "figures": {"stones_found": {"value": len(listed) if figure is None else figure}},
+        "maps": list(maps),
+    }
+    return AsNamed().measure(RunRecord(report))
+
+
+def test_a_site_is_inspected_when_each_stone_is_listed_once() -> None:
+    assert inspected([(4.8, 0.1), (0.1, 4.7)]) == Share(1, 1)
+
+
+@pytest.mark.parametrize(
+    ("listed", "more"),
+    [
+        ([(4.8, 0.1)], {}),  # one is missing
+        ([(4.8, 0.1), (5.1, 0.0)], {}),  # one twice, one missing
+        ([(4.8, 0.1), (0.1, 4.7), (9.0, 9.0)], {}),  # one that is not there
+        ([(4.8, 0.1), (0.1, 4.3)], {}),  # too far off
+        ([(4.8, 0.1), (0.1, 4.7)], {"figure": 3}),
+        ([(4.8, 0.1), (0.1, 4.7)], {"maps": ()}),
+    ],
+)
+def test_a_site_is_not_inspected_when_the_list_is_wrong(listed, more) -> None:
+    assert inspected(listed, **more) == Share(0, 1)
+
+
+GRASP = GraspRecord(np.eye(4), 0.8, 1.0, {})
+
+
+def confirmed(volume_m3, *steps):
+    made = {
+        "try": AttemptStarted(1, np.zeros(3), GRASP, ()),
+        "grasp": QuestionAnswered("Grasp?", "grasp", "operator"),
+        "leave": QuestionAnswered("Grasp?", "leave", "operator"),
+        "held": StoneGrasped(1, 0.4, 0, 0),
+        "empty": JawsClosedOnNothing(1, "nothing"),
+    }
+    events = [TimedEvent(float(i), made[step]) for i, step in enumerate(steps)]
+    return judged("confirm", [stone(1, (5, 0), volume_m3)], *events)
+
+
+@pytest.mark.parametrize(
+    ("volume_m3", "steps", "verdict"),
+    [
+        (0.5, ["try", "grasp", "held"], GOOD),
+        (0.5, ["try", "grasp", "empty", "try", "grasp", "held"], GOOD),
+        (0.5, ["try", "leave"], GOOD),
+        (0.9, ["try", "held"], GOOD),
+        (0.5, ["try", "held"], FALSE),
+        (0.5, ["try", "grasp", "empty", "try", "held"], FALSE),  # the second was not confirmed
+        (0.5, ["try", "leave", "held"], FALSE),
+        (0.9, ["try", "leave", "held"], FALSE),
+    ],
+)
+def test_each_grasp_of_a_stone_of_the_range_is_confirmed(volume_m3, steps, verdict) -> None:
+    assert confirmed(volume_m3, *steps) == verdict

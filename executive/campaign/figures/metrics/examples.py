@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from executive.campaign.figures.metrics.inspect_and_confirm import is_confirmed, is_inspected
 from executive.campaign.figures.metrics.report import stones
 from executive.events.site import RegionNamed
 from executive.events.stone import StoneReleased
@@ -33,7 +34,9 @@ class AsNamed(Metric):
         " row of small stones has 1.1 times the volume of one in the other row. `clear_corridor`:"
         " no stone's outline from above comes into the region `corridor`. `two_courses`: each stone"
         " of the first course is 0.25 m or less from a neighbour, and every other stone is off the"
-        " ground and touches two of them."
+        " ground and touches two of them. `inspect`: the report lists each stone once, within 0.5 m"
+        " of its true centre, and nothing else. `confirm`: no stone of 0.375 to 0.6 m³ was grasped"
+        " without a yes to that attempt."
     )
 
     def measure(self, run: RunRecord) -> Share | None:
@@ -117,4 +120,6 @@ _JUDGES: Mapping[str, Callable[[RunRecord], bool]] = {
     "sort": is_sorted,
     "clear_corridor": is_corridor_clear,
     "two_courses": has_two_courses,
+    "inspect": is_inspected,
+    "confirm": is_confirmed,
 }
