@@ -12,6 +12,7 @@ from executive.machine.machine import Machine
 from executive.messages.command import Command, Follow, MoveJaws
 from executive.messages.trajectory import JointTrajectory
 
+_SLUGGISH_SHARE = 0.5  # of the commanded motion, where the file gives none
 _NO_FORCE_N = 1.0  # what jaws without pressure still press with
 _STEP_S = 0.05  # of the rest of a path that is commanded anew
 _LEAST_S = 0.2  # a rest of a path that is shorter is not worth a new command
@@ -26,7 +27,7 @@ class FaultyActuator:
     def __init__(self, fault: ActuatorFault, machine: Machine) -> None:
         self.fault, self._machine = fault, machine
         is_sluggish = fault.how == "sluggish"
-        self._share = fault.share if is_sluggish else 0.0
+        self._share = (fault.share or _SLUGGISH_SHARE) if is_sluggish else 0.0
         arm = machine.arm_names if fault.actuator == ARM else (fault.actuator,)
         self._joints = () if fault.actuator == JAWS else arm
 

@@ -97,15 +97,15 @@ class ActuatorFault(Timing):
 
     actuator: str = Field(description="A joint of the arm, `arm` for all of them, or `jaws`.")
     how: Literal["sluggish", "no_pressure", "open"] = Field(description="What is wrong with it.")
-    share: float = Field(
-        0.5, gt=0, lt=1, description="Of `sluggish`: share of the commanded motion that is made."
+    share: float | None = Field(
+        None, gt=0, lt=1, description="Of `sluggish`: share of the commanded motion; 0.5 if absent."
     )
 
     @model_validator(mode="after")
     def _check_actuator(self) -> "ActuatorFault":
         if self.how == "open" and self.actuator != JAWS:
             raise ValueError(f"only the jaws can open, not {self.actuator}")
-        if "share" in self.model_fields_set and self.how != "sluggish":
+        if self.share is not None and self.how != "sluggish":
             raise ValueError(f"a fault `{self.how}` has no share")
         return self
 
