@@ -85,6 +85,10 @@ class Beacon:
         age_s, limit_s = time.monotonic() - self._get("joints_s"), self._get("joints_limit_s")
         return age_s if 0 < limit_s < age_s else 0.0
 
+    def is_computing(self) -> bool:
+        """Return whether a verb is computed in the executive's process, which has its own limit."""
+        return self._get("verb_until_s") > 0.0
+
     def overdue_s(self) -> float:
         """Return how long ago a verb in the executive's process should have ended [s]; else 0."""
         until_s = self._get("verb_until_s")

@@ -16,7 +16,7 @@ from executive.supervision.cut_off import CutOff
 from executive.supervision.link import MachineLink
 
 _LOOK_S = 0.01  # between two looks at the beacon
-_LOST_S = 10.0  # a loop that stays silent so long after the stop is ended
+_LOST_S = 10.0  # a loop that stays silent so long after the stop, in no verb, is ended
 _GRACE_S = 2.0  # for the executive to end an overdue verb by itself
 _STACK_S = 0.2  # for the call stack of a process that hangs to be written
 _EXIT_S = 15.0  # for a process to exit after its run is over
@@ -65,7 +65,7 @@ class Supervisor:
         else:
             self._silent_since_s = 0.0
         is_lost = self._silent_since_s and now_s - self._silent_since_s > _LOST_S
-        if is_lost or self._beacon.overdue_s() > _GRACE_S:
+        if (is_lost and not self._beacon.is_computing()) or self._beacon.overdue_s() > _GRACE_S:
             self._end_child(self.reason or "a verb in the executive's process did not end in time")
         if self._beacon.status() is not None:
             self._over_s = self._over_s or now_s
