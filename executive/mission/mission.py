@@ -77,6 +77,9 @@ class Mission(NodeRuntime):
         """Tick until the tree has ended or the mission is stopped; the machine is then at rest."""
         self._change(Phase.RUNNING, "")
         self._name_regions()
+        if self._setup.heartbeat_limit_s:
+            limit_s = self._setup.heartbeat_limit_s
+            beacon().watch(limit_s, limit_s + self._setup.tick_s)
         try:
             if self.memory.history is not None:
                 self._observe_anew(after_tick)

@@ -65,8 +65,10 @@ class Supervisor:
         else:
             self._silent_since_s = 0.0
         is_lost = self._silent_since_s and now_s - self._silent_since_s > _LOST_S
-        if (is_lost and not self._beacon.is_computing()) or self._beacon.overdue_s() > _GRACE_S:
-            self._end_child(self.reason or "a verb in the executive's process did not end in time")
+        if self._beacon.overdue_s() > _GRACE_S:
+            self._end_child("it did not end in time, and could not be interrupted")
+        elif is_lost and not self._beacon.is_computing():
+            self._end_child(self.reason)
         if self._beacon.status() is not None:
             self._over_s = self._over_s or now_s
             if now_s - self._over_s > _EXIT_S:

@@ -84,6 +84,12 @@ def test_a_plugin_that_fails_in_the_executive_ends_in_a_report_of_its_own(run, f
     assert "Traceback" not in said
 
 
+def test_in_real_time_a_silent_loop_is_noticed(run):
+    status, said, _ = run("hold_gil", "--real-time", "--runner=thread")
+    assert status == 3, said
+    assert re.search(r"supervisor: the (executive's loop has been silent|newest joint)", said)
+
+
 def test_a_run_that_ends_in_order_keeps_its_status(run):
     status, _, report = run("''")
     assert (status, report["outcome"]) == (1, "failure")  # the faulty planner plans no swing
@@ -98,7 +104,7 @@ def test_wrong_input_keeps_its_status(run):
 def test_signals_reach_the_mission_through_its_supervisor(tmp_path, environment):
     text = MISSION.format(fault="''").split("      - run: ScanSwing")[0] + "      - wait: 600 s\n"
     (tmp_path / "dry.yaml").write_text(text, encoding="utf-8")
-    words = ["run", "dry.yaml", "--run-dir=run", "--quiet", "--real-time", "--runner=inline"]
+    words = ["run", "dry.yaml", "--run-dir=run", "--quiet", "--real-time", "--runner=thread"]
     with subprocess.Popen([*EXECUTIVE, *words], cwd=tmp_path, env=environment) as process:
         journal = tmp_path / "run" / "journal.jsonl"
         limit_s = time.monotonic() + 60
