@@ -108,9 +108,9 @@ class ReactiveNode(Controller):
         reset_children(self)
 
     def proceed(self) -> Steps:
-        decides, last = self._decides, None
+        decides, last, may_keep = self._decides, None, self._may_keep()
         for index, child in enumerate(self.children):
-            if self._is_kept(index, child):
+            if may_keep and self._is_kept(index, child):
                 last = child
                 continue
             was_running = child.status is _RUNNING
@@ -127,6 +127,10 @@ class ReactiveNode(Controller):
             if was_running:
                 self._ended(child)
         return self.adopt(last or self.children[-1])
+
+    @abstractmethod
+    def _may_keep(self) -> bool:
+        """Return whether there may be a child that is kept; if not, none is looked at."""
 
     @abstractmethod
     def _is_kept(self, index: int, child: Behaviour) -> bool:
@@ -160,6 +164,10 @@ class ReactiveSequenceNode(ReactiveNode):
     ) -> None:
         super().__init__(name, path, runtime, children)
         self._asking = tuple(asking)
+        self._do_all_ask = all(asking[:-1])  # when the last has succeeded, the round is over
+
+    def _may_keep(self) -> bool:
+        return not self._do_all_ask
 
     def _is_kept(self, index: int, child: Behaviour) -> bool:
         return not self._asking[index] and child.status is _SUCCESS
@@ -190,6 +198,9 @@ class ReactiveFallbackNode(ReactiveNode):
     def begin(self) -> None:
         self._spent.clear()
         super().begin()
+
+    def _may_keep(self) -> bool:
+        return bool(self._spent)
 
     def _is_kept(self, index: int, child: Behaviour) -> bool:
         if child in self._spent and isinstance(child, IfNode) and not child.is_open():

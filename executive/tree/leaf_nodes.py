@@ -35,6 +35,9 @@ class LeafCall:
         self._runtime = runtime
         self._scope = scope
         self.parts = use.leaf.parts()
+        # Most leaves ask for nothing or answer nothing more than yes or no.
+        self._takes = bool(use.leaf.inputs) or use.parameters is not None
+        self._gives = bool(use.leaf.outputs)
         self._is_condition = issubclass(use.leaf, ConditionLeaf)
         self.memory = runtime.memory
         if self.memory is not None:
@@ -69,12 +72,16 @@ class LeafCall:
         """
         if self._runtime.is_faulted:
             raise MissionFaultError("the mission has ended in a fault")
+        if not self._takes:
+            return {}
         if self.use.parameters is not None:
             self.leaf = self.use.leaf(self._scope.settings(self.use), self._context)
         return self._scope.inputs(self.use)
 
     def written(self, outcome: object) -> Outcome[Any]:
         """Return what the leaf answered, after its outputs were written."""
+        if isinstance(outcome, Outcome) and outcome.outputs is None and not self._gives:
+            return outcome
         if not isinstance(outcome, Outcome):
             raise ConfigError(
                 f"{self.use.name} ended with {type(outcome).__name__}, not with succeeded(…) or "
@@ -101,6 +108,8 @@ class Asked:
 
     def __call__(self) -> Outcome[Any]:
         """Ask, and write the outputs."""
+        if self._call.memory is None:
+            return self._answer()
         found = self._call.recalled()
         if found is not None and found.outcome is not None:
             return found.outcome
@@ -135,7 +144,8 @@ class CheckNode(TreeNode):
             outcome = self._asked()
         except ConfigError as error:  # an expression that cannot be computed
             outcome = Outcome(False, str(error))
-        self.is_refused = not outcome.success
+        if not outcome.success:
+            self.is_refused = True
         return self.take(outcome)
 
 
@@ -150,15 +160,17 @@ class RunNode(TreeNode):
     def __init__(self, use: LeafUse, name: str, path: str, runtime: Runtime, scope: Scope) -> None:
         super().__init__(name, path, runtime)
         self._call = LeafCall(use, path, runtime, scope)
+        self._is_action = issubclass(use.leaf, Action)
         self._steps: LeafSteps[Any] | None = None
         self._job: Job[Any] | None = None
         self._cut_off: dict[str, Any] | None = None  # inputs of a call that a crash has cut off
 
     def update(self) -> Status:
         """Go on as far as possible without waiting."""
-        found = self._call.recalled()
-        if found is not None:
-            return self._as_before(found)
+        if self._call.memory is not None:
+            found = self._call.recalled()
+            if found is not None:
+                return self._as_before(found)
         inputs: dict[str, Any] = {}
         if self._steps is None:
             self.feedback_message = self.runtime.still_driven(self._call.parts)
@@ -221,7 +233,10 @@ class RunNode(TreeNode):
         return None
 
     def _wait_for(self, yielded: object) -> None:
-        if yielded is not None and not isinstance(yielded, Job):
+        if yielded is None:
+            self._job = None
+            return
+        if not isinstance(yielded, Job):
             raise ConfigError(
                 f"{self._call.use.name} yielded {type(yielded).__name__}; an action yields a job "
                 "or None"
@@ -237,15 +252,16 @@ class RunNode(TreeNode):
         return steps.send(result)
 
     def _begun(self, inputs: dict[str, Any]) -> LeafSteps[Any]:
-        if not isinstance(self._call.leaf, Action):
+        leaf: Any = self._call.leaf
+        if not self._is_action:
             raise ConfigError(f"{self._call.use.name} is no action")
         if self._cut_off is not None:
             self._cut_off = None
-            return taken_up(self._call.leaf, inputs, self.path, self.runtime)
+            return taken_up(leaf, inputs, self.path, self.runtime)
         if self._call.memory is not None:
-            irreversible = self._call.leaf.is_irreversible
+            irreversible = leaf.is_irreversible
             self._call.memory.called(self.path, inputs, is_irreversible=irreversible)
-        steps = self._call.leaf.run(**inputs)
+        steps: LeafSteps[Any] = leaf.run(**inputs)
         if not hasattr(steps, "send"):
             raise ConfigError(f"run() of {self._call.use.name} is no generator: it needs a 'yield'")
         return steps

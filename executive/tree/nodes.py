@@ -21,10 +21,12 @@ from executive.leaf.runtime import Runtime
 Visits = Iterator[Behaviour]
 Steps = Generator[Behaviour, None, Status]
 _RUNNING, _INVALID = Status.RUNNING, Status.INVALID  # looked up at each visit of each node
+_STARTED = NodeStarted()
+# By the name: hashing a Status is slow.
 _RESULTS = {
-    Status.SUCCESS: NodeResult.SUCCESS,
-    Status.FAILURE: NodeResult.FAILURE,
-    Status.INVALID: NodeResult.HALTED,
+    "SUCCESS": NodeResult.SUCCESS,
+    "FAILURE": NodeResult.FAILURE,
+    "INVALID": NodeResult.HALTED,
 }
 
 
@@ -91,8 +93,9 @@ class TreeNode(Behaviour):  # type: ignore[misc]
         status: Status = self.update()
         if status is _RUNNING:
             self.tell_running()
-        else:
-            self.stop(status)
+        else:  # what `stop` does, without its detours
+            self._is_active = False
+            self._tell_end(status)
         self.status = status
         yield self
 
@@ -137,12 +140,12 @@ class TreeNode(Behaviour):  # type: ignore[misc]
     def _tell_start(self) -> None:
         self._is_told = True
         if self.is_journalled:
-            self.record(NodeStarted())
+            self.record(_STARTED)
 
     def _tell_end(self, status: Status) -> None:
         result = (status, self.feedback_message)
         if self.is_journalled and (self._is_told or result != self._last):
-            ended = NodeResult.SKIPPED if self.is_skipped else _RESULTS[status]
+            ended = NodeResult.SKIPPED if self.is_skipped else _RESULTS[status.name]
             self.record(NodeEnded(ended, self.feedback_message))
         self._last = result
 
