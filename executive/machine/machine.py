@@ -1,6 +1,7 @@
 """A machine, read from the `robot.yaml` of its folder, the only source of its geometry."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import cached_property
 from importlib.resources import files
 from itertools import combinations
@@ -220,6 +221,32 @@ def machine_folder(model: str) -> Path:
     )
 
 
+def machine_file(model: str) -> Path:
+    """Return the path of a machine's robot.yaml.
+
+    Raises:
+        ConfigError: If there is no such machine.
+    """
+    return machine_folder(model) / FILE
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One mistake in a robot.yaml: the keys that lead to it, its kind, and what is wrong."""
+
+    steps: tuple[str | int, ...]
+    kind: str
+    message: str
+
+
+class MachineFileError(ConfigError):
+    """A robot.yaml has mistakes; `findings` lists them."""
+
+    def __init__(self, message: str, findings: tuple[Finding, ...] = ()) -> None:
+        super().__init__(message)
+        self.findings = findings
+
+
 def load_machine(model: str) -> Machine:
     """Read a machine, given the name of a shipped one or the path of its folder.
 
@@ -227,11 +254,11 @@ def load_machine(model: str) -> Machine:
         ConfigError: If there is none, or its robot.yaml is wrong; the message names every wrong
             field.
     """
-    path = machine_folder(model) / FILE
+    path = machine_file(model)
     try:
         description = yaml.load(path.read_text(encoding="utf-8"), Loader=yaml.CSafeLoader)
     except yaml.YAMLError as error:
-        raise ConfigError(f"{path}: not readable as YAML: {error}") from None
+        raise MachineFileError(f"{path}: not readable as YAML: {error}") from None
     if not isinstance(description, dict):
         raise ConfigError(
             f"{path}: expected a mapping that describes a machine, got {type(description).__name__}"
@@ -239,11 +266,12 @@ def load_machine(model: str) -> Machine:
     try:
         return Machine.model_validate(_with_names(description))
     except ValidationError as error:
+        findings = tuple(Finding(e["loc"], e["type"], e["msg"]) for e in error.errors())
         lines = [
-            f"{path}: {'.'.join(map(str, e['loc'])) or 'machine'}: {e['msg']}"
-            for e in error.errors()
+            f"{path}: {'.'.join(map(str, one.steps)) or 'machine'}: {one.message}"
+            for one in findings
         ]
-        raise ConfigError("\n".join(lines)) from None
+        raise MachineFileError("\n".join(lines), findings) from None
 
 
 def _with_names(description: dict[str, object]) -> dict[str, object]:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from typing import Any
 
 from executive.config import Settings
@@ -119,7 +120,10 @@ class LeafReader:
             leaf = self._reading.catalogue.behaviour(name)
         except ConfigError as error:
             self._reading.problems.error(mark, str(error))
-            return None
+            leaf_meant = self._meant(name)
+            if leaf_meant is None:
+                return None
+            leaf = leaf_meant
         wanted, other = (Action, "check") if kind == "run" else (ConditionLeaf, "run")
         if issubclass(leaf, wanted):
             return leaf
@@ -129,6 +133,15 @@ class LeafReader:
         cure = f": write '{other}: {name}'" if as_node else "; only a condition can be asked here"
         self._reading.problems.error(mark, f"{name} is {sort}{cure}")
         return None
+
+    def _meant(self, name: str) -> type[Leaf[Any]] | None:
+        """Return the leaf whose name was misspelt, so that what it writes is known all the same."""
+        known = self._reading.catalogue.behaviour_names()
+        near = get_close_matches(name, known, n=1, cutoff=0.8)
+        try:
+            return self._reading.catalogue.behaviour(near[0]) if near else None
+        except ConfigError:  # it cannot be imported
+            return None
 
     def _inputs(
         self, value: Value | None, ports: Mapping[str, Port], name: str, mark: Mark

@@ -13,6 +13,7 @@ from executive.tree.fault_reader import SECTIONS, head, read_faults_and_watch
 from executive.tree.instance_check import InstanceCheck
 from executive.tree.instances import instances_of
 from executive.tree.language import LeafUse, LoopSettings, MissionFile, Tree
+from executive.tree.machine_check import check_machine
 from executive.tree.override import Override, PlacedSetting, apply_override, placed_setting
 from executive.tree.plugin_reader import PluginReader, layered
 from executive.tree.problem import Problems
@@ -26,7 +27,11 @@ from executive.tree.value import Table, TableEntry, merged
 
 
 def load_mission(
-    path_or_name: str, overrides: Sequence[Override] = (), catalogue: Catalogue | None = None
+    path_or_name: str,
+    overrides: Sequence[Override] = (),
+    catalogue: Catalogue | None = None,
+    *,
+    is_for_here: bool = False,
 ) -> MissionFile:
     """Load a mission: a file, or the name of a shipped one, with settings that override its own.
 
@@ -35,14 +40,15 @@ def load_mission(
         overrides: `capability.field=value` or `loop.field=value`, later ones over earlier ones;
             settings of another file with their places there.
         catalogue: What can be chosen; all that is installed by default.
+        is_for_here: Whether it is to run here: the machine's file, and what plugins refuse of this
+            machine and of this computer, are checked too.
 
     Raises:
         MissionFileError: If there is any mistake; it holds all of them, with their places.
     """
     with _without_collection():
-        return _load(
-            path_or_name, overrides, Reading(catalogue or InstalledCatalogue(), Problems())
-        )
+        reading = Reading(catalogue or InstalledCatalogue(), Problems())
+        return _load(path_or_name, overrides, reading, is_for_here=is_for_here)
 
 
 @contextmanager
@@ -60,7 +66,9 @@ def _without_collection() -> Iterator[None]:
             gc.enable()
 
 
-def _load(path_or_name: str, overrides: Sequence[Override], reading: Reading) -> MissionFile:
+def _load(
+    path_or_name: str, overrides: Sequence[Override], reading: Reading, *, is_for_here: bool
+) -> MissionFile:
     found = layers(path_or_name, reading)
     if not found:
         reading.problems.raise_errors()
@@ -73,15 +81,16 @@ def _load(path_or_name: str, overrides: Sequence[Override], reading: Reading) ->
     regions = read_regions(_regions(found, reading), reading)
     reading = replace(reading, regions=regions, instances=instances_of(selected))
     trees = read_trees(_trees(found, reading), libraries(mission.path, reading), reading)
-    if (
-        "plugins" not in mission.table.entries or plugin_table.entries
-    ):  # else there is no mapping, which is reported
+    is_broken = "plugins" in mission.table.entries and not plugin_table.entries  # and reported
+    if not is_broken and not reading.problems.is_partial:
         plugins.check_needs(selected, plugin_table, _uses(trees))
     if check_expansion(trees, reading.problems):
         Dataflow(trees, reading.problems).check()
         ClaimCheck(trees, reading.problems).check()
         InstanceCheck(trees, reading.instances, reading.problems).check()
     faults, watch = read_faults_and_watch(found, placed, trees, selected, reading)
+    if is_for_here:
+        check_machine(plugins.written, reading)
     name, description = _titles(mission, reading)
     reading.problems.raise_errors()
     return MissionFile(
@@ -129,7 +138,8 @@ def _regions(found: Sequence[Layer], reading: Reading) -> Table | None:
 
 def _trees(found: Sequence[Layer], reading: Reading) -> Table | None:
     """Lay the trees of a mission over those of its base; a tree is replaced as a whole."""
-    if not any("trees" in layer.table.entries for layer in found):
+    is_given = any("trees" in layer.table.entries for layer in found)
+    if not is_given and not reading.problems.is_partial:
         reading.fail(found[-1].table, "'trees' is missing")
     given = [table for layer in found if (table := _section(layer, "trees", reading)) is not None]
     entries: dict[str, TableEntry] = {}

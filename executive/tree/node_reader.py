@@ -348,7 +348,7 @@ class NodeReader:
 
     def _wait(self, table: Table) -> Kind | None:
         duration_s = self._reading.seconds(table.entries["wait"].value, "'wait'")
-        return Wait(duration_s) if duration_s else None
+        return Wait(duration_s or 1.0)  # it writes nothing, so the rest is checked all the same
 
     def _set(self, table: Table) -> Kind | None:
         given = self._reading.table(table.entries["set"].value, "'set'")
@@ -373,7 +373,8 @@ class NodeReader:
         if tree is None:
             return None
         if tree not in self._headers:
-            self._reading.fail(value, f"no tree '{tree}'{did_you_mean(tree, self._headers)}")
+            if not self._reading.problems.is_partial:
+                self._reading.fail(value, f"no tree '{tree}'{did_you_mean(tree, self._headers)}")
             return None
         ins, outs = self._headers[tree]
         given = read_outputs(self._reading, table.get("out"), tuple(outs), tree)

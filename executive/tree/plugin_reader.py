@@ -2,11 +2,12 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from difflib import get_close_matches
 
 from executive.errors import ConfigError
 from executive.interfaces.declaration import Declared
 from executive.registry import is_plural
-from executive.tree.catalogue import REQUIRED, SERVICES
+from executive.tree.catalogue import REQUIRED, SERVICES, Catalogue
 from executive.tree.instances import (
     SINGLE,
     USE,
@@ -18,6 +19,7 @@ from executive.tree.instances import (
     read_uses,
 )
 from executive.tree.language import ON_ERROR, ON_ERROR_WORDS, LeafUse, Selection
+from executive.tree.machine_check import Written
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading
 from executive.tree.settings import check_settings
@@ -99,12 +101,16 @@ class PluginReader:
     def __init__(self, reading: Reading) -> None:
         self._reading = reading
         self._marks: dict[str, Mark] = {}
+        self.written: list[Written] = []  # what was selected, and where
         self._uses: dict[str, Value] = {}  # what `use:` says, by key
 
     def read(self, table: Table) -> dict[str, tuple[Selection, ...]]:
         """Return the selections by capability, in the order in which data flows."""
         capabilities = self._reading.catalogue.capabilities()
         self._reading.known_keys(table, capabilities, "'plugins'")
+        for key in table.entries.keys() - set(capabilities):  # reported, and not as missing too
+            for meant in get_close_matches(key, capabilities, n=1):
+                self._marks[meant] = table.entries[key].key_mark
         found: dict[str, tuple[Selection, ...]] = {}
         for capability in capabilities:
             entry = table.entries.get(capability)
@@ -178,7 +184,11 @@ class PluginReader:
             self._uses[key] = use
         own = without(table, ["plugin", ON_ERROR, *([USE] if key else [])])
         settings = check_settings(plugin.settings, own, name, self._reading.problems)
-        return Selection(name, settings, can_fail) if settings is not None else None
+        if settings is None:
+            return None
+        selection = Selection(name, settings, can_fail)
+        self.written.append(Written(capability, selection, table))
+        return selection
 
     def _can_fail(self, capability: str, table: Table) -> bool:
         """Return whether the mission goes on when the plugin raises an error."""
@@ -218,7 +228,10 @@ class PluginReader:
         self, capability: str, one: Selection, chosen: Mapping[str, tuple[Selection, ...]]
     ) -> None:
         mark = self._marks[capability]
-        for name in self._reading.catalogue.declared(capability, one.name).dependencies:
+        declared = self._reading.catalogue.declared(capability, one.name)
+        for need in declared.needs:
+            self._check_facility(mark, f"the {capability} plugin '{one.name}'", need, one, chosen)
+        for name in declared.dependencies:
             names = instances_of(chosen).get(name, ())
             if names and chosen_key(name, one.uses, chosen) is None:
                 told = (
@@ -238,6 +251,30 @@ class PluginReader:
                 )
                 self._reading.problems.error(mark, told)
 
+    def _check_facility(
+        self,
+        mark: Mark,
+        who: str,
+        need: str,
+        one: Selection,
+        chosen: Mapping[str, tuple[Selection, ...]],
+    ) -> None:
+        """Note a need such as `robot.scene` that the selected plugin does not fulfil."""
+        capability, _, facility = need.partition(".")
+        key = chosen_key(capability, one.uses, chosen) if facility else None
+        giver = chosen[key][0].name if key and chosen.get(key) else ""
+        catalogue = self._reading.catalogue
+        if not giver or facility in catalogue.declared(capability, giver).gives:
+            return
+        able = [
+            name
+            for name in catalogue.plugin_names(capability)
+            if _gives(catalogue, capability, name, facility)
+        ]
+        cure = f"; choose {capability}: {' or '.join(able)}, or another plugin" if able else ""
+        told = f"{who} needs a {capability} with '{facility}', and '{giver}' has none{cure}"
+        self._reading.problems.error(mark, told)
+
     def _missing(self, mark: Mark, who: str, capability: str) -> None:
         names = self._reading.catalogue.plugin_names(capability)
         cure = (
@@ -247,3 +284,10 @@ class PluginReader:
         self._reading.problems.error(
             mark, f"{who} needs {article} {capability} plugin, and none is selected{cure}"
         )
+
+
+def _gives(catalogue: Catalogue, capability: str, name: str, facility: str) -> bool:
+    try:
+        return facility in catalogue.declared(capability, name).gives
+    except ConfigError:  # one that cannot be imported gives nothing
+        return False

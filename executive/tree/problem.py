@@ -55,6 +55,8 @@ class Problems:
 
     def __init__(self) -> None:
         self._found: list[Problem] = []
+        # Whether a file could not be read: what seems to be missing may stand there.
+        self.is_partial = False
 
     def error(self, mark: Mark, message: str) -> None:
         """Take note of a mistake."""

@@ -93,6 +93,8 @@ def check_region_names(
             if is_text(one) and "{" not in str(plain(one)) and plain(one) not in reading.regions:
                 cure = did_you_mean(plain(one), reading.regions)
                 none = "" if reading.regions else "; the mission has no 'regions'"
+                if reading.problems.is_partial:
+                    continue
                 reading.fail(one, f"'{name}' of {owner}: no region '{plain(one)}'{cure or none}")
 
 

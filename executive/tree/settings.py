@@ -40,7 +40,7 @@ def check_settings(
             partial: Any = settings.model_construct(**plain(table))
             return cast(S, partial)
         for finding in known:
-            place = _placed(table, finding["loc"], finding["type"])
+            place = placed(table, finding["loc"], finding["type"])
             is_new = (
                 place.mark not in told or finding["type"] == "missing"
             )  # a union reports each of its members
@@ -98,7 +98,7 @@ def settings_dump(settings: Settings) -> Mapping[str, Any]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Place:
+class PlaceOf:
     """Where a finding is: its mark, the value there, and the keys that lead to it."""
 
     mark: Mark
@@ -106,24 +106,24 @@ class _Place:
     path: tuple[str, ...]
 
 
-def _placed(table: Table, steps: Sequence[int | str], kind: str) -> _Place:
+def placed(table: Table, steps: Sequence[int | str], kind: str) -> PlaceOf:
     """Return the place in the file that a finding of pydantic is about."""
-    place = _Place(table.mark, table, ())
+    place = PlaceOf(table.mark, table, ())
     for step in steps:
         value, path = place.value, (*place.path, str(step))
         if isinstance(value, Table) and step in value.entries:
             entry = value.entries[str(step)]
-            place = _Place(
+            place = PlaceOf(
                 entry.key_mark if kind == "extra_forbidden" else entry.value.mark, entry.value, path
             )
         elif isinstance(value, Listing) and isinstance(step, int) and step < len(value.items):
-            place = _Place(value.items[step].mark, value.items[step], path)
+            place = PlaceOf(value.items[step].mark, value.items[step], path)
     if kind == "missing":
-        return _Place(place.mark, place.value, (*place.path, str(steps[-1])))
+        return PlaceOf(place.mark, place.value, (*place.path, str(steps[-1])))
     return place
 
 
-def _sentence(settings: type[Settings], owner: str, finding: Any, place: _Place) -> str:
+def _sentence(settings: type[Settings], owner: str, finding: Any, place: PlaceOf) -> str:
     where = ".".join(place.path)
     if finding["type"] == "extra_forbidden":
         return (

@@ -91,6 +91,7 @@ def layers(mission: str, reading: Reading) -> list[Layer]:
     while path is not None:
         layer = _layer(path, reading)
         if layer is None:
+            reading.problems.is_partial = True
             break
         seen.add(path.resolve())
         found.insert(0, layer)
@@ -126,6 +127,7 @@ def _base(layer: Layer, seen: set[Path], reading: Reading) -> Path | None:
     if path is None:
         known = [one.stem for one in layer.path.parent.glob("*.yaml")] + ["base", *shipped_names()]
         reading.fail(value, f"no file '{name}' to extend{did_you_mean(name, known)}")
+        reading.problems.is_partial = True
         return None
     if path.resolve() in seen:
         reading.fail(value, f"files extend each other in a circle: {name}")
@@ -161,6 +163,7 @@ def _library(path: Path, reading: Reading) -> Table | None:
     value: Value | None = read_file(path, shown(path), reading.problems)
     table = reading.table(value, "a file of subtrees") if value is not None else None
     if table is None:
+        reading.problems.is_partial = True
         return None
     reading.known_keys(table, LIBRARY_KEYS, "a file of subtrees")
     check_api(table, reading)

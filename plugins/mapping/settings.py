@@ -1,11 +1,13 @@
 """Settings of the mapping plugins, apart from them: reading a mission imports no algorithm."""
 
+from collections.abc import Iterator
 from typing import ClassVar
 
 from pydantic import Field
 
 from executive.config import Meters, Radians, Seconds, Settings
-from executive.interfaces.declaration import PluginSettings
+from executive.interfaces.declaration import PluginSettings, Refusal
+from executive.machine.machine import Machine
 
 
 class OdometryNoiseSettings(Settings):
@@ -106,6 +108,11 @@ class MapSettings(PluginSettings):
     memory: int = Field(
         100, ge=1, description="Number of returns over which a voxel's mean is taken."
     )
+
+    def refusals(self, machine: Machine) -> Iterator[Refusal]:
+        if not any(sensor.kind == "lidar" for sensor in machine.sensors.values()):
+            told = f"{machine.name} has no lidar to map with: add one to its robot.yaml"
+            yield Refusal((), told)
 
 
 class PoseGraphSettings(MapSettings):

@@ -1,12 +1,14 @@
 """Settings of the surveying plugins, apart from them: reading a mission imports no algorithm."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import ClassVar
 
 from pydantic import Field
 
 from executive.config import Meters, Radians, Settings
-from executive.interfaces.declaration import PluginSettings
+from executive.interfaces.declaration import PluginSettings, Refusal
+from executive.machine.machine import Machine
 
 
 class DepthSettings(Settings):
@@ -99,6 +101,10 @@ class PointCloudFileSettings(PluginSettings):
     max_extent_m: Meters = Field(
         500.0, gt=1, description="A larger cloud is no site, or not in metres [m]."
     )
+
+    def refusals(self, machine: Machine) -> Iterator[Refusal]:
+        if not self.path.is_file():
+            yield Refusal(("path",), f"there is no file '{self.path}'")
 
 
 class ReconstructionSettings(Settings):
@@ -193,6 +199,12 @@ class ColmapSettings(PhotogrammetrySettings):
         "their GPS tags.",
     )
 
+    def refusals(self, machine: Machine) -> Iterator[Refusal]:
+        if not self.photographs.is_dir():
+            yield Refusal(("photographs",), f"there is no folder '{self.photographs}'")
+        if self.positions is not None and not self.positions.is_file():
+            yield Refusal(("positions",), f"there is no file '{self.positions}'")
+
 
 class SimulatedPhotographsSettings(PhotogrammetrySettings):
     """The flight, and how its pictures are made into a cloud."""
@@ -205,3 +217,9 @@ class SimulatedPhotographsSettings(PhotogrammetrySettings):
     folder: Path | None = Field(
         None, description="Folder that keeps the pictures, for `colmap`; else none is kept."
     )
+
+    def refusals(self, machine: Machine) -> Iterator[Refusal]:
+        folder = self.folder
+        if folder and folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
+            told = f"'{folder}' is there already and not empty; name a new folder"
+            yield Refusal(("folder",), told)

@@ -35,7 +35,7 @@ def check(mission: MissionArgument, set_: SetOption = None, as_json: JsonOption 
 def _load_mission(mission: str, settings: Sequence[str]) -> tuple[str, Sequence[str]]:
     from executive.tree.load import load_mission
 
-    description = load_mission(mission, settings)
+    description = load_mission(mission, settings, is_for_here=True)
     return description.name, [str(warning) for warning in description.warnings]
 
 

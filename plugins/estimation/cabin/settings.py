@@ -1,5 +1,7 @@
 """Settings that all estimators of a cabin share."""
 
+from collections.abc import Iterator
+
 from executive_plugins.estimation.start.settings import (
     MovingStartSettings,
     RestSettings,
@@ -8,7 +10,9 @@ from executive_plugins.estimation.start.settings import (
 from pydantic import Field
 
 from executive.config import Seconds
-from executive.interfaces.declaration import PluginSettings
+from executive.errors import did_you_mean
+from executive.interfaces.declaration import PluginSettings, Refusal
+from executive.machine.machine import Machine
 
 
 class CabinSettings(PluginSettings):
@@ -47,3 +51,12 @@ class CabinSettings(PluginSettings):
     standing: StandstillSettings = Field(
         default_factory=StandstillSettings, description="Correction while the chassis is at rest."
     )
+
+    def refusals(self, machine: Machine) -> Iterator[Refusal]:
+        on_cabin = [s for s in machine.sensors.values() if s.link == machine.cabin_link]
+        imus = [s.name for s in on_cabin if s.kind == "imu"]
+        if self.imu not in imus:
+            near = did_you_mean(self.imu, imus)
+            yield Refusal(("imu",), f"'{self.imu}' is no IMU on the cabin of {machine.name}{near}")
+        if not any(s.kind == "gnss" for s in on_cabin):
+            yield Refusal((), f"{machine.name} has no GNSS antenna on the cabin; one is needed")

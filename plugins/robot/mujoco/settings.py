@@ -1,5 +1,6 @@
 """Settings of the robot plugins, apart from them: reading a mission imports no algorithm."""
 
+from collections.abc import Iterator
 from typing import ClassVar
 
 from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
@@ -7,7 +8,10 @@ from executive_plugins.robot.mujoco.sensors.settings import SensorSettings
 from executive_plugins.robot.mujoco.site.settings import SiteSettings
 from pydantic import Field
 
+from executive.errors import did_you_mean
+from executive.interfaces.declaration import Refusal
 from executive.interfaces.robot import RobotSettings
+from executive.machine.machine import Machine
 
 
 class MujocoSettings(RobotSettings):
@@ -21,3 +25,14 @@ class MujocoSettings(RobotSettings):
     sensors: SensorSettings = Field(
         SensorSettings(), description="Location on earth, and faults of the sensors."
     )
+
+    def refusals(self, machine: Machine) -> Iterator[Refusal]:
+        for i, dropout in enumerate(self.sensors.dropouts):
+            if dropout.sensor not in machine.sensors:
+                near = did_you_mean(dropout.sensor, machine.sensors)
+                told = f"{machine.name} has no sensor '{dropout.sensor}'{near}"
+                yield Refusal(("sensors", "dropouts", i, "sensor"), told)
+        folder = self.site.stones.folder
+        if folder is not None and not folder.is_dir():
+            told = f"'{folder}' is no folder; give one with OBJ, PLY or STL meshes"
+            yield Refusal(("site", "stones", "folder"), told)
