@@ -106,6 +106,10 @@ def summary(report: Mapping[str, Any]) -> str:
         )
     if counts["plugin_failures"]:
         lines.append(f"  plugins    {counts['plugin_failures']} errors passed over (log.txt)")
+    lines += [
+        f"  figure     {name} = {one['value']:g} {one['unit']}".rstrip()
+        for name, one in report.get("figures", {}).items()
+    ]
     lines += _time_lines(report)
     lines += [
         f"  ignored    {count} observations of type {kind}: no plugin takes them"

@@ -65,6 +65,28 @@ def test_a_mission_runs_to_its_end(tmp_path):
     assert json.loads(result.folder.report.read_text()) == result.report
 
 
+def test_what_a_mission_tells_is_in_its_report_and_its_summary(tmp_path):
+    told = """
+trees:
+  main:
+    sequence:
+      - check: ReportFigure
+        with: {name: depth, value: 1.5, unit: m}
+      - check: MarkPoint
+        with: {text: here, at: [1 m, 2 m, 0 m]}
+      - check: CountStones
+      - optional: true
+        do: {check: ListStones}
+"""
+    result = run(tmp_path, told)
+    report = result.report
+    assert report["figures"] == {"depth": {"value": 1.5, "unit": "m"}}
+    assert [(one["text"], one["position_map"]) for one in report["marks"]] == [("here", [1, 2, 0])]
+    assert (report["stones"], report["maps"]) == ([], [])
+    assert report["plugins"]["motion"] == ["hermite"]
+    assert "figure     depth = 1.5 m" in result.summary
+
+
 def test_the_report_says_what_the_run_took(tmp_path):
     begun_s = cpu_s()
     taken = run(tmp_path, SWING).report["resources"]
