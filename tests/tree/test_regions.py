@@ -89,3 +89,25 @@ def test_a_mistake_is_told_at_its_place(tmp_path, more, use, told):
 def test_a_name_that_is_nearly_right_is_proposed(tmp_path):
     with pytest.raises(MissionFileError, match="Did you mean 'way'"):
         load(tmp_path, use="touching: wya")
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ("{chosen.mass} > 0.8 t", ""),
+        ("{chosen.volume} > 300 l and {chosen.length} < 2 m", ""),
+        ("{chosen.mass} > 0.8 m", "cannot compare a mass and a length"),
+        ("{chosen.weight} > 1", "Stone has no field 'weight'"),
+    ],
+)
+def test_fields_of_a_chosen_stone_are_compared_with_units(tmp_path, asked, told):
+    path = tmp_path / "heavy.yaml"
+    path.write_text(
+        "api: 1\nmission: heavy\nextends: base\ntrees:\n  main:\n    sequence:\n"
+        f'      - check: SelectStone\n      - check: "{asked}"\n'
+    )
+    if not told:
+        load_mission(str(path))
+        return
+    with pytest.raises(MissionFileError, match=told):
+        load_mission(str(path))

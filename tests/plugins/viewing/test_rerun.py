@@ -17,6 +17,7 @@ from executive.messages.base_state import BaseState
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
 from executive.messages.joints import JointSample
+from executive.messages.region import Region
 from executive.messages.status_change import StatusChange
 
 # Rows of one entity: seconds of mission, and the values of one component.
@@ -118,6 +119,14 @@ def test_a_cloud_of_its_own_frame_is_kept_apart_from_the_site(
     viewer.show(1.0, "survey", Cloud("drone", np.ones((10, 3))))
     assert rows("/world/survey", "Points3D:positions") == []
     assert len(rows("/survey/survey", "Points3D:positions")) == 1
+
+
+def test_a_region_is_drawn_as_a_closed_outline(viewer: RerunViewer, rows: Rows) -> None:
+    corners = np.array([[1.0, 0.0], [3.0, 0.0], [3.0, 2.0]])
+    viewer.show(0.0, "regions/yard", Region("yard", corners))
+    ((_, (outline,)),) = rows("/world/regions/yard", "LineStrips3D:strips")
+    np.testing.assert_allclose(np.array(outline)[:, :2], [*corners, corners[0]])
+    assert rows("/world/regions/yard", "LineStrips3D:labels")[0][1] == ["yard"]
 
 
 def test_the_chosen_grasp_is_posed(viewer: RerunViewer, rows: Rows) -> None:
