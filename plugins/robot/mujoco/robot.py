@@ -1,7 +1,7 @@
 """The robot of simulated missions: a machine in a MuJoCo world."""
 
-from collections.abc import Iterator, Sequence
-from typing import ClassVar
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, ClassVar
 
 import numpy as np
 from executive_plugins.robot.latch import Latch
@@ -73,6 +73,20 @@ class MujocoRobot(Robot, Scene, Photographer, Breakable):
         if self._world is None:
             raise RobotError("the simulated robot is not started: call start() first")
         return self._world
+
+    @property
+    def revision(self) -> int:  # type: ignore[override]
+        return 0 if self._world is None else round(self.world.time_s / CONTROL_STEP_S)
+
+    def keep(self) -> Mapping[str, Any]:
+        """Return the state of the world and of the sensors."""
+        return {"world": self.world.keep(), "sensors": self._sensors.keep()}
+
+    def restore(self, kept: Mapping[str, Any]) -> None:
+        """Go on with the world of a process that has ended; its truth is known from then on."""
+        self.world.restore(kept["world"])
+        self._sensors.restore(kept["sensors"], self.world.time_s)
+        self.truth_log.begin_at(self.world.time_s, self.world.model, self.world.data)
 
     def read(self, until_s: float) -> Sequence[Observation]:
         """Advance the world to a machine time [s]; return the observations since the last call."""

@@ -1,6 +1,7 @@
 """The simulated world: machine and site in one MuJoCo model, stepped by the control period."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -21,6 +22,7 @@ from executive.messages.command import Follow, MoveJaws
 CONTROL_STEP_S = 0.01  # period of the controllers, of the fastest sensors, and of observers
 
 _START_POSTURE = "scan"
+_STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
 class World:
@@ -124,6 +126,29 @@ class World:
             )
         for observer in self._observers:
             observer(self)
+
+    def keep(self) -> Mapping[str, Any]:
+        """Return the state of the simulation and of what drives it; the site follows from the seed.
+
+        Source: mj_getState of MuJoCo 3, with mjSTATE_INTEGRATION: all that a step depends on.
+        """
+        state = np.empty(mujoco.mj_stateSize(self.model, _STATE))
+        mujoco.mj_getState(self.model, self.data, state, _STATE)
+        return {
+            "state": state,
+            "steps": self._control_steps,
+            "follower": self._follower.keep(),
+            "sag": self.arm.sag,
+            "jaws": self.jaws.keep(),
+        }
+
+    def restore(self, kept: Mapping[str, Any]) -> None:
+        """Go on with the world of a process that has ended."""
+        mujoco.mj_setState(self.model, self.data, kept["state"], _STATE)
+        mujoco.mj_forward(self.model, self.data)
+        self._control_steps, self.arm.sag = kept["steps"], kept["sag"]
+        self._follower.restore(kept["follower"])
+        self.jaws.restore(kept["jaws"])
 
     def T_world_body(self, name: str) -> Float:
         """Return the pose of a link or a stone by its name, shape (4, 4)."""

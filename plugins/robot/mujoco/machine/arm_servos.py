@@ -85,7 +85,7 @@ class ArmServos:
         self._dofs = np.array([joint.dofadr[0] for joint in joints])
         kp, kv = model.actuator_gainprm[self._ids, 0], -model.actuator_biasprm[self._ids, 2]
         self._lead_s = kv / kp
-        self._sag = np.zeros(len(self._ids))
+        self.sag = np.zeros(len(self._ids))
         self._max_sag = _integral_limit(machine) / kp
 
     def position(self) -> Float:
@@ -109,7 +109,7 @@ class ArmServos:
     def drive(self, position: Float, velocity: Float) -> None:
         """Set the reference position and velocity of this step, each shape (n,)."""
         error = position - self.position()
-        self._sag = np.clip(
-            self._sag + error * self._dt_s / _INTEGRAL_S, -self._max_sag, self._max_sag
+        self.sag = np.clip(
+            self.sag + error * self._dt_s / _INTEGRAL_S, -self._max_sag, self._max_sag
         )
-        self._data.ctrl[self._ids] = position + self._sag + self._lead_s * velocity
+        self._data.ctrl[self._ids] = position + self.sag + self._lead_s * velocity

@@ -67,6 +67,15 @@ class JawDrive:
         torque = self._share * self._torque
         self._model.actuator_forcerange[self._id] = (-torque, torque)
 
+    def keep(self) -> tuple[float, float]:
+        """Return the target [rad] and the largest torque [N·m]."""
+        return self._target_rad, float(self._model.actuator_forcerange[self._id][1])
+
+    def restore(self, kept: tuple[float, float]) -> None:
+        """Take back what `keep` returned."""
+        self._target_rad, torque = kept
+        self._model.actuator_forcerange[self._id] = (-torque, torque)
+
     def drive(self) -> None:
         """Set the speed of this step."""
         top = self._machine.jaw.max_velocity

@@ -54,6 +54,16 @@ class MountedImu:
             force + self._accel_bias + imu.accel_noise_m_s2 * accel_noise,
         )
 
+    @property
+    def biases(self) -> tuple[Float, Float]:
+        """Biases of gyroscope [rad/s] and accelerometer [m/s²], shape (3,) each."""
+        return self._gyro_bias, self._accel_bias
+
+    def begin_again(self, biases: tuple[Float, Float]) -> None:
+        """Take back biases; the next sample is the first."""
+        self._gyro_bias, self._accel_bias = biases
+        self._last = None
+
     def _motion(self, data: mujoco.MjData) -> tuple[Float, Float]:
         """Return R_world_imu and the velocity of the mount in the world [m/s]."""
         twist = np.zeros(6)  # angular, then linear, of the body's frame, in world axes

@@ -1,7 +1,8 @@
 """All sensors of the machine: when each measures, and when its observations arrive."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -52,9 +53,9 @@ class SensorSuite:
         self._history = PoseHistory(model, (*machine.links, *self._stones), span_s)
         self._skin = link_meshes(machine)
         self._sensors: list[tuple[Sensor, Measure]] = []
-        for sensor, own_rng in zip(
-            machine.sensors.values(), rng.spawn(len(machine.sensors)), strict=True
-        ):
+        self._imus: list[MountedImu] = []
+        self._generators = rng.spawn(len(machine.sensors))
+        for sensor, own_rng in zip(machine.sensors.values(), self._generators, strict=True):
             self._sensors.append((sensor, self._measure(sensor, machine, model, own_rng)))
         self._last_s = 0.0
         self._on_the_way: list[tuple[float, Observation]] = []
@@ -68,11 +69,32 @@ class SensorSuite:
                 lidar = SpinningLidar(sensor, stride, self._skin, self.scene, self._history, rng)
                 return lambda time_s, _: lidar.scan(time_s)
             case Imu():
-                return MountedImu(sensor, model, rng).sample
+                self._imus.append(MountedImu(sensor, model, rng))
+                return self._imus[-1].sample
             case Gnss():
                 return Antenna(sensor, np.array(self._settings.datum), model, rng).sample
             case Encoders():
                 return JointEncoders(sensor, machine, model, rng).sample
+
+    def keep(self) -> Mapping[str, Any]:
+        """Return the states of the random generators and of the inertial biases.
+
+        What was on its way, and a revolution that had begun, are lost with the process.
+        """
+        return {
+            "generators": [rng.bit_generator.state for rng in self._generators],
+            "biases": [imu.biases for imu in self._imus],
+        }
+
+    def restore(self, kept: Mapping[str, Any], time_s: float) -> None:
+        """Take back what `keep` returned, at a time of the world [s]."""
+        for rng, state in zip(self._generators, kept["generators"], strict=True):
+            rng.bit_generator.state = state
+        for imu, biases in zip(self._imus, kept["biases"], strict=True):
+            imu.begin_again(biases)
+        self._last_s = time_s
+        self._on_the_way.clear()
+        self._history.clear()
 
     def step(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> list[Observation]:
         """Measure what is due after a control step; return what has arrived, in order of stamps."""

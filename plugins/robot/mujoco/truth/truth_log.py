@@ -32,6 +32,12 @@ class TruthLog:
         self._T_cabin: list[Float] = []
         self._T_gripper: list[Float] = []
 
+    def begin_at(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Forget everything before a time [s]: it was in a process that has ended."""
+        for records in (self._stamps_s, self._T_stones, self._T_cabin, self._T_gripper):
+            records.clear()  # type: ignore[attr-defined]
+        self.step(time_s, model, data)
+
     def step(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Record the end of a control step; poses and contacts in `data` must be up to date."""
         self.contacts.step(time_s, model, data)

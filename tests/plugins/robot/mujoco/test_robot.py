@@ -9,6 +9,7 @@ from executive_plugins.robot.mujoco.settings import MujocoSettings
 from executive_plugins.robot.mujoco.site.settings import SiteSettings, StoneSettings
 
 from executive.errors import RobotError
+from executive.journal.value_file import from_bytes, to_bytes
 from executive.machine.machine import load_machine
 from executive.messages.command import Follow, MoveJaws, SwitchLidars
 from executive.messages.imu import ImuSample
@@ -106,3 +107,24 @@ def test_rays_from_above_find_the_ground() -> None:
 def test_a_robot_that_was_not_started_says_so() -> None:
     with pytest.raises(RobotError, match=r"call start\(\) first"):
         MujocoRobot(EMPTY, load_machine("m545"), np.random.default_rng(0)).read(0.1)
+
+
+def test_a_world_goes_on_in_another_process_as_it_would_have_in_its_own() -> None:
+    """In mid-motion: the state is read back from bytes, into a robot of the same seed."""
+    one = started()
+    names = one.world.machine.arm_names
+    here = one.world.arm.position()
+    there = here + np.array([0.3, *([0.0] * (len(here) - 1))])
+    path = JointTrajectory(
+        names, np.array([0.0, 2.0]), np.stack([here, there]), np.zeros((2, len(here)))
+    )
+    one.command(Follow(path))
+    one.command(MoveJaws(0.3, 5e3))
+    ticks(one, 0.7)
+    kept = from_bytes(to_bytes(one.keep()))
+    other = started()
+    other.restore(kept)
+    ticks(one, 1.2), ticks(other, 1.2)
+    np.testing.assert_allclose(other.world.data.qpos, one.world.data.qpos, rtol=0, atol=1e-12)
+    assert other.world.time_s == one.world.time_s
+    assert other.truth_log.end_s == pytest.approx(1.2)
