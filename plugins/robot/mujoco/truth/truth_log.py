@@ -35,7 +35,7 @@ class TruthLog:
     def begin_at(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Forget everything before a time [s]: it was in a process that has ended."""
         for records in (self._stamps_s, self._T_stones, self._T_cabin, self._T_gripper):
-            records.clear()  # type: ignore[attr-defined]
+            records.clear()
         self.step(time_s, model, data)
 
     def step(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> None:
