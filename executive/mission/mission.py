@@ -25,6 +25,7 @@ from executive.mission.phase import Phase, checked_change
 from executive.mission.record.keeper import Instant, folder_fault
 from executive.mission.record.observation import Observation
 from executive.mission.record.resumption import PastClock, Resumption
+from executive.mission.record.samples import Samples
 from executive.mission.report import Ending
 from executive.mission.setup import Setup
 from executive.mission.standstill import Standstill
@@ -166,8 +167,8 @@ class Mission(NodeRuntime):
         self._follow_stop()
         self.services.streams.process(observations)
         durations = self._setup.jobs.durations_ms
-        durations.setdefault("robot.read", []).append(1e3 * (read_s - started_s))
-        durations.setdefault("streams", []).append(1e3 * (wall_s() - read_s))
+        durations.setdefault("robot.read", Samples()).append(1e3 * (read_s - started_s))
+        durations.setdefault("streams", Samples()).append(1e3 * (wall_s() - read_s))
         self.pause.watch(self.services.streams.joints)
         self._braking.update(self.services.streams.joints)
         self._follow_stop()

@@ -3,7 +3,7 @@
 import json
 import resource
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 
 from executive.events.event import plain
 from executive.events.mission import Fault
+from executive.mission.record.samples import Samples
 
 NEAR_M = 0.30  # a stone within this distance of its slot, by the truth, counts as placed
 _MAXRSS_BYTES = 1 if sys.platform == "darwin" else 1024  # unit of getrusage's resident memory
@@ -37,13 +38,13 @@ class Ending:
         return {"success": 0, "failure": 1, "stopped": 1, "fault": 3}[self.outcome]
 
 
-def timings_from(durations_ms: Mapping[str, Sequence[float]]) -> dict[str, dict[str, float]]:
+def timings_from(durations_ms: Mapping[str, Samples]) -> dict[str, dict[str, float]]:
     """Return median, 95th percentile and number of each stage's wall times [ms]."""
     return {
         stage: {
-            "median": round(float(np.median(values)), 3),
-            "p95": round(float(np.percentile(values, 95)), 3),
-            "n": len(values),
+            "median": round(float(np.median(list(values))), 3),
+            "p95": round(float(np.percentile(list(values), 95)), 3),
+            "n": values.total,
         }
         for stage, values in sorted(durations_ms.items())
         if values

@@ -23,6 +23,7 @@ from executive.messages.observation import Observation
 from executive.messages.status_change import StatusChange
 from executive.messages.verdict import Verdict
 from executive.mission.assembly import each_plugin
+from executive.mission.record.samples import Samples
 
 _HISTORY_S = 1.0  # a scan pair spans at most two revolutions of 0.1 s, plus the sensors' latency
 
@@ -91,7 +92,7 @@ class Streams:
         self.scan_pairs = 0
         self.arrived_scans: list[LidarScan] = []  # of this tick
         self.ignored: Counter[str] = Counter()  # observations by type that no plugin takes
-        self.durations_ms: dict[str, list[float]] = {}
+        self.durations_ms: dict[str, Samples] = {}
 
     def process(self, observations: Sequence[Observation]) -> None:
         """Take all observations of one tick."""
@@ -201,7 +202,7 @@ class Streams:
             self._listener.take_error("mapping", mapper, error)
             self._mapper = None
             return
-        self.durations_ms.setdefault("mapping.add_scan_pair", []).append(
+        self.durations_ms.setdefault("mapping.add_scan_pair", Samples()).append(
             1e3 * (wall_s() - started_s)
         )
         self.scan_pairs += 1

@@ -22,6 +22,7 @@ from executive.mission.jobs.faulty_call import decided
 from executive.mission.jobs.limits import DEFAULT, Limits
 from executive.mission.jobs.memory import MemoryLimit
 from executive.mission.jobs.runner import Runner, Task
+from executive.mission.record.samples import Samples
 
 _EPSILON_S = 1e-9
 
@@ -92,7 +93,7 @@ class Jobs:
         self._clock = clock
         self._is_lock_step = is_lock_step
         self._limits = limits
-        self.durations_ms: dict[str, list[float]] = {}
+        self.durations_ms: dict[str, Samples] = {}
         self.told: deque[WorkerReplaced] = deque() if told is None else told
         self._memory: MemoryLimit | None = None
         # Which calls a fault on purpose lets fail; None without such faults.
@@ -158,7 +159,7 @@ class Jobs:
         )
 
     def _measure(self, stage: str, started_s: float) -> None:
-        self.durations_ms.setdefault(stage, []).append(1e3 * (wall_s() - started_s))
+        self.durations_ms.setdefault(stage, Samples()).append(1e3 * (wall_s() - started_s))
 
     def close(self) -> None:
         """End all runners, and release the limit of memory."""

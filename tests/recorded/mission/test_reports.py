@@ -68,7 +68,11 @@ def test_picks(recorded) -> None:
 
 
 def test_timings(recorded) -> None:
-    recorded(timings_from({"b": [3.0, 1.0, 2.0, 9.0], "a": [1.23456], "none": []}))
+    values = {"b": [3.0, 1.0, 2.0, 9.0], "a": [1.23456], "none": []}
+    samples = {stage: Samples() for stage in values}
+    for stage, one in ((stage, one) for stage, several in values.items() for one in several):
+        samples[stage].append(one)
+    recorded(timings_from(samples))
 
 
 def test_endings(recorded) -> None:
