@@ -15,8 +15,10 @@ from executive.events.stone import (
     StoneSetAside,
     StonesTakenUpAgain,
 )
-from executive.mission.picks import attempts_from, newest_releases, picks_from
-from executive.mission.report import Ending, counts_from, summary, timings_from
+from executive.mission.picks import attempts_from, newest_releases
+from executive.mission.record.account import Account
+from executive.mission.record.samples import Samples
+from executive.mission.report import Ending, summary, timings_from
 
 
 def made(kind, **given):
@@ -62,9 +64,10 @@ def journal() -> list[SimpleNamespace]:
 
 
 def test_picks(recorded) -> None:
-    picks = picks_from(journal())
+    picks = Account.of(journal()).picks()
     told = [pick.as_report() for pick in picks], attempts_from(picks), newest_releases(picks)
-    recorded((told, counts_from(journal(), picks), picks_from([]), picks_from(journal()[:1])))
+    first = Account.of(journal()[:1]).picks()
+    recorded((told, Account.of(journal()).counts(), Account.of([]).picks(), first))
 
 
 def test_timings(recorded) -> None:
