@@ -1,7 +1,7 @@
 """Nodes: a mapping with one kind key and modifiers becomes a checked description."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from executive.errors import did_you_mean
 from executive.tree.ask_reader import read_ask
@@ -40,7 +40,7 @@ from executive.tree.leaf_reader import LEAF_KEYS, LeafReader, check_port, read_o
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading, is_text, place_of
 from executive.tree.traversal import is_instant
-from executive.tree.value import Scalar, Table, Value, describe
+from executive.tree.value import Scalar, Table, Value, describe, without
 
 # Each kind and the keys beside it.
 KINDS: Mapping[str, tuple[str, ...]] = {
@@ -123,10 +123,10 @@ class NodeReader:
         if table is None or kind is None:
             return None
         allowed = (kind, *KINDS[kind], *MODIFIERS)
+        if "else" in table.entries and "else" not in allowed:
+            self._reading.problems.error(table.entries["else"].key_mark, _ELSE)
         self._reading.known_keys(
-            table,
-            allowed,
-            f"a '{_shown_kind(kind, table)}' node",
+            without(table, ["else"]), allowed, f"a '{_shown_kind(kind, table)}' node"
         )
         what = self._kinds[kind](table)
         modifiers = self._modifiers(table, what)
@@ -153,10 +153,7 @@ class NodeReader:
         if len(found) == 1:
             return found[0]
         if found:
-            mark = table.entries[found[1]].key_mark
-            self._reading.problems.error(
-                mark, f"a node has one kind, here are {' and '.join(found)}"
-            )
+            self._tell_kinds(found, table)
         elif "retry" in table.entries:
             self._reading.fail(table, "'retry' needs 'do:' or another kind beside it")
         elif "else" in table.entries:
@@ -168,6 +165,17 @@ class NodeReader:
             mark = table.entries[strange].key_mark if strange else table.mark
             self._reading.problems.error(mark, f"{what}{near}")
         return None
+
+    def _tell_kinds(self, found: Sequence[str], table: Table) -> None:
+        """Note several kinds at one node, at the one that was written last."""
+        repeating = next((kind for kind in found if kind in REPEATING), "")
+        cure = "put the nodes into a 'sequence', or into another kind that holds several"
+        if repeating:
+            cure = f"the body of '{repeating}' stands under 'do:'"
+        self._reading.problems.error(
+            max(table.entries[kind].key_mark for kind in found),
+            f"a node has one kind, here are {' and '.join(found)}; {cure}",
+        )
 
     # --- kinds
 
@@ -329,6 +337,11 @@ class NodeReader:
         return Consume(item, source, body) if body and item and source else None
 
     def _run(self, table: Table) -> Kind | None:
+        value = table.entries["run"].value
+        name = describe(value).strip("'")
+        if name in self._headers and name not in self._reading.catalogue.behaviour_names():
+            self._reading.fail(value, f"'{name}' is a tree: write 'call: {name}'")
+            return None
         use = self._leaves.use("run", table)
         return RunLeaf(use) if use else None
 
