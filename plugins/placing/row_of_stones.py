@@ -9,7 +9,8 @@ from executive.geometry.polygon import outline_gap, rectangle
 from executive.messages.placement import Slot
 from executive.messages.slot_layout import Row, SlotLayout
 
-_STEP_M = 0.01  # along the row; below the noise of a map
+_STEP_M = 0.01  # along the row past a stone; below the noise of a map
+_FAR_STEP_M = 0.1  # past ground that carries no stone or is out of reach: asking there takes long
 
 
 def row_of_stones(
@@ -42,11 +43,13 @@ def row_of_stones(
         box = boxes[min(len(slots), len(boxes) - 1)]
         centre = row.start_map + (begin_m + box.length_m / 2) * along
         corners = rectangle(centre, box.length_m, box.width_m, row.heading_rad)
-        height_m = None
-        if is_allowed(corners, layout) and _is_apart(corners, taken, row.gap_m):
-            height_m = height_of(centre)
+        lacking_m = _lacking_m(corners, taken, row.gap_m)
+        if lacking_m > 0 or not is_allowed(corners, layout):
+            begin_m += max(_STEP_M, lacking_m)
+            continue
+        height_m = height_of(centre)
         if height_m is None:
-            begin_m += _STEP_M
+            begin_m += _FAR_STEP_M
             continue
         slots.append(
             Slot(len(slots) + 1, np.array([*centre, height_m]), row.heading_rad, row.gap_m)
@@ -63,5 +66,11 @@ def is_allowed(corners: Float, layout: SlotLayout) -> bool:
     return not layout.use or any((one.depth_m(corners) >= 0).all() for one in layout.use)
 
 
-def _is_apart(corners: Float, taken: Sequence[Float], gap_m: float) -> bool:
-    return all(outline_gap(corners, outline) >= gap_m - 1e-9 for outline in taken)
+def _lacking_m(corners: Float, taken: Sequence[Float], gap_m: float) -> float:
+    """Return by how much the gap to the nearest taken outline is too small [m]; 0 if it is not.
+
+    A shorter way along the row cannot make it large enough.
+    """
+    nearest_m = min((outline_gap(corners, outline) for outline in taken), default=gap_m)
+    lacking_m = gap_m - nearest_m
+    return lacking_m if lacking_m > 1e-9 else 0.0

@@ -85,6 +85,8 @@ class Slots(PlacementPlanner):
         ground = FreeGround(segmentation, needs)
 
         def height_m(xy: Float) -> float | None:
+            if np.linalg.norm(xy - T_map_base[:2, 3]) > self._machine.reach_m:
+                return None
             height = ground.height_m(xy)
             if height is None or not self._reaches(self._over(np.array([*xy, height])), T_map_base):
                 return None
