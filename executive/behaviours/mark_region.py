@@ -7,6 +7,7 @@ from executive.config import Settings
 from executive.events.finding import Marked
 from executive.interfaces.mapping import Mapper
 from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.region_name import RegionName
 from executive.messages.mark import Mark
@@ -25,6 +26,7 @@ class MarkRegion(Condition[MarkRegionSettings]):
     """
 
     needs = (Mapper,)
+    on_resume = OnResume.REDO
 
     def check(self) -> Outcome[None]:
         """Record the mark and show it."""
