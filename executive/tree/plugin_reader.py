@@ -101,6 +101,7 @@ class PluginReader:
     def __init__(self, reading: Reading) -> None:
         self._reading = reading
         self._marks: dict[str, Mark] = {}
+        self._used: set[str] = set()  # capabilities that a leaf calls
         self.written: list[Written] = []  # what was selected, and where
         self._uses: dict[str, Value] = {}  # what `use:` says, by key
 
@@ -216,6 +217,8 @@ class PluginReader:
         for capability in REQUIRED:
             if capability not in self._marks:
                 self._missing(table.mark, "a mission", capability)
+        uses = tuple(uses)
+        self._used = {interface.capability for use in uses for interface in use.leaf.needs}
         for use in uses:
             for interface in use.leaf.needs:
                 if interface.capability not in self._marks:
@@ -229,7 +232,7 @@ class PluginReader:
     ) -> None:
         mark = self._marks[capability]
         declared = self._reading.catalogue.declared(capability, one.name)
-        for need in declared.needs:
+        for need in declared.needs if capability in self._used else ():  # else it is never asked
             self._check_facility(mark, f"the {capability} plugin '{one.name}'", need, one, chosen)
         for name in declared.dependencies:
             names = instances_of(chosen).get(name, ())
