@@ -96,6 +96,7 @@ class RobotExercise(Exercise[Robot]):
             "the same time twice": lambda robot: (robot.read(0.1), robot.read(0.1)),
             "a time that has passed": lambda robot: (robot.read(0.1), robot.read(0.05)),
             "a stop while nothing moves": lambda robot: (robot.stop(), robot.read(0.1)),
+            "a reset of nothing": lambda robot: (robot.reset(), robot.latched()),
             "a resume of nothing": lambda robot: (robot.resume(), robot.read(0.1)),
             "a path that begins elsewhere": followed(
                 lambda q: turn(machine.arm_names, machine.turn_joint, q + 1.0, 0.1, 1.0)

@@ -6,7 +6,7 @@ import pytest
 from executive.errors import DataError, RobotError
 from executive.interfaces.robot import Robot, RobotSettings
 from executive.machine.machine import Machine
-from executive.messages.command import Follow
+from executive.messages.command import Follow, SwitchLidars
 from executive.messages.joints import JointSample
 from executive.testing.exercises.robot import TICK_S, arm_of, newest_joints, turn
 from executive.testing.pytest_plugin import Insist
@@ -97,3 +97,38 @@ def test_it_refuses_a_path_that_begins_elsewhere(
     elsewhere = turn(machine.arm_names, machine.turn_joint, start + 0.5, 0.1, 2.0)
     with pytest.raises((RobotError, DataError)):
         plugin.command(Follow(elsewhere))
+
+
+def test_a_second_stop_gives_the_path_up(plugin: Robot, machine: Machine, insist: Insist) -> None:
+    start = arm_of(machine.arm_names, sample_of(plugin, 0.5, insist))
+    plugin.command(Follow(turn(machine.arm_names, machine.turn_joint, start, 0.4, 4.0)))
+    for k in range(11, 31):
+        plugin.read(k * TICK_S)
+    plugin.stop()
+    plugin.stop()
+    for k in range(31, 91):
+        plugin.read(k * TICK_S)
+    at_rest = newest_joints(plugin.read(91 * TICK_S))
+    plugin.resume()
+    sample = at_rest
+    for k in range(92, 132):
+        sample = newest_joints(plugin.read(k * TICK_S)) or sample
+    assert at_rest is not None
+    assert sample is not None
+    moved = sample.of(machine.turn_joint)[0] - at_rest.of(machine.turn_joint)[0]
+    assert abs(moved) < TOLERANCE_RAD, "it went on along a path that had been given up"
+
+
+def test_a_safe_stop_refuses_motion_until_it_is_reset(
+    plugin: Robot, machine: Machine, insist: Insist
+) -> None:
+    start = arm_of(machine.arm_names, sample_of(plugin, 0.5, insist))
+    path = Follow(turn(machine.arm_names, machine.turn_joint, start, 0.1, 2.0))
+    plugin.safe_stop("a test of the latch")
+    assert "a test of the latch" in plugin.latched()
+    with pytest.raises((RobotError, DataError)):
+        plugin.command(path)
+    plugin.command(SwitchLidars(on=False))  # moves nothing
+    plugin.reset()
+    assert plugin.latched() == ""
+    plugin.command(path)
