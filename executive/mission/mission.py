@@ -99,6 +99,7 @@ class Mission(NodeRuntime):
         else:
             self._change(Phase.STOPPING, self._ending.reason)
             self._come_to_rest(after_tick)
+            self._follow_stop()
             is_fault = self._ending.outcome == "fault"
             self._change(Phase.FAULTED if is_fault else Phase.DONE, self._ending.reason)
         beacon().unwatch()
