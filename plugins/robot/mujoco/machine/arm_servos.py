@@ -105,6 +105,10 @@ class ArmServos:
         i = self._names.index(joint)
         effort = share * self._max_effort[i]
         self._model.actuator_forcerange[self._ids[i]] = (-effort, effort)
+        # The drive carries the weight of the links, too; that is no part of the actuator's force.
+        number = self._model.joint(joint).id
+        self._model.jnt_actfrclimited[number] = share < 1.0
+        self._model.jnt_actfrcrange[number] = (-effort, effort)
 
     def drive(self, position: Float, velocity: Float) -> None:
         """Set the reference position and velocity of this step, each shape (n,)."""
