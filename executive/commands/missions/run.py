@@ -71,10 +71,9 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
         from executive.tree.load import load_mission
 
         settings = [*(set_ or ()), *_folder_of(stones)]
-        description = load_mission(mission, settings, is_for_here=True)
         if machine is not None:
-            settings += _wire_to(machine, model_of(description))
-            description = load_mission(mission, settings, is_for_here=True)
+            settings = [*_wire_to(machine, model_of(load_mission(mission, ()))), *settings]
+        description = load_mission(mission, settings, is_for_here=True)
         preset = preset_answers(answer_ or (), description)
         options = Options(
             seed=seed,
