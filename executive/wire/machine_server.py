@@ -183,7 +183,12 @@ class MachineServer:
             self._executive, self._heard_s = one, time.monotonic()
         else:
             self._supervisors.append(one)
-        head = {**self._status(), "model": self._model, "silence_s": self._silence_s}
+        head = {
+            **self._status(),
+            "model": self._model,
+            "silence_s": self._silence_s,
+            "is_ideal": self._robot.is_ideal,
+        }
         one.post(Frame(Kind.WELCOME, head, sequence=frame.sequence))
 
     def _obey(self, one: Connection, frame: Frame) -> None:

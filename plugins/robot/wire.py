@@ -57,7 +57,9 @@ class WireRobot(Robot):
             ) from error
         self._connection = Connection(found)
         try:
-            self._ask(Frame(Kind.HELLO, {"role": "executive", "model": self._settings.model}))
+            hello = {"role": "executive", "model": self._settings.model}
+            welcome = self._ask(Frame(Kind.HELLO, hello))
+            self.is_ideal = bool(welcome.head.get("is_ideal", False))
             if self._settings.reset_at_start:
                 self.reset()
         except RobotError:
@@ -125,8 +127,8 @@ class WireRobot(Robot):
             raise RobotError("the machine is not connected: call start() first")
         return self._connection
 
-    def _ask(self, frame: Frame) -> None:
-        """Send a frame and wait for its answer; observations that come before it are kept.
+    def _ask(self, frame: Frame) -> Frame:
+        """Send a frame and return its answer; observations that come before it are kept.
 
         Raises:
             RobotError: If the machine refuses, or does not answer in time.
@@ -141,7 +143,7 @@ class WireRobot(Robot):
                 continue
             if answer.kind is Kind.REFUSED:
                 raise RobotError(f"the machine refuses: {answer.head.get('reason', '')}")
-            return
+            return answer
         limit = self._settings.answer_limit
         raise RobotError(f"the machine did not answer {frame.kind.name} within {limit:g} s")
 
