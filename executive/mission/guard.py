@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields
 from typing import Any
 
 from executive.arrays import Float
@@ -115,7 +115,9 @@ class Guard(StreamGuard):
         if not stale(state, now_s, self.age_limit_s):
             return state
         self.stale_states += 1
-        return replace(state, stamp_s=now_s)
+        # Not dataclasses.replace: an estimator may return a subclass with another constructor.
+        values = {one.name: getattr(state, one.name) for one in fields(BaseState)}
+        return BaseState(**{**values, "stamp_s": now_s})
 
     def report(self) -> dict[str, Any]:
         """Return what the report says of observations; empty if all were used."""
