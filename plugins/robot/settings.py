@@ -11,7 +11,7 @@ from executive.interfaces.robot import RobotSettings
 class KinematicSettings(RobotSettings):
     """Settings of the robot without physics."""
 
-    needs: ClassVar[tuple[str, ...]] = ("machine",)
+    needs: ClassVar[tuple[str, ...]] = ("machine", "rng")
 
     jaws_stop_at: Radians = Field(
         0.4, ge=0, le=2, description="Angle at which closing jaws stop at a stone [rad]."
