@@ -17,7 +17,7 @@ from executive.machine.rig import Rig
 _IMU = {
     "rate_hz": 100.0,
     "gyro_noise_rad_s": 0.03,
-    "gyro_bias_rad_s": 0.01,
+    "gyro_bias_rad_s": 0.1,
     "gyro_walk_rad_s": 3e-5,
     "accel_noise_m_s2": 0.4,
     "accel_bias_m_s2": 0.15,

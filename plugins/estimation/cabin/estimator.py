@@ -112,7 +112,7 @@ class CabinEstimator(Estimator):
             self._machine, settings.chassis_imu, self._T_imu_cabin, self._turn, self._standing
         )
         self._first = FirstState(
-            settings.rest, settings.moving_start, self._antennas_imu, self._noise, level
+            settings.rest, settings.window_start, self._antennas_imu, self._noise, level
         )
         self._newest_s: float | None = None  # of the cabin's inertial sensor
         self._is_begun = False
@@ -202,7 +202,7 @@ class CabinEstimator(Estimator):
         A fix that is too uncertain is counted; the answer is then None.
         """
         noise = self._cabin.gnss_scale**2 * fix.covariance_enu_m2
-        if not fix.is_rtk_fixed or not 0 < np.diag(noise).max() < self._cabin.max_gnss_std_m**2:
+        if not 0 < np.diag(noise).max() < self._cabin.max_gnss_std_m**2:
             self._stamp_gate.refuse(fix.antenna, "too uncertain")
             return None
         if self._datum is None:

@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 
 from executive_plugins.estimation.start.settings import (
-    MovingStartSettings,
     RestSettings,
     StandstillSettings,
+    WindowStartSettings,
 )
 from pydantic import Field
 
@@ -35,7 +35,7 @@ class CabinSettings(PluginSettings):
         1.0, gt=0, le=10, description="Factor on the fixes' own standard deviation."
     )
     max_gnss_std_m: float = Field(
-        0.1, gt=0, le=10, description="Largest standard deviation of a fix that is used [m]."
+        30.0, gt=0, le=1000, description="Largest standard deviation of a fix that is used [m]."
     )
     restart_after_s: Seconds = Field(
         5.0,
@@ -44,9 +44,8 @@ class CabinSettings(PluginSettings):
         description="Gap of inertial samples after which the estimate is started again [s].",
     )
     rest: RestSettings = Field(default_factory=RestSettings, description="Initialisation at rest.")
-    moving_start: MovingStartSettings = Field(
-        default_factory=MovingStartSettings,
-        description="Heading from the first motion, with one antenna.",
+    window_start: WindowStartSettings = Field(
+        default_factory=WindowStartSettings, description="Start in motion, and with one antenna."
     )
     standing: StandstillSettings = Field(
         default_factory=StandstillSettings, description="Correction while the chassis is at rest."

@@ -7,12 +7,15 @@ from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, Cabi
 from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.filters.settings import GnssImuSettings
 from executive_plugins.estimation.filters.trailing_filter import Correction, TrailingFilter
+from executive_plugins.estimation.gate.innovation_scale import InnovationScale
+from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.measurement_models import (
     antenna_residual,
     rate_residual,
     standstill_residual,
 )
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
+from executive_plugins.estimation.start.window_start import WindowStart
 
 from executive.arrays import Float
 from executive.interfaces.recorded_log import RecordedBody
@@ -22,6 +25,7 @@ from executive.messages.imu import ImuSample
 from executive.messages.odometry import LidarIncrement
 
 GLOBAL, FALLBACK = "GLOBAL", "FALLBACK"
+_TRUSTED = 3  # fixes in a row within the gate that end a doubt about the state
 _DOUBT_S = 2.0  # time after a motion of the chassis during which standstill is ignored
 
 
@@ -52,7 +56,8 @@ class GnssImuFilter(CabinEstimator):
         super()._restart()
         self._trailing: TrailingFilter | None = None
         self._used_fix_s = -np.inf
-        self._gated = 0
+        self._scales = {name: InnovationScale(3) for name in self._antennas_imu}
+        self._begin_trust()
         self._moving_s = -np.inf
 
     def _start_at(self, state: InertialState, covariance: Float) -> None:
@@ -67,13 +72,18 @@ class GnssImuFilter(CabinEstimator):
     def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
         if self._trailing is not None:
             rate, force = sample.angular_velocity_rad_s, sample.specific_force_m_s2
-            self._trailing.add_sample(Inertial(sample.stamp_s, rate, force, since_last_s))
+            inertial = Inertial(sample.stamp_s, rate, force, since_last_s)
+            self._trailing.add_sample(inertial)
+            self._follow_doubt(inertial)
 
     def _admits_fix(self, fix: GnssFix) -> bool:
         return self._stamp_gate.admits(fix.antenna, fix.stamp_s)
 
     def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
         antenna, stamp_s = fix.antenna, fix.stamp_s
+        if self._doubt is not None:
+            arm_imu = self._antennas_imu[antenna]
+            self._doubt.add_fix(Fix(stamp_s, antenna, arm_imu, p_map_antenna, noise))
         self._queue(
             antenna, stamp_s, lambda at: self._correct_by_fix(at, antenna, p_map_antenna, noise)
         )
@@ -97,17 +107,39 @@ class GnssImuFilter(CabinEstimator):
         self, kalman: ErrorStateFilter, antenna: str, p_map_antenna: Float, noise: Float
     ) -> None:
         residual, H = antenna_residual(kalman.state, self._antennas_imu[antenna], p_map_antenna)
-        if kalman.correct(residual, H, noise, self._settings.gate):
+        scale = self._scales[antenna]
+        scale.add(residual, H @ kalman.covariance @ H.T, noise)
+        if kalman.correct(residual, H, scale.factor() * noise, self._settings.gate):
             self._used_fix_s = max(self._used_fix_s, kalman.state.stamp_s)
-            self._gated = 0
+            self._used_in_row += 1
+            if self._used_in_row >= _TRUSTED:
+                self._begin_trust()
             return
         self._stamp_gate.refuse(antenna, "outlier")
-        self._gated += 1
-        if self._gated >= self._settings.reacquire_after:
-            # The filter is more likely wrong than so many fixes.
-            kalman.inflate(float(np.linalg.norm(residual)), 0.5, 0.1)
-            self._gated = 0
-            self._moving_s = kalman.state.stamp_s  # an inflated state would accept any standstill
+        self._used_in_row = 0
+        if self._doubt is None:
+            self._doubt = WindowStart(self._settings.window_start, self._noise)
+            self._doubted_s = kalman.state.stamp_s
+
+    def _begin_trust(self) -> None:
+        self._doubt: WindowStart | None = None
+        self._doubted_s, self._used_in_row = np.inf, 0
+
+    def _follow_doubt(self, sample: Inertial) -> None:
+        """Begin anew from the fixes that were refused, once they explain the motion by themselves.
+
+        Fixes that contradict the filter for so long, but not each other, are more likely right.
+        """
+        if self._doubt is None:
+            return
+        self._doubt.add_sample(sample)
+        if sample.stamp_s - self._doubted_s < self._settings.reacquire_after_s:
+            return
+        found = self._doubt.state()
+        if found is not None:
+            self._start_at(*found)
+            self._begin_trust()
+            self._moving_s = sample.stamp_s  # a wide state would accept any standstill
 
     def _correct_by_standing(self, kalman: ErrorStateFilter, rate_cabin: Float) -> None:
         """Correct by a chassis at rest, unless the filter contradicts that it is at rest.

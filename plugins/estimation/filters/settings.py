@@ -24,10 +24,11 @@ class GnssImuSettings(CabinSettings):
         gt=0,
         description="Largest squared Mahalanobis distance of a fix (χ², 3: 1 in 15,000).",
     )
-    reacquire_after: int = Field(
-        100,
-        gt=0,
-        description="Consecutive fixes beyond the gate after which the covariance is inflated.",
+    reacquire_after_s: Seconds = Field(
+        10.0,
+        gt=1,
+        le=120,
+        description="Time of refused fixes after which the estimate begins anew from them [s].",
     )
     fallback_after_s: Seconds = Field(
         1.0, gt=0, le=60, description="Time without a used fix until FALLBACK [s]."

@@ -10,6 +10,8 @@ from executive_plugins.estimation.inertial.state import Inertial
 from executive_plugins.estimation.live.packing import packed
 from executive_plugins.estimation.live.propagator import LivePropagator
 
+_MARGIN = 1.2  # of the lag over the largest delay so far
+_LONGEST_S = 2.0  # a measurement that is later is of no use in time
 _COVARIANCE_PERIOD_S = 0.049  # between updates of the propagator's covariance without correction
 
 
@@ -28,6 +30,8 @@ class Correction:
 
 class TrailingFilter:
     """Uses measurements at their own time and in order, if they are late by less than the lag.
+
+    The lag grows with the delays that are met, up to two seconds.
 
     Attributes:
         kalman: The filter, `lag_s` behind the propagator.
@@ -50,9 +54,16 @@ class TrailingFilter:
         """
         if correction.stamp_s > self._begin_s:
             if correction.stamp_s < self.kalman.state.stamp_s:
+                self._wait_for(correction.stamp_s)
                 return False
             insort(self._corrections, correction)
         return True
+
+    def _wait_for(self, stamp_s: float) -> None:
+        """Trail by more from now on, so that measurements as late as this one are in time."""
+        if self._samples:
+            late_s = self._samples[-1].stamp_s - stamp_s
+            self._lag_s = max(self._lag_s, min(_MARGIN * late_s, _LONGEST_S))
 
     def add_sample(self, sample: Inertial) -> None:
         """Advance the filter after a sample, and correct the propagator where it applies."""

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import gtsam
-from executive_plugins.estimation.graph.factors import keys
+from executive_plugins.estimation.factors import keys
 
 _INDEX = (1 << 56) - 1  # the last 56 bits of a key number its node; the first 8 are its letter
 

@@ -1,8 +1,8 @@
 """The lidar chain's pose in the map during an outage, for the paper's fallback graph."""
 
 import numpy as np
+from executive_plugins.estimation.factors import pose_factor
 from executive_plugins.estimation.gate.measurements import Increment
-from executive_plugins.estimation.graph.factors import pose_factor
 from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.window import GraphWindow
 

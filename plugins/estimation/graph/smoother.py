@@ -4,6 +4,12 @@ from bisect import insort
 from collections import Counter
 
 import numpy as np
+from executive_plugins.estimation.factors import (
+    GAP_ACCELERATION_M_S2,
+    GAP_RATE_RAD_S,
+    between_factor,
+    fix_factor,
+)
 from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.gate.gnss_gate import Compared, GnssGate
 from executive_plugins.estimation.gate.measurements import (
@@ -14,12 +20,6 @@ from executive_plugins.estimation.gate.measurements import (
     Standstill,
 )
 from executive_plugins.estimation.graph.chain_anchor import ChainAnchor
-from executive_plugins.estimation.graph.factors import (
-    GAP_ACCELERATION_M_S2,
-    GAP_RATE_RAD_S,
-    between_factor,
-    fix_factor,
-)
 from executive_plugins.estimation.graph.fix_comparison import compared, predicted
 from executive_plugins.estimation.graph.lidar_chain import LidarChain
 from executive_plugins.estimation.graph.settings import SmootherSettings

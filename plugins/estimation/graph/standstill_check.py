@@ -2,8 +2,8 @@
 
 import gtsam
 import numpy as np
+from executive_plugins.estimation.factors import gyro_bias_factor, velocity_factor
 from executive_plugins.estimation.gate.measurements import Standstill
-from executive_plugins.estimation.graph.factors import gyro_bias_factor, velocity_factor
 from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.inertial.measurement_models import standstill_residual
 from executive_plugins.estimation.inertial.state import InertialState

@@ -6,8 +6,7 @@ from dataclasses import dataclass, field
 
 import gtsam
 import numpy as np
-from executive_plugins.estimation.gate.measurements import Fix, Increment, Measurement
-from executive_plugins.estimation.graph.factors import (
+from executive_plugins.estimation.factors import (
     between_factor,
     extract,
     fix_factor,
@@ -16,6 +15,7 @@ from executive_plugins.estimation.graph.factors import (
     keys,
     prior,
 )
+from executive_plugins.estimation.gate.measurements import Fix, Increment, Measurement
 from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.standstill_check import StandstillCheck
 from executive_plugins.estimation.inertial.measurement_models import antenna_residual

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import gtsam
 import numpy as np
-from executive_plugins.estimation.graph.chain import GraphChain, nodes_of
-from executive_plugins.estimation.graph.factors import (
+from executive_plugins.estimation.factors import (
     covariance_of,
     extract,
     inertial_factor,
@@ -15,6 +14,7 @@ from executive_plugins.estimation.graph.factors import (
     keys,
     prior,
 )
+from executive_plugins.estimation.graph.chain import GraphChain, nodes_of
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
 from executive_plugins.estimation.inertial.state import InertialState, propagate_through

@@ -19,6 +19,7 @@ class InertialNoise:
         accel_bias_walk: Random walk of the accelerometer's bias [m/s²/√s].
         accel_bias_m_s2: Bias of the accelerometer at switch-on [m/s²].
         gravity_m_s2: Local gravity, the scale of the specific force [m/s²].
+        gyro_bias_rad_s: Bias of the gyroscope at switch-on [rad/s].
         densities: The first four in their order, shape (4,).
     """
 
@@ -28,6 +29,7 @@ class InertialNoise:
     accel_bias_walk: float
     accel_bias_m_s2: float
     gravity_m_s2: float
+    gyro_bias_rad_s: float
     densities: Float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -56,4 +58,5 @@ class InertialNoise:
             max(imu.accel_walk_m_s2, 1e-5),
             max(imu.accel_bias_m_s2, 1e-3),
             gravity_m_s2,
+            max(imu.gyro_bias_rad_s, 1e-4),
         )

@@ -1,20 +1,22 @@
-"""The first state: from rest with two antennas, from the first metres of motion with one."""
+"""The first state: from rest with two antennas, from motion otherwise."""
 
 import math
 from collections.abc import Mapping
 
 import numpy as np
+from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.noise import InertialNoise
-from executive_plugins.estimation.inertial.state import Inertial, InertialState
+from executive_plugins.estimation.inertial.state import GYRO_BIAS, Inertial, InertialState
 from executive_plugins.estimation.start.at_rest import RestInitialisation
 from executive_plugins.estimation.start.chassis_level import ChassisLevel
-from executive_plugins.estimation.start.in_motion import MovingStart
-from executive_plugins.estimation.start.settings import MovingStartSettings, RestSettings
+from executive_plugins.estimation.start.settings import RestSettings, WindowStartSettings
+from executive_plugins.estimation.start.window_start import WindowStart
 
 from executive.arrays import Float
 
 # Between two attempts to find rest: each takes milliseconds.
 _PERIOD_S = 0.1
+_PATIENCE = 3.0  # durations of rest that a start from rest may take
 
 
 class FirstState:
@@ -28,15 +30,17 @@ class FirstState:
     def __init__(
         self,
         rest: RestSettings,
-        moving: MovingStartSettings,
+        window: WindowStartSettings,
         antennas_imu: Mapping[str, Float],
         noise: InertialNoise,
         chassis: ChassisLevel | None,
     ) -> None:
-        self._max_rate_rad_s = rest.max_rate_rad_s
+        self._max_rate_rad_s, self._rest_s = rest.max_rate_rad_s, rest.duration_s
+        self._first_s = math.inf
         self._has_heading = len(antennas_imu) > 1
         self._rest = RestInitialisation(rest, antennas_imu, noise, chassis)
-        self._moving = MovingStart(moving, next(iter(antennas_imu.values())), noise)
+        self._window = WindowStart(window, noise)
+        self._antennas_imu = antennas_imu
         self._tried_s = -math.inf
         self.waits_for = ""
 
@@ -54,7 +58,8 @@ class FirstState:
         self._rest.add_fix(
             stamp_s, antenna, p_map_antenna, float(np.sqrt(np.diag(covariance).max()))
         )
-        self._moving.add_fix(stamp_s, p_map_antenna)
+        arm_imu = self._antennas_imu[antenna]
+        self._window.add_fix(Fix(stamp_s, antenna, arm_imu, p_map_antenna, covariance))
 
     def add_sample(
         self, sample: Inertial, turn_rate_rad_s: float
@@ -69,21 +74,41 @@ class FirstState:
         Returns:
             The state at the sample and its error's covariance (15, 15), or None.
         """
+        self._first_s = min(self._first_s, sample.stamp_s)
         self._rest.add_sample(sample)
-        at_rest = None
+        self._window.add_sample(sample)
+        if self._has_heading:
+            found = self._at_rest(sample, turn_rate_rad_s)
+            if found is not None or not self._is_given_up(sample.stamp_s):
+                return found
+        elif (at_rest := self._at_rest(sample, turn_rate_rad_s)) is not None:
+            state, P = at_rest
+            std = float(np.sqrt(np.diag(P[GYRO_BIAS, GYRO_BIAS]).max()))
+            self._window.take_rest(state.gyro_bias, std)
+        found = self._window.state()
+        if self._window.waits_for:
+            self.waits_for = self._window.waits_for
+        return found
+
+    def _at_rest(
+        self, sample: Inertial, turn_rate_rad_s: float
+    ) -> tuple[InertialState, Float] | None:
         if abs(turn_rate_rad_s) >= self._max_rate_rad_s:
             self.waits_for = (
                 f"rest: the cabin turns on its chassis at {abs(turn_rate_rad_s):.3f} rad/s"
             )
-        elif sample.stamp_s - self._tried_s >= _PERIOD_S:
-            self._tried_s = sample.stamp_s
-            at_rest = self._rest.state()
-            self.waits_for = self._rest.waits_for or (
-                "" if self._has_heading else "motion, which gives the heading"
-            )
-        if self._has_heading:
-            return at_rest
-        self._moving.add_sample(sample)
-        if at_rest is not None:
-            self._moving.begin(*at_rest)
-        return self._moving.state()
+            return None
+        if sample.stamp_s - self._tried_s < _PERIOD_S:
+            return None
+        self._tried_s = sample.stamp_s
+        found = self._rest.state()
+        self.waits_for = self._rest.waits_for
+        return found
+
+    def _is_given_up(self, now_s: float) -> bool:
+        """Return whether a state from rest is not to be waited for.
+
+        It is the more accurate one, and comes within seconds; but not to a body that moves, nor
+        where an antenna is silent or slow.
+        """
+        return self.waits_for.startswith("rest") or now_s - self._first_s > _PATIENCE * self._rest_s

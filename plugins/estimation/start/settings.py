@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from executive.config import Meters, RadiansPerSecond, Seconds, Settings
+from executive.config import RadiansPerSecond, Seconds, Settings
 
 
 class RestSettings(Settings):
@@ -60,15 +60,16 @@ class StandstillSettings(Settings):
     )
 
 
-class MovingStartSettings(Settings):
-    """Amount of motion that gives the heading; for rigs with one antenna."""
+class WindowStartSettings(Settings):
+    """The start of a body that moves, and of one whose heading shows in motion only."""
 
-    distance_m: Meters = Field(
-        8.0, gt=0, le=1000, description="Distance from the rest position that is needed [m]."
+    window_s: Seconds = Field(
+        20.0, gt=1, le=120, description="Longest window of samples and fixes that is solved [s]."
     )
-    duration_s: Seconds = Field(
-        20.0, gt=0, le=300, description="Time since rest after which the attempt ends [s]."
-    )
-    max_misfit: float = Field(
-        0.15, gt=0, lt=1, description="Largest misfit of the two paths, as a share of the distance."
+    max_heading_std_rad: float = Field(
+        0.15,
+        gt=0,
+        le=1,
+        description="Standard deviation of the heading from which an estimate begins [rad]; at "
+        "0.15 the filters' linear models err by 1 %.",
     )

@@ -13,7 +13,7 @@ from executive.geometry.rotation import exp_so3, from_rpy, log_so3
 from executive.messages.gnss import GnssFix
 from executive.messages.odometry import LidarIncrement
 
-NOISE = InertialNoise(1e-3, 1e-2, 1e-5, 1e-4, 0.03, 9.81)
+NOISE = InertialNoise(1e-3, 1e-2, 1e-5, 1e-4, 0.03, 9.81, 0.01)
 STD = np.repeat([0.003, 0.02], 3)
 
 

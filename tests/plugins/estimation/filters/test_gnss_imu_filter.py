@@ -90,11 +90,19 @@ def test_latency_of_fixes_costs_nothing_up_to_the_lag(cabin, start) -> None:
     assert mean_m[0.1] < mean_m[0.0] + 0.003
 
 
-def test_fixes_later_than_the_lag_are_refused_and_counted(cabin, start) -> None:
+def test_the_lag_grows_with_late_fixes_and_the_first_ones_are_counted(cabin, start) -> None:
     cabin.gnss_latency_s = 0.3
     estimator = start(lag_s=0.1)
     states = run(estimator, cabin.observations(6.0))
-    assert estimator.refused["gnss_left: too late"] > 10
+    assert 0 < estimator.refused["gnss_left: too late"] < 10
+    assert states[-1].status == GLOBAL
+
+
+def test_fixes_that_are_seconds_late_are_refused_and_counted(cabin, start) -> None:
+    cabin.gnss_latency_s = 2.5
+    estimator = start(lag_s=0.1)
+    states = run(estimator, cabin.observations(9.0))
+    assert estimator.refused["gnss_left: too late"] > 5
     assert states[-1].status == FALLBACK
 
 
@@ -129,13 +137,16 @@ def test_a_chassis_at_rest_bounds_the_drift_without_satellites(cabin, estimator)
     )
 
 
-def test_it_does_not_start_while_the_cabin_turns(cabin, estimator) -> None:
+def test_it_starts_while_the_cabin_turns(cabin, estimator) -> None:
     cabin.rest_s = 0.0
     cabin.period_s = 8.0
     cabin.swing_rad = 2.0
     states = run(estimator, cabin.observations(7.0))
-    assert {s.status for s in states} == {INITIALISING}
-    assert not states[-1].is_ready
+    assert states[0].status == INITIALISING
+    stamps_s, position_m, heading_rad = errors(cabin, states)
+    assert stamps_s[0] < 5
+    assert position_m[stamps_s > 5].max() < 0.05
+    assert np.degrees(heading_rad[stamps_s > 5]).max() < 1.0
 
 
 def test_a_second_chassis_pose_and_heading_are_found_as_well(cabin, estimator) -> None:
@@ -187,7 +198,8 @@ def test_an_outlying_or_uncertain_fix_moves_nothing(cabin, estimator) -> None:
                 observation, geodetic=observation.geodetic + np.array([2e-5, 0, 0])
             )  # 2 m north
         if isinstance(observation, GnssFix) and 9 < observation.stamp_s < 9.5:
-            observation = replace(observation, covariance_enu_m2=np.eye(3), is_rtk_fixed=False)
+            vague = 2000.0 * np.eye(3)
+            observation = replace(observation, covariance_enu_m2=vague, is_rtk_fixed=False)
         estimator.add(observation)
         if (
             isinstance(observation, ImuSample)
@@ -204,7 +216,7 @@ def test_an_outlying_or_uncertain_fix_moves_nothing(cabin, estimator) -> None:
 
 
 def test_fixes_that_contradict_the_filter_for_long_are_used_in_the_end(cabin, estimator) -> None:
-    for observation in cabin.observations(10.0):
+    for observation in cabin.observations(20.0):
         if isinstance(observation, GnssFix) and observation.stamp_s > 4:
             observation = replace(
                 observation, geodetic=observation.geodetic + np.array([0, 0, 3.0])
@@ -218,21 +230,21 @@ def test_fixes_that_contradict_the_filter_for_long_are_used_in_the_end(cabin, es
 
 
 def test_a_short_gap_of_inertial_samples_is_bridged_and_a_long_one_restarts(cabin, start) -> None:
-    for gap_s, status in ((0.5, GLOBAL), (3.0, INITIALISING)):
+    for gap_s, restarts in ((0.5, False), (3.0, True)):
         estimator = start(restart_after_s=2.0)
         end_s = 4.0 + gap_s
         observations = (
             o
-            for o in cabin.observations(end_s + 1.0)
+            for o in cabin.observations(end_s + 2.5)
             if not (isinstance(o, ImuSample) and 4.0 < o.stamp_s < end_s)
         )
-        state = run(estimator, observations)[-1]
-        assert state.status == status
-        if state.is_ready:
-            assert (
-                np.linalg.norm(state.T_map_cabin[:3, 3] - cabin.T_map_cabin(state.stamp_s)[:3, 3])
-                < 0.05
-            )
+        states = run(estimator, observations)
+        after = {state.status for state in states if state.stamp_s > end_s}
+        assert (INITIALISING in after) == restarts
+        state = states[-1]
+        assert state.status == GLOBAL
+        away = state.T_map_cabin[:3, 3] - cabin.T_map_cabin(state.stamp_s)[:3, 3]
+        assert np.linalg.norm(away) < 0.05
 
 
 def test_after_a_gap_during_a_swing_fixes_restore_the_estimate(cabin, estimator) -> None:

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.factors import fix_factor
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.graph.batch_graph import SMOOTHED, BatchGraph
-from executive_plugins.estimation.graph.factors import fix_factor
 from executive_plugins.estimation.graph.settings import DualGraphSettings, SmootherSettings
 from executive_plugins.estimation.graph.whole_graph import Recording, WholeGraph
 from executive_plugins.estimation.graph.window import GraphWindow
@@ -17,7 +17,7 @@ from executive_plugins.estimation.inertial.state import Inertial, InertialState
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.messages.gnss import GnssFix
 
-NOISE = InertialNoise(1e-3, 1e-2, 1e-5, 1e-4, 1e-2, 9.81)
+NOISE = InertialNoise(1e-3, 1e-2, 1e-5, 1e-4, 1e-2, 9.81, 0.01)
 COVARIANCE = np.diag(np.repeat([0.02, 0.1, 0.05, 1e-3, 1e-2], 3) ** 2)
 
 

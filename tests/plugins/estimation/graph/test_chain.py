@@ -3,8 +3,8 @@
 import gtsam
 import numpy as np
 import pytest
+from executive_plugins.estimation.factors import keys
 from executive_plugins.estimation.graph.chain import GraphChain, node_of, nodes_of
-from executive_plugins.estimation.graph.factors import keys
 
 
 def tie(first: int, second: int, rng: np.random.Generator) -> gtsam.JacobianFactor:

@@ -24,7 +24,7 @@ from executive_plugins.estimation.start.chassis import TurnJoint
 
 from executive.messages.imu import ImuSample
 
-NOISE = InertialNoise(1e-4, 1e-3, 1e-6, 1e-5, 1e-2, 9.81)
+NOISE = InertialNoise(1e-4, 1e-3, 1e-6, 1e-5, 1e-2, 9.81, 0.01)
 PATIENCE_S = 150.0  # a child imports for a second, on a busy machine for many
 
 

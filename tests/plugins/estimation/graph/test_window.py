@@ -3,8 +3,8 @@
 import gtsam
 import numpy as np
 import pytest
+from executive_plugins.estimation.factors import fix_factor, keys, prior, velocity_factor
 from executive_plugins.estimation.gate.measurements import Fix
-from executive_plugins.estimation.graph.factors import fix_factor, keys, prior, velocity_factor
 from executive_plugins.estimation.graph.window import GraphWindow, UnsolvableError
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
@@ -13,7 +13,7 @@ from executive_plugins.estimation.inertial.state import Inertial, InertialState,
 from executive.errors import DataError
 from executive.geometry.rotation import from_rpy, log_so3
 
-NOISE = InertialNoise(1e-3, 1e-2, 1e-5, 1e-4, 1e-2, 9.81)
+NOISE = InertialNoise(1e-3, 1e-2, 1e-5, 1e-4, 1e-2, 9.81, 0.01)
 COVARIANCE = np.diag(np.repeat([0.02, 0.1, 0.05, 1e-3, 1e-2], 3) ** 2)
 
 

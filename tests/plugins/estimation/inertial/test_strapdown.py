@@ -14,7 +14,7 @@ from executive_plugins.estimation.inertial.state import (
 
 from executive.geometry.rotation import exp_so3
 
-NOISE = InertialNoise(2e-3, 3e-2, 4e-4, 5e-3, 0.1, 9.81)
+NOISE = InertialNoise(2e-3, 3e-2, 4e-4, 5e-3, 0.1, 9.81, 0.01)
 STEP_S = 0.03
 
 

@@ -23,7 +23,7 @@ from executive.geometry.rotation import exp_so3, skew
 from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
 
-NOISE = InertialNoise(2e-3, 3e-2, 4e-4, 5e-3, 0.1, 9.81)
+NOISE = InertialNoise(2e-3, 3e-2, 4e-4, 5e-3, 0.1, 9.81, 0.01)
 T_IMU_CABIN = pose(exp_so3(np.array([0.4, -0.2, 1.1])), np.array([0.3, -0.8, 0.5]))
 
 

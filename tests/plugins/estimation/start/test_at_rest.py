@@ -20,7 +20,7 @@ from executive.geometry.rotation import log_so3
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 
-NOISE = InertialNoise(4e-4, 4e-3, 2e-5, 3e-4, 0.03, 9.81)
+NOISE = InertialNoise(4e-4, 4e-3, 2e-5, 3e-4, 0.03, 9.81, 0.01)
 ARMS = {"left": np.array([-1.0, 1.0, 1.2]), "right": np.array([-1.0, -1.0, 1.2])}
 
 
@@ -127,35 +127,20 @@ def test_less_certain_fixes_leave_the_first_state_less_certain() -> None:
     np.testing.assert_allclose(poor[GYRO_BIAS], good[GYRO_BIAS], rtol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("kind", "change", "reason"),
-    [
-        ("imu_cabin", {"angular_velocity_rad_s": np.array([0.0, 0.0, 0.1])}, "it turns at 0.1"),
-        ("gnss_right", None, "fixes of gnss_right: fewer than five"),
-        ("joints", {"velocity": np.full(10, 0.2)}, "the cabin turns on its chassis at 0.2"),
-    ],
-)
-def test_the_reason_for_waiting_is_reported_every_few_seconds(
-    kind, change, reason, cabin, begin
-) -> None:
+def test_the_reason_for_waiting_is_reported_every_few_seconds(cabin, begin) -> None:
     estimator = begin()
     for observation in cabin.observations(5.5):
-        frame = getattr(observation, "frame", getattr(observation, "antenna", "joints"))
-        if frame != kind:
+        if getattr(observation, "antenna", "") != "gnss_right":
             estimator.add(observation)
-        elif change is not None:
-            estimator.add(
-                replace(
-                    observation, **{k: v[: len(getattr(observation, k))] for k, v in change.items()}
-                )
-            )
     assert estimator.state().status == "INITIALISING"
     account = estimator.account()
     assert 1 <= len(account) <= 2  # once in five seconds
-    assert all(reason in told.reason and told.after == "INITIALISING" for told in account)
+    for told in account:
+        assert "fixes of gnss_right: fewer than five" in told.reason
+        assert told.after == "INITIALISING"
 
 
-def test_a_driving_machine_is_detected_by_its_fixes(cabin, begin) -> None:
+def test_a_machine_that_drives_evenly_is_not_taken_as_standing(cabin, begin) -> None:
     estimator = begin()
     for observation in cabin.observations(4.0):
         if isinstance(observation, GnssFix):
@@ -164,4 +149,6 @@ def test_a_driving_machine_is_detected_by_its_fixes(cabin, begin) -> None:
             )
             observation = replace(observation, geodetic=moved)
         estimator.add(observation)
-    assert estimator.account()[0].reason.startswith("waits for rest: the fixes of gnss_")
+    state = estimator.state()
+    assert state.is_ready
+    assert state.v_map_cabin == pytest.approx([0.3, 0.0, 0.0], abs=0.1)

@@ -27,7 +27,7 @@ from executive_plugins.estimation.inertial.state import (
 from executive.geometry.pose import pose
 from executive.geometry.rotation import from_rpy
 
-NOISE = InertialNoise(0.01, 0.05, 0.002, 0.003, 0.02, 9.81)
+NOISE = InertialNoise(0.01, 0.05, 0.002, 0.003, 0.02, 9.81, 0.01)
 
 
 def sample(stamp_s: float, since_last_s: float = 0.01) -> Inertial:

@@ -4,23 +4,24 @@ import itertools
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState, propagate
 from executive_plugins.estimation.live.layout import ESTIMATE, LIVE, SAMPLE
 from executive_plugins.estimation.start.chassis import StandstillDetector, TurnJoint
 from executive_plugins.estimation.start.chassis_level import ChassisLevel
 from executive_plugins.estimation.start.first_state import FirstState
-from executive_plugins.estimation.start.in_motion import MovingStart
 from executive_plugins.estimation.start.settings import (
-    MovingStartSettings,
     RestSettings,
     StandstillSettings,
+    WindowStartSettings,
 )
+from executive_plugins.estimation.start.window_start import WindowStart
 
 from executive.geometry.rotation import from_rpy
 from executive.messages.joints import JointSample
 
-NOISE = InertialNoise(0.01, 0.05, 0.002, 0.003, 0.02, 9.81)
+NOISE = InertialNoise(0.01, 0.05, 0.002, 0.003, 0.02, 9.81, 0.01)
 ARMS = {"left": np.array([0.5, 0.9, 1.0]), "right": np.array([0.5, -0.9, 1.1])}
 R = from_rpy(0.03, -0.05, 0.8)
 UP = np.array([0.0, 0.0, 1.0])
@@ -31,7 +32,7 @@ def started(
 ):
     """Return what a start finds over two seconds, with a change of rate, force and fixes."""
     arms = {name: ARMS[name] for name in antennas}
-    first, rng, told = FirstState(rest, MovingStartSettings(), arms, NOISE, chassis), None, []
+    first, rng, told = FirstState(rest, WindowStartSettings(), arms, NOISE, chassis), None, []
     rng = np.random.default_rng(1)
     for k in range(40):
         t, (rate, force, shift) = k / 32, change(k)
@@ -119,19 +120,15 @@ def test_a_chassis(recorded, machine) -> None:
 
 
 @pytest.mark.parametrize("misfit", [0.0, 0.3, 3.0])
-@pytest.mark.parametrize("distance_m", [1.0, 4.0])
-def test_motion(recorded, distance_m, misfit) -> None:
-    """A drive on a curve whose inertial path has a heading of its own."""
+def test_motion(recorded, misfit) -> None:
+    """A drive on a curve whose heading is unknown."""
 
-    settings = MovingStartSettings(distance_m=distance_m, duration_s=4.0)
-    start = MovingStart(settings, ARMS["left"], NOISE)
-    told = [start.state()]
+    start = WindowStart(WindowStartSettings(), NOISE)
+    told = []
     sample = Inertial(0.0, np.zeros(3), UP * 9.81, 0.05)
-    state = InertialState(sample, np.eye(3), np.ones(3), np.zeros(3), np.zeros(3), np.zeros(3))
+    true = InertialState(sample, np.eye(3), np.ones(3), np.zeros(3), np.zeros(3), np.zeros(3))
     start.add_sample(sample)
-    start.add_fix(0.0, np.zeros(3))
-    start.begin(state, np.diag(np.arange(1.0, 16)) * 1e-4)
-    heading, true = from_rpy(0, 0, 1.1), state
+    heading = from_rpy(0, 0, 1.1)
     for k in range(1, 100):
         t = k / 20
         rate, force = np.array([0, 0, 0.3]), np.array([1.0, 0.1 * np.sin(k), 9.81])
@@ -139,11 +136,11 @@ def test_motion(recorded, distance_m, misfit) -> None:
         true = propagate(true, sample, 9.81)
         start.add_sample(sample)
         if k % 4 == 0:
-            way = true.p_map_imu + true.R_map_imu @ ARMS["left"] - (np.ones(3) + ARMS["left"])
+            p_map = heading @ (true.p_map_imu + true.R_map_imu @ ARMS["left"])
             wrong = misfit * np.array([np.sin(k), np.cos(2 * k), 0])
-            start.add_fix(t, heading @ way + np.ones(3) + ARMS["left"] + wrong)
-        told.append((k, start.state()))
-    recorded([one for one in told if one is not None and one[1] is not None])
+            start.add_fix(Fix(t, "left", ARMS["left"], p_map + wrong, 1e-4 * np.eye(3)))
+        told.append((k, start.state(), start.waits_for))
+    recorded([one for one in told if one[1] is not None] + [told[-1][2]])
 
 
 def test_the_layout_of_shared_memory(recorded) -> None:

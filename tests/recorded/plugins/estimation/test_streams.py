@@ -14,7 +14,7 @@ SHORT = {"rest": {"duration_s": 0.5}, "restart_after_s": 1.0}
 
 
 def test_gnss_imu_filter(recorded, machine, faulty, followed) -> None:
-    settings = GnssImuSettings(**SHORT, reacquire_after=20, fallback_after_s=0.5)
+    settings = GnssImuSettings(**SHORT, reacquire_after_s=2, fallback_after_s=0.5)
     recorded(followed(GnssImuFilter(settings, machine), faulty))
 
 
