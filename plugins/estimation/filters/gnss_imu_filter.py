@@ -57,7 +57,8 @@ class GnssImuFilter(CabinEstimator):
         self._trailing: TrailingFilter | None = None
         self._used_fix_s = -np.inf
         self._scales = {name: InnovationScale(3) for name in self._antennas_imu}
-        self._begin_trust()
+        self._doubt: WindowStart | None = None
+        self._doubted_s, self._used_in_row = np.inf, 0
         self._moving_s = -np.inf
 
     def _start_at(self, state: InertialState, covariance: Float) -> None:
@@ -122,8 +123,8 @@ class GnssImuFilter(CabinEstimator):
             self._doubted_s = kalman.state.stamp_s
 
     def _begin_trust(self) -> None:
-        self._doubt: WindowStart | None = None
-        self._doubted_s, self._used_in_row = np.inf, 0
+        self._doubt, self._doubted_s = None, np.inf
+        self._used_in_row = 0
 
     def _follow_doubt(self, sample: Inertial) -> None:
         """Begin anew from the fixes that were refused, once they explain the motion by themselves.

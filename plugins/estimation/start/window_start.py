@@ -259,7 +259,7 @@ class WindowStart:
                 ordering.push_back(key)
         # By QR: the squares of biases that hardly walk and of the other states span 16 decades.
         A, _ = solution.graph.linearize(solution.values).jacobian(ordering)
-        root = np.linalg.qr(A, mode="r")[-DIMENSION:, -DIMENSION:]
+        root: Float = np.asarray(np.linalg.qr(A, mode="r"))[-DIMENSION:, -DIMENSION:]
         fixes = 3 * sum(len(fixes) for _, fixes in nodes)
         misfit = 2.0 * solution.cost / max(fixes - DIMENSION, 3)
         return state, max(misfit, 1.0) * covariance_of(root, state.R_map_imu)
