@@ -267,7 +267,7 @@ def _kinds() -> Iterator[Schema]:
         },
         "required": ["loop", "do"],
     }
-    each = {"item": _WORD, "in": {"anyOf": [_REFERENCE, {"type": "array"}]}}
+    each = {"item": _WORD, "in": {"anyOf": [_EXPRESSION, {"type": "array"}]}}
     yield {
         "properties": {"for_each": _closed(each, *each), "do": _NODE},
         "required": ["for_each", "do"],

@@ -110,7 +110,7 @@ def change(path: Path, old: str, new: str) -> None:
         (lambda f: (f / "report.json").write_text("[]"), r"report\.json: .* no field 'outcome'"),
         (lambda f: (f / "journal.jsonl").unlink(), r"journal\.jsonl: there is no journal"),
         (lambda f: change(f / "journal.jsonl", "1.5", "1.6"), r"journal\.jsonl:1: the line or one"),
-        (lambda f: (f / "journal.jsonl").write_bytes(b"\xff\n"), r"journal\.jsonl: not a journal"),
+        (lambda f: (f / "journal.jsonl").write_bytes(b"\xff\n"), r"journal\.jsonl:1: not a line"),
     ],
 )
 def test_damaged_files_are_told_with_their_place(
