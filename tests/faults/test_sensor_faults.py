@@ -29,6 +29,9 @@ class Robot:
             found += self.step(self.steps * 0.01)
         return found
 
+    def command(self, command):
+        """Take a command and do nothing."""
+
     def step(self, now_s):
         noise = self.rng.normal
         n = len(MACHINE.joint_names)

@@ -8,6 +8,7 @@ import pytest
 from executive import registry
 from executive.campaign.figures.measurement import measure, metric
 from executive.events.event import Event
+from executive.events.fault import FaultInjected
 from executive.events.node import NodeEnded, NodeResult, NodeStarted
 from executive.events.site import SiteScanned, SiteSegmented, SiteSurveyed, SurveyRegistered
 from executive.events.stone import (
@@ -18,7 +19,8 @@ from executive.events.stone import (
     StoneRealigned,
     StoneReleased,
 )
-from executive.interfaces.metric import RunRecord, TimedEvent
+from executive.events.watch import ConditionBroken
+from executive.interfaces.metric import Metric, RunRecord, Share, TimedEvent, Values
 
 NAMES = [one.name for one in registry.installed(registry.METRICS)]
 GRASP = GraspRecord(np.eye(4), 1.0, 0.5, {})
@@ -244,10 +246,23 @@ def test_a_mission_that_picks_nothing_is_measured_without_error() -> None:
     assert "registrations" not in found
 
 
+def measure_of(name: str, one: Metric) -> Share | Values | None:
+    """Measure the run above; for some metrics as an example, or with a fault that was noticed."""
+    made, told = report(), events()
+    if name in ("as_named", "false_success"):
+        made["mission"] = "clear_corridor"
+    if name in ("faults_noticed", "notice_time"):
+        told += [
+            TimedEvent(180.0, FaultInjected(1, "imu_cabin", "silent"), ""),
+            TimedEvent(180.1, ConditionBroken("imu_cabin", "silent for 0.1 s"), ""),
+        ]
+    return one.measure(RunRecord(made, told))
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_each_metric_says_what_it_is(name: str) -> None:
     one = metric(name)
     assert one.title
     assert one.description.endswith(".")
-    assert one.measure(RunRecord(report(), events())) is not None
+    assert measure_of(name, one) is not None
     assert not (one.is_share and one.unit)
