@@ -24,7 +24,7 @@ def import_mission(
     ] = "",
     as_json: JsonOption = False,
 ) -> None:
-    """Read trees of BehaviorTree.CPP 4 and write them as a mission.
+    """Turn trees of BehaviorTree.CPP 4 into a mission.
 
     What the mission language cannot say is listed with its line, and nothing is written.
 

@@ -25,7 +25,9 @@ def journal(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Print a run's journal, every line checked; a run that goes on may be looked at.
+    """Print a run's journal, every line checked.
+
+    The run may still go on.
 
     Example: executive journal runs/monday --kind stone_grasped --from 60
     """

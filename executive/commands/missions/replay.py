@@ -21,7 +21,7 @@ def replay(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Step through what a run did, event by event, forward and back.
+    """Step through a run's events, forward and back.
 
     Example: executive replay runs/monday --at 83.5
     """

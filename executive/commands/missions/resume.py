@@ -14,10 +14,11 @@ def resume(
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Go on with a run that was killed, crashed, or lost its power.
+    """Go on with a run that was cut off.
 
-    The journal is followed without moving anything, the world is observed anew, and what was under
-    way is verified, redone, asked about, or fails, as each leaf declares.
+    It was killed, crashed, or lost its power. The journal is followed without moving anything, the
+    world is observed anew, and what was under way is verified, redone, asked about, or fails, as
+    each leaf declares.
 
     Example: executive resume runs/pick_and_place-20260101-120000
     """

@@ -27,10 +27,11 @@ def simulate(
     ] = "0.3 s",
     as_json: JsonOption = False,
 ) -> None:
-    """Let a mission's simulated machine live by its own clock, for `executive run --machine`.
+    """Run a mission's simulated machine on its own.
 
-    It speaks the robot wire (docs/robot_wire.md), and comes to rest by itself when the executive is
-    silent. It ends with Ctrl-C.
+    The machine keeps its own clock, and `executive run --machine` connects with it. It speaks the
+    robot wire (docs/robot_wire.md), and comes to rest by itself when the executive is silent. It
+    ends with Ctrl-C.
 
     Example: executive simulate map_site --address unix:/tmp/machine.sock
     """

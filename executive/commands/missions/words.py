@@ -28,7 +28,9 @@ def words(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """List the words of the mission language, or show one with its ports, settings and an example.
+    """List the words of the mission language.
+
+    With a name, show that word with its ports, settings and an example.
 
     Example: executive words ScanSwing
     """
