@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from executive.arrays import Bool, Float
+from executive.arrays import Bool, Float, checked
 from executive.errors import DataError
 
 
@@ -84,6 +84,9 @@ class Box:
     length_m: float
     width_m: float
     heading_rad: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "centre", checked("centre", self.centre, 2))
 
     def corners(self) -> Float:
         """Return its corners, counter-clockwise, shape (4, 2)."""

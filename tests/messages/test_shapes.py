@@ -13,6 +13,7 @@ from executive_plugins.estimation.live.packed_state import PackedState
 
 import executive.messages
 from executive.errors import DataError, ShapeError
+from executive.geometry.polygon import Box
 from executive.messages.alignment import Alignment
 from executive.messages.base_state import BaseState
 from executive.messages.cloud import Cloud
@@ -22,12 +23,15 @@ from executive.messages.hold import Hold
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
+from executive.messages.mark import Mark
 from executive.messages.motion import Motion
 from executive.messages.odometry import LidarIncrement
 from executive.messages.placement import Placement, Slot
-from executive.messages.request import MotionPlan, MoveRequest
+from executive.messages.region import Region
+from executive.messages.request import MotionPlan, MoveRequest, PostureRequest
 from executive.messages.sector import Sector
 from executive.messages.segment import Segment, Segmentation
+from executive.messages.slot_layout import Row
 from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
 from executive.messages.trajectory import JointTrajectory
@@ -149,7 +153,19 @@ MESSAGES: dict[type, Callable[[], dict[str, object]]] = {
         "held_gripper": P.copy(),
         "jaw_rad": 0.0,
     },
+    PostureRequest: lambda: {
+        "start": np.zeros(7),
+        "goal": np.zeros(7),
+        "T_map_base": T.copy(),
+        "obstacles": Cloud("map", P.copy()),
+        "held_gripper": P.copy(),
+        "jaw_rad": 0.0,
+    },
     MotionPlan: lambda: {"trajectory": None, "reason": "", "path_map": P.copy()},
+    Mark: lambda: {"text": "here", "position_map": zeros()},
+    Region: lambda: {"name": "dump", "corners_map": np.array([[0.0, 0.0], [1, 0], [0, 1]])},
+    Row: lambda: {"start_map": np.zeros(2), "heading_rad": 0.0, "gap_m": 0.1},
+    Box: lambda: {"centre": np.zeros(2), "length_m": 2.0, "width_m": 1.0, "heading_rad": 0.0},
 }
 
 ARRAYS = [
