@@ -39,7 +39,7 @@ def commands_of(page: Path) -> list[str]:
     lines += re.findall(r"^ {4}((?:\w+=\S+ )*(?:executive|python) .*)$", prose, re.M)
     starts = re.compile(rf"(?:\w+=\S+ )*(?:{'|'.join(PROGRAMS)}) \S")
     inline = (" ".join(code.split()) for code in re.findall(r"`([^`]+)`", prose))
-    verbs = ("executive run", "pip install")  # named, not shown
+    verbs = ("executive run", "executive check", "pip install")  # named, not shown
     lines += [code for code in inline if starts.match(code) and code not in verbs]
     return [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
 
@@ -93,7 +93,7 @@ def mistake_of(words: list[str]) -> str:
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A working directory with the files that the README and the pages on trees and campaigns
-    show.
+    show, with those of the repository that commands name, and with a surveyed cloud.
     """
     readme = PAGES[0].read_text(encoding="utf-8")
     how_to = ROOT / "docs" / "how-to"
@@ -103,9 +103,19 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name, text in shown.items():
         mission = re.search(r"```yaml\n(.*?)```", text, re.S).group(1)
         (tmp_path / f"{name}.yaml").write_text(mission, encoding="utf-8")
-    (tmp_path / "robot_models").symlink_to(ROOT / "robot_models")
+    for name in ("docs", "robot_models"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    (tmp_path / "survey.ply").write_text(survey(), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+def survey() -> str:
+    """Return a cloud such as `executive survey` writes: level ground, in PLY."""
+    points = [f"{0.2 * i:.1f} {0.2 * j:.1f} 0" for i in range(20) for j in range(20)]
+    axes = "".join(f"property float {axis}\n" for axis in "xyz")
+    head = f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n{axes}end_header\n"
+    return head + "\n".join(points) + "\n"
 
 
 def status_of(words: list[str], monkeypatch: pytest.MonkeyPatch) -> int:
