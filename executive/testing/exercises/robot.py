@@ -1,4 +1,4 @@
-"""A robot: measurements at rest, a motion, a stop, and commands that cannot be followed."""
+"""A robot: measurements at rest, a motion, stops, and commands that cannot be followed."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -43,7 +43,7 @@ def turn(
 
 
 class RobotExercise(Exercise[Robot]):
-    """Ten ticks at rest, ten along a turn of the cabin, ten after a stop."""
+    """Ten ticks at rest, ten along a turn of the cabin, ten after a stop; then a safe stop."""
 
     may_raise = (RobotError, DataError)
 
@@ -75,7 +75,8 @@ class RobotExercise(Exercise[Robot]):
         plugin.resume()
         plugin.stop()
         ticks(21, 31)
-        return measured
+        plugin.safe_stop("the end of the exercise")
+        return measured, plugin.latched()
 
     def hostile(self, machine: Machine) -> Mapping[str, Callable[[Robot], object]]:
         def followed(trajectory: Callable[[Float], JointTrajectory]) -> Callable[[Robot], object]:
@@ -96,6 +97,11 @@ class RobotExercise(Exercise[Robot]):
             "the same time twice": lambda robot: (robot.read(0.1), robot.read(0.1)),
             "a time that has passed": lambda robot: (robot.read(0.1), robot.read(0.05)),
             "a stop while nothing moves": lambda robot: (robot.stop(), robot.read(0.1)),
+            "a second safe stop": lambda robot: (
+                robot.safe_stop("the first"),
+                robot.safe_stop("the second"),
+                robot.latched(),
+            ),
             "a reset of nothing": lambda robot: (robot.reset(), robot.latched()),
             "a resume of nothing": lambda robot: (robot.resume(), robot.read(0.1)),
             "a path that begins elsewhere": followed(
