@@ -9,6 +9,7 @@ from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, succeeded
 
 FIGURE_NAME = r"^[A-Za-z][A-Za-z0-9_]{0,59}$"
+LARGEST = 1e15  # whole numbers up to here are exact: a float64 holds all of them up to 2^53
 
 
 class ReportFigureSettings(Settings):
@@ -18,7 +19,10 @@ class ReportFigureSettings(Settings):
         description="Name in the report: letters, digits and underscores.",
     )
     value: float = Field(
-        examples=["{count}"], description="The number; it is written as it is given."
+        ge=-LARGEST,
+        le=LARGEST,
+        examples=["{count}", 3.0],
+        description="The number; it is written as it is given.",
     )
     unit: str = Field(
         "", max_length=20, description="Its unit, for people: quantities on keys are in SI units."

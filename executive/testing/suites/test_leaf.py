@@ -42,15 +42,26 @@ def test_it_needs_interfaces_that_are_installed(leaf: type[Leaf[Any]]) -> None:
         )
 
 
+def examples_of(settings: type[Settings]) -> dict[str, Any]:
+    """Return the first example of each field that is a value, not an expression over keys."""
+    values = {
+        name: [one for one in field.examples or () if not (isinstance(one, str) and "{" in one)]
+        for name, field in settings.model_fields.items()
+    }
+    return {name: found[0] for name, found in values.items() if found}
+
+
 def test_it_is_made_without_a_mission(leaf: type[Leaf[Any]]) -> None:
     class Untouched:
         def __getattr__(self, name: str) -> Any:
             raise AssertionError(f"the constructor calls context.{name}: it may only store it")
 
-    required = [name for name, field in leaf.Settings.model_fields.items() if field.is_required()]
-    if required:
-        pytest.skip(f"its settings have no default: {', '.join(required)}")
-    leaf(leaf.Settings(), Untouched())  # type: ignore[arg-type]
+    examples = examples_of(leaf.Settings)
+    fields = leaf.Settings.model_fields.items()
+    missing = [name for name, field in fields if field.is_required() and name not in examples]
+    if missing:
+        pytest.skip(f"its settings have neither default nor example: {', '.join(missing)}")
+    leaf(leaf.Settings.model_validate(examples), Untouched())  # type: ignore[arg-type]
 
 
 def test_an_action_waits_in_a_generator(leaf: type[Leaf[Any]]) -> None:
