@@ -104,7 +104,7 @@ def sample(kind):
         return {"a": sample(arguments[1])}
     if is_dataclass(kind):
         return kind(**{f.name: sample(get_type_hints(kind)[f.name]) for f in fields(kind)})
-    if issubclass(kind, Enum):
+    if isinstance(kind, type) and issubclass(kind, Enum):
         return next(iter(kind))
     return {int: 3, float: 0.5, bool: True, str: "text", Any: "any"}[kind]
 
