@@ -7,7 +7,7 @@ import resource
 from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
 from types import UnionType
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 import pytest
@@ -100,11 +100,13 @@ def sample(kind):
         return (sample(arguments[0]),) * 2
     if origin in (Union, UnionType):  # the last one: what was tried before it has to be passed over
         return sample(arguments[-1] if arguments[-1] is not type(None) else arguments[0])
+    if origin is Literal:
+        return arguments[0]
     if origin is not None:
         return {"a": sample(arguments[1])}
     if is_dataclass(kind):
         return kind(**{f.name: sample(get_type_hints(kind)[f.name]) for f in fields(kind)})
-    if isinstance(kind, type) and issubclass(kind, Enum):
+    if issubclass(kind, Enum):
         return next(iter(kind))
     return {int: 3, float: 0.5, bool: True, str: "text", Any: "any"}[kind]
 
