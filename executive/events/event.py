@@ -131,6 +131,12 @@ def _read(wanted: Any, value: Any, where: str) -> Any:
     if origin is tuple:
         kinds = [arguments[0]] * len(value) if arguments[-1] is Ellipsis else arguments
         return tuple(_read(k, v, where) for k, v in zip(kinds, value, strict=True))
+    if origin is typing.Literal:
+        if value not in arguments:
+            raise DataError(
+                f"{where}: expected one of {', '.join(map(str, arguments))}, got {value!r}"
+            )
+        return value
     if origin is not None and issubclass(origin, Mapping):
         return {key: _read(arguments[1], one, where) for key, one in value.items()}
     if isinstance(wanted, type) and issubclass(wanted, Enum):
