@@ -1,45 +1,29 @@
-"""What comes of every fault of a plugin, in every capability with jobs, in every runner.
+"""Let plugins fail in every way, in every capability with jobs and in every runner.
 
 A cell is one call of a verb that fails in one way, in a supervised process as `executive run` has
 it. It passes if the call is answered after all by a new worker, or ends with status 3 and a report
 that names plugin, verb, file and line; each within 2 s beyond the verb's limit. `once` faults are
-those of which a new worker is cured; they are tried where there are workers.
-
-    python tests/benchmarks/plugin_cells.py
+those of which a new worker is cured; they are tried where there are workers. Twenty minutes.
 """
 
-import argparse
-import json
-import multiprocessing as mp
-import os
 import sys
-import tempfile
-import time
-from collections import Counter
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
+from collections.abc import Sequence
 
-from executive import registry
-from executive.clock import WallClock
-from executive.mission.fault import fault_of
-from executive.mission.jobs.jobs import Jobs
-from executive.mission.jobs.limits import Limits
-from executive.mission.jobs.process_runner import ProcessRunner
-from executive.mission.jobs.runner import InlineRunner
-from executive.mission.jobs.thread_runner import ThreadRunner
-from executive.supervision.beacon import beacon
-from executive.supervision.supervisor import supervised
-from executive.tree.language import Selection
+from bounds import command_line, verdict
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "mission" / "jobs" / "faulty"))
-import package
-
-LIMITS = Limits(factor=1.0, least_s=0.5, start_s=60.0, memory_bytes=300_000_000)
-BACK_S = 2.0
-GRACE_S = 2.0  # that the supervisor waits for the executive to end an overdue verb by itself
-_FORK = mp.get_context("fork")  # imports are done; no thread runs yet
-RUNNERS = ("inline", "thread", "process")
+USAGE = """
+python tests/benchmarks/plugin_cells.py
+python tests/benchmarks/plugin_cells.py --capabilities motion grasping --faults hang segfault
+"""
+CAPABILITIES = (
+    "segmentation",
+    "surveying",
+    "alignment",
+    "registration",
+    "motion",
+    "grasping",
+    "placing",
+)
 FAULTS = (
     "raise",
     "wrong_type",
@@ -54,126 +38,24 @@ FAULTS = (
     "leak",
     "start",
 )
-CURED = ("hang", "hold_gil", "sigkill", "segfault", "os_exit", "leak")  # by a new worker
-WAITS = ("hang", "hold_gil")
 
 
-def main() -> int:
-    command = argparse.ArgumentParser(description=__doc__)
-    command.add_argument("--capabilities", nargs="+", default=())
-    command.add_argument("--faults", nargs="+", choices=FAULTS, default=FAULTS)
-    options = command.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        installed = str(package.install(Path(folder, "package")))
-        sys.path.insert(0, installed)
-        os.environ["PYTHONPATH"] = os.pathsep.join([installed, os.environ.get("PYTHONPATH", "")])
-        registry.reread()
-        import faulty_plugins as faulty
-
-        chosen = options.capabilities or tuple(faulty.PLUGINS)
-        bad = sum(row(faulty, Path(folder), fault, chosen) for fault in options.faults)
-    print(f"{bad} cells are bad")
-    return int(bad > 0)
-
-
-def row(faulty: Any, folder: Path, fault: str, capabilities: tuple[str, ...]) -> int:
-    """Print what came of one fault in each runner; return the number of bad cells."""
-    bad = 0
-    for runner in RUNNERS:
-        for once in (False, True) if runner == "process" and fault in CURED else (False,):
-            came: Counter[str] = Counter()
-            slowest_s = 0.0
-            for capability in capabilities:
-                outcome, seconds = cell(faulty, folder, fault, runner, capability, once)
-                came[outcome] += 1
-                slowest_s = max(slowest_s, seconds)
-                bad += outcome.startswith("BAD")
-            told = ", ".join(f"{count} {outcome}" for outcome, count in came.items())
-            name = f"{fault}{', once' if once else ''}"
-            print(f"{name:<22} {runner:<8} {slowest_s:5.2f} s   {told}", flush=True)
-    return bad
-
-
-def cell(
-    faulty: Any, parent: Path, fault: str, runner: str, capability: str, once: bool
-) -> tuple[str, float]:
-    """Return what came of one cell, and the time beyond the verb's limits [s]."""
-    with tempfile.TemporaryDirectory(dir=parent) as folder:
-        run = Path(folder)
-        asked = "" if fault == "unpicklable_argument" else fault
-        settings = faulty.FaultySettings(fault=asked, once=str(run / "once") if once else "")
-        arguments = [lambda: None] if fault == "unpicklable_argument" else []
-        process = _FORK.Process(
-            target=in_supervision,
-            args=(faulty.PLUGINS[capability], settings, runner, capability, run, arguments),
+def main(words: Sequence[str] | None = None) -> int:
+    parser = command_line(__doc__, USAGE)
+    for name, choices in (("capabilities", CAPABILITIES), ("faults", FAULTS)):
+        parser.add_argument(
+            f"--{name}",
+            nargs="+",
+            choices=choices,
+            default=choices,
+            metavar="NAME",
+            help=f"of {', '.join(choices)} (default: all)",
         )
-        process.start()
-        process.join()
-        status = process.exitcode or 0
-        ended_s = time.monotonic()
-        begun = run / "begun"
-        took_s = ended_s - float(begun.read_text()) if begun.exists() else 0.0
-        if fault in WAITS:  # twice in a worker that is replaced; the supervisor waits as well
-            is_cut_off = fault == "hold_gil" and runner != "process"
-            rounds = 2 if runner == "process" and not once else 1
-            took_s -= rounds * LIMITS.least_s + (GRACE_S if is_cut_off else 0.0)
-        report = run / "report.json"
-        found = json.loads(report.read_text(encoding="utf-8")) if report.exists() else {}
-    return judged(status, found, fault, runner, once, took_s), took_s
+    given = parser.parse_args(words)
 
+    from trials.plugin_cells import measured
 
-def in_supervision(*cell: Any) -> None:
-    """Do a call under a supervisor, in a process whose end unwinds nothing of this one."""
-    sys.exit(supervised(lambda: call(*cell), lambda _: None))
-
-
-def judged(
-    status: int, report: Mapping[str, Any], fault: str, runner: str, once: bool, took_s: float
-) -> str:
-    """Say what came of a cell; what is not as it must be begins with BAD."""
-    if took_s > BACK_S:
-        return f"BAD: {took_s:.1f} s"
-    # Nothing has to be sent to another process inline or in a thread, and an answer is checked.
-    is_answered = once or (fault == "unpicklable_argument" and runner != "process")
-    if is_answered:
-        return "answered" if status == 0 else f"BAD: status {status}"
-    named = report.get("fault", {})
-    is_named = named.get("name") == "faulty" and named.get("verb") and ".py:" in named.get("place")
-    if status == 3 and is_named:
-        return "status 3, named"
-    return f"BAD: status {status}, {dict(named, traceback='')}"
-
-
-def call(
-    plugin_class: Any, settings: Any, runner: str, capability: str, run: Path, arguments: Any
-) -> int:
-    """Call the verb as a mission does; write a report of a fault, as a run does."""
-    beacon().name(run_dir=str(run), mission="plugin_cells")
-    plugin = plugin_class(settings)
-    told: list[Any] = []
-    runners = {
-        "inline": InlineRunner,
-        "thread": ThreadRunner,
-        "process": lambda: ProcessRunner(
-            {capability: (Selection("faulty", settings),)}, "m545", 1, LIMITS, told.append
-        ),
-    }
-    plugins = {capability: plugin}
-    jobs = Jobs(plugins, runners[runner](), WallClock(), is_lock_step=False, limits=LIMITS)
-    try:
-        (run / "begun").write_text(str(time.monotonic()), encoding="utf-8")
-        plugin.start()
-        jobs.prepare()
-        (run / "begun").write_text(str(time.monotonic()), encoding="utf-8")
-        jobs.start(getattr(plugin, next(iter(plugin.latency_s))), *arguments).result()
-        return 0
-    except Exception as error:
-        fault = fault_of(error, plugins)
-        named = {"name": fault.name, "verb": fault.verb, "place": fault.place, "error": fault.error}
-        (run / "report.json").write_text(json.dumps({"fault": named}), encoding="utf-8")
-        return 3
-    finally:
-        jobs.close()
+    return verdict(measured(given.faults, given.capabilities))
 
 
 if __name__ == "__main__":

@@ -1,168 +1,41 @@
-"""How soon a machine is told to stop when the executive's loop hangs or is killed.
+"""Measure how soon a machine is told to stop when the executive's loop hangs or is killed.
 
 Each trial lets a machine behind the wire swing its cabin, driven by a loop in a supervised process
 that then fails in one way: `leaf` (it computes for ever), `read` (it waits for ever), `gil` (a
 library holds the interpreter's lock), `kill` (kill -9). The time is from the failure to the call of
-the machine's `safe_stop`. Every trial must be told within the bound.
-
-    python tests/benchmarks/supervisor.py --trials 100
+the machine's `safe_stop`. Every trial must be told within the bound. Five minutes for 100 trials.
 """
 
-import argparse
-import itertools
-import json
-import multiprocessing as mp
-import os
-import signal
 import sys
-import tempfile
-import threading
-import time
-from collections import deque
-from pathlib import Path
+from collections.abc import Sequence
 
-import numpy as np
+from bounds import command_line, count, verdict
 
-from executive.machine.machine import load_machine
-from executive.messages.command import Follow
-from executive.messages.joints import JointSample
-from executive.messages.trajectory import JointTrajectory
-from executive.registry import load, settings_of
-from executive.supervision.beacon import beacon
-from executive.supervision.supervisor import supervised
-from executive.wire.address import Address
-from executive.wire.machine_server import MachineServer
-
-BOUND_S = 0.3
-TICK_S = 0.05
-HEARTBEAT_LIMIT_S = 0.2  # the default of `loop.heartbeat_limit`
-_FAILS_AT = 14  # tick; the cabin turns since the sixth
+USAGE = """
+python tests/benchmarks/supervisor.py --trials 100
+python tests/benchmarks/supervisor.py --trials 10 --kinds gil kill
+"""
 KINDS = ("leaf", "read", "gil", "kill")
-_FORK = mp.get_context("fork")  # imports are done; no thread runs yet
 
 
-def machine(address: str, silence_s: float, note: Path) -> None:
-    """Serve a kinematic machine that notes when it is told to stop, and why."""
-    plugin = load("robot", "kinematic")
-    robot = plugin(settings_of("robot", "kinematic")(), load_machine("m545"))
-    server = MachineServer(robot, "m545", Address.parse(address), silence_s)
-    stop = robot.safe_stop
+def main(words: Sequence[str] | None = None) -> int:
+    parser = command_line(__doc__, USAGE)
+    parser.add_argument("--trials", type=count, default=100, help="in all kinds together")
+    parser.add_argument(
+        "--kinds",
+        nargs="+",
+        choices=KINDS,
+        default=KINDS,
+        metavar="KIND",
+        help=f"of {', '.join(KINDS)} (default: all)",
+    )
+    parser.add_argument("--silence", type=float, default=0.3, help="the machine's own limit [s]")
+    parser.add_argument("--seed", type=int, default=1, help="of the moments of failure in a tick")
+    given = parser.parse_args(words)
 
-    def noted(reason: str) -> None:
-        stop(reason)
-        if not note.exists():
-            told = {"told_s": time.monotonic(), "reason": reason}
-            note.with_suffix(".part").write_text(json.dumps(told), encoding="utf-8")
-            note.with_suffix(".part").rename(note)
+    from trials.supervisor import measured
 
-    robot.safe_stop = noted
-    signal.signal(signal.SIGTERM, lambda *_: setattr(server, "is_ended", True))
-    server.run()
-
-
-def swing(start: float) -> Follow:
-    """Return a turn of the cabin that takes 20 s."""
-    s = np.linspace(0.0, 1.0, 41)
-    blend, rate = s**2 * (3 - 2 * s), 6 * s * (1 - s) / 20.0
-    columns = (start + 3.0 * blend)[:, None], 3.0 * rate[:, None]
-    return Follow(JointTrajectory(("J_TURN",), 20.0 * s, *columns))
-
-
-def executive(kind: str, phase_s: float, address: str, note: Path) -> int:
-    """Drive the machine as the mission's loop does; fail so long after a sign of life [s]."""
-    robot = load("robot", "wire")(settings_of("robot", "wire")(address=address, answer_limit=5.0))
-    robot.start()
-    begun_s, page = time.monotonic(), beacon()
-    page.name(machine=address)
-    page.watch(HEARTBEAT_LIMIT_S, HEARTBEAT_LIMIT_S)
-    for tick in itertools.count(1):
-        found = [o for o in robot.read(time.monotonic() - begun_s) if isinstance(o, JointSample)]
-        if found:
-            page.see_joints()
-        if tick == 6:
-            robot.command(swing(found[-1].of("J_TURN")[0]))
-        page.beat()
-        if tick == _FAILS_AT:
-            time.sleep(phase_s)
-            note.write_text(str(time.monotonic()), encoding="utf-8")
-            fail(kind)
-        time.sleep(max(0.0, begun_s + tick * TICK_S - time.monotonic()))
-    return 0
-
-
-def fail(kind: str) -> None:
-    """Fail in one way; none of them returns."""
-    if kind == "kill":
-        os.kill(os.getpid(), signal.SIGKILL)
-    if kind == "gil":
-        deque(itertools.repeat(0), maxlen=0)
-    if kind == "read":
-        threading.Event().wait()
-    while True:
-        pass
-
-
-def drive(kind: str, phase_s: float, address: str, note: Path) -> None:
-    """Drive under a supervisor, in a process group of their own."""
-    os.setpgid(0, 0)
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
-    sys.exit(supervised(lambda: executive(kind, phase_s, address, note), lambda _: None))
-
-
-def trial(kind: str, phase_s: float, silence_s: float) -> tuple[float, str]:
-    """Return how long the machine was not told [s], and who told it."""
-    with tempfile.TemporaryDirectory() as folder:
-        address, failed, told = f"unix:{folder}/m", Path(folder, "failed"), Path(folder, "told")
-        serving = _FORK.Process(target=machine, args=(address, silence_s, told))
-        serving.start()
-        wait_for(Path(folder, "m"))
-        driving = _FORK.Process(target=drive, args=(kind, phase_s, address, failed))
-        driving.start()
-        try:
-            wait_for(failed)
-            wait_for(told)
-        finally:
-            os.killpg(driving.pid, signal.SIGKILL)
-            driving.join()
-            serving.terminate()
-            serving.join()
-        found = json.loads(told.read_text(encoding="utf-8"))
-        who = "supervisor" if found["reason"].startswith("supervisor") else "machine"
-        return found["told_s"] - float(failed.read_text(encoding="utf-8")), who
-
-
-def wait_for(path: Path) -> None:
-    """Wait until a file is there."""
-    limit_s = time.monotonic() + 60
-    while not path.exists():
-        if time.monotonic() > limit_s:
-            raise TimeoutError(f"{path.name}: not within 60 s")
-        time.sleep(0.005)
-
-
-def main() -> int:
-    command = argparse.ArgumentParser(description=__doc__)
-    command.add_argument("--trials", type=int, default=100, help="in all kinds together")
-    command.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
-    command.add_argument("--silence", type=float, default=0.3, help="the machine's own limit [s]")
-    command.add_argument("--seed", type=int, default=1, help="of the moments of failure in a tick")
-    options = command.parse_args()
-    found: dict[str, list[tuple[float, str]]] = {kind: [] for kind in options.kinds}
-    phases = np.random.default_rng(options.seed).uniform(0.0, TICK_S, options.trials)
-    for number, phase_s in enumerate(phases):
-        kind = options.kinds[number % len(options.kinds)]
-        found[kind].append(trial(kind, float(phase_s), options.silence))
-    print("kind   trials  median ms   largest ms   by the supervisor   by the machine itself")
-    for kind, times in found.items():
-        ms = sorted(1e3 * seconds for seconds, _ in times)
-        by = [who for _, who in times].count("supervisor")
-        print(
-            f"{kind:<6} {len(ms):6}  {ms[len(ms) // 2]:9.0f}   {ms[-1]:10.0f}   {by:17}   "
-            f"{len(ms) - by:21}"
-        )
-    late = sum(seconds > BOUND_S for times in found.values() for seconds, _ in times)
-    print(f"{options.trials - late} of {options.trials} within {1e3 * BOUND_S:.0f} ms")
-    return int(late > 0)
+    return verdict(measured(given.kinds, given.trials, given.silence, given.seed))
 
 
 if __name__ == "__main__":
