@@ -63,8 +63,8 @@ class MachineServer:
                 self._accept()
                 for one in list(self._guests):
                     self._listen(one)
-                self._notice_silence()
-                self._sweep()
+                    self._notice_silence()
+                    self._sweep()  # before the next: it may be the executive that takes over
                 self._live()
         finally:
             for one in self._guests:

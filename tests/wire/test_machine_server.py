@@ -115,6 +115,14 @@ def test_an_executive_that_is_gone_brings_the_machine_to_rest(machine, driver, l
     assert report["latched"] == "the executive's connection ended"
 
 
+def test_an_executive_may_follow_at_once_on_one_that_has_ended(machine):
+    for _ in range(20):
+        robot = WireRobot(settings_for(machine))
+        robot.start()
+        robot.read(0.0)
+        robot.close()
+
+
 def wait_for(link, machine, condition):
     limit_s = time.monotonic() + 5
     while time.monotonic() < limit_s:
