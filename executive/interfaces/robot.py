@@ -26,6 +26,10 @@ class Robot(Plugin, ABC):
     # Kinds of the machine's sensors that the backend does not have: nobody waits for them.
     lacks: ClassVar[frozenset[str]] = frozenset()
 
+    # Whether the machine lives by its own clock, whoever reads: the kit then reads at the times
+    # that it names, and does not ask for the same bytes twice.
+    has_own_clock: ClassVar[bool] = False
+
     # Whether its sensors are ideal: equal samples in a row are then no sign of a stuck sensor.
     is_ideal: bool = False
 

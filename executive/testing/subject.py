@@ -11,8 +11,9 @@ from executive import registry
 from executive.config import Settings
 from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
-from executive.interfaces.robot import RobotSettings
+from executive.interfaces.robot import Robot, RobotSettings
 from executive.machine.machine import Machine, load_machine
+from executive.testing.paced import pace
 from executive.testing.stand_ins import STAND_INS
 from executive.tree.choices import Choices
 from executive.tree.language import Selection
@@ -62,6 +63,8 @@ class Subject:
             plugin = self.make(stack)
             stack.callback(plugin.close)
             plugin.start()
+            if isinstance(plugin, Robot) and plugin.has_own_clock:
+                pace(plugin)
             yield plugin
 
     def _made(

@@ -27,6 +27,7 @@ class WireRobot(Robot):
     """
 
     Settings = WireSettings
+    has_own_clock = True
 
     def __init__(self, settings: WireSettings) -> None:
         self._settings = settings
@@ -80,8 +81,10 @@ class WireRobot(Robot):
         self._hear(0.0)
         observations: list[Observation] = []
         arrived, self._waiting = self._waiting, []
+        if self._offset_s is None and arrived:  # the newest was measured just now
+            self._offset_s = float(arrived[-1].head.get("time_s", 0.0)) - until_s
         for frame in arrived:
-            observations += self._observations(frame, until_s)
+            observations += self._observations(frame, self._offset_s or 0.0)
         if self._latched and self._stops_itself:
             raise RobotError(f"the machine stopped by itself: {self._latched}")
         silent_s = time.monotonic() - self._heard_s
@@ -158,12 +161,10 @@ class WireRobot(Robot):
                 answer = frame
         return answer
 
-    def _observations(self, frame: Frame, until_s: float) -> list[Observation]:
+    def _observations(self, frame: Frame, offset_s: float) -> list[Observation]:
         self._machine_s = float(frame.head.get("time_s", self._machine_s))
         self._latched = str(frame.head.get("latched", ""))
-        if self._offset_s is None:
-            self._offset_s = self._machine_s - until_s
-        found = unpack(frame.head.get("observations"), frame.body, self._offset_s)
+        found = unpack(frame.head.get("observations"), frame.body, offset_s)
         kept = [one for one in found if one.stamp_s >= 0.0]
         self.dropped += len(found) - len(kept)
         return kept

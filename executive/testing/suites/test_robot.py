@@ -15,6 +15,7 @@ from executive.testing.subject import Subject
 CAPABILITY = "robot"
 REST_RAD_S = 0.01  # a joint slower than this is at rest, as the mission's leaves take it
 TOLERANCE_RAD = 0.05  # what a hydraulic arm may be off its path's end
+LATE_S = 0.5  # how late a busy computer may read a machine that lives by its own clock
 
 
 def sample_of(robot: Robot, until_s: float, insist: Insist) -> JointSample:
@@ -32,10 +33,11 @@ def test_its_settings_name_the_machine(subject: Subject) -> None:
 
 
 def test_its_measurements_come_in_order_of_stamps(plugin: Robot) -> None:
+    ahead_s = LATE_S if plugin.has_own_clock else 1e-6
     for k in range(1, 11):
         stamps = [one.stamp_s for one in plugin.read(k * TICK_S)]
         assert stamps == sorted(stamps), f"the observations of tick {k} are out of order"
-        assert all(stamp <= k * TICK_S + 1e-6 for stamp in stamps), "a stamp lies in the future"
+        assert all(stamp <= k * TICK_S + ahead_s for stamp in stamps), "a stamp lies in the future"
 
 
 def test_no_measurement_comes_twice(plugin: Robot) -> None:
