@@ -2,6 +2,8 @@
 given up.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from executive_plugins.objects.sqlite import SqliteObjects
@@ -171,6 +173,9 @@ class Objects(SqliteObjects):
 
     def stones(self):
         return (self._stone, *self._others)
+
+    def stone(self, stone_id):
+        return replace(self._stone, state=StoneState.ON_GROUND)
 
     def grasp(self, stone_id, T_map_gripper, stamp_s):
         self.calls.append(("grasp", stone_id))

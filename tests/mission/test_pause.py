@@ -165,7 +165,7 @@ def slow_person(monkeypatch):
         return "yes\n"
 
     monkeypatch.setattr(
-        "executive.mission.run.Operator", lambda preset: Operator(preset, read_line)
+        "executive.mission.run.Operator", lambda preset, **_: Operator(preset, read_line)
     )
     return answered
 
