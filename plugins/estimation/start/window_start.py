@@ -6,8 +6,7 @@ is solved from several, and the estimate begins when one is left.
 """
 
 from collections import deque
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Generator, Sequence
 
 import gtsam
 import numpy as np
@@ -24,7 +23,6 @@ from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
 from executive_plugins.estimation.inertial.state import (
     DIMENSION,
-    ROTATION,
     Inertial,
     InertialState,
     carry_covariance,
@@ -32,12 +30,19 @@ from executive_plugins.estimation.inertial.state import (
     propagate_through,
 )
 from executive_plugins.estimation.start.settings import WindowStartSettings
+from executive_plugins.estimation.start.window_solution import (
+    Solution,
+    heading_std,
+    levelled,
+    solved,
+)
 
 from executive.arrays import Float
-from executive.geometry.rotation import exp_so3, from_rpy, wrap_angle, yaw_of
+from executive.geometry.rotation import from_rpy, wrap_angle
 
 _NODES = 30  # at most, in a window
 _HEADINGS = 4  # first guesses; the basin of attraction is wider than a quarter of a turn
+_STEP_S = 0.05  # between two steps of an attempt
 _GROWTH = 1.25  # of the window, from one attempt to the next
 _FIRST_SPAN_S = 0.8
 _VELOCITY_STD_M_S = 30.0
@@ -46,16 +51,6 @@ _ATTITUDE_STD_RAD = np.pi
 # the data are e⁷ = 1,100 times less likely under it.
 _SAME_RAD = 0.3
 _REFUTED = 7.0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Solution:
-    """The states of a window from one first guess."""
-
-    cost: float
-    graph: gtsam.NonlinearFactorGraph
-    values: gtsam.Values
-    heading_rad: float  # of the newest node
 
 
 class WindowStart:
@@ -74,7 +69,8 @@ class WindowStart:
         self._fixes: deque[Fix] = deque()
         self._first_s: float | None = None  # of the samples
         self._next_span_s = _FIRST_SPAN_S
-        self._tried_s = -np.inf
+        self._tried_s = self._stepped_s = -np.inf
+        self._attempt: Generator[None, None, tuple[InertialState, Float] | None] | None = None
         self._bias = np.zeros(3)  # of the gyroscope, by the newest attempt
         self._rest_bias, self._rest_std_rad_s = np.zeros(3), noise.gyro_bias_rad_s
         self.waits_for = ""
@@ -101,14 +97,45 @@ class WindowStart:
         self._rest_bias, self._rest_std_rad_s = gyro_bias, std_rad_s
 
     def state(self) -> tuple[InertialState, Float] | None:
-        """Return the state at the newest sample and its error's covariance (15, 15), if found."""
-        if not self._is_due():
+        """Return the state at the newest sample and its error's covariance (15, 15), if found.
+
+        An attempt is made of steps, one in `_STEP_S` at most: no tick waits for a whole one.
+        """
+        if self._attempt is None:
+            self._attempt = self._steps() if self._is_due() else None
+        if self._attempt is None or self._samples.newest_s - self._stepped_s < _STEP_S:
             return None
+        self._stepped_s = self._samples.newest_s
+        try:
+            next(self._attempt)
+        except StopIteration as end:
+            self._attempt = None
+            found: tuple[InertialState, Float] | None = end.value
+            return None if found is None else self._carried(*found)
+        return None
+
+    def _steps(self) -> Generator[None, None, tuple[InertialState, Float] | None]:
+        """Solve from one heading after the other; return the newest node's state if it is sure."""
         nodes = self._nodes()
         if len(nodes) < 2:
             self.waits_for = "fixes: fewer than two times so far"
             return None
-        solutions = sorted(self._solutions(nodes), key=lambda solution: solution.cost)
+        reckoned = self._reckoned(nodes)
+        graph = self._graph(nodes, reckoned)
+        solutions = []
+        for k in range(_HEADINGS):
+            yield
+            guess = self._guess(reckoned, nodes, 2 * np.pi * k / _HEADINGS)
+            solution = solved(graph, guess, len(nodes) - 1)
+            if solution is not None:
+                solutions.append(solution)
+        yield
+        return self._judged(sorted(solutions, key=lambda one: one.cost), nodes)
+
+    def _judged(
+        self, solutions: Sequence[Solution], nodes: Sequence[tuple[float, list[Fix]]]
+    ) -> tuple[InertialState, Float] | None:
+        """Return the best solution's newest state, unless another heading or none is likely."""
         if not solutions:
             self.waits_for = "fixes that fit the inertial samples"
             return None
@@ -121,16 +148,16 @@ class WindowStart:
         ]
         state, covariance = self._newest(best, nodes)
         self._bias = state.gyro_bias
-        heading_rad = _heading_std(state, covariance)
+        heading_rad = heading_std(state, covariance)
         if rivals or heading_rad > self._settings.max_heading_std_rad:
             which = (
                 f"{len(rivals) + 1} headings explain all fixes"
                 if rivals
-                else (f"its standard deviation is {heading_rad:.2f} rad")
+                else f"its standard deviation is {heading_rad:.2f} rad"
             )
             self.waits_for = f"motion that tells the heading: {which}"
             return None
-        return self._carried(state, covariance)
+        return state, covariance
 
     def _is_due(self) -> bool:
         """Return whether the window has grown enough since the last attempt."""
@@ -160,8 +187,9 @@ class WindowStart:
         chosen = np.unique(np.abs(stamps[None, :] - wanted[:, None]).argmin(axis=1))
         return [(float(stamps[i]), by_time[float(stamps[i])]) for i in chosen]
 
-    def _solutions(self, nodes: Sequence[tuple[float, list[Fix]]]) -> Iterator[_Solution]:
-        reckoned = self._reckoned(nodes)
+    def _graph(
+        self, nodes: Sequence[tuple[float, list[Fix]]], reckoned: Sequence[InertialState]
+    ) -> gtsam.NonlinearFactorGraph:
         graph = gtsam.NonlinearFactorGraph()
         for i, (state, (_, fixes)) in enumerate(zip(reckoned, nodes, strict=True)):
             for fix in fixes:
@@ -169,21 +197,10 @@ class WindowStart:
             if i + 1 < len(nodes):
                 samples = self._samples.between(state.stamp_s, nodes[i + 1][0])
                 graph.add(inertial_factor((i, i + 1), state, samples, self._noise))
-        self._add_priors(graph, reckoned[0])
-        params = gtsam.LevenbergMarquardtParams()
-        params.setLinearSolverType("MULTIFRONTAL_QR")
-        for k in range(_HEADINGS):
-            values = self._guess(reckoned, nodes, 2 * np.pi * k / _HEADINGS)
-            try:
-                found = gtsam.LevenbergMarquardtOptimizer(graph, values, params).optimize()
-            except RuntimeError:  # no solution from this guess
-                continue
-            newest = found.atPose3(keys(len(nodes) - 1)[0]).rotation().matrix()
-            cost = float(graph.error(found))
-            if np.isfinite(cost):
-                yield _Solution(cost, graph, found, yaw_of(newest))
+        self._add_priors(graph)
+        return graph
 
-    def _add_priors(self, graph: gtsam.NonlinearFactorGraph, first: InertialState) -> None:
+    def _add_priors(self, graph: gtsam.NonlinearFactorGraph) -> None:
         """Constrain what the window may leave open: the biases, and weakly pose and velocity."""
         x, v, b = keys(0)
         noise = self._noise
@@ -207,7 +224,7 @@ class WindowStart:
             forces.append(turned[-1].R_map_imu @ np.mean([s.force for s in samples], axis=0))
             turned.append(propagate_through(turned[-1], samples, 0.0))
         # Over some seconds, the mean acceleration is small beside gravity.
-        level = _level(np.mean(forces, axis=0))
+        level = levelled(np.mean(forces, axis=0))
         return [
             InertialState(
                 state.sample,
@@ -248,7 +265,7 @@ class WindowStart:
         return values
 
     def _newest(
-        self, solution: _Solution, nodes: Sequence[tuple[float, list[Fix]]]
+        self, solution: Solution, nodes: Sequence[tuple[float, list[Fix]]]
     ) -> tuple[InertialState, Float]:
         """Return the newest node's state and covariance, widened if the fixes fit badly."""
         last = len(nodes) - 1
@@ -272,18 +289,3 @@ class WindowStart:
             )
             state = propagate(state, sample, self._noise.gravity_m_s2)
         return state, covariance
-
-
-def _heading_std(state: InertialState, covariance: Float) -> float:
-    R = state.R_map_imu
-    return float(np.sqrt((R @ covariance[ROTATION, ROTATION] @ R.T)[2, 2]))
-
-
-def _level(force: Float) -> Float:
-    """Return the smallest rotation that turns a force upwards, shape (3, 3)."""
-    up = force / np.linalg.norm(force)
-    axis = np.cross(up, [0.0, 0.0, 1.0])
-    sine = float(np.linalg.norm(axis))
-    if sine < 1e-9:
-        return np.eye(3) if up[2] > 0 else from_rpy(np.pi, 0.0, 0.0)
-    return exp_so3(axis / sine * np.arctan2(sine, up[2]))

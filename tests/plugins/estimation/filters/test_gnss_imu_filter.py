@@ -102,7 +102,7 @@ def test_fixes_that_are_seconds_late_are_refused_and_counted(cabin, start) -> No
     cabin.gnss_latency_s = 2.5
     estimator = start(lag_s=0.1)
     states = run(estimator, cabin.observations(9.0))
-    assert estimator.refused["gnss_left: too late"] > 5
+    assert estimator.refused["gnss_left: too late"] >= 3
     assert states[-1].status == FALLBACK
 
 
