@@ -45,9 +45,22 @@ def executive(
     return run
 
 
+PATROL = """
+<root BTCPP_format="4" main_tree_to_execute="Patrol">
+  <BehaviorTree ID="Patrol">
+    <Sequence>
+      <Localise/>
+      <SurveySite/>
+    </Sequence>
+  </BehaviorTree>
+</root>
+"""
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     (tmp_path / "my_wall.yaml").write_text(MISSION, encoding="utf-8")
+    (tmp_path / "patrol.xml").write_text(PATROL, encoding="utf-8")
     return tmp_path
 
 
