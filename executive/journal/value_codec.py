@@ -16,6 +16,9 @@ from executive.errors import DataError
 
 _NUMBERS = "biufc"  # kinds of arrays that are kept: truth, integers, floats, complex
 _MARK = "$"
+# In the metadata of a field that holds wall times and has a default: it is not kept, so that equal
+# runs leave equal bytes.
+WALL_TIME = "wall_time"
 
 
 class NotKeptError(DataError):
@@ -49,7 +52,11 @@ def encode(value: Any, arrays: list[np.ndarray]) -> Any:
         items = [[encode(key, arrays), encode(one, arrays)] for key, one in value.items()]
         return {_MARK: "mapping", "items": items}
     if is_dataclass(value):
-        kept = {f.name: encode(getattr(value, f.name), arrays) for f in fields(value) if f.init}
+        kept = {
+            f.name: encode(getattr(value, f.name), arrays)
+            for f in fields(value)
+            if f.init and not f.metadata.get(WALL_TIME)
+        }
         return {_MARK: "class", "class": _name(type(value)), "fields": kept}
     raise NotKeptError(f"a value of class {_name(type(value))} cannot be kept")
 

@@ -30,7 +30,7 @@ class Alignment:
     overlap: float
     matched_segments: tuple[tuple[int, int], ...] = ()
     scale: float = 1.0
-    timings_ms: Mapping[str, float] = field(default_factory=dict)
+    timings_ms: Mapping[str, float] = field(default_factory=dict, metadata={"wall_time": True})
 
     def __post_init__(self) -> None:
         object.__setattr__(

@@ -55,7 +55,7 @@ def test_a_run_that_was_killed_is_reported_as_far_as_it_went(folder: Path) -> No
         file.write('{"sequence": 99, "tick"')
     page = page_of(folder)
     assert "there is no report: the run goes on, or was killed" in page
-    assert "not a line of a journal" in page
+    assert "its last line was cut off after 23 bytes" in page
     assert page.count("data-chart") == 1  # what was read of the journal is drawn
 
 

@@ -15,7 +15,7 @@ from executive.campaign.figures.measurement import measure, metric
 from executive.campaign.reporting.summary import MetricWords
 from executive.errors import ConfigError, DataError
 from executive.interfaces.metric import RunRecord, TimedEvent
-from executive.journal import Entry, read_journal
+from executive.journal import Entry, JournalFile
 from executive.mission.run_folder import RunFolder
 
 
@@ -102,14 +102,17 @@ def _report(path: Path, damages: list[str]) -> Mapping[str, Any]:
 
 def _entries(path: Path, damages: list[str]) -> list[Entry]:
     entries: list[Entry] = []
+    journal = JournalFile(path)
     try:
-        entries.extend(read_journal(path))  # keeps what was read before an error
+        entries.extend(journal.entries())  # keeps what was read before an error
     except FileNotFoundError:
         damages.append(f"{path}: there is no journal")
     except DataError as error:
         damages.append(f"{error}; the {len(entries)} lines before it are read")
     except (OSError, UnicodeDecodeError) as error:
         damages.append(f"{path}: not a journal: {error}")
+    if journal.cut_off:
+        damages.append(f"{path}: its last line was cut off after {journal.cut_off} bytes")
     return entries
 
 

@@ -60,7 +60,9 @@ def test_every_kind_of_bad_sample_is_refused_and_changes_nothing(
             bad.add_gnss(replace(observation, stamp_s=observation.stamp_s + 50.0))
             bad.add_gnss(
                 replace(
-                    observation, stamp_s=observation.stamp_s + 1e-3, covariance_enu_m2=np.eye(3)
+                    observation,
+                    stamp_s=observation.stamp_s + 1e-3,
+                    covariance_enu_m2=2000.0 * np.eye(3),
                 )
             )
         if isinstance(observation, LidarIncrement):
