@@ -98,8 +98,9 @@ def _no_state(material: Material, name: str, estimator: Estimator, replay: Repla
     changes = estimator.account()
     last = f"At {changes[-1].stamp_s:.1f} s it {changes[-1].reason}. " if changes else ""
     return (
-        f"{material.log.path}: {name} found no first state. It needs some seconds at rest, and "
-        f"with one antenna some metres of motion after them. {last}Refused: {refused}"
+        f"{material.log.path}: {name} found no first state. It needs fixes, and a rest of some "
+        "seconds with two antennas or motion that tells the heading. "
+        f"{last}Refused: {refused}"
     )
 
 

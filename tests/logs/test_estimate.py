@@ -88,7 +88,7 @@ def test_a_replay_repeats_to_the_bit(whole, run):
 def test_the_error_of_a_log_without_rest_names_what_is_missing(car_log):
     given = EstimateOptions(drops=["gnss:0:99"])
     material = Material.read(car_log, given)
-    with pytest.raises(DataError, match="seconds at rest"):
+    with pytest.raises(DataError, match="motion that tells the heading"):
         estimate(material, NAME, given)
 
 
