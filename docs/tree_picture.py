@@ -9,6 +9,7 @@ the pictures can be read at the width of a page.
 import re
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 IMAGES = Path(__file__).parent / "images"
@@ -27,6 +28,8 @@ PICTURES = {
     ("inspect", "tree_inspect"): ("main",),
     ("confirm", "tree_confirm"): ("main", "move_confirmed", "grasp_and_put_down"),
 }
+WIDTH = 44  # letters of a line in a node
+LABEL = re.compile(r'\[label="((?:[^"\\]|\\.)*)"')
 CLUSTER = re.compile(r'  subgraph cluster_\d+ \{\n    label="(\w+)";\n.*?\n  \}\n', re.S)
 
 
@@ -48,10 +51,17 @@ def _svg(mission: str, shown: tuple[str, ...]) -> str:
         "{\n", "{\n  rankdir=LR; ranksep=0.3; nodesep=0.1;\n", 1
     )
     text = head + "".join(_bottom_up(cluster) for cluster in reversed(kept)) + "}\n"
+    text = LABEL.sub(_wrapped, text)
     svg = subprocess.run(
         ["dot", "-Tsvg"], input=text, check=True, capture_output=True, text=True
     ).stdout
     return re.sub(r"<!--.*?-->\n?", "", svg, flags=re.S)
+
+
+def _wrapped(label: re.Match[str]) -> str:
+    """Break a long label into lines, so that the picture stays as wide as a page."""
+    lines = [textwrap.wrap(line, WIDTH) or [""] for line in label.group(1).split("\\n")]
+    return '[label="' + "\\n".join(part for wrapped in lines for part in wrapped) + '"'
 
 
 def _bottom_up(cluster: str) -> str:
