@@ -8,6 +8,7 @@ import numpy as np
 from executive.errors import DataError
 
 _LONGEST_HEADER = 1 << 14
+_MOST_POINTS = 1 << 48  # no file is larger
 _KINDS = {"F": "f", "I": "i", "U": "u"}
 _FORMS = ("ascii", "binary", "binary_compressed")
 
@@ -66,8 +67,8 @@ def _form(fields: dict[str, list[str]]) -> str:
     form, points = fields["DATA"][0], int(fields["POINTS"][0])
     if form not in _FORMS:
         raise ValueError(f"unknown DATA {form}")
-    if points < 0:
-        raise ValueError(f"{points} points")
+    if not 0 <= points <= _MOST_POINTS:
+        raise ValueError("a number of points that no file can hold")
     if {"WIDTH", "HEIGHT"} <= set(fields) and int(fields["WIDTH"][0]) * int(
         fields["HEIGHT"][0]
     ) != points:

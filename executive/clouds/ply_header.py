@@ -14,16 +14,48 @@ _CODES = {
     "float32": "f4",
     "double": "f8", "float64": "f8",
 }  # fmt: skip
-_ORDERS = {"ascii": "=", "binary_little_endian": "<", "binary_big_endian": ">"}
+_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _LONGEST_HEADER = 1 << 16
+_MOST_ROWS = 1 << 48  # no file is larger
 
 
 @dataclass(slots=True)
-class _Element:
+class PlyElement:
+    """A kind of rows, such as `vertex` or `face`.
+
+    Attributes:
+        name: Its name.
+        count: Number of rows.
+        fields: Name and NumPy's type of each number of a row; of a list, that of its items.
+        lengths: NumPy's type of the length of a list, by the list's name.
+    """
+
     name: str
     count: int
-    fields: list[tuple[str, str]] = field(default_factory=list)  # name and numpy's code
-    has_list: bool = False
+    fields: list[tuple[str, str]] = field(default_factory=list)
+    lengths: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def has_list(self) -> bool:
+        """Whether rows differ in length."""
+        return bool(self.lengths)
+
+
+@dataclass(frozen=True, slots=True)
+class PlyLayout:
+    """What the header says: the elements in the order of the file.
+
+    Attributes:
+        order: NumPy's sign of the byte order; empty for text.
+        elements: The elements.
+        start: Byte at which the first row begins.
+        lines: Number of lines of the header.
+    """
+
+    order: str
+    elements: list[PlyElement]
+    start: int
+    lines: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,20 +86,20 @@ def read_ply_header(path: Path) -> PlyHeader:
         DataError: If the header cannot be parsed, lacks x, y or z, or promises more points than
             the file can hold.
     """
-    text, start = _header(path)
-    form, elements = _parse(path, text)
+    layout = read_ply_layout(path)
+    elements = layout.elements
     vertex = next((element for element in elements if element.name == "vertex"), None)
     if vertex is None or not {"x", "y", "z"} <= {name for name, _ in vertex.fields}:
         raise DataError(
             f"{path}: the header names no vertices with x, y and z; export it as a point cloud"
         )
     before = elements[: elements.index(vertex)]
-    is_text = form == "ascii"
+    is_text = not layout.order
     if vertex.has_list or (not is_text and any(element.has_list for element in before)):
         raise DataError(
             f"{path}: has lists in its vertices or before them; export it as a point cloud"
         )
-    row = np.dtype([(name, _ORDERS[form] + code) for name, code in vertex.fields])
+    row = np.dtype([(name, (layout.order or "=") + code) for name, code in vertex.fields])
     skipped = (
         0
         if is_text
@@ -77,9 +109,9 @@ def read_ply_header(path: Path) -> PlyHeader:
         is_text,
         vertex.count,
         row,
-        start + skipped,
+        layout.start + skipped,
         sum(e.count for e in before),
-        text.count("\n") + 1,
+        layout.lines,
     )
     # The shortest line of n numbers takes 2n bytes; elements after the points are not counted.
     least = vertex.count * (2 * len(vertex.fields) if is_text else row.itemsize) - is_text
@@ -90,6 +122,17 @@ def read_ply_header(path: Path) -> PlyHeader:
             f"{max(0, path.stat().st_size - header.start)} bytes; copy or export it again"
         )
     return header
+
+
+def read_ply_layout(path: Path) -> PlyLayout:
+    """Read the header.
+
+    Raises:
+        DataError: If it cannot be parsed.
+    """
+    text, start = _header(path)
+    form, elements = _parse(path, text)
+    return PlyLayout(_ORDERS[form], elements, start, text.count("\n") + 1)
 
 
 def _header(path: Path) -> tuple[str, int]:
@@ -104,26 +147,34 @@ def _header(path: Path) -> tuple[str, int]:
     return beginning[:end].decode("ascii", errors="replace"), stop + 1
 
 
-def _parse(path: Path, text: str) -> tuple[str, list[_Element]]:
-    form, elements = "", list[_Element]()
+def _parse(path: Path, text: str) -> tuple[str, list[PlyElement]]:
+    form, elements = "", list[PlyElement]()
     try:
         for words in (line.split() for line in text.splitlines()):
             if words[:1] == ["format"]:
                 form = words[1]
             elif words[:1] == ["element"]:
-                elements.append(_Element(words[1], int(words[2])))
+                elements.append(PlyElement(words[1], int(words[2])))
             elif words[:2] == ["property", "list"]:
-                elements[-1].has_list = True
+                elements[-1].lengths[words[4]] = _length(words[2])
+                elements[-1].fields.append((words[4], _CODES[words[3]]))
             elif words[:1] == ["property"]:
                 elements[-1].fields.append((words[2], _CODES[words[1]]))
-        if form not in _ORDERS or any(element.count < 0 for element in elements):
-            raise ValueError(
-                f"format '{form}'" if form not in _ORDERS else "a negative number of elements"
-            )
+        if form not in _ORDERS:
+            raise ValueError(f"format '{form}'")
         for element in elements:
+            if not 0 <= element.count <= _MOST_ROWS:
+                raise ValueError(f"a number of {element.name} that no file can hold")
             np.dtype(element.fields)  # raises ValueError if a name occurs twice
     except (IndexError, ValueError, KeyError) as error:
         raise DataError(
             f"{path}: the PLY header cannot be parsed ({error}); export it again"
         ) from error
     return form, elements
+
+
+def _length(kind: str) -> str:
+    code = _CODES[kind]
+    if code.startswith("f"):
+        raise ValueError(f"the length of a list is of type {kind}")
+    return code

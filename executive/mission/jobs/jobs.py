@@ -10,6 +10,7 @@ from concurrent.futures import Future
 from typing import Any, ParamSpec, TypeVar
 
 from executive.clock import Clock, wall_s
+from executive.confined.memory import MemoryLimit
 from executive.errors import ConfigError
 from executive.events.mission import WorkerReplaced
 from executive.faults.injector import Injector
@@ -20,7 +21,6 @@ from executive.mission.jobs.answer import unfit
 from executive.mission.jobs.call import Address, VerbCall, WrongAnswerError
 from executive.mission.jobs.faulty_call import decided
 from executive.mission.jobs.limits import DEFAULT, Limits
-from executive.mission.jobs.memory import MemoryLimit
 from executive.mission.jobs.runner import Runner, Task
 from executive.mission.record.samples import Samples
 

@@ -11,12 +11,12 @@ from multiprocessing.reduction import ForkingPickler
 from pathlib import Path
 from typing import Any
 
+from executive.confined.memory import MemoryLimit
 from executive.errors import RobotError
 from executive.interfaces.plugin import Plugin
 from executive.mission.assembly import Assembly, Selections, assemble, selected_plugins
 from executive.mission.fault import REMOTE, fault_of
 from executive.mission.jobs.call import Address, CallError, NotPortableError, VerbCall
-from executive.mission.jobs.memory import MemoryLimit
 
 _SIGNAL_AT_DEATH_OF_PARENT = 1  # PR_SET_PDEATHSIG of prctl(2)
 

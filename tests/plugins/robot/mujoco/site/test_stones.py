@@ -113,7 +113,7 @@ def test_takes_only_meshes_that_can_be_lifted_each_once(tmp_path: Path) -> None:
             lambda f: (f / "a.obj").write_text("this is no mesh\n"),
             r"a\.obj: not a readable mesh; export it again",
         ),
-        (lambda f: (f / "a.ply").write_bytes(b"\x00" * 99), r"a\.ply: not a readable mesh"),
+        (lambda f: (f / "a.ply").write_bytes(b"\x00" * 99), r"a\.ply: not a PLY file"),
         (
             lambda f: o3d.io.write_triangle_mesh(f / "a.ply", box(300, 200, 100)),
             r"a\.ply: 300 m across at scale 1, .*\.scale",
