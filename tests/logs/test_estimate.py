@@ -190,6 +190,7 @@ class Slow(Estimator):
 def test_at_its_own_pace_a_log_is_fed_when_it_was_recorded(car_log, monkeypatch):
     time = Time()
     monkeypatch.setattr("executive.clock.time", time)
+    monkeypatch.setattr(WallClock, "_wait", lambda clock, remaining_s: time.sleep(remaining_s))
     slow = Slow(time)
     Replayer(slow, "imu", ()).run(Material.read(car_log, EstimateOptions()).arrivals, WallClock())
     late_s = np.array(slow.fed_s) - slow.stamps_s
