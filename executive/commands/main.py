@@ -27,6 +27,7 @@ from executive.commands.grasps.grasp import grasp
 from executive.commands.logs.compare_estimators import compare_estimators
 from executive.commands.logs.estimate import estimate
 from executive.commands.missions.check import check
+from executive.commands.missions.ctl import ctl
 from executive.commands.missions.import_ import import_mission
 from executive.commands.missions.journal import journal
 from executive.commands.missions.replay import replay
@@ -78,6 +79,7 @@ app.add_typer(plugins_app, name="plugins")
 _VERBS: dict[str, Callable[..., None]] = {
     "run": run,
     "resume": resume,
+    "ctl": ctl,
     "replay": replay,
     "journal": journal,
     "check": check,

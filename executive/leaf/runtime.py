@@ -71,6 +71,10 @@ class Runtime(ABC):
         """Return what a leaf that drives parts must wait for; empty if it may begin."""
         return ""
 
+    def keeps_failed(self, node: str, reason: str) -> bool:
+        """Return whether a leaf that failed keeps its failure until the operator decides."""
+        return False
+
     @abstractmethod
     def fail(self, error: Exception, node: str, leaf: str) -> str:
         """Take an error that escaped a leaf or a plugin that it called.

@@ -1,6 +1,6 @@
 """Events as lines for a person."""
 
-from executive.events import fault, mission, site, stone, watch
+from executive.events import control, fault, mission, site, stone, watch
 from executive.events.event import Event
 
 
@@ -63,6 +63,10 @@ def line_of(event: Event) -> str:  # noqa: C901 - one line a kind of event
             return f"warning: scans are not fused: {event.reason}"
         case watch.MissionWentOn():
             return f"goes on after a hold of {event.held_s:.1f} s: {event.reason}"
+        case control.ControlRequested():
+            done = "" if event.is_done else " is refused"
+            words = " ".join(filter(None, (event.verb, event.argument, event.target)))
+            return f"{event.user} asks: {words}{done}: {event.reply}"
         case mission.PhaseChanged():
             return event.after + (f": {event.reason}" if event.reason else "")
     return ""

@@ -34,7 +34,6 @@ from executive.watch.watch import Decision, Wish
 
 _STATE_PERIOD_S = 1.0  # of the estimates kept for the report
 _VIEW_PERIOD_S = 0.2  # of poses and tree states handed to the viewer
-_STOPPED = Ending("stopped", "stopped by the operator")
 
 
 class Mission(NodeRuntime):
@@ -50,8 +49,9 @@ class Mission(NodeRuntime):
         self.pause = Pause(setup.clock, plugins, self._events.take_error)
         self.late_ticks = LateTicks(setup.tick_s, setup.late_ticks, machine)
         self._hold: Hold | None = None
-        self._stop_requested = False
-        self._pause_requested = False
+        self.phase_reason = ""
+        # Called wherever the loop can follow what people ask, never within a tick of the tree.
+        self.between: list[Callable[[], None]] = []
         self._loops = 0  # as the ticks of the mission, and in a pause as well
         self._halt = halt
         self.root = build(self)
@@ -60,13 +60,18 @@ class Mission(NodeRuntime):
 
     def request_stop(self) -> None:
         """Stop along the path as soon as the tick allows it, then end."""
-        self._stop_requested = True
+        self.wishes.stop = True
         self.clock.wake()
 
     def toggle_pause(self) -> None:
         """Pause as soon as the tick allows it, or go on."""
-        self._pause_requested = not self._pause_requested
+        self.wishes.toggle()
         self.clock.wake()
+
+    @property
+    def is_held(self) -> bool:
+        """Whether a watched condition is broken, and the mission waits for it."""
+        return self._hold is not None
 
     def time_report(self) -> dict[str, Any]:
         """Return what the report says of pauses and of late ticks."""
@@ -190,9 +195,11 @@ class Mission(NodeRuntime):
 
     def _follow_stop(self) -> None:
         """Tell the machine to stop once the operator wants it; that outranks how the tree ended."""
-        if not self._stop_requested or (self._ending and self._ending.outcome != "success"):
+        for follow in self.between:
+            follow()
+        if not self.wishes.stop or (self._ending and self._ending.outcome != "success"):
             return
-        self._ending = _STOPPED
+        self._ending = Ending("stopped", "stopped by the operator")
         self._robot.stop()
 
     def _heed(self, decision: Decision) -> None:
@@ -211,18 +218,12 @@ class Mission(NodeRuntime):
 
     def _follow_pauses(self) -> None:
         """Hold the mission, or let it go on, as the operator wants and open questions demand."""
-        self._questions = [one for one in self._questions if one.answer() is None]
-        wanted, reason = Phase.RUNNING, ""
-        if self._questions:
-            wanted = Phase.AWAITING_OPERATOR
-        if self._hold is not None:
-            wanted, reason = Phase.HELD, self._hold.reason
-        if self._pause_requested:
-            wanted, reason = Phase.PAUSED, "paused by the operator"
+        self.questions = [one for one in self.questions if one.question.answer() is None]
+        wanted, reason = self.wishes.phase(self._hold, is_asking=bool(self.questions))
         if self._ending is not None or wanted is self.phase:
             return
         if wanted is Phase.RUNNING:
-            reason = "resumed by the operator" if self.phase is Phase.PAUSED else ""
+            reason = self.wishes.resumed if self.phase is Phase.PAUSED else ""
             self.record("", PauseEnded(round(self.pause.end(), 6)))
         elif not self.pause.is_on:
             self.pause.begin()
@@ -272,6 +273,7 @@ class Mission(NodeRuntime):
         self._loops += 1
         if not self.pause.is_on:
             self._tick += 1
+            self.wishes.ticked()
         self._keep()
 
     def _keep(self) -> None:
@@ -295,4 +297,4 @@ class Mission(NodeRuntime):
 
     def _change(self, phase: Phase, reason: str) -> None:
         self.record("", PhaseChanged(self.phase, phase, reason))
-        self.phase = checked_change(self.phase, phase)
+        self.phase, self.phase_reason = checked_change(self.phase, phase), reason

@@ -1,6 +1,7 @@
 """A running mission as the nodes of its tree see it: context, journal, questions, faults."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from executive.events.event import Event
 from executive.events.mission import Fault, Faulted, StopFailed
@@ -22,6 +23,17 @@ from executive.mission.report import Ending
 from executive.mission.setup import Setup
 from executive.mission.stream_events import StreamEvents
 from executive.mission.streams import Streams
+from executive.mission.wishes import Wishes
+
+
+@dataclass(frozen=True, slots=True)
+class Put:
+    """A question that was put to the operator by a node."""
+
+    node: str
+    text: str
+    choices: tuple[str, ...]
+    question: Question
 
 
 class NodeRuntime(Runtime):
@@ -39,7 +51,8 @@ class NodeRuntime(Runtime):
         self.account = setup.account
         self._tick = 0  # of the mission: it stands still in a pause
         self._ending: Ending | None = None
-        self._questions: list[Question] = []
+        self.questions: list[Put] = []
+        self.wishes = Wishes()
         plugins, machine = setup.assembly.plugins, setup.assembly.machine
         self._robot: Robot = plugins["robot"]
         self._errors = PluginErrors(plugins, setup.can_fail, self.record)
@@ -78,6 +91,16 @@ class NodeRuntime(Runtime):
         self.memory: LeafMemory = setup.memory
         self.memory.bind(self.record)
 
+    @property
+    def is_ending(self) -> bool:
+        """Whether it is settled how the mission ends."""
+        return self._ending is not None
+
+    @property
+    def tick(self) -> int:
+        """Return the number of the mission's tick; it stands still in a pause."""
+        return self._tick
+
     # --- what the nodes see
 
     def context(self, node: str, uses: Mapping[str, str]) -> NodeContext:
@@ -103,7 +126,7 @@ class NodeRuntime(Runtime):
     ) -> Question:
         def put() -> Question:
             asked = self._setup.operator.ask(question, default, choices)
-            self._questions.append(asked)
+            self.questions.append(Put(node, question, tuple(choices), asked))
             return asked
 
         return self.memory.question(node, put)
@@ -113,6 +136,11 @@ class NodeRuntime(Runtime):
 
     def still_driven(self, parts: tuple[str, ...]) -> str:
         return self._braking.awaited(parts)
+
+    def keeps_failed(self, node: str, reason: str) -> bool:
+        if self.wishes.pause_on_failure:
+            self.wishes.hold(f"{node} failed: {reason}")
+        return self.wishes.pause_on_failure
 
     def fail(self, error: Exception, node: str, leaf: str) -> str:
         if isinstance(error, MissionFaultError):

@@ -27,6 +27,8 @@ def resumed_run(path: Path) -> Run:
             runner=kept.runner,
             answer=kept.answer,
             choices=tuple(kept.choices),
+            attended=kept.attended,
+            pause_on_failure=kept.pause_on_failure,
         )
         return Run(load_mission(str(folder.mission)), options, resumption)
     except BaseException:

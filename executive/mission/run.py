@@ -16,6 +16,7 @@ from executive.journal import Journal
 from executive.journal.value_folder import ValueFolder
 from executive.logs.recorder import Recorder
 from executive.mission.assembly import Assembly, Selections, assemble
+from executive.mission.control.listening import controlled
 from executive.mission.fault import fault_of
 from executive.mission.guard import GuardSettings
 from executive.mission.interrupts import stop_on_interrupt
@@ -59,11 +60,21 @@ class Options:
     runner: str | None = None
     answer: bool | None = None
     choices: tuple[str, ...] = ()
+    attended: bool = False
+    pause_on_failure: bool = False
 
     @property
     def kept(self) -> KeptOptions:
         """Return what a resumed run takes over."""
-        return KeptOptions(self.seed, self.real_time, self.runner, self.answer, self.choices)
+        return KeptOptions(
+            self.seed,
+            self.real_time,
+            self.runner,
+            self.answer,
+            self.choices,
+            self.attended,
+            self.pause_on_failure,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +139,7 @@ class Run:
             ),
             journal=self._journal,
             account=self._account,
-            operator=Operator(options.answer, chosen=options.choices),
+            operator=Operator(options.answer, chosen=options.choices, is_attended=options.attended),
             memory=self._memory,
             keeper=Keeper(self.folder.kept, self._assembly.plugins),
             folder=self.folder.path,
@@ -210,7 +221,11 @@ class Run:
             )
             if self._resumption is not None:
                 self._resume(self._resumption, self._mission)
-            with stop_on_interrupt(self._mission):
+            self._mission.wishes.pause_on_failure = self._options.pause_on_failure
+            with (
+                stop_on_interrupt(self._mission),
+                controlled(self._mission, self.folder.path.absolute()),
+            ):
                 return self._mission.run(after_tick)
         except DataError as error:
             if self._resumption is None:

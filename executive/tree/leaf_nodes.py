@@ -11,11 +11,12 @@ from executive.leaf.action import Condition as ConditionLeaf
 from executive.leaf.action import Steps as LeafSteps
 from executive.leaf.job import Job
 from executive.leaf.memory import Recalled
-from executive.leaf.outcome import Outcome
+from executive.leaf.outcome import Outcome, succeeded
 from executive.leaf.port import written_by
 from executive.leaf.runtime import MissionFaultError, Runtime
 from executive.tree.language import LeafUse
 from executive.tree.nodes import TreeNode
+from executive.tree.orders import Order, refusal
 from executive.tree.taking_up import taken_up
 from executive.tree.wiring import Scope
 
@@ -164,6 +165,19 @@ class RunNode(TreeNode):
         self._steps: LeafSteps[Any] | None = None
         self._job: Job[Any] | None = None
         self._cut_off: dict[str, Any] | None = None  # inputs of a call that a crash has cut off
+        self._order: Order | None = None
+        self._failed: Outcome[Any] | None = None  # a failure that the operator decides about
+
+    @property
+    def failure(self) -> str | None:
+        """Return why the leaf failed, while the operator decides about it; else None."""
+        return None if self._failed is None else self._failed.reason
+
+    def order(self, order: Order) -> str:
+        """Take an order of the operator; return why it is refused, empty if it is followed."""
+        refused = refusal(self._call.use, order, is_under_way=self._steps is not None)
+        self._order = self._order if refused else order
+        return refused
 
     def update(self) -> Status:
         """Go on as far as possible without waiting."""
@@ -171,6 +185,13 @@ class RunNode(TreeNode):
             found = self._call.recalled()
             if found is not None:
                 return self._as_before(found)
+        if self._order is not None or self._failed is not None:
+            decided = self._decided()
+            if decided is not None:
+                return self.take(self._call.kept(decided))
+        return self._going_on()
+
+    def _going_on(self) -> Status:
         inputs: dict[str, Any] = {}
         if self._steps is None:
             self.feedback_message = self.runtime.still_driven(self._call.parts)
@@ -188,7 +209,19 @@ class RunNode(TreeNode):
         if outcome is None:
             return Status.RUNNING
         self._steps = self._job = None
+        if not outcome.success and self.runtime.keeps_failed(self.path, outcome.reason):
+            self._failed, self.feedback_message = outcome, f"failed: {outcome.reason}"
+            return Status.RUNNING
         return self.take(self._call.kept(outcome))
+
+    def _decided(self) -> Outcome[Any] | None:
+        """Return what the operator made of the leaf; None if it begins again."""
+        order, failed = self._order, self._failed
+        self._order = self._failed = None
+        if order is None:
+            return failed
+        self.cancel()
+        return succeeded(reason=f"skipped by {order.by}") if order.kind == "skip" else None
 
     def _as_before(self, found: Recalled) -> Status:
         """Follow what was: a call that is under way at the end of the past is taken up again."""
@@ -202,7 +235,7 @@ class RunNode(TreeNode):
     def cancel(self) -> None:
         """Give up the job, and let the generator clean up."""
         steps, job = self._steps, self._job
-        self._steps = self._job = self._cut_off = None
+        self._steps = self._job = self._cut_off = self._order = self._failed = None
         try:
             try:
                 if job is not None:

@@ -54,6 +54,20 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
             "real time: unix:PATH or 127.0.0.1:PORT.",
         ),
     ] = None,
+    attended: Annotated[
+        bool,
+        typer.Option(
+            "--attended",
+            help="Without a terminal, let questions wait for `executive ctl RUN answer`.",
+        ),
+    ] = False,
+    pause_on_failure: Annotated[
+        bool,
+        typer.Option(
+            "--pause-on-failure",
+            help="Pause when an action fails, until `executive ctl RUN skip`, retry or resume.",
+        ),
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -84,6 +98,8 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
             runner=runner,
             answer=preset.answer,
             choices=preset.choices,
+            attended=attended,
+            pause_on_failure=pause_on_failure,
         )
         made = Run(description, options)
     with progress(quiet=quiet) as after_tick:

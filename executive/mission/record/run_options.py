@@ -16,6 +16,8 @@ class KeptOptions:
     runner: str | None
     answer: bool | None
     choices: tuple[str, ...] = ()
+    attended: bool = False
+    pause_on_failure: bool = False
 
     def write(self, path: Path) -> None:
         """Write them."""

@@ -16,6 +16,7 @@ from executive.mission.resume import resumed_run
 from executive.mission.run import Options, Run
 from executive.tree.load import load_mission
 
+WITHOUT_SOCKET = shutil.ignore_patterns("control.sock")  # which ends with the process
 DRY = """
 api: 1
 mission: dry
@@ -52,7 +53,7 @@ def cut_at(tmp_path, text, ticks):
 
     def copy(mission):
         if mission._tick in copies:
-            shutil.copytree(tmp_path / "run", copies[mission._tick])
+            shutil.copytree(tmp_path / "run", copies[mission._tick], ignore=WITHOUT_SOCKET)
 
     assert made.execute(copy).report["outcome"] == "success"
     return list(copies.values())
@@ -85,7 +86,7 @@ def test_a_run_is_cut_off_again_and_again(tmp_path):
 
         def cut(mission, folder=folder, copy=copy, number=number):
             if events(folder, WorldObserved)[number:] and not copy.exists():
-                shutil.copytree(folder, copy)
+                shutil.copytree(folder, copy, ignore=WITHOUT_SOCKET)
 
         assert resumed_run(folder).execute(cut).report["outcome"] == "success"
         folder = copy
@@ -152,7 +153,7 @@ def test_stones_are_where_they_belong_whenever_a_run_is_cut_off(tmp_path, monkey
         if key in wanted:
             wanted.remove(key)
             copies.append(tmp_path / f"cut-{'-'.join(key)}")
-            shutil.copytree(tmp_path / "run", copies[-1])
+            shutil.copytree(tmp_path / "run", copies[-1], ignore=WITHOUT_SOCKET)
 
     made._journal.follow(copy)
     made.execute(lambda mission: None)

@@ -1,0 +1,1 @@
+"""What people ask of a mission over its control socket."""
