@@ -8,7 +8,6 @@ from itertools import combinations
 from pathlib import Path
 
 import numpy as np
-import yaml
 from pydantic import Field, ValidationError, model_validator
 
 from executive.arrays import Float
@@ -18,6 +17,7 @@ from executive.machine.joint import Jaw, Joint
 from executive.machine.link import Link
 from executive.machine.provenance import Sourced
 from executive.machine.rig import Rig
+from executive.plain_yaml import read_plain_yaml
 
 _FOLDER = Path(str(files("executive_robot_models")))  # machines that come with the package
 FILE = "robot.yaml"
@@ -256,9 +256,9 @@ def load_machine(model: str) -> Machine:
     """
     path = machine_file(model)
     try:
-        description = yaml.load(path.read_text(encoding="utf-8"), Loader=yaml.CSafeLoader)
-    except yaml.YAMLError as error:
-        raise MachineFileError(f"{path}: not readable as YAML: {error}") from None
+        description = read_plain_yaml(path)
+    except ConfigError as error:
+        raise MachineFileError(str(error)) from None
     if not isinstance(description, dict):
         raise ConfigError(
             f"{path}: expected a mapping that describes a machine, got {type(description).__name__}"

@@ -112,3 +112,11 @@ def test_a_leaf_that_is_not_installed_is_told_and_kept() -> None:
     assert imported.document["trees"]["main"] == {
         "sequence": [{"run": "Sleepp", "in": {"a": "{b}"}}]
     }
+
+
+def test_elements_nested_deeper_than_a_mission_can_hold_are_refused() -> None:
+    deep = "<Sequence>" * 5000 + '<Sleep msec="5"/>' + "</Sequence>" * 5000
+    with pytest.raises(MissionFileError, match="nested more than 25 elements deep"):
+        read(deep)
+    held = read("<Sequence>" * 20 + '<Sleep msec="5"/>' + "</Sequence>" * 20)
+    assert "0.005" in yaml_text(held.document)

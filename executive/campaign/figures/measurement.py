@@ -39,7 +39,7 @@ def _report(path: Path) -> Mapping[str, Any]:
         report = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
         raise DataError(f"{path}: there is no report, so the run has not ended") from error
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise DataError(f"{path}: not a report of a run: {error}") from error
     if not isinstance(report, dict) or "outcome" not in report:
         raise DataError(f"{path}: not a report of a run: it has no field 'outcome'")

@@ -154,7 +154,7 @@ def read_summary(path: Path) -> Summary:
         found = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
         raise DataError(f"{path}: there is no such summary of a campaign") from error
-    except ValueError as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise DataError(f"{path}: not a summary of a campaign: {error}") from error
     if not isinstance(found, dict) or found.pop("schema", None) != _SCHEMA:
         raise DataError(f"{path}: not a summary of a campaign of schema {_SCHEMA}")

@@ -62,7 +62,7 @@ def _from_file(path: Path) -> tuple[Float, float]:
                 if line.strip()
             ]
         ), 1.0
-    except (ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise ConfigError(f"--guess: {path} holds no 4×4 matrix ({error}); {_FORMS}") from error
 
 

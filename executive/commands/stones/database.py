@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-import yaml
-
 from executive.errors import ConfigError
 from executive.mission.run_folder import RunFolder
+from executive.plain_yaml import read_plain_yaml
 from executive.tree.choices import Choices
 
 
@@ -38,8 +37,8 @@ def choices_of(run_dir: Path) -> Choices:
     if not path.is_file():
         return Choices(("objects",))
     try:
-        chosen = yaml.safe_load(path.read_text(encoding="utf-8"))["plugins"]["objects"]
-    except (yaml.YAMLError, KeyError, TypeError) as error:
+        chosen = read_plain_yaml(path)["plugins"]["objects"]
+    except (KeyError, TypeError) as error:
         raise ConfigError(
             f"{path}: names no objects plugin ({error}); is it a run's mission?"
         ) from error

@@ -32,5 +32,5 @@ class KeptOptions:
         """
         try:
             return cls(**json.loads(path.read_text(encoding="utf-8")))
-        except (OSError, ValueError, TypeError) as error:
+        except (OSError, ValueError, TypeError, RecursionError) as error:
             raise DataError(f"{path}: how the run was started cannot be read: {error}") from error

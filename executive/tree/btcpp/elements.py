@@ -7,6 +7,9 @@ from xml.parsers import expat
 
 from executive.tree.problem import Mark, MissionFileError, Problem
 
+# An element is two levels of YAML, and a mission file has at most 60; attributes may add some.
+_MAX_DEPTH = 25
+
 
 @dataclass(frozen=True, slots=True)
 class XmlElement:
@@ -54,6 +57,12 @@ class _Reader:
         return Mark(self._file, self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1)
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        if len(self._open) >= _MAX_DEPTH:
+            told = (
+                f"nested more than {_MAX_DEPTH} elements deep, which a mission file cannot hold; "
+                "move inner nodes into a BehaviorTree of their own"
+            )
+            raise MissionFileError([Problem(self._mark(), told)])
         element = XmlElement(tag, attributes, self._mark())
         if self._open:
             self._open[-1].children.append(element)

@@ -119,7 +119,7 @@ def literal(text: str) -> Any:
     """Return a literal of an attribute: a number, a truth value, a list, or the text itself."""
     try:
         return json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         return text
 
 

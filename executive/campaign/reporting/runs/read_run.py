@@ -8,8 +8,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from executive import registry
 from executive.campaign.figures.measurement import measure, metric
 from executive.campaign.reporting.summary import MetricWords
@@ -17,6 +15,7 @@ from executive.errors import ConfigError, DataError
 from executive.interfaces.metric import RunRecord, TimedEvent
 from executive.journal import Entry, JournalFile
 from executive.mission.run_folder import RunFolder
+from executive.plain_yaml import read_plain_yaml
 
 
 @dataclass(frozen=True)
@@ -91,7 +90,7 @@ def _report(path: Path, damages: list[str]) -> Mapping[str, Any]:
         report = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         damages.append(f"{path}: there is no report: the run goes on, or was killed")
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         damages.append(f"{path}: not a report of a run: {error}")
     else:
         if isinstance(report, dict) and "outcome" in report:
@@ -118,12 +117,9 @@ def _entries(path: Path, damages: list[str]) -> list[Entry]:
 
 def _mission(path: Path, damages: list[str]) -> Mapping[str, Any]:
     try:
-        found = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        damages.append(f"{path}: there is no mission file")
-    except (OSError, ValueError, yaml.YAMLError) as error:
-        told = " ".join(str(error).split())
-        damages.append(f"{path}: not a mission file: {told}")
+        found = read_plain_yaml(path)
+    except ConfigError as error:
+        damages.append(" ".join(str(error).split()))
     else:
         if isinstance(found, dict):
             return found
