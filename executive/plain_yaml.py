@@ -47,7 +47,7 @@ def read_plain_yaml(path: Path) -> Any:
 def _check_events(path: Path, text: str) -> None:
     depth = 0
     for event in yaml.parse(text, Loader=yaml.CSafeLoader):
-        line = event.start_mark.line + 1
+        line = event.start_mark.line + 1 if event.start_mark else 1
         if isinstance(event, yaml.AliasEvent):
             raise ConfigError(f"{path}:{line}: aliases (*) are refused; write the value out")
         if isinstance(event, yaml.CollectionStartEvent):

@@ -116,6 +116,7 @@ def _report(
         "duration_s": round(duration_s, 3),
         "replay_speed": round(duration_s / replay.wall_s, 1),
         "counts": dict(replay.counts),
+        "cut": asdict(material.log.cut) if material.log.cut else None,
         "skipped": {topic: asdict(skipped) for topic, skipped in material.log.skipped.items()},
         "refused": replay.refused,
         "states": [{"time_s": round(at_s, 3), "status": status} for at_s, status in replay.changes],

@@ -44,6 +44,21 @@ class Skipped:
 
 
 @dataclass(frozen=True, slots=True)
+class CutOff:
+    """What is read of a log that was cut off, such as by a killed recorder.
+
+    Attributes:
+        read_bytes: Number of bytes that are read.
+        file_bytes: Size of the file.
+        until_s: Arrival of the last message that is read, since the log's first message [s].
+    """
+
+    read_bytes: int
+    file_bytes: int
+    until_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class Arrival:
     """One observation and the time of its arrival [s], since the log's first message."""
 
@@ -58,6 +73,7 @@ class Log:
         path: The file or folder.
         origin_ns: Arrival of the first message [ns]; all times count from it.
         skipped: Messages that `arrivals` has left out, by topic.
+        cut: What is read of a log that was cut off; None for a whole log.
     """
 
     def __init__(self, path: Path, topics: Topics) -> None:
@@ -80,7 +96,19 @@ class Log:
         if first is None:
             raise DataError(f"{path}: the log is empty")
         self.origin_ns = first.arrival_ns
+        self.cut = self._told_cut()
         self.skipped: dict[str, Skipped] = {}
+
+    def _told_cut(self) -> CutOff | None:
+        cut = self._source.cut
+        if cut is None:
+            return None
+        until_s = round(1e-9 * (cut.last_ns - self.origin_ns), 3)
+        _log.warning(
+            "%s: cut off, as by a killed recorder: %d of %d bytes are read, until %.3f s",
+            self.path, cut.read_bytes, cut.file_bytes, until_s,
+        )  # fmt: skip
+        return CutOff(cut.read_bytes, cut.file_bytes, until_s)
 
     def rig(self, model: str | None) -> Rig:
         """Return the rig that carried the sensors.

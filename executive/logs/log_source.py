@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from mcap.exceptions import McapError
-from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.rosbag1 import ReaderError as Bag1Error
 from rosbags.rosbag2 import ReaderError as Bag2Error
@@ -17,7 +16,9 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from zstandard import ZstdError
 
 from executive.errors import DataError
+from executive.logs.mcap_contents import Contents, Cut, read_contents
 from executive.logs.mcap_messages import in_order
+from executive.logs.mcap_records import BrokenRecordError
 from executive.logs.topics import TYPES
 
 # The readers pass on the errors of their decoders on a damaged file. These occurred in tests with
@@ -41,6 +42,8 @@ _DAMAGED = (
     MemoryError,
 )
 
+_REPAIR_OF_BAGS = " by `rosbag reindex` (ROS 1) or `ros2 bag reindex` (ROS 2)"
+
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
@@ -63,6 +66,7 @@ class LogSource:
     Attributes:
         path: The file or folder.
         types: ROS type by topic, such as `sensor_msgs/msg/Imu`.
+        cut: Where the log was cut off; None if it is whole.
     """
 
     def __init__(self, path: Path) -> None:
@@ -78,23 +82,16 @@ class LogSource:
         self.path = path
         self._is_mcap = path.suffix == ".mcap"
         with self._explained():
+            self._contents = self._mcap_contents() if self._is_mcap else Contents()
             self.types: Mapping[str, str] = (
                 self._mcap_types() if self._is_mcap else self._bag_types()
             )
+        self.cut: Cut | None = self._contents.cut
 
     def metadata(self, name: str) -> Mapping[str, str]:
         """Return the metadata record of a name in an MCAP file; empty if there is none."""
-        if not self._is_mcap:
-            return {}
-        with self._explained(), self.path.open("rb") as file:
-            return next(
-                (
-                    record.metadata
-                    for record in make_reader(file).iter_metadata()
-                    if record.name == name
-                ),
-                {},
-            )
+        named = (one.metadata for one in self._contents.metadata if one.name == name)
+        return next(named, {})
 
     def messages(self, topics: Sequence[str]) -> Iterator[Recorded]:
         """Yield the messages of some topics in order of arrival.
@@ -112,20 +109,23 @@ class LogSource:
         except _DAMAGED as error:
             reason = str(error) or type(error).__name__
             raise DataError(
-                f"{self.path}: incomplete or damaged log: {reason}; record it again, or repair it"
+                f"{self.path}: incomplete or damaged log: {reason}; record it again, or repair "
+                f"it{'' if self._is_mcap else _REPAIR_OF_BAGS}"
             ) from error
 
-    def _mcap_types(self) -> dict[str, str]:
+    def _mcap_contents(self) -> Contents:
         with self.path.open("rb") as file:
-            summary = make_reader(file).get_summary()
-        if summary is None:
-            raise DataError(
-                f"{self.path}: incomplete log: it ends without a summary; repair it "
-                "with `mcap recover`"
-            )
+            found = read_contents(file)
+        if found.cut is not None and not found.parts:
+            size = found.cut.file_bytes
+            raise BrokenRecordError(f"its {size} bytes end before the first messages are whole")
+        return found
+
+    def _mcap_types(self) -> dict[str, str]:
+        schemas = self._contents.schemas
         names = {
-            channel.topic: summary.schemas.get(channel.schema_id)
-            for channel in summary.channels.values()
+            channel.topic: schemas.get(channel.schema_id)
+            for channel in self._contents.channels.values()
         }
         return {
             topic: _full_name(schema.name if schema else "?") for topic, schema in names.items()
@@ -145,7 +145,7 @@ class LogSource:
         )
         decoders = {"cdr": cdr.deserialize_cdr, "ros1": ros1.deserialize_ros1}
         with self.path.open("rb") as file:
-            for schema, channel, message in in_order(file, topics):
+            for schema, channel, message in in_order(file, self._contents, topics):
                 decode = decoders.get(channel.message_encoding)
                 if decode is None or schema is None:
                     encoding = channel.message_encoding

@@ -1,73 +1,74 @@
 """Messages of an MCAP file in order of their time, with few chunks in memory."""
 
 from collections.abc import Iterator, Sequence
+from heapq import merge
+from operator import itemgetter
 from typing import IO
 
-from mcap.data_stream import ReadDataStream
-from mcap.reader import make_reader
-from mcap.records import Channel, Chunk, ChunkIndex, Message, Schema
-from mcap.stream_reader import breakup_chunk
+from mcap.records import Channel, Message, Schema
 
-_TO_CONTENT = 9  # bytes for kind and length of a record
+from executive.logs.mcap_contents import Contents, Part
+from executive.logs.mcap_records import HEAD, MESSAGE, MESSAGE_HEAD, records_in, unpacked
+
+# Time [ns], byte at which the part begins, number within the part, message.
+_Placed = tuple[int, int, int, Message]
+_order = itemgetter(0, 1, 2)
 
 
 def in_order(
-    file: IO[bytes], topics: Sequence[str]
+    file: IO[bytes], contents: Contents, topics: Sequence[str]
 ) -> Iterator[tuple[Schema | None, Channel, Message]]:
     """Yield schema, channel and message of some topics; the checksums of chunks are verified.
 
-    Most chunks follow one another in time, so that only messages of overlapping chunks must be
-    sorted. The package's own reader passes each message through a heap, which takes three times as
-    long.
+    A part is read when the messages before it have been yielded, so that those of few parts are in
+    memory: most chunks follow one another in time.
 
     Raises:
-        Exception: Various types, which the package raises on a damaged file.
+        Exception: Various types, which the package `mcap` and unpackers raise on a damaged file.
     """
-    reader = make_reader(file, validate_crcs=True)
-    summary = reader.get_summary()
-    if summary is None or not summary.chunk_indexes:
-        yield from reader.iter_messages(topics=topics)
-        return
     channels = {
-        channel.id: channel for channel in summary.channels.values() if channel.topic in topics
+        channel.id: channel for channel in contents.channels.values() if channel.topic in topics
     }
     wanted = [
-        chunk
-        for chunk in summary.chunk_indexes
-        if not chunk.message_index_offsets
-        or not channels.keys().isdisjoint(chunk.message_index_offsets)
+        part
+        for part in contents.parts
+        if not part.channels or not channels.keys().isdisjoint(part.channels)
     ]
-    for chunks in _overlapping(wanted):
-        messages = [
-            m for chunk in chunks for m in _messages(file, chunk) if m.channel_id in channels
-        ]
-        messages.sort(key=lambda message: message.log_time)
-        for message in messages:
-            channel = channels[message.channel_id]
-            yield (
-                summary.schemas[channel.schema_id] if channel.schema_id else None,
-                channel,
-                message,
+    for _, _, _, message in _merged(file, wanted, frozenset(channels)):
+        channel = channels[message.channel_id]
+        schema = contents.schemas[channel.schema_id] if channel.schema_id else None
+        yield schema, channel, message
+
+
+def _merged(file: IO[bytes], parts: Sequence[Part], channels: frozenset[int]) -> Iterator[_Placed]:
+    waiting: list[_Placed] = []
+    for part in sorted(parts, key=lambda part: (part.first_ns, part.start)):
+        ready = 0
+        while ready < len(waiting) and waiting[ready][0] < part.first_ns:
+            ready += 1
+        yield from waiting[:ready]
+        found = sorted(_messages(file, part, channels), key=_order)
+        rest = waiting[ready:]
+        waiting = list(merge(rest, found, key=_order)) if rest else found
+    yield from waiting
+
+
+def _messages(file: IO[bytes], part: Part, channels: frozenset[int]) -> Iterator[_Placed]:
+    file.seek(part.start + HEAD.size if part.is_chunk else part.start)
+    data = file.read(part.end - file.tell())
+    if part.is_chunk:
+        _, data = unpacked(data)
+    for number, (kind, start, end) in enumerate(records_in(data)):
+        if kind != MESSAGE:
+            continue
+        channel, sequence, log_ns, publish_ns = MESSAGE_HEAD.unpack_from(data, start)
+        if channel in channels:
+            content = data[start + MESSAGE_HEAD.size : end]
+            message = Message(
+                channel_id=channel,
+                log_time=log_ns,
+                data=content,
+                publish_time=publish_ns,
+                sequence=sequence,
             )
-
-
-def _overlapping(chunks: Sequence[ChunkIndex]) -> Iterator[list[ChunkIndex]]:
-    """Yield groups of chunks that overlap in time, earliest first, each in order of the file."""
-    run: list[ChunkIndex] = []
-    end_ns = 0
-    for chunk in sorted(
-        chunks, key=lambda chunk: (chunk.message_start_time, chunk.chunk_start_offset)
-    ):
-        if run and chunk.message_start_time > end_ns:
-            yield sorted(run, key=lambda chunk: chunk.chunk_start_offset)
-            run = []
-        end_ns = max(end_ns, chunk.message_end_time) if run else chunk.message_end_time
-        run.append(chunk)
-    if run:
-        yield sorted(run, key=lambda chunk: chunk.chunk_start_offset)
-
-
-def _messages(file: IO[bytes], chunk: ChunkIndex) -> list[Message]:
-    file.seek(chunk.chunk_start_offset + _TO_CONTENT)
-    records = breakup_chunk(Chunk.read(ReadDataStream(file)), validate_crc=True)
-    return [record for record in records if isinstance(record, Message)]
+            yield log_ns, part.start, number, message

@@ -135,9 +135,9 @@ def _car(ros, seconds):
         yield t, "/imu/data", ros.imu(t, "imu", rng.normal(0, 0.002, 3), force)
 
 
-def _write_mcap(path, ros, messages):
+def _write_mcap(path, ros, messages, **options):
     with path.open("wb") as file:
-        writer = Writer(file)
+        writer = Writer(file, **options)
         writer.start()
         channels = {}
         for t_s, topic, message in messages:

@@ -107,6 +107,52 @@ def test_a_damaged_file_is_refused_by_name(
         read(bad)
 
 
+@pytest.mark.parametrize("use_chunking", [True, False])
+@pytest.mark.parametrize("share", [0.3, 0.97])
+def test_a_log_of_a_killed_recorder_is_read_up_to_the_cut(
+    share, use_chunking, ros2, car, write_mcap, tmp_path, caplog
+):
+    messages = car(ros2, 2.0)
+    options = {"chunk_size": 4000, "use_chunking": use_chunking}
+    whole = write_mcap(tmp_path / "whole.mcap", ros2, messages, **options)
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(whole.read_bytes()[: int(share * whole.stat().st_size)])
+    told, log = Log(whole, Topics()), Log(cut, Topics())
+    everything = [(a.arrival_s, type(a.observation)) for a in told.arrivals()]
+    found = [(a.arrival_s, type(a.observation)) for a in log.arrivals()]
+    assert told.cut is None
+    assert found == everything[: len(found)]
+    assert len(found) > 0.8 * share * len(everything)  # an index at the end takes some bytes
+    assert log.cut is not None
+    assert 0 < cut.stat().st_size - log.cut.read_bytes < 5000
+    assert log.cut.until_s == pytest.approx(found[-1][0])
+    assert "cut.mcap: cut off, as by a killed recorder: " in caplog.text
+    assert f"until {log.cut.until_s:.3f} s" in caplog.text
+    assert log.rig(None).sensors.keys() == told.rig(None).sensors.keys()
+
+
+def test_zeros_at_the_end_of_a_log_are_a_cut(ros2, car, write_mcap, tmp_path):
+    """A file system may have made the file longer before the power failed."""
+    whole = write_mcap(tmp_path / "whole.mcap", ros2, car(ros2, 2.0), chunk_size=4000)
+    content = whole.read_bytes()
+    half = len(content) // 2
+    (tmp_path / "zeros.mcap").write_bytes(content[:half] + bytes(half))
+    log = Log(tmp_path / "zeros.mcap", Topics())
+    assert log.cut is not None
+    assert log.cut.read_bytes <= half
+    assert len(list(log.arrivals())) > 50
+
+
+def test_a_chunk_that_claims_more_than_a_chunk_can_be_is_refused(ros2, car, write_mcap, tmp_path):
+    whole = write_mcap(tmp_path / "whole.mcap", ros2, car(ros2, 1.0))
+    content = bytearray(whole.read_bytes())
+    first = content.index(b"\x06", 8 + 9 + content[9])  # the kind of a chunk's record
+    content[first + 9 + 16 : first + 9 + 24] = (24_000_000_000).to_bytes(8, "little")
+    (tmp_path / "bomb.mcap").write_bytes(content)
+    with pytest.raises(DataError, match=r"bomb\.mcap: .*a chunk of 24,000,000,000 bytes"):
+        read(tmp_path / "bomb.mcap")
+
+
 @pytest.mark.parametrize(
     ("change", "says"),
     [
