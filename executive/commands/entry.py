@@ -13,7 +13,8 @@ _SUPERVISED = ("run", "resume")
 def main() -> None:
     """Run the command line; a verb that moves a machine is supervised."""
     words = sys.argv[1:]
-    if words and words[0] in _SUPERVISED and "--help" not in words:
+    is_still = {"--help", "--dry"} & set(words)  # no machine moves
+    if words and words[0] in _SUPERVISED and not is_still:
         sys.exit(supervised(_status, lambda text: print(text, file=sys.stderr, flush=True)))
     sys.exit(_status())
 

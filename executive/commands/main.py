@@ -27,6 +27,7 @@ from executive.commands.grasps.grasp import grasp
 from executive.commands.logs.compare_estimators import compare_estimators
 from executive.commands.logs.estimate import estimate
 from executive.commands.missions.check import check
+from executive.commands.missions.coverage import coverage
 from executive.commands.missions.ctl import ctl
 from executive.commands.missions.import_ import import_mission
 from executive.commands.missions.journal import journal
@@ -83,6 +84,7 @@ _VERBS: dict[str, Callable[..., None]] = {
     "replay": replay,
     "journal": journal,
     "check": check,
+    "coverage": coverage,
     "show": show,
     "simulate": simulate,
     "import": import_mission,

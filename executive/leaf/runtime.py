@@ -1,11 +1,14 @@
 """What the tree's nodes need from the mission that ticks them."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeAlias
 
 from executive.clock import Clock
+from executive.config import Settings
 from executive.errors import ExecutiveError
 from executive.events.event import Event
+from executive.leaf.action import Leaf
 from executive.leaf.context import Context
 from executive.leaf.memory import Memory
 from executive.leaf.store import Store
@@ -26,7 +29,12 @@ class Question(ABC):
 
     @abstractmethod
     def source(self) -> str:
-        """Return who answered: `operator`, `option` (--answer) or `default`."""
+        """Return who answered: `operator`, `option` (--answer) or `default`; in a dry run also
+        `mock` or `seed`."""
+
+
+# Makes the leaf of a node from its class and its settings.
+LeafMaker: TypeAlias = Callable[[type[Leaf[Any]], Settings], Leaf[Any]]
 
 
 class Runtime(ABC):
@@ -45,6 +53,26 @@ class Runtime(ABC):
         Args:
             node: The path.
             uses: Name of the plugin that the leaf uses, by capability, where there are several.
+        """
+
+    def leaf_maker(self, node: str, leaf: str, uses: Mapping[str, str]) -> LeafMaker:
+        """Return what makes the leaf of a node; a dry run makes another one in its place.
+
+        Args:
+            node: Path of the node.
+            leaf: Name of the behaviour.
+            uses: As for `context`.
+        """
+        context = self.context(node, uses)
+        return lambda kind, settings: kind(settings, context)
+
+    def due(self, at_s: float) -> None:  # noqa: B027 - optional
+        """Take note of a mission time at which a node does something else, whatever else happens.
+
+        A dry run passes over the ticks before the next such time at which nothing can happen.
+
+        Args:
+            at_s: The time [s]; not later than now if the node goes on at the next tick.
         """
 
     @abstractmethod

@@ -55,6 +55,8 @@ class RunFolder:
         """
         if not cls(path).journal.is_file() or not cls(path).mission.is_file():
             raise ConfigError(f"{path} holds no run: it lacks journal.jsonl or mission.yaml")
+        if cls(path).dry_note.is_file():
+            raise ConfigError(f"{path} is a dry run, which cannot be resumed: run it again")
         return cls(path, RunLock(path))
 
     def give_room(self) -> None:
@@ -106,6 +108,11 @@ class RunFolder:
     @property
     def report(self) -> Path:
         return self.path / "report.json"
+
+    @property
+    def dry_note(self) -> Path:
+        """Return the note of a run whose leaves were mocked."""
+        return self.path / "dry_run.json"
 
     @property
     def log(self) -> Path:

@@ -24,6 +24,11 @@ class AskNode(Controller):
         self._text = ""
         self._question: Question | None = None
 
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """Return what can be answered; empty for yes and no."""
+        return self._kind.choices
+
     def begin(self) -> None:
         self._question = None
 

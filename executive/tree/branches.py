@@ -96,6 +96,11 @@ class SwitchNode(ChoosingNode):
         self._otherwise = otherwise
         self._scope = scope
 
+    @property
+    def has_otherwise(self) -> bool:
+        """Return whether a value that fits no case has a child of its own."""
+        return self._otherwise is not None
+
     def proceed(self) -> Steps:
         text = case_text(self._scope.value(self._source))
         child = self._cases.get(text, self._otherwise)

@@ -31,8 +31,8 @@ class LeafCall:
     def __init__(self, use: LeafUse, path: str, runtime: Runtime, scope: Scope) -> None:
         self.use = use
         self.path = path
-        self._context = runtime.context(path, {**scope.uses, **use.uses})
-        self.leaf = use.leaf(use.settings, self._context)
+        self._make = runtime.leaf_maker(path, use.name, {**scope.uses, **use.uses})
+        self.leaf = self._make(use.leaf, use.settings)
         self._runtime = runtime
         self._scope = scope
         self.parts = use.leaf.parts()
@@ -76,7 +76,7 @@ class LeafCall:
         if not self._takes:
             return {}
         if self.use.parameters is not None:
-            self.leaf = self.use.leaf(self._scope.settings(self.use), self._context)
+            self.leaf = self._make(self.use.leaf, self._scope.settings(self.use))
         return self._scope.inputs(self.use)
 
     def written(self, outcome: object) -> Outcome[Any]:

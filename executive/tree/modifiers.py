@@ -98,17 +98,18 @@ class TimeoutNode(Modifier):
         self, name: str, path: str, runtime: Runtime, child: Behaviour, limit_s: float
     ) -> None:
         super().__init__(name, path, runtime, child)
-        self._limit_s = limit_s
+        self.limit_s = limit_s
         self._started_s = 0.0
 
     def begin(self) -> None:
         self._started_s = self.runtime.limited_time_s()
+        self.runtime.due(self.runtime.clock.now_s() + self.limit_s)
 
     def proceed(self) -> Steps:
         took_s = self.runtime.limited_time_s() - self._started_s
-        if self.child.status is Status.RUNNING and took_s >= self._limit_s - EPSILON_S:
-            self.feedback_message = f"not done within {self._limit_s:g} s"
-            self.record(NodeTimedOut(self._limit_s))
+        if self.child.status is Status.RUNNING and took_s >= self.limit_s - EPSILON_S:
+            self.feedback_message = f"not done within {self.limit_s:g} s"
+            self.record(NodeTimedOut(self.limit_s))
             return Status.FAILURE
         yield from self.child.tick()
         return self.adopt(self.child)
@@ -154,6 +155,8 @@ class RetryNode(Modifier):
                 is_pausing = self._attempts.pause_s > 0.0
                 if was_running or is_pausing or self.child.status is Status.RUNNING:
                     break
+        if self.child.status is not Status.RUNNING:
+            self.runtime.due(self._resume_s)
         return Status.RUNNING
 
     def _judged(self) -> Status:

@@ -33,6 +33,11 @@ class ParallelNode(Controller):
         self._failed = 0
         self._last_failed: Behaviour | None = None
 
+    @property
+    def thresholds(self) -> tuple[int, int]:
+        """Return how many children must succeed, and how many failures make it fail."""
+        return self._kind.succeed, self._kind.fail
+
     def begin(self) -> None:
         reset_children(self)
         self._open = list(self.children)

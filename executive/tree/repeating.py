@@ -56,6 +56,8 @@ class RepeatingNode(Controller):
                 self.feedback_message = self._progress()
                 if was_running or self._body.status is Status.RUNNING:
                     break
+        if self._body.status is not Status.RUNNING:  # the next round begins at the next tick
+            self.runtime.due(self.runtime.clock.now_s())
         return Status.RUNNING
 
     @abstractmethod
@@ -87,6 +89,16 @@ class LoopNode(RepeatingNode):
         super().__init__(name, path, runtime, body, rounds)
         self._until = until
         self._max = kind.max_rounds
+
+    @property
+    def has_until(self) -> bool:
+        """Return whether a condition ends the loop."""
+        return self._until is not None
+
+    @property
+    def has_limit(self) -> bool:
+        """Return whether the number of rounds is limited."""
+        return self._max is not None
 
     def _progress(self) -> str:
         return f"round {min(self._done + 1, self._max or self._done + 1)}" + (

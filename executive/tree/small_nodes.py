@@ -8,7 +8,7 @@ from py_trees.common import Status
 
 from executive.leaf.runtime import Runtime
 from executive.leaf.store import Store
-from executive.tree.language import Call, Ref, Source
+from executive.tree.language import Call, Literally, Ref, Source
 from executive.tree.modifiers import EPSILON_S
 from executive.tree.nodes import Controller, Steps
 from executive.tree.wiring import Scope
@@ -34,6 +34,7 @@ class WaitNode(Controller):
 
     def begin(self) -> None:
         self._started_s = self.runtime.clock.now_s()
+        self.runtime.due(self._started_s + self._duration_s)
 
     def proceed(self) -> Steps:
         yield from ()
@@ -50,6 +51,7 @@ class SetNode(Controller):
     ) -> None:
         super().__init__(name, path, runtime)
         self._values = values
+        self._is_literal = all(isinstance(one, Literally) for one in values.values())
         self._scope = scope
 
     def proceed(self) -> Steps:
@@ -57,6 +59,8 @@ class SetNode(Controller):
         fetched = {key: self._scope.value(source) for key, source in self._values.items()}
         for key, value in fetched.items():
             self._scope.store.set(key, value)
+        if self.is_repeated and not self._is_literal:  # the next tick may give another value
+            self.runtime.due(self.runtime.clock.now_s())
         return Status.SUCCESS
 
 

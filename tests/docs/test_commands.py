@@ -61,7 +61,7 @@ def of(program: str) -> list[str]:
 
 
 EXECUTIVE = of("executive")
-RUNS = [line for line in EXECUTIVE if words_of(line)[1] == "run"]
+RUNS = [line for line in EXECUTIVE if words_of(line)[1] == "run" and "--dry" not in words_of(line)]
 RUN_HERE = [
     line
     for line in EXECUTIVE
@@ -103,6 +103,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name, text in shown.items():
         mission = re.search(r"```yaml\n(.*?)```", text, re.S).group(1)
         (tmp_path / f"{name}.yaml").write_text(mission, encoding="utf-8")
+    dry = (how_to / "try_a_tree.md").read_text(encoding="utf-8")
+    for name, text in re.findall(r"Save this as `(\S+)`:\n\n```yaml\n(.*?)```", dry, re.S):
+        (tmp_path / name).write_text(text, encoding="utf-8")
     for name in ("docs", "robot_models"):
         (tmp_path / name).symlink_to(ROOT / name)
     (tmp_path / "survey.ply").write_text(survey(), encoding="utf-8")

@@ -1,14 +1,17 @@
 """`executive run`: a mission from start to report."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from executive.commands.console import answer, one_of, say
+from executive.commands.missions.dry import DEFAULT_FAILURES, Asked, Draws, run_dry
 from executive.commands.missions.starting import startable
 from executive.commands.options import JsonOption, MissionArgument, SeedOption, SetOption
+from executive.errors import ConfigError
 
 _RUNNERS = ("inline", "thread", "process")
 
@@ -68,6 +71,34 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
             help="Pause when an action fails, until `executive ctl RUN skip`, retry or resume.",
         ),
     ] = False,
+    dry: Annotated[
+        bool,
+        typer.Option(
+            "--dry", help="Run the tree alone: leaves are mocked, and an hour takes milliseconds."
+        ),
+    ] = False,
+    mocks: Annotated[
+        Path | None,
+        typer.Option(help="With --dry: a file of what leaves do, and of what is expected."),
+    ] = None,
+    failures: Annotated[
+        float | None,
+        typer.Option(
+            min=0.0, max=1.0, help="With --dry: probability that a mocked action fails.  [0.1]"
+        ),
+    ] = None,
+    runs: Annotated[
+        int | None, typer.Option(min=1, help="With --dry: number of runs, each with the next seed.")
+    ] = None,
+    at_least: Annotated[
+        float | None,
+        typer.Option(
+            metavar="PERCENT",
+            min=0.0,
+            max=100.0,
+            help="With --dry: fail if the runs take fewer of the tree's branches.",
+        ),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -77,6 +108,19 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
     """
     if runner is not None:
         one_of("--runner", runner, _RUNNERS)
+    of_dry = {"mocks": mocks, "failures": failures, "runs": runs, "at-least": at_least}
+    if dry:
+        of_machine: dict[str, object] = {
+            "record": record,
+            "real-time": real_time,
+            "record-log": record_log,
+        }
+        of_machine |= {"stones": stones, "runner": runner, "machine": machine}
+        _refuse(of_machine, "a dry run has no machine")
+        asked = Asked(mission, tuple(set_ or ()), tuple(answer_ or ()), run_dir, mocks)
+        choice = Draws(seed, runs or 1, DEFAULT_FAILURES if failures is None else failures)
+        raise typer.Exit(run_dry(asked, choice, at_least, quiet=quiet, as_json=as_json))
+    _refuse(of_dry, "it belongs to --dry")
 
     with startable():
         from executive.mission.preset_answers import preset_answers
@@ -109,6 +153,12 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
     if as_json:
         answer(result.report)
     raise typer.Exit(result.exit_status)
+
+
+def _refuse(options: Mapping[str, object], why: str) -> None:
+    for option, value in options.items():
+        if value is not None and value is not False:
+            raise ConfigError(f"--{option}: {why}; leave it out")
 
 
 def _folder_of(stones: Path | None) -> list[str]:

@@ -1,0 +1,1 @@
+"""Which nodes of a tree runs have ticked, and how these ended."""
