@@ -116,6 +116,7 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
             "record-log": record_log,
         }
         of_machine |= {"stones": stones, "runner": runner, "machine": machine}
+        of_machine |= {"attended": attended, "pause-on-failure": pause_on_failure}
         _refuse(of_machine, "a dry run has no machine")
         asked = Asked(mission, tuple(set_ or ()), tuple(answer_ or ()), run_dir, mocks)
         choice = Draws(seed, runs or 1, DEFAULT_FAILURES if failures is None else failures)
