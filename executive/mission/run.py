@@ -18,6 +18,7 @@ from executive.logs.recorder import Recorder
 from executive.mission.assembly import Assembly, Selections, assemble
 from executive.mission.control.listening import controlled
 from executive.mission.fault import fault_of
+from executive.mission.groot.watching import publisher_at, shown_to_groot
 from executive.mission.guard import GuardSettings
 from executive.mission.interrupts import stop_on_interrupt
 from executive.mission.jobs.choice import Choice
@@ -62,6 +63,7 @@ class Options:
     choices: tuple[str, ...] = ()
     attended: bool = False
     pause_on_failure: bool = False
+    groot: int | None = None  # port
 
     @property
     def kept(self) -> KeptOptions:
@@ -112,6 +114,7 @@ class Run:
         self._selections = _selections(description, options)
         self._model = model_of(description)
         self._assembly = _assembled(self._selections, self._model, options.seed)
+        self._groot = publisher_at(options.groot)
         self._resumption = resumption
         if resumption is None:
             self.folder = RunFolder.create(options.run_dir, description.name)
@@ -225,6 +228,7 @@ class Run:
             with (
                 stop_on_interrupt(self._mission),
                 controlled(self._mission, self.folder.path.absolute()),
+                shown_to_groot(self._description, self._mission, self._groot),
             ):
                 return self._mission.run(after_tick)
         except DataError as error:

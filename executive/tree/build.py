@@ -86,6 +86,7 @@ class _Builder:
     def node(self, node: Node, path: str, scope: Scope) -> Behaviour:
         """Build a node with its modifiers around it, the last of the list innermost."""
         built = self._kind(node.kind, node.label, path, scope)
+        built.described = node.kind
         m, runtime = node.modifiers, self._runtime
         if m.title is not None and isinstance(built, TreeNode):
             built.title = partial(title_of, m.title, scope)

@@ -46,6 +46,7 @@ class TreeNode(Behaviour):  # type: ignore[misc]
 
     status: Status
     is_repeated = False
+    described: Any = None  # as `tree.language` describes it; None of a modifier
     title: Callable[[], str] | None = None  # gives the name when the node begins
     is_journalled = True  # modifiers are journalled only when they change something
     is_skipped = False
@@ -66,6 +67,11 @@ class TreeNode(Behaviour):  # type: ignore[misc]
         for child in children:
             child.parent = self
             self.children.append(child)
+
+    @property
+    def is_under_way(self) -> bool:
+        """Whether the node has begun and not ended."""
+        return self._is_active
 
     def record(self, event: Event) -> None:
         """Append an event of this node to the journal."""

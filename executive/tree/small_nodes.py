@@ -105,6 +105,11 @@ class CallNode(Controller):
         self._call = call
         self._is_entered = False
 
+    @property
+    def store(self) -> Store:
+        """Return the keys of the present call."""
+        return self._call.inner.store
+
     def begin(self) -> None:
         self._is_entered = False
 

@@ -13,6 +13,7 @@ from executive.commands.missions.starting import startable
 from executive.commands.options import JsonOption, MissionArgument, SeedOption, SetOption
 from executive.errors import ConfigError
 
+_GROOT_PORT = 1667  # of BehaviorTree.CPP
 _RUNNERS = ("inline", "thread", "process")
 
 
@@ -71,6 +72,20 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
             help="Pause when an action fails, until `executive ctl RUN skip`, retry or resume.",
         ),
     ] = False,
+    groot: Annotated[
+        bool,
+        typer.Option("--groot", help="Let Groot2 and btview on this computer watch the tree."),
+    ] = False,
+    groot_port: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            max=65534,
+            metavar="PORT",
+            help="Port of --groot on 127.0.0.1, and the next one: 1667 by default.",
+            show_default=False,
+        ),
+    ] = None,
     dry: Annotated[
         bool,
         typer.Option(
@@ -117,6 +132,7 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
         }
         of_machine |= {"stones": stones, "runner": runner, "machine": machine}
         of_machine |= {"attended": attended, "pause-on-failure": pause_on_failure}
+        of_machine |= {"groot": groot, "groot-port": groot_port}
         _refuse(of_machine, "a dry run has no machine")
         asked = Asked(mission, tuple(set_ or ()), tuple(answer_ or ()), run_dir, mocks)
         choice = Draws(seed, runs or 1, DEFAULT_FAILURES if failures is None else failures)
@@ -145,8 +161,11 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
             choices=preset.choices,
             attended=attended,
             pause_on_failure=pause_on_failure,
+            groot=groot_port or (_GROOT_PORT if groot else None),
         )
         made = Run(description, options)
+    if options.groot is not None:
+        say(f"Groot2 and btview connect with 127.0.0.1, port {options.groot}")
     with progress(quiet=quiet) as after_tick:
         result = made.execute(after_tick)
     say(result.summary)

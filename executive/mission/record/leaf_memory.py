@@ -134,7 +134,7 @@ class LeafMemory(Memory):
         return PastQuestion(self.history, node, ask)
 
     def called(self, node: str, inputs: Mapping[str, Any], *, is_irreversible: bool) -> None:
-        self._record(node, LeafCalled({port: _shown(value) for port, value in inputs.items()}))
+        self._record(node, LeafCalled({port: shown(value) for port, value in inputs.items()}))
         if is_irreversible:
             self._secure()
 
@@ -173,12 +173,12 @@ def _told(answer: LeafAnswered) -> Mapping[str, Any]:
     return {**answer.payload(), "visit": 0}
 
 
-def _shown(value: Any) -> Any:
-    """Return an input as the journal shows it to a person: a large value by its class."""
+def shown(value: Any) -> Any:
+    """Return a value as it is shown to a person: a large one by its class."""
     if value is None or isinstance(value, bool | int | float | str):
         return plain(value)
     if isinstance(value, list | tuple):
-        items = [_shown(one) for one in value[:_SHORT]]
+        items = [shown(one) for one in value[:_SHORT]]
         return items if len(value) <= _SHORT else [*items, f"… {len(value)} in all"]
     of_note = {n: plain(getattr(value, n)) for n in ("id", "stone_id") if hasattr(value, n)}
     return {"class": type(value).__name__, **of_note}

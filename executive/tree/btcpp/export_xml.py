@@ -68,13 +68,13 @@ def to_xml(mission: MissionFile) -> str:
     root = Element("root", BTCPP_format="4", main_tree_to_execute=ids["main"])
     for tree in mission.trees.values():
         written = SubElement(root, "BehaviorTree", ID=ids[tree.name])
-        written.append(_Writer(ids).node(tree.root))
+        written.append(TreeWriter(ids).node(tree.root))
     root.append(node_models(mission, ids, {element.tag for element in root.iter()}))
     indent(root, "  ")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{tostring(root, encoding="unicode")}'
 
 
-class _Writer:
+class TreeWriter:
     """Writes the nodes of one tree; `ids` are the IDs of the trees by their names."""
 
     def __init__(self, ids: Mapping[str, str]) -> None:
@@ -85,7 +85,7 @@ class _Writer:
         """Return a node with its modifiers around it, outermost first."""
         if _is_nothing(node):
             return _left_out()
-        element = self._kind(node.kind)
+        element = self.kind_element(node.kind)
         name = node.modifiers.name
         if name and isinstance(node.kind, Group):  # its child has a name of its own
             element = _around("Sequence", element)
@@ -125,7 +125,7 @@ class _Writer:
         element.set("_onHalted", script)
         return element
 
-    def _kind(self, kind: Kind) -> Element:  # noqa: C901 - one case a kind
+    def kind_element(self, kind: Kind) -> Element:  # noqa: C901 - one case a kind
         match kind:
             case Composite(children=children):
                 return _around(COMPOSITES[kind.kind], *map(self.node, children))
