@@ -1,13 +1,13 @@
 """Go to a posture of the arm."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from executive.arrays import Float
-from executive.config import Settings
 from executive.errors import did_you_mean
+from executive.interfaces.declaration import MachineSettings, Refusal
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
 from executive.leaf.memory import OnResume
@@ -17,7 +17,7 @@ from executive.machine.machine import Machine
 from executive.messages.hold import Hold
 
 
-class GoToPostureSettings(Settings):
+class GoToPostureSettings(MachineSettings):
     posture: str | None = Field(
         None,
         min_length=1,
@@ -38,6 +38,22 @@ class GoToPostureSettings(Settings):
             raise ValueError("give 'posture', 'joints' or both")
         return self
 
+    def refusals(self, machine: Machine) -> Iterator[Refusal]:
+        posture = self.posture
+        if posture is not None and posture not in machine.postures:
+            near = did_you_mean(posture, machine.postures)
+            yield Refusal(("posture",), f"{machine.name} has no posture '{posture}'{near}")
+        for name, position in self.joints.items():
+            if name not in machine.arm_names:
+                near = did_you_mean(name, machine.arm_names)
+                yield Refusal(("joints", name), f"{machine.name} has no joint '{name}'{near}")
+                continue
+            joint = machine.joints[machine.arm_names.index(name)]
+            if not (np.isfinite(position) and joint.lower <= position <= joint.upper):
+                bounds = f"{joint.lower:.3g} to {joint.upper:.3g}"
+                told = f"{name} to {position:.3g}: its range is {bounds}"
+                yield Refusal(("joints", name), told)
+
 
 class GoToPosture(Action[GoToPostureSettings]):
     """Move the arm to a named posture or to joint positions; joints that are not named stay."""
@@ -53,8 +69,8 @@ class GoToPosture(Action[GoToPostureSettings]):
             hold: How a stone is held, if one is.
         """
         machine = self.context.machine()
-        if refusal := _refusal(machine, self.settings):
-            return failed(refusal, is_final=True)
+        if refusal := next(self.settings.refusals(machine), None):
+            return failed(refusal.message, is_final=True)
         return (yield from move_to_posture(self.context, self._goal(machine), hold))
 
     def _goal(self, machine: Machine) -> Float:
@@ -68,17 +84,3 @@ class GoToPosture(Action[GoToPostureSettings]):
         for name, position in self.settings.joints.items():
             goal[machine.arm_names.index(name)] = position
         return goal
-
-
-def _refusal(machine: Machine, settings: GoToPostureSettings) -> str:
-    """Return what the machine lacks of what the settings name; empty if nothing."""
-    posture = settings.posture
-    if posture is not None and posture not in machine.postures:
-        return f"{machine.name} has no posture '{posture}'{did_you_mean(posture, machine.postures)}"
-    for name, position in settings.joints.items():
-        if name not in machine.arm_names:
-            return f"{machine.name} has no joint '{name}'{did_you_mean(name, machine.arm_names)}"
-        joint = machine.joints[machine.arm_names.index(name)]
-        if not (np.isfinite(position) and joint.lower <= position <= joint.upper):
-            return f"{name} to {position:.3g}: its range is {joint.lower:.3g} to {joint.upper:.3g}"
-    return ""

@@ -29,7 +29,15 @@ class Refusal:
     message: str
 
 
-class PluginSettings(Settings):
+class MachineSettings(Settings):
+    """Settings of a plugin or of a leaf, some of which may not suit a machine."""
+
+    def refusals(self, machine: Machine) -> Iterator[Refusal]:
+        """Yield what cannot work with this machine, its sensors, and the files of this computer."""
+        yield from ()
+
+
+class PluginSettings(MachineSettings):
     """Settings of a plugin that say what it needs, so that it can be checked without an import."""
 
     # The constructor's parameters after `settings`. Behind a dot stands what the selected plugin of
@@ -38,10 +46,6 @@ class PluginSettings(Settings):
 
     # What the plugin gives to others beside its interface: the names of FACILITIES.
     gives: ClassVar[tuple[str, ...]] = ()
-
-    def refusals(self, machine: Machine) -> Iterator[Refusal]:
-        """Yield what cannot work with this machine, its sensors, and the files of this computer."""
-        yield from ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from typing import Any
 
 from executive.config import Settings
 from executive.errors import ConfigError, did_you_mean
+from executive.interfaces.declaration import MachineSettings
 from executive.leaf.action import Action, Leaf
 from executive.leaf.action import Condition as ConditionLeaf
 from executive.leaf.port import Port
@@ -24,7 +25,7 @@ from executive.tree.language import (
     Source,
 )
 from executive.tree.problem import Mark
-from executive.tree.reading import Reading, is_text, place_of
+from executive.tree.reading import PlacedSettings, Reading, is_text, place_of
 from executive.tree.region_reader import check_region_names
 from executive.tree.setting_types import takes_text
 from executive.tree.settings import check_settings
@@ -61,6 +62,8 @@ class LeafReader:
             leaf.Settings, literals, name, self._reading.problems, computed=sources
         )
         check_region_names(leaf.Settings, settings_table, name, self._reading)
+        if isinstance(settings, MachineSettings) and not sources:
+            self._reading.placed.append(PlacedSettings(settings, settings_table))
         known = {port: source for port, source in sources.items() if source is not None}
         parameters = Parameters(plain(literals), known) if sources else None
         inputs = self._inputs(table.get("in"), leaf.inputs, name, value.mark)

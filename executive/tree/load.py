@@ -16,6 +16,7 @@ from executive.tree.language import LeafUse, LoopSettings, MissionFile, Tree
 from executive.tree.machine_check import check_machine
 from executive.tree.override import Override, PlacedSetting, apply_override, placed_setting
 from executive.tree.plugin_reader import PluginReader, layered
+from executive.tree.port_names import check_port_types
 from executive.tree.problem import Problems
 from executive.tree.reading import Reading
 from executive.tree.region_reader import read_regions
@@ -81,6 +82,7 @@ def _load(
     regions = read_regions(_regions(found, reading), reading)
     reading = replace(reading, regions=regions, instances=instances_of(selected))
     trees = read_trees(_trees(found, reading), libraries(mission.path, reading), reading)
+    trees = check_port_types(trees, reading)
     is_broken = "plugins" in mission.table.entries and not plugin_table.entries  # and reported
     if not is_broken and not reading.problems.is_partial:
         plugins.check_needs(selected, plugin_table, _uses(trees))

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from executive.errors import ConfigError
-from executive.interfaces.declaration import PluginSettings
+from executive.interfaces.declaration import MachineSettings
 from executive.interfaces.robot import RobotSettings
 from executive.machine.machine import (
     Machine,
@@ -31,7 +31,7 @@ class Written:
 
 
 def check_machine(plugins: Iterable[Written], reading: Reading) -> None:
-    """Note what is wrong with the machine's file, and what plugins refuse of this machine."""
+    """Note what is wrong with the machine's file, and what plugins and leaves refuse of it."""
     plugins = tuple(plugins)
     robot = next((one for one in plugins if one.capability == "robot"), None)
     if robot is None or not isinstance(robot.selection.settings, RobotSettings):
@@ -39,10 +39,11 @@ def check_machine(plugins: Iterable[Written], reading: Reading) -> None:
     machine = _machine(robot.selection.settings.model, robot.table, reading)
     if machine is None:
         return
-    for one in plugins:
-        settings = one.selection.settings
-        for refusal in settings.refusals(machine) if isinstance(settings, PluginSettings) else ():
-            place = placed(one.table, refusal.setting, "")
+    of_plugins = ((one.selection.settings, one.table) for one in plugins)
+    of_leaves = ((one.settings, one.table) for one in reading.placed)
+    for settings, table in (*of_plugins, *of_leaves):
+        for refusal in settings.refusals(machine) if isinstance(settings, MachineSettings) else ():
+            place = placed(table, refusal.setting, "")
             where = ".".join(map(str, refusal.setting))
             told = f"{where}: {refusal.message}" if where else refusal.message
             reading.problems.error(place.mark, told)

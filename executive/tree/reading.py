@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from executive.config import parse_quantity
 from executive.errors import did_you_mean
+from executive.interfaces.declaration import MachineSettings
 from executive.messages.region import Region
 from executive.tree.catalogue import Catalogue
 from executive.tree.expressions.parser import is_quantity, parse
@@ -22,6 +23,14 @@ _REFERENCE = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 
 
 @dataclass(frozen=True, slots=True)
+class PlacedSettings:
+    """Checked settings of a leaf, and the table of the file that gives them."""
+
+    settings: MachineSettings
+    table: Table
+
+
+@dataclass(frozen=True, slots=True)
 class Reading:
     """What reading a mission needs; each method notes a mistake and then returns None.
 
@@ -35,6 +44,7 @@ class Reading:
     problems: Problems
     instances: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     regions: Mapping[str, Region] = field(default_factory=dict)  # of the mission, by name
+    placed: list[PlacedSettings] = field(default_factory=list)  # of leaves, for the machine's check
 
     def fail(self, value: Value, message: str) -> None:
         """Note a mistake, unless the value was refused already."""

@@ -15,6 +15,8 @@ from executive.messages.command import Follow, SwitchLidars
 from executive.messages.hold import Hold
 from executive.messages.request import MotionPlan
 from executive.messages.trajectory import JointTrajectory
+from executive.tree.load import load_mission
+from executive.tree.problem import MissionFileError
 
 NO_PATH = np.zeros((0, 3))
 
@@ -186,3 +188,36 @@ def test_a_scan_from_a_heading_that_cannot_be_reached_does_not_begin(site) -> No
     ended = site.tick(ScanFrom, settings={"heading": 1.0})
     assert (ended.status, ended.reason) == ("FAILURE", "no way there: blocked")
     assert commands_of(site) == []
+
+
+MISSION = """api: 1
+mission: poses
+extends: base
+trees:
+  main:
+    sequence:
+      - run: GoToPosture
+        with: {posture: carry, joints: {J_BOOM: 0.5}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        (
+            "carry,",
+            "cary,",
+            "8:25: error: posture: m545 has no posture 'cary'. Did you",
+        ),
+        ("J_BOOM:", "J_BOM:", "has no joint 'J_BOM'. Did you mean 'J_BOOM'?"),
+        ("0.5", "50", "8:49: error: joints.J_BOOM: J_BOOM to 50: its range is"),
+    ],
+)
+def test_what_the_machine_lacks_is_told_before_the_start(tmp_path, old, new, told):
+    path = tmp_path / "poses.yaml"
+    path.write_text(MISSION)
+    assert load_mission(str(path), is_for_here=True).name == "poses"
+    path.write_text(MISSION.replace(old, new))
+    with pytest.raises(MissionFileError) as refused:
+        load_mission(str(path), is_for_here=True)
+    assert told in str(refused.value)

@@ -63,6 +63,11 @@ class Mistake:
 
 
 MISTAKES = (
+    # types and units
+    Mistake("slot: Slot, count", "slot: Slot", "slot: Slto", "Did you mean 'Slot'?"),
+    Mistake("slot: Slot, count", "count: int", "count: itn", "Did you mean 'int'?"),
+    Mistake('"{count} > 2"', "> 2", "> 2 m", "multiply it, as in '{count} * 1 m'"),
+    Mistake('"{count} > 2"', "{count} > 2", "max({count}, 3 t) > 2 t", "'{count} * 1 kg'"),
     # names
     Mistake("run: Localise", "Localise", "Localize", "Did you mean 'Localise'?"),
     Mistake("run: SurveySite", "SurveySite", "surveysite", "Did you mean 'SurveySite'?"),

@@ -10,18 +10,21 @@ from itertools import product
 from typing import Any
 
 from executive.errors import did_you_mean
-from executive.tree.expressions.dimension import PLAIN, Dimension, unit_dimension
+from executive.tree.expressions.dimension import Dimension, unit_dimension
 from executive.tree.expressions.functions import RULES, RefusedError, shown
 from executive.tree.expressions.kinds import (
     COUNT,
     bare,
+    clash,
     dimension_of,
     field_name,
     fields_of,
+    is_written,
     item_of,
     members,
     number,
     sort_of,
+    written,
 )
 from executive.tree.expressions.syntax import (
     COMPARISONS,
@@ -65,7 +68,7 @@ class Typing:
             case Number(value=value, unit=unit):
                 if unit:
                     return frozenset({number(unit_dimension(unit))})
-                return frozenset({number(PLAIN, type(value))})
+                return frozenset({written(type(value))})
             case Text():
                 return frozenset({typing.Literal[one.value]})
             case Truth():
@@ -347,6 +350,8 @@ def _computed(op: str, left: Any, right: Any) -> Any:
         cure = "; join texts with text(…, …)" if op == "+" and "text" in sorts else ""
         raise RefusedError(f"'{op}' needs two numbers, not {shown(left)} and {shown(right)}{cure}")
     is_whole = op != "/" and bare(left) is bare(right) is int
+    if is_written(left) and is_written(right):
+        return written(int if is_whole else float)
     return number(_dimension(op, left, right), int if is_whole else float)
 
 
@@ -363,9 +368,8 @@ def _dimension(op: str, left: Any, right: Any) -> Dimension | None:
 
 
 def _same_dimension(verb: str, left: Any, right: Any) -> None:
-    one, other = dimension_of(left), dimension_of(right)
-    if one is not None and other is not None and not one.suits(other):
-        cure = "both sides need units of one dimension"
+    cure = clash(left, right)
+    if cure:
         raise RefusedError(f"cannot {verb} {shown(left)} and {shown(right)}; {cure}")
 
 

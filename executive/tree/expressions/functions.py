@@ -10,6 +10,7 @@ from executive.tree.expressions.dimension import PLAIN
 from executive.tree.expressions.kinds import (
     COUNT,
     bare,
+    clash,
     dimension_of,
     item_of,
     members,
@@ -87,9 +88,9 @@ def _common(name: str, kinds: Sequence[Any]) -> Any:
     known = [kind for kind in kinds if dimension_of(kind) is not None]
     for one in known:
         for other in known:
-            dimension, against = dimension_of(one), dimension_of(other)
-            if dimension and against and not dimension.suits(against):
-                raise RefusedError(f"'{name}' cannot compare {shown(one)} and {shown(other)}")
+            if cure := clash(one, other):
+                told = f"'{name}' cannot compare {shown(one)} and {shown(other)}"
+                raise RefusedError(f"{told}; {cure}")
     measured = [kind for kind in known if dimension_of(kind) != PLAIN]
     return (measured or list(kinds))[0]
 

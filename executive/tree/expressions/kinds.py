@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from executive.config import Quantity
+from executive.config import UNITS, Quantity
 from executive.leaf.port import section
 from executive.tree.expressions.dimension import NAMED, PLAIN, Dimension, unit_dimension
 from executive.tree.expressions.parser import UNIT_NAMES
@@ -43,6 +43,42 @@ def number(dimension: Dimension | None, kind: type = float) -> Any:
 
 
 COUNT = number(PLAIN, int)
+_WRITTEN = "written in the expression"
+
+
+def written(kind: type) -> Any:
+    """Return the type of a number without a unit that stands in the expression: it is SI."""
+    return typing.Annotated[kind, PLAIN, _WRITTEN]
+
+
+def is_written(kind: Any) -> bool:
+    """Return whether a number without a unit stands in the expression itself."""
+    return _WRITTEN in getattr(kind, "__metadata__", ())
+
+
+def clash(one: Any, other: Any) -> str:
+    """Return why two numbers cannot be compared or added, with the cure; empty if they can.
+
+    A number without a unit is SI where it is written: `{stone.reach} < 2`. A whole number that a
+    key holds, or a function gives, is a count or an identity, and stands beside no quantity.
+    """
+    have, against = dimension_of(one), dimension_of(other)
+    if have is None or against is None:
+        return ""
+    if not have.suits(against):
+        return "both sides need units of one dimension"
+    for plain, dimension in ((one, against), (other, have)):
+        if _is_count(plain) and not dimension.is_plain and any(dimension.exponents):
+            unit = next(
+                (u for u, factor in UNITS.get(str(dimension), {}).items() if factor == 1), ""
+            )
+            example = f": multiply it, as in '{{count}} * 1 {unit}'" if unit else ""
+            return f"a whole number that a key holds has no unit{example}"
+    return ""
+
+
+def _is_count(kind: Any) -> bool:
+    return dimension_of(kind) == PLAIN and not is_written(kind)
 
 
 @dataclass(frozen=True, slots=True)
