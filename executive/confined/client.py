@@ -25,6 +25,8 @@ from executive.confined.allowance import Allowance
 from executive.confined.server import ALIGNMENT
 from executive.errors import ConfigError, DataError
 
+_log = logging.getLogger(__name__)
+_REPLY_BYTES = 1 << 12
 # One thread for each numerical library: a process with threads cannot be forked safely.
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 _SHOWN_BYTES = 300  # of the end of what a process printed before it died
@@ -98,7 +100,7 @@ class _Server:
         self._connection.settimeout(allowance.wall_s)
         try:
             socket.send_fds(self._connection, [json.dumps(request).encode()], [answer, printed])
-            reply = self._connection.recv(64)
+            reply = self._connection.recv(_REPLY_BYTES)
         except TimeoutError:
             self.close()
             raise DataError(
@@ -110,7 +112,12 @@ class _Server:
         if not reply:
             self.close()
             raise DataError(f"{path}: the process that reads files ended; see what it printed")
-        return int(reply)
+        used: dict[str, Any] = json.loads(reply)
+        _log.debug(
+            "%s: read in %.3f s of processor time, with %d bytes of memory",
+            path, used["processor_s"], used["added_bytes"],
+        )  # fmt: skip
+        return int(used["status"])
 
     def close(self) -> None:
         """End the server, and a reading that goes on."""

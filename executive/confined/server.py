@@ -30,26 +30,32 @@ def serve(connection: socket.socket) -> None:
     """Answer requests until the other end is closed.
 
     A request is a JSON object with two open files: one that takes the answer, and one that takes
-    what the process prints. The reply is the exit status of the process: negative for a signal.
+    what the process prints. The reply is a JSON object: the exit status of the process, negative
+    for a signal, its processor time, and the memory that it had beyond that of the server.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     while True:
         data, files, _, _ = socket.recv_fds(connection, REQUEST_BYTES, 2)
         if not data:
             return
-        status = _forked(json.loads(data), *files)
+        reply = _forked(json.loads(data), *files)
         for file in files:
             os.close(file)
-        connection.send(str(status).encode())
+        connection.send(json.dumps(reply).encode())
 
 
-def _forked(request: dict[str, Any], answer: int, printed: int) -> int:
-    """Compute an answer in a child and return the child's exit status."""
+def _forked(request: dict[str, Any], answer: int, printed: int) -> dict[str, float]:
+    """Compute an answer in a child; return the child's exit status and what it used."""
     module, name = request["function"].split(":")
     function = getattr(importlib.import_module(module), name)  # kept for the files after this one
     child = os.fork()
     if child:
-        return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        _, ended, used = os.wait4(child, 0)
+        return {
+            "status": os.waitstatus_to_exitcode(ended),
+            "processor_s": used.ru_utime + used.ru_stime,
+            "added_bytes": max(0, 1024 * used.ru_maxrss - _resident_bytes()),
+        }
     status = 1
     try:
         os.dup2(printed, _STANDARD_ERROR)
@@ -61,6 +67,11 @@ def _forked(request: dict[str, Any], answer: int, printed: int) -> int:
         status = 0
     finally:
         os._exit(status)
+
+
+def _resident_bytes() -> int:
+    pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[1]
+    return int(pages) * resource.getpagesize()
 
 
 class _Kept(logging.Handler):

@@ -109,7 +109,7 @@ def _unpacked(kind: Kind, sequence: int, payload: bytes) -> Frame:
         raise WireError(f"a frame whose JSON object of {length} bytes is longer than the frame")
     try:
         head = json.loads(payload[_LENGTH.size : end])
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise WireError(f"a frame of kind {kind.name} holds no JSON object: {error}") from error
     if not isinstance(head, dict):
         raise WireError(f"a frame of kind {kind.name} holds {type(head).__name__}, no JSON object")

@@ -1,13 +1,16 @@
 """`executive import`: trees of another language as a mission."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from executive.commands.console import answer, say
 from executive.commands.options import JsonOption
 from executive.errors import ConfigError
+
+if TYPE_CHECKING:
+    from executive.tree.btcpp.import_xml import Imported
 
 
 def import_mission(
@@ -30,24 +33,17 @@ def import_mission(
 
     Example: executive import patrol.xml --extends base --out patrol.yaml
     """
-    from executive.tree.btcpp.import_xml import from_xml
-    from executive.tree.catalogue import InstalledCatalogue
     from executive.tree.resolved import yaml_text
     from executive.tree.sources import find
 
-    try:
-        text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{file} cannot be read: {error}") from error
     if extends and find(extends) is None:
         raise ConfigError(f"--extends: '{extends}' is no file and no shipped mission")
-    name = "".join(letter if letter.isalnum() else "_" for letter in file.stem) or "imported"
-    imported = from_xml(text, str(file), InstalledCatalogue(), name)
-    document = imported.document
+    found = imported(file)
+    document = found.document
     if extends:
         head = {key: document[key] for key in ("api", "mission")}
         document = {**head, "extends": extends, "trees": document["trees"]}
-    for warning in imported.warnings:
+    for warning in found.warnings:
         say(str(warning))
     if as_json:
         answer(document)
@@ -57,6 +53,23 @@ def import_mission(
         _write(out, yaml_text(document))
         count = len(document["trees"])
         say(f"{out}: {count} tree{'s' if count > 1 else ''}; `executive check {out}` checks them")
+
+
+def imported(file: Path) -> "Imported":
+    """Return the trees of a file as a mission that is called as the file is.
+
+    Raises:
+        ConfigError: If the file cannot be read, or holds what a mission cannot say.
+    """
+    from executive.tree.btcpp.import_xml import from_xml
+    from executive.tree.catalogue import InstalledCatalogue
+
+    try:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{file} cannot be read: {error}") from error
+    name = "".join(letter if letter.isalnum() else "_" for letter in file.stem) or "imported"
+    return from_xml(text, str(file), InstalledCatalogue(), name)
 
 
 def _write(out: Path, text: str) -> None:
