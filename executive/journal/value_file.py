@@ -44,8 +44,8 @@ def from_bytes(data: bytes) -> Any:
                 raise DataError("a kept value is cut off")
             arrays.append(np.frombuffer(data, dtype, count, at).reshape(shape).copy())
             at += count * dtype.itemsize
+        if mark != _MAGIC or at != len(data):
+            raise DataError("not a kept value, or one that is cut off")
+        return decode(head["value"], arrays)
     except (struct.error, ValueError, KeyError, TypeError, RecursionError) as error:
         raise DataError(f"not a kept value: {error}") from error
-    if mark != _MAGIC or at != len(data):
-        raise DataError("not a kept value, or one that is cut off")
-    return decode(head["value"], arrays)

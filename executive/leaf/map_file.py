@@ -9,7 +9,7 @@ import numpy as np
 from executive.arrays import Float, checked
 from executive.clouds.ply_writer import write_ply
 from executive.clouds.reader import read_points
-from executive.errors import DataError
+from executive.errors import DataError, ShapeError
 from executive.messages.cloud import Cloud
 
 _KEYS = ("frame", "stamp_s", "T_map_base")
@@ -64,7 +64,7 @@ def read_map(path: Path) -> MapFile:
         frame, stamp_s, pose = (found[key] for key in _KEYS)
         T = None if pose is None else checked("T_map_base", np.array(pose, dtype=float), 4, 4)
         return MapFile(Cloud(str(frame), points), float(stamp_s), T)
-    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+    except (OSError, ValueError, KeyError, TypeError, RecursionError, ShapeError) as error:
         raise DataError(f"{beside}: not the description of a saved map: {error}") from error
 
 

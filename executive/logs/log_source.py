@@ -12,7 +12,9 @@ from mcap.exceptions import McapError
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.rosbag1 import ReaderError as Bag1Error
 from rosbags.rosbag2 import ReaderError as Bag2Error
+from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.base import TypesysError
 from zstandard import ZstdError
 
 from executive.errors import DataError
@@ -28,6 +30,8 @@ _DAMAGED = (
     AnyReaderError,
     Bag1Error,
     Bag2Error,
+    SerdeError,
+    TypesysError,
     ZstdError,
     struct.error,
     sqlite3.Error,

@@ -37,9 +37,7 @@ def answers(
             kind.read(one.target)  # raises if a good file is refused
         left = list(numbers)
         while left:
-            for number, answer in _child(
-                kind, samples, good, (list(FORMATS).index(name), seed), left
-            ):
+            for number, answer in _child(kind, samples, good, place, tuple(left)):
                 which = number % len(samples)
                 yield number, damaged_content(kind, good[which], (*place, number)), answer
                 left.remove(number)

@@ -120,3 +120,23 @@ def test_elements_nested_deeper_than_a_mission_can_hold_are_refused() -> None:
         read(deep)
     held = read("<Sequence>" * 20 + '<Sleep msec="5"/>' + "</Sequence>" * 20)
     assert "0.005" in yaml_text(held.document)
+
+
+@pytest.mark.parametrize(
+    ("script", "words"),
+    [
+        ("a := " + "(" * 60 + "1" + ")" * 60, "more than 100 signs"),
+        ("a := " + "(" * 40 + "b" + ")" * 40, "nested more than 30 levels deep"),
+        ("a := " + "-" * 40 + "b", "nested more than 30 levels deep"),
+        ("a := " + "b + " * 5000 + "1", "more than 100 signs"),
+        ("a := " + "9" * 5000, "too large"),
+        ("a := 1e999", "too large"),
+    ],
+)
+def test_scripts_without_end_are_refused(script: str, words: str) -> None:
+    with pytest.raises(MissionFileError, match=words):
+        read(f'<Script code="{script}"/>')
+
+
+def test_a_number_may_begin_with_zeros() -> None:
+    assert main_of('<Script code="a := 03"/>') == {"set": {"a": 3}}

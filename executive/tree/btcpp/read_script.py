@@ -1,5 +1,6 @@
 """Scripts of BehaviorTree.CPP 4 as expressions and values of a mission."""
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -30,6 +31,9 @@ _LEVELS: tuple[Mapping[str, str], ...] = (
 )
 _COMPARING = 2  # the level of comparisons, which chain: a < b < c
 _ASSIGNMENTS = (":=", "=", "+=", "-=", "*=", "/=")
+_MOST = 100  # signs of a script, as many as an expression of a mission may have
+_DEEPEST = 30
+_LONGEST_NUMBER = 300  # digits of the largest double, and some
 _NAMES = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
@@ -119,7 +123,9 @@ class _Parser:
             kind = str(match.lastgroup)
             self._tokens.append((kind, match.group(kind)))
             place = match.end()
-        self._next = 0
+        if sum(kind == "sign" for kind, _ in self._tokens) > _MOST:
+            raise ScriptError(f"'{text[:40]}…' has more than {_MOST} signs; split it")
+        self._next = self._depth = 0
 
     @property
     def is_done(self) -> bool:
@@ -169,10 +175,17 @@ class _Parser:
         return found
 
     def _unary(self) -> Expression:
+        self._depth += 1
+        if self._depth > _DEEPEST:
+            raise ScriptError(f"'{self._text[:40]}…' is nested more than {_DEEPEST} levels deep")
         for sign, op in (("-", "-"), ("!", "not")):
             if self.take(sign):
-                return Unary(op, self._unary())
-        return self._atom()
+                found: Expression = Unary(op, self._unary())
+                break
+        else:
+            found = self._atom()
+        self._depth -= 1
+        return found
 
     def _atom(self) -> Expression:
         if self.take("("):
@@ -183,13 +196,18 @@ class _Parser:
         kind, token = self._peek()
         self._next += 1
         if kind == "number":
-            is_whole = token.isdigit() or token[:2].lower() == "0x"
-            return Number(int(token, 0) if is_whole else float(token))
+            return Number(self._number(token))
         if kind == "text":
             return Text(token[1:-1])
         if kind == "name":
             return Truth(token == "true") if token in ("true", "false") else _key(token)
         raise self._refused(token)
+
+    def _number(self, token: str) -> float:
+        is_whole = token.isdigit() or token[:2].lower() == "0x"
+        if len(token) > _LONGEST_NUMBER or (not is_whole and not math.isfinite(float(token))):
+            raise ScriptError(f"'{token[:40]}' is no number of a mission: it is too large")
+        return int(token, 16 if token[1:2] in ("x", "X") else 10) if is_whole else float(token)
 
     def _refused(self, token: str) -> ScriptError:
         what = {
