@@ -120,3 +120,39 @@ def test_another_unit_is_named(tmp_path: Path, key: int, value: int, unit: str) 
 
 def test_the_metre_may_be_named(tmp_path: Path) -> None:
     assert len(read_points(declare(las(tmp_path / "site.las"), 3076, 9001))) == 1000
+
+
+def changed(path: Path, at: int, kind: str, value: int) -> Path:
+    content = bytearray(path.read_bytes())
+    struct.pack_into(kind, content, at, value)
+    path.write_bytes(content)
+    return path
+
+
+def test_a_table_of_chunks_that_would_take_gigabytes_is_refused(tmp_path: Path) -> None:
+    path = las(tmp_path / "site.laz")
+    content = path.read_bytes()
+    (table,) = struct.unpack_from("<q", content, struct.unpack_from("<I", content, 96)[0])
+    changed(path, table + 4, "<I", 0x60000000)
+    with pytest.raises(DataError, match=r"site\.laz: .*it promises 1610612736 chunks in \d+ bytes"):
+        read_points(path)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "version", "at", "kind", "value", "words"),
+    [
+        ("las", "1.2", 100, "<I", 0xFFFFFFFF, "promises 4294967295 records before byte"),
+        ("las", "1.2", 96, "<I", 0xFFFFFFF, "points from byte 268435455"),
+        ("las", "1.2", 105, "<H", 3, "shorter than those of any LAS format"),
+        ("las", "1.4", 243, "<I", 0xFFFFFFFF, "promises 4294967295 records from byte"),
+        ("las", "1.4", 94, "<H", 230, "a LAS 1.4 header has 375 bytes"),
+        ("laz", "1.2", 230, "<B", 65, "no record says how"),
+    ],
+)
+def test_a_header_that_promises_what_the_file_cannot_hold_is_refused(
+    tmp_path: Path, suffix: str, version: str, at: int, kind: str, value: int, words: str
+) -> None:
+    good = las(tmp_path / f"site.{suffix}", version, 7 if version == "1.4" else 3)
+    path = changed(good, at, kind, value)
+    with pytest.raises(DataError, match=rf"site\.{suffix}: .*{words}"):
+        read_points(path)

@@ -63,8 +63,8 @@ def _vertices(file: IO[bytes], layout: PlyLayout, element: PlyElement) -> Float:
 
 def _faces(file: IO[bytes], layout: PlyLayout, element: PlyElement) -> Int:
     name = next((one for one in _CORNERS if one in element.lengths), None)
-    if name is None:
-        raise MeshDamageError(f"its faces have no list '{_CORNERS[0]}'")
+    if name is None or dict(element.fields)[name].startswith("f"):
+        raise MeshDamageError(f"its faces have no list '{_CORNERS[0]}' of whole numbers")
     if layout.order and element.count:
         corners = _alike(file, layout, element, name)
         if corners is not None and corners.shape[1] >= 3:
@@ -155,12 +155,13 @@ def _lines(file: IO[bytes], element: PlyElement) -> Iterator[list[bytes]]:
 
 def _lists(words: list[bytes], element: PlyElement) -> Mapping[str, Sequence[int]]:
     lists, at = {}, 0
-    for field, _ in element.fields:
+    for field, code in element.fields:
         count = 1
         if field in element.lengths:
             count, at = int(words[at]), at + 1
             if not 0 <= count <= len(words) - at:
                 raise MeshDamageError(f"a list has the length {count}")
-            lists[field] = [int(word) for word in words[at : at + count]]
+            is_whole = not code.startswith("f")
+            lists[field] = [int(word) for word in words[at : at + count]] if is_whole else []
         at += count
     return lists
