@@ -52,7 +52,7 @@ class Limb:
 
     Attributes:
         path: Path of the node.
-        name: Its name.
+        name: Its path below the node above it: `0:Localise`, `1:do/0:check`.
         depth: How deep it lies, modifiers not counted.
         branches: What a run can take there.
     """
@@ -73,23 +73,32 @@ def branch_of(node: str, event: Event) -> Branch | None:
 
 def limbs_of(root: Behaviour) -> tuple[Limb, ...]:
     """Return the nodes of a tree with their branches, parents first."""
-    return tuple(_limbs(root, _all_ends(root), 0, []))
+    return tuple(_limbs(root, _all_ends(root), _Above("", 0), []))
+
+
+@dataclass(frozen=True, slots=True)
+class _Above:
+    """The node above, by its path, and how deep those below it lie."""
+
+    path: str
+    depth: int
 
 
 def _limbs(
-    node: Behaviour, ends: dict[int, Ends], depth: int, outside: Sequence[Branch]
+    node: Behaviour, ends: dict[int, Ends], above: _Above, outside: Sequence[Branch]
 ) -> Iterator[Limb]:
     """Yield the nodes below; `outside` are the branches of the modifiers around this one."""
     own = list(outside)
     if node.is_journalled:
         own += [Branch(node.path, end.value) for end in ENDS if end in ends[id(node)]]
-        yield Limb(node.path, node.path.rpartition("/")[2], depth, tuple(own))
-        own, depth = [], depth + 1
+        name = node.path.removeprefix(above.path).removeprefix("/")
+        yield Limb(node.path, name, above.depth, tuple(own))
+        own, above = [], _Above(node.path, above.depth + 1)
     else:
         effect = _effect_of(node, ends)
         own += [Branch(node.path, effect)] if effect else []
     for index, child in enumerate(node.children):
-        yield from _limbs(child, ends, depth, own if index == 0 else ())
+        yield from _limbs(child, ends, above, own if index == 0 else ())
 
 
 def _effect_of(node: Behaviour, ends: dict[int, Ends]) -> str:

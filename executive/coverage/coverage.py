@@ -91,6 +91,10 @@ class Coverage:
             or any(self.count(one) for one in limb.branches if one.path == limb.path)
         )
 
+    def is_reached(self, limb: Limb) -> bool:
+        """Return whether any run has ticked a node, or a modifier has left it out."""
+        return self.is_ticked(limb) or any(self.count(one) for one in limb.branches)
+
     @property
     def branches(self) -> list[Branch]:
         """Return all branches of the tree."""

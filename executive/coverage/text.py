@@ -10,10 +10,10 @@ _IMPOSSIBLE, _LONGEST = "·", 40  # a branch that does not exist; lines of the l
 
 
 def coverage_text(coverage: Coverage, *, lists_never: bool = True) -> str:
-    """Return a line for each node that was ticked, and the branches that no run has taken."""
+    """Return a line for each node that was reached, and the branches that no run has taken."""
     heads = [*(end.value for end in ENDS), "halted"]
     lines = [" ".join(f"{head:>7}" for head in heads) + "  node"]
-    lines += [_line(coverage, limb) for limb in coverage.limbs if coverage.is_ticked(limb)]
+    lines += [_line(coverage, limb) for limb in coverage.limbs if coverage.is_reached(limb)]
     end = [_summary(coverage), *(_never(coverage) if lists_never else ())]
     return "\n".join([*lines, "", *end])
 

@@ -27,8 +27,9 @@ class Chance:
     def told(self) -> str:
         """Return one sentence for people."""
         return (
-            f"seed {self.seed}: an action fails with probability {self.failures:g} and takes "
-            f"{SHORTEST_S:g} to {LONGEST_S:g} s, a condition holds with probability {YES:g}"
+            "drawn where no file says more: an action fails with probability "
+            f"{self.failures:g} and takes {SHORTEST_S:g} to {LONGEST_S:g} s, a condition holds "
+            f"with probability {YES:g}"
         )
 
     def fails(self, rng: np.random.Generator) -> bool:

@@ -38,7 +38,7 @@ def read_mocks(path: Path, places: Places) -> MockFile:
     """
     problems = Problems()
     reading = Reading(InstalledCatalogue(), problems)
-    value = read_file(path, shown(path), problems, "mocks")
+    value = read_file(path, shown(path), problems, "file of mocks")
     table = reading.table(value, "a file of mocks") if value is not None else None
     if table is None:
         problems.raise_errors()

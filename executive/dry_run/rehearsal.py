@@ -87,8 +87,9 @@ def rehearse(
         options = DryOptions(chance, file.script, _preset(preset or PresetAnswers()))
         own = folder and (folder / f"seed_{chance.seed}" if len(chances) > 1 else folder)
         result = _run(mission, options, own)
-        broken = file.expectations.broken_by(result)
         name = f"seed {chance.seed}"
+        of_many = f" ({name})" if len(chances) > 1 else ""
+        broken = [f"{line}{of_many}" for line in file.expectations.broken_by(result)]
         done.runs.append(RehearsedRun(name, chance.seed, result, broken))
         done.coverage.add(
             CoveredRun(name, True, result.outcome, result.reason, result.ended_s), result.tally

@@ -19,10 +19,8 @@ print(json.dumps([name for name in json.loads(sys.argv_heavy) if name in sys.mod
 """.replace("sys.argv_heavy", repr(json.dumps(HEAVY)))
 
 
-@pytest.mark.parametrize(
-    "words", [["--help"], ["check", "pick_and_place"], ["check", "relocate"], ["run", "--help"]]
-)
-def test_reading_imports_no_algorithm(words: list[str]) -> None:
+def imported_by(words: list[str]) -> list[str]:
+    """Return the heavy packages that a command imports in a process of its own."""
     done = subprocess.run(
         [sys.executable, "-c", _SCRIPT, json.dumps(words)],
         capture_output=True,
@@ -30,4 +28,16 @@ def test_reading_imports_no_algorithm(words: list[str]) -> None:
         check=True,
         timeout=120,
     )
-    assert json.loads(done.stdout.splitlines()[-1]) == []
+    found: list[str] = json.loads(done.stdout.splitlines()[-1])
+    return found
+
+
+@pytest.mark.parametrize(
+    "words", [["--help"], ["check", "pick_and_place"], ["check", "relocate"], ["run", "--help"]]
+)
+def test_reading_imports_no_algorithm(words: list[str]) -> None:
+    assert imported_by(words) == []
+
+
+def test_a_dry_run_imports_the_nodes_and_no_algorithm() -> None:
+    assert imported_by(["run", "map_site", "--dry", "--runs", "2"]) == ["py_trees"]
