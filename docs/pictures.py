@@ -33,7 +33,7 @@ def site(run_dir: str) -> Path:
 
     from executive.mission.assembly import assemble
     from executive.registry import settings_of
-    from executive.tree.language import Selection
+    from executive.tree.selection import Selection
 
     seed = json.loads((Path(run_dir) / "report.json").read_text(encoding="utf-8"))["seed"]
     robot = Selection("mujoco", settings_of("robot", "mujoco")())

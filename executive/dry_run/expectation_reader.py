@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from executive.dry_run.expectations import Expectations, ExpectedKey, ExpectedNodes
 from executive.dry_run.places import Places
 from executive.errors import did_you_mean
-from executive.tree.language import Computed, Ref
+from executive.tree.key_source import Computed, Ref
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading
 from executive.tree.value import Listing, Table, Value

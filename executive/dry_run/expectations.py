@@ -10,7 +10,7 @@ from executive.dry_run.dry_run import DryResult
 from executive.errors import ConfigError
 from executive.events.event import plain
 from executive.tree.expressions.evaluation import evaluate
-from executive.tree.language import Computed, Literally, Ref, Source
+from executive.tree.key_source import Computed, Literally, Ref, Source
 from executive.tree.problem import Mark
 
 _TOLERANCE = 1e-9  # relative: of a quantity that was given in another unit

@@ -12,7 +12,7 @@ from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
 from executive.machine.machine import Machine, load_machine
 from executive.tree.instances import capability_of, chosen_key
-from executive.tree.language import Selection
+from executive.tree.selection import Selection
 
 # What a mission has chosen, by capability or `capability.name`; picklable, so that a worker can
 # make its own copies.

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from executive.errors import ConfigError, did_you_mean
-from executive.tree.language import Ask, MissionFile
+from executive.tree.language import MissionFile
+from executive.tree.node_kinds import Ask
 
 _TRUTHS = {"yes": True, "no": False}
 

@@ -16,7 +16,7 @@ from executive.machine.machine import Machine, load_machine
 from executive.testing.paced import pace
 from executive.testing.stand_ins import STAND_INS
 from executive.tree.choices import Choices
-from executive.tree.language import Selection
+from executive.tree.selection import Selection
 
 
 @dataclass(frozen=True, slots=True)

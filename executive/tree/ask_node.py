@@ -5,7 +5,7 @@ from py_trees.common import Status
 from executive.events.node import QuestionAnswered
 from executive.leaf.runtime import Question, Runtime
 from executive.tree.expressions.template import filled
-from executive.tree.language import Ask
+from executive.tree.node_kinds import Ask
 from executive.tree.nodes import Controller, Steps
 from executive.tree.wiring import Scope
 

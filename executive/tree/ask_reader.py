@@ -1,7 +1,8 @@
 """Reads the node `ask`: its question, its choices, its default, the key of the answer."""
 
-from executive.tree.language import Ask, Ref
+from executive.tree.key_source import Ref
 from executive.tree.leaf_reader import read_outputs
+from executive.tree.node_kinds import Ask
 from executive.tree.reading import Reading
 from executive.tree.value import Table, Value, describe
 

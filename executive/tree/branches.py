@@ -9,7 +9,7 @@ from py_trees.common import Status
 
 from executive.leaf.runtime import Runtime
 from executive.tree.conditions import Answer
-from executive.tree.language import Source
+from executive.tree.key_source import Source
 from executive.tree.nodes import Controller, Steps, reset_children, stop_child
 from executive.tree.wiring import Scope
 

@@ -23,29 +23,9 @@ from executive.tree.composites import (
     SequenceNode,
 )
 from executive.tree.conditions import Answer, build_condition, condition_text
-from executive.tree.language import (
-    Ask,
-    Branch,
-    Call,
-    CheckKeys,
-    CheckLeaf,
-    Composite,
-    Condition,
-    Consume,
-    ForEach,
-    Group,
-    Kind,
-    Loop,
-    MissionFile,
-    Node,
-    Parallel,
-    RunLeaf,
-    Set,
-    Switch,
-    Turned,
-    Wait,
-)
+from executive.tree.language import MissionFile
 from executive.tree.leaf_nodes import Asked, CheckNode, RunNode
+from executive.tree.leaf_use import Condition
 from executive.tree.modifiers import (
     IfNode,
     OnceNode,
@@ -55,6 +35,26 @@ from executive.tree.modifiers import (
     RetryNode,
     TimeoutNode,
     WhileNode,
+)
+from executive.tree.node_kinds import (
+    Ask,
+    Branch,
+    Call,
+    CheckKeys,
+    CheckLeaf,
+    Composite,
+    Consume,
+    ForEach,
+    Group,
+    Kind,
+    Loop,
+    Node,
+    Parallel,
+    RunLeaf,
+    Set,
+    Switch,
+    Turned,
+    Wait,
 )
 from executive.tree.nodes import TreeNode
 from executive.tree.parallel import ParallelNode

@@ -8,11 +8,11 @@ from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
 from executive.tree.document import read_file
-from executive.tree.language import ON_ERROR, Selection
 from executive.tree.override import apply_override
 from executive.tree.plugin_reader import layered, normal, plugin_of
 from executive.tree.problem import Mark, Problems, one_line
 from executive.tree.reading import Reading
+from executive.tree.selection import ON_ERROR, Selection
 from executive.tree.settings import check_settings
 from executive.tree.sources import shipped_folder
 from executive.tree.value import Listing, Scalar, Table, TableEntry, Value, merged, without

@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 
 from executive.leaf.claims import Part, common
-from executive.tree.language import Call, Node, Parallel, Tree
+from executive.tree.language import Tree
+from executive.tree.node_kinds import Call, Node, Parallel
 from executive.tree.problem import Problems
 from executive.tree.traversal import uses_of
 

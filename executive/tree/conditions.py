@@ -7,8 +7,9 @@ from executive.errors import ConfigError
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.runtime import Runtime
 from executive.tree.expressions.evaluation import evaluate, values_in
-from executive.tree.language import Combined, Computed, Condition, KeyHolds, LeafUse
+from executive.tree.key_source import Computed
 from executive.tree.leaf_nodes import Asked
+from executive.tree.leaf_use import Combined, Condition, KeyHolds, LeafUse
 from executive.tree.wiring import Scope
 
 Answer = Callable[[], Outcome[Any]]

@@ -3,7 +3,8 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from executive.tree.language import Call, Node, Tree
+from executive.tree.language import Tree
+from executive.tree.node_kinds import Call, Node
 from executive.tree.problem import Mark, Problems
 
 # Ticking and halting go down the tree by recursion, a few of Python's 1000 frames a level.

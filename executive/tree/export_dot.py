@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from itertools import count
 
-from executive.tree.language import (
+from executive.tree.language import MissionFile
+from executive.tree.node_kinds import (
     Branch,
     Call,
     CheckKeys,
     CheckLeaf,
     Composite,
-    MissionFile,
     Node,
     Parallel,
     RunLeaf,

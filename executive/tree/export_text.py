@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 
-from executive.tree.language import MissionFile, Node, Tree
+from executive.tree.language import MissionFile, Tree
+from executive.tree.node_kinds import Node
 from executive.tree.outline import headline, labelled, modifier_words, ports
 
 

@@ -6,9 +6,10 @@ from functools import lru_cache
 from executive.errors import ConfigError, did_you_mean
 from executive.faults.description import KINDS, Fault, PluginFault
 from executive.machine.machine import FILE, Machine, load_machine, machine_folder
-from executive.tree.language import Selection, Tree
+from executive.tree.language import Tree
 from executive.tree.override import PlacedSetting
 from executive.tree.reading import Reading
+from executive.tree.selection import Selection
 from executive.tree.settings import check_settings
 from executive.tree.sources import Layer
 from executive.tree.value import Scalar, Table, TableEntry, Value, merged

@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 
 from executive.tree.instances import DEFAULT, Instances, Uses
-from executive.tree.language import Call, LeafUse, Tree
+from executive.tree.language import Tree
+from executive.tree.leaf_use import LeafUse
+from executive.tree.node_kinds import Call
 from executive.tree.problem import Problems
 from executive.tree.traversal import uses_of
 

@@ -14,7 +14,7 @@ from executive.leaf.memory import Recalled
 from executive.leaf.outcome import Outcome, succeeded
 from executive.leaf.port import written_by
 from executive.leaf.runtime import MissionFaultError, Runtime
-from executive.tree.language import LeafUse
+from executive.tree.leaf_use import LeafUse
 from executive.tree.nodes import TreeNode
 from executive.tree.orders import Order, refusal
 from executive.tree.taking_up import taken_up

@@ -13,17 +13,8 @@ from executive.leaf.action import Condition as ConditionLeaf
 from executive.leaf.port import Port
 from executive.tree.expressions.syntax import Truth
 from executive.tree.instances import USE, read_uses
-from executive.tree.language import (
-    Combined,
-    Computed,
-    Condition,
-    KeyHolds,
-    KeySource,
-    LeafUse,
-    Parameters,
-    Ref,
-    Source,
-)
+from executive.tree.key_source import Computed, KeySource, Ref, Source
+from executive.tree.leaf_use import Combined, Condition, KeyHolds, LeafUse, Parameters
 from executive.tree.problem import Mark
 from executive.tree.reading import PlacedSettings, Reading, is_text, place_of
 from executive.tree.region_reader import check_region_names

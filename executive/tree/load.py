@@ -12,7 +12,9 @@ from executive.tree.expansion import check_expansion
 from executive.tree.fault_reader import SECTIONS, head, read_faults_and_watch
 from executive.tree.instance_check import InstanceCheck
 from executive.tree.instances import instances_of
-from executive.tree.language import LeafUse, LoopSettings, MissionFile, Tree
+from executive.tree.language import MissionFile, Tree
+from executive.tree.leaf_use import LeafUse
+from executive.tree.loop_settings import LoopSettings
 from executive.tree.machine_check import check_machine
 from executive.tree.override import Override, PlacedSetting, apply_override, placed_setting
 from executive.tree.plugin_reader import PluginReader, layered

@@ -13,9 +13,9 @@ from executive.machine.machine import (
     machine_file,
 )
 from executive.tree.document import read_file
-from executive.tree.language import Selection
 from executive.tree.problem import Mark, Problems
 from executive.tree.reading import Reading
+from executive.tree.selection import Selection
 from executive.tree.settings import placed
 from executive.tree.sources import shown
 from executive.tree.value import Table

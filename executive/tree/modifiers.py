@@ -16,7 +16,7 @@ from executive.events.node import (
 )
 from executive.leaf.runtime import MissionFaultError, Runtime
 from executive.tree.conditions import Answer
-from executive.tree.language import Attempts
+from executive.tree.node_kinds import Attempts
 from executive.tree.nodes import Controller, Steps
 from executive.tree.rounds import Rounds
 

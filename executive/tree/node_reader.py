@@ -7,7 +7,11 @@ from executive.errors import did_you_mean
 from executive.tree.ask_reader import read_ask
 from executive.tree.expressions.syntax import Truth
 from executive.tree.instances import USE, read_uses
-from executive.tree.language import (
+from executive.tree.key_source import Computed, Literally, Ref, Source, Template
+from executive.tree.language import TypeName
+from executive.tree.leaf_reader import LEAF_KEYS, LeafReader, check_port, read_outputs
+from executive.tree.leaf_use import KeyHolds
+from executive.tree.node_kinds import (
     UNREADABLE,
     Attempts,
     Branch,
@@ -15,28 +19,20 @@ from executive.tree.language import (
     CheckKeys,
     CheckLeaf,
     Composite,
-    Computed,
     Consume,
     ForEach,
     Group,
-    KeyHolds,
     Kind,
-    Literally,
     Loop,
     Modifiers,
     Node,
     Parallel,
-    Ref,
     RunLeaf,
     Set,
-    Source,
     Switch,
-    Template,
     Turned,
-    TypeName,
     Wait,
 )
-from executive.tree.leaf_reader import LEAF_KEYS, LeafReader, check_port, read_outputs
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading, is_text, place_of
 from executive.tree.traversal import is_instant

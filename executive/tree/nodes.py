@@ -46,7 +46,7 @@ class TreeNode(Behaviour):  # type: ignore[misc]
 
     status: Status
     is_repeated = False
-    described: Any = None  # as `tree.language` describes it; None of a modifier
+    described: Any = None  # as `tree.node_kinds` describes it; None of a modifier
     title: Callable[[], str] | None = None  # gives the name when the node begins
     is_journalled = True  # modifiers are journalled only when they change something
     is_skipped = False

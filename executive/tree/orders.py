@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from executive.tree.language import LeafUse
+from executive.tree.leaf_use import LeafUse
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from executive.tree.conditions import condition_text
-from executive.tree.language import (
+from executive.tree.key_source import Source
+from executive.tree.node_kinds import (
     Ask,
     Branch,
     Call,
@@ -17,7 +18,6 @@ from executive.tree.language import (
     Parallel,
     RunLeaf,
     Set,
-    Source,
     Switch,
     Wait,
 )

@@ -6,7 +6,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from executive.leaf.runtime import Runtime
-from executive.tree.language import Parallel
+from executive.tree.node_kinds import Parallel
 from executive.tree.nodes import Controller, Steps, reset_children
 
 

@@ -18,10 +18,11 @@ from executive.tree.instances import (
     key_of,
     read_uses,
 )
-from executive.tree.language import ON_ERROR, ON_ERROR_WORDS, LeafUse, Selection
+from executive.tree.leaf_use import LeafUse
 from executive.tree.machine_check import Written
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading
+from executive.tree.selection import ON_ERROR, ON_ERROR_WORDS, Selection
 from executive.tree.settings import check_settings
 from executive.tree.value import Listing, Scalar, Table, TableEntry, Value, merged, without
 

@@ -13,7 +13,7 @@ from executive.tree.expressions.parser import is_quantity, parse
 from executive.tree.expressions.syntax import Key
 from executive.tree.expressions.template import split_template
 from executive.tree.expressions.tokens import ExpressionError
-from executive.tree.language import Computed, Literally, Ref, Source, Template
+from executive.tree.key_source import Computed, Literally, Ref, Source, Template
 from executive.tree.place import Place
 from executive.tree.problem import Mark, Problems
 from executive.tree.value import Broken, Listing, Scalar, Table, Value, describe, has_broken, plain

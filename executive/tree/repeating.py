@@ -16,7 +16,7 @@ from py_trees.common import Status
 from executive.errors import ConfigError
 from executive.leaf.runtime import Runtime
 from executive.tree.conditions import Answer
-from executive.tree.language import Consume, ForEach, Loop
+from executive.tree.node_kinds import Consume, ForEach, Loop
 from executive.tree.nodes import Controller, Steps, stop_child
 from executive.tree.rounds import Rounds
 from executive.tree.wiring import Scope

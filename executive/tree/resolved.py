@@ -9,8 +9,10 @@ from executive.config import Settings
 from executive.registry import is_plural
 from executive.tree.expressions.syntax import Truth
 from executive.tree.instances import USE
-from executive.tree.language import (
-    ON_ERROR,
+from executive.tree.key_source import Computed, Literally, Ref, Source
+from executive.tree.language import MissionFile, Tree, TypeName
+from executive.tree.leaf_use import Condition, KeyHolds, LeafUse
+from executive.tree.node_kinds import (
     Ask,
     Attempts,
     Branch,
@@ -18,32 +20,22 @@ from executive.tree.language import (
     CheckKeys,
     CheckLeaf,
     Composite,
-    Computed,
-    Condition,
     Consume,
     ForEach,
     Group,
-    KeyHolds,
     Kind,
-    LeafUse,
-    Literally,
     Loop,
-    MissionFile,
     Modifiers,
     Node,
     Parallel,
-    Ref,
     RunLeaf,
-    Selection,
     Set,
-    Source,
     Switch,
-    Tree,
     Turned,
-    TypeName,
     Wait,
 )
 from executive.tree.scalar import SurpriseError, resolve
+from executive.tree.selection import ON_ERROR, Selection
 from executive.tree.settings import settings_dump
 from executive.tree.sources import API
 

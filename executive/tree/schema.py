@@ -15,8 +15,9 @@ from executive.leaf.action import Action, Leaf
 from executive.registry import is_plural
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
 from executive.tree.instances import SINGLE, USE
-from executive.tree.language import ON_ERROR, ON_ERROR_WORDS, LoopSettings
+from executive.tree.loop_settings import LoopSettings
 from executive.tree.region_reader import RegionShape
+from executive.tree.selection import ON_ERROR, ON_ERROR_WORDS
 from executive.tree.sources import API
 from executive.watch.rules import (
     EFFORT,

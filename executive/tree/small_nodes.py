@@ -8,8 +8,9 @@ from py_trees.common import Status
 
 from executive.leaf.runtime import Runtime
 from executive.leaf.store import Store
-from executive.tree.language import Call, Literally, Ref, Source
+from executive.tree.key_source import Literally, Ref, Source
 from executive.tree.modifiers import EPSILON_S
+from executive.tree.node_kinds import Call
 from executive.tree.nodes import Controller, Steps
 from executive.tree.wiring import Scope
 

@@ -2,23 +2,21 @@
 
 from collections.abc import Iterator, Mapping
 
-from executive.tree.language import (
+from executive.tree.language import Tree
+from executive.tree.leaf_use import Combined, Condition, LeafUse
+from executive.tree.node_kinds import (
     Branch,
     Call,
     CheckKeys,
     CheckLeaf,
-    Combined,
     Composite,
-    Condition,
     Group,
-    LeafUse,
     Loop,
     Node,
     Parallel,
     RunLeaf,
     Set,
     Switch,
-    Tree,
     Turned,
 )
 

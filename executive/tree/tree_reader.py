@@ -4,7 +4,8 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from executive.tree.language import Call, Node, Tree, TypeName
+from executive.tree.language import Tree, TypeName
+from executive.tree.node_kinds import Call, Node
 from executive.tree.node_reader import NodeReader, Ports
 from executive.tree.port_types import is_type_name
 from executive.tree.problem import Mark

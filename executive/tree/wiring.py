@@ -11,7 +11,8 @@ from executive.leaf.port import written_by
 from executive.leaf.store import Store
 from executive.tree.expressions.evaluation import evaluate
 from executive.tree.expressions.template import filled
-from executive.tree.language import Computed, LeafUse, Ref, Source, Template
+from executive.tree.key_source import Computed, Ref, Source, Template
+from executive.tree.leaf_use import LeafUse
 from executive.tree.port_types import holds, type_name
 from executive.tree.settings import computed_settings
 

@@ -26,17 +26,11 @@ from executive.messages.cloud import Cloud
 from executive.messages.joints import JointSample
 from executive.messages.segment import Segment
 from executive.tree.build import build_tree, halt
-from executive.tree.language import (
-    CheckLeaf,
-    LeafUse,
-    LoopSettings,
-    MissionFile,
-    Modifiers,
-    Node,
-    Ref,
-    RunLeaf,
-    Tree,
-)
+from executive.tree.key_source import Ref
+from executive.tree.language import MissionFile, Tree
+from executive.tree.leaf_use import LeafUse
+from executive.tree.loop_settings import LoopSettings
+from executive.tree.node_kinds import CheckLeaf, Modifiers, Node, RunLeaf
 from executive.tree.problem import Mark
 
 TICK_S = 0.05

@@ -11,12 +11,13 @@ from executive.campaign.description.cells import Cell
 from executive.campaign.description.mission_arguments import MissionArguments
 from executive.campaign.description.paths import Paths, Place, part_at, relative_paths
 from executive.errors import did_you_mean
-from executive.tree.language import MissionFile, Selection
+from executive.tree.language import MissionFile
 from executive.tree.load import load_mission
 from executive.tree.override import LOOP, PlacedSetting
 from executive.tree.problem import Mark, MissionFileError
 from executive.tree.reading import Reading
 from executive.tree.resolved import resolved_yaml
+from executive.tree.selection import Selection
 from executive.tree.sources import shipped_names
 from executive.tree.value import Scalar, Table, Value
 

@@ -14,7 +14,7 @@ from executive.mission.jobs.limits import Limits
 from executive.mission.jobs.process_runner import ProcessRunner
 from executive.mission.jobs.runner import InlineRunner, Runner
 from executive.mission.jobs.thread_runner import ThreadRunner
-from executive.tree.language import LoopSettings
+from executive.tree.loop_settings import LoopSettings
 
 
 @dataclass(frozen=True, slots=True)

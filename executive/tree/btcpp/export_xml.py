@@ -26,7 +26,10 @@ from executive.tree.btcpp.names import (
 from executive.tree.btcpp.node_model import node_models
 from executive.tree.btcpp.script import assignment, condition_script, set_script
 from executive.tree.expressions.syntax import Truth
-from executive.tree.language import (
+from executive.tree.key_source import Computed, Ref, Source
+from executive.tree.language import MissionFile
+from executive.tree.leaf_use import Condition, KeyHolds, LeafUse
+from executive.tree.node_kinds import (
     Ask,
     Attempts,
     Branch,
@@ -34,23 +37,16 @@ from executive.tree.language import (
     CheckKeys,
     CheckLeaf,
     Composite,
-    Computed,
-    Condition,
     Consume,
     ForEach,
     Group,
-    KeyHolds,
     Kind,
-    LeafUse,
     Loop,
-    MissionFile,
     Modifiers,
     Node,
     Parallel,
-    Ref,
     RunLeaf,
     Set,
-    Source,
     Switch,
     Turned,
     Wait,

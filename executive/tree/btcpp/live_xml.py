@@ -15,7 +15,7 @@ from executive.tree.btcpp.export_xml import TreeWriter
 from executive.tree.btcpp.names import leaf_tag, tree_id
 from executive.tree.btcpp.node_model import node_models
 from executive.tree.conditions import condition_text
-from executive.tree.language import Branch, Call, CheckKeys, Group, Kind, MissionFile, Set, Switch
+from executive.tree.language import MissionFile
 from executive.tree.modifiers import (
     IfNode,
     OnceNode,
@@ -26,6 +26,7 @@ from executive.tree.modifiers import (
     TimeoutNode,
     WhileNode,
 )
+from executive.tree.node_kinds import Branch, Call, CheckKeys, Group, Kind, Set, Switch
 from executive.tree.small_nodes import CallNode
 from executive.tree.traversal import uses_of
 

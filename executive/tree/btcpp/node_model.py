@@ -6,7 +6,9 @@ from xml.etree.ElementTree import Element, SubElement
 
 from executive.leaf.action import Action
 from executive.tree.btcpp.names import OWN, USES, attribute, leaf_tag
-from executive.tree.language import Call, LeafUse, MissionFile, Tree
+from executive.tree.language import MissionFile, Tree
+from executive.tree.leaf_use import LeafUse
+from executive.tree.node_kinds import Call
 from executive.tree.port_types import type_name
 from executive.tree.traversal import uses_of
 

@@ -17,7 +17,8 @@ from executive.tree.expressions.syntax import (
     Truth,
     Unary,
 )
-from executive.tree.language import Computed, Literally, Ref, Set, Source
+from executive.tree.key_source import Computed, Literally, Ref, Source
+from executive.tree.node_kinds import Set
 
 _OPERATORS = {"and": "&&", "or": "||"}
 _NO_OPERATORS = ("in", "not in")

@@ -14,7 +14,9 @@ from executive.tree.dataflow.keys import ANYTHING, TEXT, UNKNOWN, Keys, Types
 from executive.tree.dataflow.wires import Wires, mark_of, shown_source
 from executive.tree.expressions.dimension import PLAIN
 from executive.tree.expressions.kinds import bare, dimension_of, known_value, number
-from executive.tree.language import (
+from executive.tree.key_source import Ref
+from executive.tree.language import Tree
+from executive.tree.node_kinds import (
     UNREADABLE,
     Ask,
     Branch,
@@ -28,10 +30,8 @@ from executive.tree.language import (
     Loop,
     Node,
     Parallel,
-    Ref,
     Set,
     Switch,
-    Tree,
     Turned,
 )
 from executive.tree.port_types import fits_name, item_type, names

@@ -10,17 +10,8 @@ from executive.tree.expressions.evaluation import evaluate
 from executive.tree.expressions.functions import shown
 from executive.tree.expressions.kinds import Known, known_value, measured
 from executive.tree.expressions.syntax import Key, Number, keys_of
-from executive.tree.language import (
-    Combined,
-    Computed,
-    Condition,
-    KeyHolds,
-    LeafUse,
-    Literally,
-    Ref,
-    Source,
-    Template,
-)
+from executive.tree.key_source import Computed, Literally, Ref, Source, Template
+from executive.tree.leaf_use import Combined, Condition, KeyHolds, LeafUse
 from executive.tree.place import Place
 from executive.tree.port_types import fits, names, type_name, type_of
 from executive.tree.problem import Mark, Problems

@@ -23,7 +23,7 @@ from executive.mission.jobs.runner import InlineRunner
 from executive.mission.jobs.thread_runner import ThreadRunner
 from executive.supervision.beacon import beacon
 from executive.supervision.supervisor import supervised
-from executive.tree.language import Selection
+from executive.tree.selection import Selection
 
 FAULTY = Path(__file__).parents[2] / "mission" / "jobs" / "faulty"
 LIMITS = Limits(factor=1.0, least_s=0.5, start_s=60.0, memory_bytes=300_000_000)

@@ -18,7 +18,7 @@ from executive.mission.jobs.runner import InlineRunner, Task
 from executive.mission.jobs.thread_runner import ThreadRunner
 from executive.mission.jobs.worker import Worker
 from executive.registry import load, settings_of
-from executive.tree.language import Selection
+from executive.tree.selection import Selection
 
 
 class Calculator(Plugin):

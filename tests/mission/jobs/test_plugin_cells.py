@@ -18,7 +18,7 @@ from executive.mission.jobs.limits import Limits
 from executive.mission.jobs.process_runner import ProcessRunner
 from executive.mission.jobs.runner import InlineRunner
 from executive.mission.jobs.thread_runner import ThreadRunner
-from executive.tree.language import Selection
+from executive.tree.selection import Selection
 
 LIMITS = Limits(factor=1.0, least_s=0.4, start_s=60.0, memory_bytes=300_000_000)
 CAPABILITIES = (
