@@ -4,9 +4,10 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from executive.tree.call_reader import Ports
 from executive.tree.language import Tree, TypeName
 from executive.tree.node_kinds import Call, Node
-from executive.tree.node_reader import NodeReader, Ports
+from executive.tree.node_reader import NodeReader
 from executive.tree.port_types import is_type_name
 from executive.tree.problem import Mark
 from executive.tree.reading import Reading

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from executive.commands.main import main
-from executive.tree.node_reader import KINDS, MODIFIERS
+from executive.tree.kind_keys import KINDS, MODIFIERS
 
 
 @pytest.fixture

@@ -12,8 +12,8 @@ import pytest
 
 from executive.commands.main import main
 from executive.tree.catalogue import InstalledCatalogue
+from executive.tree.kind_keys import KINDS, MODIFIERS
 from executive.tree.load import load_mission
-from executive.tree.node_reader import KINDS, MODIFIERS
 
 PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "write_a_tree.md").read_text(
     encoding="utf-8"

@@ -14,7 +14,8 @@ from executive.leaf.outcome import succeeded
 from executive.messages.region import Region
 from executive.tree.catalogue import InstalledCatalogue
 from executive.tree.document import read_file
-from executive.tree.node_reader import KINDS, MODIFIERS, NodeReader
+from executive.tree.kind_keys import KINDS, MODIFIERS
+from executive.tree.node_reader import NodeReader
 from executive.tree.problem import Problems
 from executive.tree.reading import Reading
 from executive.tree.words.leaf_word import leaf_word

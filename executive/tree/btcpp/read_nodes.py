@@ -23,7 +23,7 @@ from executive.tree.btcpp.read_leaf import LeafImporter, literal, unwrapped
 from executive.tree.btcpp.read_script import ScriptError
 from executive.tree.btcpp.scripted import with_scripts
 from executive.tree.btcpp.wrapping import ALWAYS, LEFT_OUT, NEVER, Data, is_outermost, wrapped
-from executive.tree.node_reader import SKIP
+from executive.tree.kind_keys import SKIP
 from executive.tree.problem import Problems
 
 _KINDS = {tag: kind for kind, tag in (*COMPOSITES.items(), *TURNED.items())}

@@ -4,7 +4,7 @@ from executive.tree.btcpp.attributes import SCRIPTS, CannotSayError, asked, assi
 from executive.tree.btcpp.elements import XmlElement
 from executive.tree.btcpp.names import LEFT_OUT as ALWAYS_SKIPPED
 from executive.tree.btcpp.wrapping import ALWAYS, LEFT_OUT, NEVER, Data, may_be_left_out, wrapped
-from executive.tree.node_reader import SKIP
+from executive.tree.kind_keys import SKIP
 
 
 def with_scripts(element: XmlElement, node: Data) -> Data:

@@ -5,10 +5,11 @@ from typing import Annotated, Any
 from executive.errors import did_you_mean
 from executive.leaf.store import Store
 from executive.tree.dataflow.keys import ANYTHING, UNKNOWN, Keys, Types
-from executive.tree.expressions.checking import Typing, asked_for
+from executive.tree.expressions.checking import Typing
 from executive.tree.expressions.evaluation import evaluate
 from executive.tree.expressions.functions import shown
 from executive.tree.expressions.kinds import Known, known_value, measured
+from executive.tree.expressions.presence import asked_for
 from executive.tree.expressions.syntax import Key, Number, keys_of
 from executive.tree.key_source import Computed, Literally, Ref, Source, Template
 from executive.tree.leaf_use import Combined, Condition, KeyHolds, LeafUse

@@ -10,24 +10,22 @@ from itertools import product
 from typing import Any
 
 from executive.errors import did_you_mean
-from executive.tree.expressions.dimension import Dimension, unit_dimension
+from executive.tree.expressions.dimension import unit_dimension
 from executive.tree.expressions.functions import RULES, RefusedError, shown
 from executive.tree.expressions.kinds import (
     COUNT,
     bare,
-    clash,
-    dimension_of,
     field_name,
     fields_of,
-    is_written,
     item_of,
     members,
     number,
     sort_of,
     written,
 )
+from executive.tree.expressions.operators import is_of, operation_type
+from executive.tree.expressions.presence import asked_for
 from executive.tree.expressions.syntax import (
-    COMPARISONS,
     Binary,
     Expression,
     Field,
@@ -140,7 +138,7 @@ class Typing:
             wanted = {"mapping": ("text",), "unknown": ("number", "text")}.get(
                 sort_of(kind), ("number",)
             )
-            if sort_of(kind) in ("list", "array", "mapping", "unknown") and _is(by, wanted):
+            if sort_of(kind) in ("list", "array", "mapping", "unknown") and is_of(by, wanted):
                 results.add(Any if sort_of(kind) == "unknown" else item_of(kind))
         if found and index and not results:
             self._fail(one.at, f"{_names(found)} has no item [{_names(index)}]")
@@ -158,7 +156,7 @@ class Typing:
 
     def _truth(self, one: Expression, what: str) -> Types:
         found = self._there(one)
-        if found and not any(_is(kind, ("truth",)) for kind in found):
+        if found and not any(is_of(kind, ("truth",)) for kind in found):
             self._fail(one.at, f"{what} needs true or false, and {one} is {_names(found)}")
             return NOTHING
         return frozenset({bool}) if found else NOTHING
@@ -167,7 +165,7 @@ class Typing:
         if one.op == "not":
             return self._truth(one.of, "'not'")
         found = self._there(one.of)
-        kept = frozenset(kind for kind in found if _is(kind, ("number",)))
+        kept = frozenset(kind for kind in found if is_of(kind, ("number",)))
         if found and not kept:
             self._fail(one.at, f"'-' needs a number, and {one.of} is {_names(found)}")
         return kept
@@ -179,7 +177,7 @@ class Typing:
         results, refusal = set(), ""
         for pair in product(left, right):
             try:
-                results.add(_operation(one.op, *pair))
+                results.add(operation_type(one.op, *pair))
             except RefusedError as error:
                 refusal = refusal or str(error)
         if refusal and not results:
@@ -265,116 +263,6 @@ class Typing:
         kept = items if one.name == "only" else body
         listed: Any = list[typing.Union[tuple(kept)]]  # type: ignore[misc]  # noqa: UP007
         return frozenset({{"any": bool, "all": bool, "count": COUNT}.get(one.name, listed)})
-
-
-def asked_for(one: Expression, is_true: bool) -> frozenset[str]:
-    """Return what is there if a condition is true, or if it is false: `has({x})` for one."""
-    if isinstance(one, Function) and one.name == "has" and is_true:
-        found, part = set(), one.arguments[0] if one.arguments else None
-        while part is not None:
-            found.add(str(part))
-            part = part.of if isinstance(part, Field | Index) else None
-        return frozenset(found)
-    if isinstance(one, Unary) and one.op == "not":
-        return asked_for(one.of, not is_true)
-    if isinstance(one, Binary) and one.op == ("and" if is_true else "or"):
-        return asked_for(one.left, is_true) | asked_for(one.right, is_true)
-    return frozenset()
-
-
-def _operation(op: str, left: Any, right: Any) -> Any:
-    if op in ("in", "not in"):
-        return _contained(left, right)
-    if op in ("==", "!="):
-        return _compared(op, left, right, equal=True)
-    if op in COMPARISONS:
-        return _compared(op, left, right, equal=False)
-    return _computed(op, left, right)
-
-
-def _contained(left: Any, right: Any) -> Any:
-    if not _is(right, ("list", "text", "mapping")):
-        raise RefusedError(f"'in' needs a list or a text on its right, not {shown(right)}")
-    if sort_of(right) == "list":
-        for one in members(item_of(right)):
-            try:
-                return _compared("==", left, one, equal=True)
-            except RefusedError as error:
-                refusal = error
-        raise refusal
-    if not _is(left, ("text", "choice")):
-        raise RefusedError(f"{shown(left)} cannot be in {shown(right)}")
-    return bool
-
-
-def _compared(op: str, left: Any, right: Any, *, equal: bool) -> Any:
-    sorts = {sort_of(left), sort_of(right)}
-    if "unknown" in sorts:
-        return bool
-    if sorts == {"number"}:
-        _same_dimension("compare", left, right)
-        return bool
-    if sorts == {"text"} or (equal and sorts in ({"truth"}, {"list"})):
-        return bool
-    if equal and "choice" in sorts and sorts <= {"choice", "text"}:
-        _check_choice(left, right)
-        return bool
-    cure = "" if equal or len(sorts) > 1 else "; only numbers and texts have an order"
-    raise RefusedError(f"'{op}' cannot compare {shown(left)} and {shown(right)}{cure}")
-
-
-def _check_choice(left: Any, right: Any) -> None:
-    choice, other = (left, right) if sort_of(left) == "choice" else (right, left)
-    if typing.get_origin(other) is typing.Literal:
-        word, known = typing.get_args(other)[0], [str(one.value) for one in bare(choice)]
-        if word not in known:
-            near = did_you_mean(word, known)
-            raise RefusedError(f"{shown(choice)} is never '{word}'{near or _list(known)}")
-    elif sort_of(other) == "choice" and bare(other) is not bare(choice):
-        raise RefusedError(f"{shown(left)} is never equal to {shown(right)}")
-
-
-def _list(known: list[str]) -> str:
-    return f"; it is one of {', '.join(known)}"
-
-
-def _computed(op: str, left: Any, right: Any) -> Any:
-    sorts = {sort_of(left), sort_of(right)}
-    if "unknown" in sorts:
-        return Any
-    if op == "+" and sorts == {"text"}:
-        return str
-    if op == "+" and sorts == {"list"}:
-        return list[typing.Union[item_of(left), item_of(right)]]  # type: ignore[misc]  # noqa: UP007
-    if sorts != {"number"}:
-        cure = "; join texts with text(…, …)" if op == "+" and "text" in sorts else ""
-        raise RefusedError(f"'{op}' needs two numbers, not {shown(left)} and {shown(right)}{cure}")
-    is_whole = op != "/" and bare(left) is bare(right) is int
-    if is_written(left) and is_written(right):
-        return written(int if is_whole else float)
-    return number(_dimension(op, left, right), int if is_whole else float)
-
-
-def _dimension(op: str, left: Any, right: Any) -> Dimension | None:
-    one, other = dimension_of(left), dimension_of(right)
-    if op in ("+", "-"):
-        _same_dimension({"+": "add", "-": "subtract"}[op], left, right)
-        if one is None or (one.is_plain and other is not None):
-            return other if other is None or not other.is_plain else one
-        return one
-    if one is None or other is None:
-        return None
-    return one * other if op == "*" else one / other
-
-
-def _same_dimension(verb: str, left: Any, right: Any) -> None:
-    cure = clash(left, right)
-    if cure:
-        raise RefusedError(f"cannot {verb} {shown(left)} and {shown(right)}; {cure}")
-
-
-def _is(kind: Any, sorts: tuple[str, ...]) -> bool:
-    return sort_of(kind) in (*sorts, "unknown")
 
 
 def _split(found: Types) -> Types:

@@ -4,7 +4,7 @@
 
 from dataclasses import dataclass
 
-from executive.tree.node_reader import KINDS, MODIFIERS
+from executive.tree.kind_keys import KINDS, MODIFIERS
 from executive.tree.words.word import Word
 
 
