@@ -63,7 +63,8 @@ class Options:
     choices: tuple[str, ...] = ()
     attended: bool = False
     pause_on_failure: bool = False
-    groot: int | None = None  # port
+    groot: int | None = None  # port of 127.0.0.1
+    live: int | None = None  # port of 127.0.0.1
 
     @property
     def kept(self) -> KeptOptions:
@@ -153,17 +154,25 @@ class Run:
             heartbeat_limit_s=description.loop.heartbeat_limit if options.real_time else 0.0,
             late_ticks=description.loop.late_ticks,
         )
+        self._tell: Callable[[str], None] = lambda text: None
         self._mission: Mission | None = None
         self._is_closed = False
         self._begun_cpu_s = 0.0
 
-    def execute(self, after_tick: Callable[[Mission], None]) -> Result:
+    def execute(
+        self, after_tick: Callable[[Mission], None], tell: Callable[[str], None] = lambda text: None
+    ) -> Result:
         """Run to the end and write the report.
+
+        Args:
+            after_tick: Called after each tick.
+            tell: Called with what a person should know before the mission begins.
 
         Raises:
             ConfigError: If a plugin cannot start with its settings; nothing has moved then.
             DataError: If a file that a plugin needs is missing or wrong; nothing has moved then.
         """
+        self._tell = tell
         started_s, self._begun_cpu_s = wall_s(), cpu_s()
         beacon().name(
             run_dir=str(self.folder.path.absolute()),
@@ -258,8 +267,12 @@ class Run:
         plugins = self._assembly.plugins
         if "objects" in plugins:
             plugins["objects"].open(str(self.folder.objects))
-        if "viewing" in plugins:
+        if self._options.record and "viewing" in plugins:
             plugins["viewing"].open(str(self.folder.recording))
+        if self._options.live is not None:
+            self._tell(
+                f"the mission is shown in {plugins['viewing'].show_live(self._options.live)}"
+            )
         self._setup.jobs.prepare()
 
     def _close(self) -> None:
@@ -394,9 +407,14 @@ def model_of(description: MissionFile) -> str:
 
 
 def _selections(description: MissionFile, options: Options) -> Selections:
-    """Leave out the viewer unless there is to be a recording."""
+    """Leave out the viewer unless something is to be seen.
+
+    Raises:
+        ConfigError: If it is to be seen live, and the mission selects no viewer.
+    """
+    if options.live is not None and "viewing" not in description.plugins:
+        raise ConfigError("--live: the mission selects no viewer; add --set viewing.plugin=rerun")
+    is_seen = options.record or options.live is not None
     return {
-        name: chosen
-        for name, chosen in description.plugins.items()
-        if name != "viewing" or options.record
+        name: chosen for name, chosen in description.plugins.items() if name != "viewing" or is_seen
     }

@@ -1,47 +1,74 @@
-"""A recording for the rerun viewer: what is shown of a mission, written to one file."""
+"""A recording for the rerun viewer: what is shown of a mission, in a file or in a viewer."""
 
+import logging
+import threading
 from collections.abc import Mapping
+from datetime import timedelta
 
 import rerun as rr
 from executive_plugins.viewing.layout import TIMELINE, layout
 from executive_plugins.viewing.machine_drawing import MachineDrawing
 from executive_plugins.viewing.message_drawing import draw, draw_tree
+from executive_plugins.viewing.settings import RerunSettings
 
 from executive.machine.machine import Machine
 from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
 
+_CLOSING_S = 5.0  # for a viewer to take what is left; one that hangs never does
+
 
 class Recording:
-    """A file that is being written; it ends with `close`."""
+    """What is being recorded, to one file or viewer; it ends with `close`."""
 
     def __init__(
-        self, path: str, machine: Machine, machine_period_s: float, max_points: int
+        self,
+        sink: rr.FileSink | rr.GrpcSink,
+        machine: Machine,
+        settings: RerunSettings,
+        batch_s: float,
     ) -> None:
         """Begin a recording with its layout.
 
         Args:
-            path: The file.
+            sink: Where it goes.
             machine: The machine that is drawn.
-            machine_period_s: Time between two drawings of the machine [s].
-            max_points: Largest number of points drawn of one cloud.
+            settings: How densely.
+            batch_s: How long rows are gathered before they go there together, on the wall [s].
         """
         self._machine = machine
-        self._machine_period_s = machine_period_s
-        self._max_points = max_points
+        self._machine_period_s = settings.machine_period_s
+        self._max_points = settings.max_points
         self._drawn_s = -float("inf")
         self._states: dict[str, object] = {}
-        self._stream = rr.RecordingStream("executive", send_properties=False)
-        self._stream.save(path, default_blueprint=layout())
+        self._is_live = isinstance(sink, rr.GrpcSink)
+        batches = rr.ChunkBatcherConfig.DEFAULT()
+        batches.flush_tick = timedelta(seconds=batch_s)
+        self._stream = rr.RecordingStream(
+            "executive", send_properties=False, batcher_config=batches
+        )
+        self._stream.set_sinks(sink, default_blueprint=layout())
         self._stream.set_log_time_enabled(False)
         self._stream.set_log_tick_enabled(False)
         self._stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
         self._drawing = MachineDrawing(machine, self._stream)
 
     def close(self) -> None:
-        """Write what is left and end the file."""
-        self._stream.flush()
-        self._stream.disconnect()
+        """Hand over what is left, and end.
+
+        A viewer that takes nothing any more is left alone: rerun would wait for it without end.
+        """
+        if not self._is_live:
+            self._stream.flush()
+            self._stream.disconnect()
+            return
+        ending = threading.Thread(target=self._stream.disconnect, name="rerun", daemon=True)
+        ending.start()
+        ending.join(_CLOSING_S)
+        if ending.is_alive():
+            rr.unregister_shutdown()  # else this process would wait for the viewer at its end
+            told = "the rerun viewer took nothing for %g s: it does not show the end of the mission"
+            logging.getLogger(__name__).warning(told, _CLOSING_S)
 
     def show(self, stamp_s: float, entity: str, value: object) -> None:
         """Write a message at a time [s]."""

@@ -1,4 +1,4 @@
-"""Recording of a mission for the rerun viewer, in one file that can be scrubbed in time."""
+"""Recording of a mission for the rerun viewer, in a file that can be scrubbed in time, or live."""
 
 from typing import TYPE_CHECKING
 
@@ -8,15 +8,16 @@ from executive.interfaces.viewing import Viewer
 from executive.machine.machine import Machine
 
 if TYPE_CHECKING:
+    from executive_plugins.viewing.live_viewer import LiveViewer
     from executive_plugins.viewing.recording import Recording
 
 
 class RerunViewer(Viewer):
-    """Writes a recording with its own layout; it opens no window, no port and no connection.
+    """Writes a recording with its own layout, shows it live, or both.
 
     Entities: `world/…` is in the map, `survey/…` are clouds in frames of their own, `tree` and
     `states/…` show the tree, `plots/…` scalars, `log/…` messages. The timeline is `mission`, in
-    seconds.
+    seconds. Only `show_live` opens a port, and that of this computer alone.
     """
 
     Settings = RerunSettings
@@ -24,21 +25,37 @@ class RerunViewer(Viewer):
     def __init__(self, settings: RerunSettings, machine: Machine) -> None:
         self._settings = settings
         self._machine = machine
-        self._recording: Recording | None = None
+        self._recordings: list[Recording] = []
+        self._viewer: LiveViewer | None = None
 
     def open(self, path: str) -> None:
         # The library is an extra and takes a second to import: missions without a recording do
         # without it.
+        import rerun as rr
         from executive_plugins.viewing.recording import Recording
 
         s = self._settings
-        self._recording = Recording(path, self._machine, s.machine_period_s, s.max_points)
+        self._recordings.append(Recording(rr.FileSink(path), self._machine, s, s.batch_period_s))
+
+    def show_live(self, port: int) -> str:
+        import rerun as rr
+        from executive_plugins.viewing.live_viewer import LiveViewer
+        from executive_plugins.viewing.recording import Recording
+
+        s = self._settings
+        self._viewer = LiveViewer(port)
+        self._recordings.append(
+            Recording(rr.GrpcSink(self._viewer.url), self._machine, s, s.live_period_s)
+        )
+        return self._viewer.place
 
     def close(self) -> None:
-        if self._recording is not None:
-            self._recording.close()
-            self._recording = None
+        while self._recordings:
+            self._recordings.pop().close()
+        if self._viewer is not None:
+            self._viewer.close()
+            self._viewer = None
 
     def show(self, stamp_s: float, entity: str, value: object) -> None:
-        if self._recording is not None:
-            self._recording.show(stamp_s, entity, value)
+        for recording in self._recordings:
+            recording.show(stamp_s, entity, value)

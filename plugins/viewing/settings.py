@@ -19,3 +19,16 @@ class RerunSettings(PluginSettings):
     max_points: int = Field(
         120_000, ge=1000, description="Largest number of points drawn of one cloud."
     )
+    batch_period_s: Seconds = Field(
+        10.0,
+        gt=0,
+        le=60,
+        description="Time on the wall for which rows are gathered before they are written together "
+        "[s]: as much of a recording is lost when the run is killed.",
+    )
+    live_period_s: Seconds = Field(
+        1.0,
+        gt=0,
+        le=10,
+        description="The same of a mission that is shown live [s]: as late it is shown.",
+    )

@@ -18,7 +18,7 @@ PACKAGES = ("executive", "executive_plugins", "executive_robot_models", "executi
 # What an installation consists of; other files in a source tree, such as an editor's, do not count.
 SUFFIXES = (".py", ".yaml", ".txt", ".safetensors")
 # Extras whose packages have no influence on what a run computes.
-TOOLS = ("all", "cluster", "dev", "docs", "reports", "testing", "viewing")
+TOOLS = ("all", "cluster", "dev", "docs", "groot", "reports", "testing", "viewing")
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,6 +14,7 @@ from executive.commands.options import JsonOption, MissionArgument, SeedOption, 
 from executive.errors import ConfigError
 
 _GROOT_PORT = 1667  # of BehaviorTree.CPP
+_LIVE_PORT = 9876  # of rerun
 _RUNNERS = ("inline", "thread", "process")
 
 
@@ -86,6 +87,20 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
             show_default=False,
         ),
     ] = None,
+    live: Annotated[
+        bool,
+        typer.Option("--live", help="Show the mission in a rerun viewer while it runs."),
+    ] = False,
+    live_port: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            max=65534,
+            metavar="PORT",
+            help="Port of --live on 127.0.0.1: 9876 by default.",
+            show_default=False,
+        ),
+    ] = None,
     dry: Annotated[
         bool,
         typer.Option(
@@ -133,6 +148,7 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
         of_machine |= {"stones": stones, "runner": runner, "machine": machine}
         of_machine |= {"attended": attended, "pause-on-failure": pause_on_failure}
         of_machine |= {"groot": groot, "groot-port": groot_port}
+        of_machine |= {"live": live, "live-port": live_port}
         _refuse(of_machine, "a dry run has no machine")
         asked = Asked(mission, tuple(set_ or ()), tuple(answer_ or ()), run_dir, mocks)
         choice = Draws(seed, runs or 1, DEFAULT_FAILURES if failures is None else failures)
@@ -162,12 +178,13 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
             attended=attended,
             pause_on_failure=pause_on_failure,
             groot=groot_port or (_GROOT_PORT if groot else None),
+            live=live_port or (_LIVE_PORT if live else None),
         )
         made = Run(description, options)
     if options.groot is not None:
         say(f"Groot2 and btview connect with 127.0.0.1, port {options.groot}")
     with progress(quiet=quiet) as after_tick:
-        result = made.execute(after_tick)
+        result = made.execute(after_tick, say)
     say(result.summary)
     say(f"  report     {result.folder.report}")
     if as_json:

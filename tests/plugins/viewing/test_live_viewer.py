@@ -1,0 +1,141 @@
+"""A mission is shown live: in a viewer that listens, or in one that is started on this computer."""
+
+import os
+import socket
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from executive_plugins.viewing import live_viewer, recording
+from executive_plugins.viewing.live_viewer import LiveViewer
+from executive_plugins.viewing.none import NoViewer
+from executive_plugins.viewing.rerun import RerunViewer
+from executive_plugins.viewing.settings import RerunSettings
+from rerun.chunk import RrdReader
+from typer.testing import CliRunner
+
+from executive.commands.main import app
+from executive.config import NoSettings
+from executive.errors import ConfigError
+from executive.machine.machine import load_machine
+from executive.messages.joints import JointSample
+
+WITHOUT_DISPLAY = {
+    name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")
+}
+
+
+@pytest.fixture
+def port():
+    """A port that is free, and the next one as well."""
+    for candidate in range(22_667, 32_667, 2):
+        with socket.socket() as first, socket.socket() as second:
+            try:
+                first.bind(("127.0.0.1", candidate))
+                second.bind(("127.0.0.1", candidate + 1))
+            except OSError:
+                continue
+        return candidate
+    pytest.fail("no two free ports")
+
+
+def listening(port):
+    """Return the local addresses at which something listens at a port, IPv4 and IPv6."""
+    found = []
+    for name in ("tcp", "tcp6"):
+        for line in Path(f"/proc/net/{name}").read_text().splitlines()[1:]:
+            _, local, _, state = line.split()[:4]
+            if state == "0A" and int(local.rpartition(":")[2], 16) == port:
+                found.append(local.rpartition(":")[0])
+    return found
+
+
+@pytest.fixture
+def silent():
+    """A port where somebody takes connections and never answers."""
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        yield taken.getsockname()[1]
+
+
+def test_a_page_for_a_browser_listens_on_this_computer_alone_and_ends_with_the_mission(port):
+    viewer = LiveViewer(port, WITHOUT_DISPLAY)
+    assert f"http://127.0.0.1:{port + 1}" in viewer.place
+    assert listening(port) == listening(port + 1) == ["0100007F"]
+    viewer.close()
+    assert listening(port) == listening(port + 1) == []
+
+
+def test_a_viewer_that_does_not_start_is_told_with_what_it_said(port, monkeypatch, tmp_path):
+    program = tmp_path / "program"
+    program.write_text("#!/bin/sh\necho 'no such option' >&2\nexit 3\n")
+    program.chmod(0o700)
+    monkeypatch.setattr(sys, "executable", str(program))
+    with pytest.raises(ConfigError, match=r"did not start.*\(exit status 3\): no such option"):
+        LiveViewer(port, WITHOUT_DISPLAY)
+
+
+def test_a_window_is_opened_where_there_is_a_display(port, monkeypatch):
+    words = []
+    monkeypatch.setattr(live_viewer, "_started", lambda given, *_: words.extend(given))
+    assert "stays open" in LiveViewer(port, {"DISPLAY": ":0"}).place
+    assert "--serve-web" not in words
+
+
+def test_a_viewer_that_hangs_does_not_hold_the_end_of_the_mission_up(silent, monkeypatch, caplog):
+    monkeypatch.setattr(recording, "_CLOSING_S", 0.1)
+    unregistered = threading.Event()
+    monkeypatch.setattr("rerun.unregister_shutdown", unregistered.set)
+    viewer = RerunViewer(RerunSettings(), load_machine("m545"))
+    assert viewer.show_live(silent) == f"the viewer that listens at 127.0.0.1:{silent}"
+    began_s = time.monotonic()
+    viewer.close()
+    assert time.monotonic() - began_s < 3.0
+    assert unregistered.is_set()
+    assert "does not show the end of the mission" in caplog.text
+
+
+def test_a_recording_has_few_chunks_of_many_rows(tmp_path):
+    machine = load_machine("m545")
+    viewer = RerunViewer(RerunSettings(), machine)
+    viewer.open(str(tmp_path / "recording.rrd"))
+    for k in range(200):
+        n = len(machine.joint_names)
+        viewer.show(k / 10, "joints", JointSample(k / 10, machine.joint_names, *np.zeros((3, n))))
+    viewer.close()
+    chunks = list(RrdReader(str(tmp_path / "recording.rrd")).stream())
+    rows = [len(one.to_record_batch()) for one in chunks if not one.is_static]
+    assert sum(rows) == 200 * (1 + len(machine.joints))
+    assert len(rows) <= 4 * (1 + len(machine.joints))
+
+
+def test_a_mission_without_a_viewer_that_can_is_not_shown_live(tmp_path):
+    with pytest.raises(ConfigError, match="NoViewer shows nothing live"):
+        NoViewer(NoSettings()).show_live(1)
+    path = tmp_path / "dry.yaml"
+    path.write_text(
+        "api: 1\nmission: dry\nplugins: {robot: kinematic, estimation: gnss_imu_filter}\n"
+        "trees: {main: {wait: 0.1 s}}\n"
+    )
+    words = ["run", str(path), "--live", "--run-dir", str(tmp_path / "run")]
+    assert "--set viewing.plugin=rerun" in str(CliRunner().invoke(app, words).exception)
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_mission_is_shown_in_the_viewer_that_listens(tmp_path, silent, monkeypatch):
+    monkeypatch.setattr(recording, "_CLOSING_S", 0.1)
+    monkeypatch.setattr("rerun.unregister_shutdown", lambda: None)
+    path = tmp_path / "dry.yaml"
+    path.write_text(
+        "api: 1\nmission: dry\nplugins: {robot: kinematic, estimation: gnss_imu_filter, "
+        "viewing: rerun}\ntrees: {main: {wait: 0.1 s}}\n"
+    )
+    words = ["run", str(path), "--live-port", str(silent), "--run-dir", str(tmp_path / "run")]
+    ended = CliRunner().invoke(app, words)
+    assert ended.exit_code == 0, ended.output
+    assert f"shown in the viewer that listens at 127.0.0.1:{silent}" in ended.output
+    assert not (tmp_path / "run" / "recording.rrd").exists()
