@@ -12,12 +12,12 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from executive.errors import ConfigError
 
 _HOST = "127.0.0.1"
-_START_S = 20.0  # for a viewer to listen
+_START_S = 60.0  # for a viewer to listen
 _LOOK_S = 0.05
 _DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
 
@@ -46,12 +46,12 @@ class LiveViewer:
             self.place = f"the viewer that listens at {_HOST}:{port}"
         elif any(environment.get(name) for name in _DISPLAYS):
             self.place = f"a viewer of its own, at {_HOST}:{port}; it stays open after the mission"
-            _started(["--port", str(port), "--hide-welcome-screen"], port, environment)
+            _started(["--port", str(port), "--hide-welcome-screen"], [port], environment)
         else:
             page = f"http://{_HOST}:{port + 1}?url=rerun%2Bhttp%3A%2F%2F{_HOST}%3A{port}%2Fproxy"
             self.place = f"a browser, until the mission ends: {page}"
             words = ["--serve-web", "--port", str(port), "--web-viewer-port", str(port + 1)]
-            self._page = _started(words, port, environment)
+            self._page = _started(words, [port, port + 1], environment)
 
     def close(self) -> None:
         """End a page for a browser; a window stays open."""
@@ -69,7 +69,7 @@ def _listens(port: int) -> bool:
 
 
 def _started(
-    words: list[str], port: int, environment: Mapping[str, str]
+    words: Sequence[str], ports: Sequence[int], environment: Mapping[str, str]
 ) -> "subprocess.Popen[bytes]":
     """Start a viewer that listens at this computer's own address alone.
 
@@ -86,7 +86,7 @@ def _started(
             start_new_session=True,  # Ctrl-C stops the mission, and not the viewer
         )
         until_s = time.monotonic() + _START_S
-        while not _listens(port):
+        while not all(map(_listens, ports)):
             if started.poll() is None and time.monotonic() < until_s:
                 time.sleep(_LOOK_S)  # noqa: TID251 - nothing moves before the mission is started
                 continue
@@ -94,8 +94,8 @@ def _started(
             said.seek(0)
             last = said.read().decode(errors="replace").strip().rpartition("\n")[2]
             raise ConfigError(
-                f"--live: the rerun viewer did not start at {_HOST}:{port} (exit status {status}): "
-                f"{last or 'it said nothing'}"
+                f"--live: the rerun viewer did not start at {_HOST}:{ports[0]} "
+                f"(exit status {status}): {last or 'it said nothing'}"
             )
     return started
 

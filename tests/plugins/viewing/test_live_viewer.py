@@ -101,7 +101,7 @@ def test_a_viewer_that_hangs_does_not_hold_the_end_of_the_mission_up(silent, mon
 
 def test_a_recording_has_few_chunks_of_many_rows(tmp_path):
     machine = load_machine("m545")
-    viewer = RerunViewer(RerunSettings(), machine)
+    viewer = RerunViewer(RerunSettings(batch_period_s=60.0), machine)
     viewer.open(str(tmp_path / "recording.rrd"))
     for k in range(200):
         n = len(machine.joint_names)
@@ -110,7 +110,7 @@ def test_a_recording_has_few_chunks_of_many_rows(tmp_path):
     chunks = list(RrdReader(str(tmp_path / "recording.rrd")).stream())
     rows = [len(one.to_record_batch()) for one in chunks if not one.is_static]
     assert sum(rows) == 200 * (1 + len(machine.joints))
-    assert len(rows) <= 4 * (1 + len(machine.joints))
+    assert len(rows) <= 2 * (1 + len(machine.joints))
 
 
 def test_a_mission_without_a_viewer_that_can_is_not_shown_live(tmp_path):
