@@ -6,7 +6,7 @@ from pathlib import Path
 from executive.coverage.branch import Limb, limbs_of
 from executive.coverage.coverage import Coverage, CoveredRun, Tally
 from executive.coverage.sketch import sketch_of
-from executive.errors import ConfigError
+from executive.errors import ConfigError, DataError
 from executive.events.mission import MissionEnded
 from executive.mission.record.journal_view import reading
 from executive.mission.run_folder import RunFolder
@@ -18,7 +18,7 @@ def coverage_of(folders: Sequence[Path]) -> Coverage:
 
     Raises:
         ConfigError: If a folder holds no run, or the trees of two runs differ.
-        DataError: At a damaged line of a journal, by its place.
+        DataError: At a damaged line of a journal, by its place, or if it is of another tree.
     """
     coverage: Coverage | None = None
     known: dict[str, tuple[str, tuple[Limb, ...]]] = {}  # by the text of the mission
@@ -29,7 +29,11 @@ def coverage_of(folders: Sequence[Path]) -> Coverage:
         elif limbs != coverage.limbs:
             told = f"{path} and {folders[0]} are runs of different trees"
             raise ConfigError(f"{told} ({_difference(coverage.limbs, limbs)}); ask for each alone")
-        coverage.add(*_run(path))
+        run, tally = _run(path)
+        if strangers := sorted({*tally.ticked} - {limb.path for limb in limbs}):
+            told = f"its journal names {strangers[0]}, which the tree of mission.yaml does not have"
+            raise DataError(f"{path}: {told}: was that file changed?")
+        coverage.add(run, tally)
     if coverage is None:
         raise ConfigError("no run is named")
     return coverage

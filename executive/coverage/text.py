@@ -41,8 +41,8 @@ def coverage_answer(coverage: Coverage) -> dict[str, Any]:
 
 
 def _line(coverage: Coverage, limb: Limb) -> str:
-    own = {one.what: one for one in limb.branches if one.path == limb.path}
-    counts = [coverage.count(own[end.value]) if end.value in own else _IMPOSSIBLE for end in ENDS]
+    ends = _ends(coverage, limb)
+    counts = [ends.get(end.value, _IMPOSSIBLE) for end in ENDS]
     cells = " ".join(f"{count:>7}" for count in [*counts, coverage.halted(limb)])
     effects = ", ".join(
         f"{one.what} {coverage.count(one)}" for one in limb.branches if one.path != limb.path
@@ -86,15 +86,20 @@ def _without_those_below(coverage: Coverage) -> list[str]:
     return lines
 
 
-def _node(coverage: Coverage, limb: Limb) -> dict[str, Any]:
-    def counts(branches: list[Branch]) -> dict[str, int]:
-        return {one.what: coverage.count(one) for one in branches}
+def _ends(coverage: Coverage, limb: Limb) -> dict[str, int]:
+    """Return how often a node ended in each way that it can, or did by a mistake."""
+    own = {one.what for one in limb.branches if one.path == limb.path}
+    counts = {end.value: coverage.count(Branch(limb.path, end.value)) for end in ENDS}
+    return {what: count for what, count in counts.items() if what in own or count}
 
+
+def _node(coverage: Coverage, limb: Limb) -> dict[str, Any]:
+    effects = [one for one in limb.branches if one.path != limb.path]
     return {
         "path": limb.path,
         "name": limb.name,
         "ticked": coverage.is_ticked(limb),
-        "ends": counts([one for one in limb.branches if one.path == limb.path]),
-        "effects": counts([one for one in limb.branches if one.path != limb.path]),
+        "ends": _ends(coverage, limb),
+        "effects": {one.what: coverage.count(one) for one in effects},
         "halted": coverage.halted(limb),
     }

@@ -136,7 +136,7 @@ class QuestionAnswered(Event):
     Attributes:
         question: Text of the question.
         answer: True for yes, or the choice.
-        source: `operator`, `option` or `default`.
+        source: `operator`, `option` or `default`; in a dry run also `mock` or `seed`.
     """
 
     question: str

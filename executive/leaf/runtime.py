@@ -30,7 +30,8 @@ class Question(ABC):
     @abstractmethod
     def source(self) -> str:
         """Return who answered: `operator`, `option` (--answer) or `default`; in a dry run also
-        `mock` or `seed`."""
+        `mock` (a file) or `seed`.
+        """
 
 
 # Makes the leaf of a node from its class and its settings.

@@ -5,9 +5,11 @@ import json
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from executive.coverage.branch import limbs_of
 from executive.dry_run import dry_run
 from executive.dry_run.chance import Chance
 from executive.dry_run.dry_run import DryOptions, DryRun
+from executive.dry_run.places import places_of
 from executive.journal import Journal
 
 
@@ -116,6 +118,10 @@ trees = st.recursive(leaf, composites, max_leaves=6)
 @given(tree=trees, seed=st.integers(0, 99))
 def test_passing_over_idle_ticks_changes_nothing(mission, tree, seed):
     made = mission(json.dumps(tree), head="loop: {time_limit: 60 s}\n")
-    _, fast = run(made, seed)
+    result, fast = run(made, seed)
     _, each = run(made, seed, computes_each_tick=True)
     assert fast == each
+    possible = {str(b) for limb in limbs_of(places_of(made).root) for b in limb.branches}
+    assert {f"{path}: {end}" for path, end in result.ends if end != "halted"} <= possible
+    taken = {str(one) for one in result.tally.taken if one.what != "halted"}
+    assert taken <= possible
