@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from executive.control.place import NAME, listen
-from executive.control.request import MOST_BYTES, Person, Reply, Request
+from executive.control.request import MOST_BYTES, Person, Reply, Request, Verb
 from executive.errors import DataError
 
 _MOST_CLIENTS = 16  # the one that has been silent for longest goes when another comes
@@ -59,6 +59,7 @@ class ControlServer:
 
     Attributes:
         asked: Requests that wait, the oldest first; the loop takes them by `popleft`.
+        looks: The same of those that only ask for the status, which takes longer to tell.
     """
 
     def __init__(self, folder: Path, wake: Callable[[], None]) -> None:
@@ -80,6 +81,7 @@ class ControlServer:
         self._clients: dict[Client, None] = {}  # the one that was heard last at the end
         self._is_closed = False
         self.asked: deque[Asked] = deque()
+        self.looks: deque[Asked] = deque()
         self._selector = selectors.DefaultSelector()
         self._selector.register(self._listening, selectors.EVENT_READ)
         self._selector.register(self._woken, selectors.EVENT_READ)
@@ -168,10 +170,11 @@ class ControlServer:
         except DataError as error:
             client.unsent.append(Reply(False, str(error)).line())
             return
-        if len(self.asked) >= _MOST_WAITING:
+        waiting = self.looks if request.verb is Verb.STATUS else self.asked
+        if len(waiting) >= _MOST_WAITING:
             client.unsent.append(Reply(False, "too many requests wait; ask again").line())
             return
-        self.asked.append(Asked(request, client))
+        waiting.append(Asked(request, client))
         self._wake()
 
     def _send(self, client: Client) -> None:

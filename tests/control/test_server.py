@@ -35,7 +35,7 @@ def replies(connection, count=1):
 
 
 def serve_one(server, woken, text="held"):
-    assert woken.wait(2)
+    assert woken.wait(20)
     woken.clear()
     asked = server.asked.popleft()
     server.reply(asked, Reply(True, text))
@@ -43,7 +43,7 @@ def serve_one(server, woken, text="held"):
 
 
 def test_a_request_is_answered_by_the_loop_and_names_who_asks(tmp_path, server, woken):
-    with connect(tmp_path, 2) as connection:
+    with connect(tmp_path, 20) as connection:
         connection.sendall(PAUSE.line())
         asked = serve_one(server, woken)
         assert (asked.request, asked.person.pid) == (PAUSE, os.getpid())
@@ -62,7 +62,7 @@ def test_a_folder_may_have_a_path_that_no_socket_could_have(tmp_path, woken):
     folder = tmp_path / ("a" * 120) / ("b" * 120)
     folder.mkdir(parents=True)
     server = ControlServer(folder, woken.set)
-    with connect(folder, 2) as connection:
+    with connect(folder, 20) as connection:
         connection.sendall(PAUSE.line())
         serve_one(server, woken)
         assert replies(connection)[0].is_done
@@ -74,7 +74,7 @@ def test_the_socket_of_a_run_that_was_killed_is_replaced(tmp_path, woken):
     left.bind(str(tmp_path / NAME))
     left.close()
     server = ControlServer(tmp_path, woken.set)
-    with connect(tmp_path, 2) as connection:
+    with connect(tmp_path, 20) as connection:
         connection.sendall(PAUSE.line())
         assert serve_one(server, woken).request == PAUSE
     server.close()
@@ -92,7 +92,7 @@ def test_the_socket_of_a_run_that_was_killed_is_replaced(tmp_path, woken):
     ],
 )
 def test_garbage_is_refused_without_the_loop(tmp_path, server, line, told):
-    with connect(tmp_path, 2) as connection:
+    with connect(tmp_path, 20) as connection:
         connection.sendall(line)
         found = replies(connection)[0]
     assert not found.is_done
@@ -101,26 +101,26 @@ def test_garbage_is_refused_without_the_loop(tmp_path, server, line, told):
 
 
 def test_a_line_without_an_end_is_cut_off(tmp_path, server):
-    with connect(tmp_path, 2) as connection:
+    with connect(tmp_path, 20) as connection:
         connection.sendall(b"x" * (MOST_BYTES + 1))
         assert "at most" in replies(connection)[0].text
         assert connection.recv(1) == b""
 
 
 def test_clients_that_hang_or_flood_keep_nobody_out(tmp_path, server, woken):
-    hanging = [connect(tmp_path, 2) for _ in range(40)]
+    hanging = [connect(tmp_path, 20) for _ in range(40)]
     hanging[-1].sendall(b'{"verb": "pau')
     for _ in range(200):
         try:
             hanging[-2].sendall(PAUSE.line())
         except OSError:  # it was sent away
             break
-    with connect(tmp_path, 2) as connection:
+    with connect(tmp_path, 20) as connection:
         while server.asked:
             server.reply(server.asked.popleft(), Reply(True, "flood"))
         connection.sendall(Request(Verb.STOP).line())
         while not any(one.request.verb is Verb.STOP for one in server.asked):
-            assert woken.wait(2)
+            assert woken.wait(20)
             woken.clear()
         server.reply(server.asked.pop(), Reply(True, "stopped"))
         assert replies(connection) == [Reply(True, "stopped")]
@@ -129,7 +129,7 @@ def test_clients_that_hang_or_flood_keep_nobody_out(tmp_path, server, woken):
 
 
 def test_two_clients_at_once_get_each_its_own_reply(tmp_path, server, woken):
-    first, second = connect(tmp_path, 2), connect(tmp_path, 2)
+    first, second = connect(tmp_path, 20), connect(tmp_path, 20)
     first.sendall(PAUSE.line())
     serve_one(server, woken, "first")
     second.sendall(PAUSE.line())
@@ -141,11 +141,11 @@ def test_two_clients_at_once_get_each_its_own_reply(tmp_path, server, woken):
 
 
 def test_a_client_that_goes_before_its_reply_does_no_harm(tmp_path, server, woken):
-    with connect(tmp_path, 2) as connection:
+    with connect(tmp_path, 20) as connection:
         connection.sendall(PAUSE.line())
-        assert woken.wait(2)
+        assert woken.wait(20)
     server.reply(server.asked.popleft(), Reply(True, "too late"))
-    with connect(tmp_path, 2) as connection:
+    with connect(tmp_path, 20) as connection:
         connection.sendall(b"{}\n")
         assert not replies(connection)[0].is_done
 

@@ -17,6 +17,7 @@ from executive.tree.leaf_nodes import RunNode
 from executive.tree.orders import Order
 
 MOST_STEPS = 1000
+_AT_ONCE, _LOOKS_AT_ONCE = 8, 2  # a client that floods is served over several ticks
 _ON_FAILURE = "on_failure"
 
 
@@ -42,15 +43,17 @@ class Desk:
         }
 
     def serve(self) -> None:
-        """Answer what has been asked."""
-        while self._server.asked:
-            asked = self._server.asked.popleft()
-            self._server.reply(asked, self._reply(asked))
+        """Answer what has been asked, as much of it as costs the tick nothing."""
+        for waiting, most in ((self._server.asked, _AT_ONCE), (self._server.looks, _LOOKS_AT_ONCE)):
+            for _ in range(min(most, len(waiting))):
+                asked = waiting.popleft()
+                self._server.reply(asked, self._reply(asked))
 
     def close(self) -> None:
         """Refuse what the mission did not come to."""
-        while self._server.asked:
-            self._server.reply(self._server.asked.popleft(), Reply(False, "the mission has ended"))
+        for waiting in (self._server.asked, self._server.looks):
+            while waiting:
+                self._server.reply(waiting.popleft(), Reply(False, "the mission has ended"))
 
     def _reply(self, asked: Asked) -> Reply:
         request, person = asked.request, asked.person

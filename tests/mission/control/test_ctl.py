@@ -4,6 +4,7 @@ import json
 import os
 import threading
 import time
+from collections import deque
 
 import pytest
 from typer.testing import CliRunner
@@ -14,6 +15,7 @@ from executive.control.request import Request, Verb
 from executive.events.control import ControlRequested
 from executive.events.mission import PhaseChanged
 from executive.journal import read_journal
+from executive.mission.control.desk import Desk
 from executive.mission.resume import resumed_run
 from executive.mission.run import Options, Run
 from executive.tree.load import load_mission
@@ -49,7 +51,7 @@ class Control:
         self.folder = folder
 
     def __call__(self, verb, argument="", node=""):
-        return ask(self.folder, Request(Verb(verb), argument, node), 10)
+        return ask(self.folder, Request(Verb(verb), argument, node), 60)
 
     def status(self):
         return self("status").status
@@ -58,7 +60,7 @@ class Control:
         return self.until(lambda found: found["phase"] == phase)
 
     def until(self, holds):
-        deadline_s = time.monotonic() + 20
+        deadline_s = time.monotonic() + 60
         while not holds(found := self.status()):
             assert time.monotonic() < deadline_s, found
             time.sleep(0.005)
@@ -77,7 +79,7 @@ def operate(tmp_path):
         prepare(made)
 
         def act():
-            listens.wait(20)
+            listens.wait(60)
             try:
                 person(Control(folder))
             except BaseException as error:
@@ -90,7 +92,7 @@ def operate(tmp_path):
             result = made.execute(lambda mission: listens.set())
         finally:
             listens.set()
-            other.join(20)
+            other.join(60)
         if escaped:
             raise escaped[0]
         return result
@@ -305,3 +307,20 @@ def test_the_command_says_what_the_run_replies_and_refuses_what_it_cannot_mean(t
     ):
         refused = runner.invoke(app, ["ctl", str(tmp_path / "run"), *words])
         assert told in str(refused.exception), words
+
+
+def test_a_client_that_floods_is_served_over_several_ticks(monkeypatch):
+    class Server:
+        def __init__(self):
+            self.asked, self.looks, self.replies = deque(), deque(range(50)), 0
+
+        def reply(self, asked, reply):
+            self.replies += 1
+
+    server = Server()
+    desk = Desk(None, server)
+    monkeypatch.setattr(Desk, "_reply", lambda self, asked: None)
+    desk.serve()
+    assert server.replies == 2
+    desk.close()
+    assert server.replies == 50

@@ -61,7 +61,7 @@ def held(tmp_path):
                 asks.set()
 
         def client():
-            asks.wait(20)
+            asks.wait(60)
             try:
                 act(missions[0])
             except BaseException as error:
@@ -72,7 +72,7 @@ def held(tmp_path):
         missions, other = [], threading.Thread(target=client)
         other.start()
         result = made.execute(after_tick)
-        other.join(20)
+        other.join(60)
         if escaped:
             raise escaped[0]
         return result
@@ -87,7 +87,7 @@ class Client:
         self.context = zmq.Context()
         self.requests, self.notices = self.context.socket(zmq.REQ), self.context.socket(zmq.SUB)
         for one, at in ((self.requests, port), (self.notices, port + 1)):
-            one.setsockopt(zmq.RCVTIMEO, 10_000)
+            one.setsockopt(zmq.RCVTIMEO, 60_000)
             one.connect(f"tcp://127.0.0.1:{at}")
         self.notices.subscribe(b"")
 
@@ -160,7 +160,7 @@ def test_btview_shows_tree_statuses_and_keys_over_a_reload(held, port):
         seen.append(watcher.fetch_blackboard())
         seen.append(watcher.tree_uuid)
 
-    watcher = client.Groot2Client(port=port, timeout_ms=10_000)
+    watcher = client.Groot2Client(port=port, timeout_ms=60_000)
     held(port, act, "first")
     held(port, act, "second")
     watcher.close()
