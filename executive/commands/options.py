@@ -25,6 +25,10 @@ MissionArgument = Annotated[
 RunArgument = Annotated[
     Path, typer.Argument(metavar="RUN_DIR", help="Folder of the run.", show_default=False)
 ]
+ByTreeOption = Annotated[
+    bool,
+    typer.Option("--by-tree", help="Count what several calls of one tree have taken together."),
+]
 CloudArgument = Annotated[
     Path,
     typer.Argument(

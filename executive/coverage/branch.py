@@ -17,6 +17,7 @@ from executive.events.node import (
     NodeTimedOut,
 )
 from executive.tree.modifiers import IfNode, OptionalNode, RetryNode, TimeoutNode, WhileNode
+from executive.tree.small_nodes import CallNode
 
 ENDS = (NodeResult.SUCCESS, NodeResult.FAILURE, NodeResult.SKIPPED)
 HALTED = NodeResult.HALTED
@@ -55,12 +56,14 @@ class Limb:
         name: Its path below the node above it: `0:Localise`, `1:do/0:check`.
         depth: How deep it lies, modifiers not counted.
         branches: What a run can take there.
+        calls: The tree that it calls; empty if none.
     """
 
     path: str
     name: str
     depth: int
     branches: tuple[Branch, ...]
+    calls: str = ""
 
 
 def branch_of(node: str, event: Event) -> Branch | None:
@@ -92,7 +95,8 @@ def _limbs(
     if node.is_journalled:
         own += [Branch(node.path, end.value) for end in ENDS if end in ends[id(node)]]
         name = node.path.removeprefix(above.path).removeprefix("/")
-        yield Limb(node.path, name, above.depth, tuple(own))
+        calls = node.tree if isinstance(node, CallNode) else ""
+        yield Limb(node.path, name, above.depth, tuple(own), calls)
         own, above = [], _Above(node.path, above.depth + 1)
     else:
         effect = _effect_of(node, ends)

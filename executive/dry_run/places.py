@@ -93,7 +93,8 @@ def _meant(name: str, paths: Sequence[str], named: Mapping[str, str]) -> tuple[s
     """Return the paths that a name means; a path goes before its end, and that before a name."""
     if name in paths:
         return (name,)
-    ends = tuple(path for path in paths if path.endswith(f"/{name}"))
+    tails = (f"/{name}", f":{name}") if "/" in name else (f"/{name}",)
+    ends = tuple(path for path in paths if path.endswith(tails))
     return ends or tuple(p for p in paths if name in (_label(p), named.get(p)))
 
 

@@ -107,6 +107,11 @@ class CallNode(Controller):
         self._is_entered = False
 
     @property
+    def tree(self) -> str:
+        """Return the name of the tree that is called."""
+        return self._call.kind.tree
+
+    @property
     def store(self) -> Store:
         """Return the keys of the present call."""
         return self._call.inner.store

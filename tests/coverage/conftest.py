@@ -34,10 +34,10 @@ PLUGINS = {"robot": {"still": Plugin}, "estimation": {"still": Plugin}}
 
 @pytest.fixture
 def mission(tmp_path):
-    def load(main: str):
+    def load(main: str, trees: str = ""):
         path = tmp_path / "small.yaml"
         body = "".join(f"    {line}\n" for line in main.strip("\n").splitlines())
-        path.write_text(HEADER + body, encoding="utf-8")
+        path.write_text(HEADER + body + trees, encoding="utf-8")
         return load_mission(str(path), (), TableCatalogue({"Act": Act, "Holds": Holds}, PLUGINS))
 
     return load

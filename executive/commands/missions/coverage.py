@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from executive.commands.console import answer, say
-from executive.commands.options import JsonOption
+from executive.commands.options import ByTreeOption, JsonOption
 
 
 def coverage(
@@ -25,6 +25,7 @@ def coverage(
             help="Fail if the runs have taken fewer of the tree's branches.",
         ),
     ] = None,
+    by_tree: ByTreeOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Tell which branches of a tree runs have taken.
@@ -34,10 +35,12 @@ def coverage(
 
     Example: executive coverage runs/monday runs/tuesday --at-least 80
     """
+    from executive.coverage.by_tree import by_tree as merged
     from executive.coverage.run_folders import coverage_of
     from executive.coverage.text import coverage_answer, coverage_text
 
     found = coverage_of(runs)
+    found = merged(found) if by_tree else found
     if as_json:
         answer(coverage_answer(found))
     else:

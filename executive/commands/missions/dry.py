@@ -1,7 +1,7 @@
 """`executive run --dry`: the tree of a mission with mocked leaves, once or with many seeds."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -42,14 +42,30 @@ class Draws:
     failures: float
 
 
-def run_dry(
-    asked: Asked, draws: Draws, at_least: float | None, *, quiet: bool, as_json: bool
-) -> int:
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What is told.
+
+    Attributes:
+        at_least: The share of the branches below which the exit status is 1 [%]; None for no bound.
+        by_tree: Whether the calls of one tree count together.
+        quiet: Whether the nodes are left out.
+        as_json: Whether programs are answered, too.
+    """
+
+    at_least: float | None
+    by_tree: bool
+    quiet: bool
+    as_json: bool
+
+
+def run_dry(asked: Asked, draws: Draws, wanted: Wanted) -> int:
     """Run a mission dry, tell what it has shown, and return the exit status.
 
     Raises:
         ConfigError: If the mission, the file of mocks or an answer has a mistake.
     """
+    from executive.coverage.by_tree import by_tree
     from executive.dry_run.chance import Chance
     from executive.dry_run.rehearsal import rehearse
     from executive.mission.preset_answers import preset_answers
@@ -59,11 +75,14 @@ def run_dry(
     preset = preset_answers(asked.answers, mission)
     chances = [Chance(draws.seed + number, draws.failures) for number in range(draws.runs)]
     done = rehearse(mission, chances, asked.mocks, preset, asked.run_dir)
-    is_enough = at_least is None or done.coverage.percent >= at_least
-    _tell(done, chances, quiet=quiet)
+    if wanted.by_tree:
+        done = replace(done, coverage=by_tree(done.coverage))
+    least, percent = wanted.at_least, done.coverage.percent
+    is_enough = least is None or percent >= least
+    _tell(done, chances, quiet=wanted.quiet)
     if not is_enough:
-        say(f"error: {done.coverage.percent:.1f} % of the branches were taken, not {at_least:g} %")
-    if as_json:
+        say(f"error: {percent:.1f} % of the branches were taken, not {least:g} %")
+    if wanted.as_json:
         answer(_answer(done, chances))
     return 0 if done.is_as_expected and is_enough else 1
 

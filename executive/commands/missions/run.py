@@ -8,9 +8,15 @@ from typing import Annotated
 import typer
 
 from executive.commands.console import answer, one_of, say
-from executive.commands.missions.dry import DEFAULT_FAILURES, Asked, Draws, run_dry
+from executive.commands.missions.dry import DEFAULT_FAILURES, Asked, Draws, Wanted, run_dry
 from executive.commands.missions.starting import startable
-from executive.commands.options import JsonOption, MissionArgument, SeedOption, SetOption
+from executive.commands.options import (
+    ByTreeOption,
+    JsonOption,
+    MissionArgument,
+    SeedOption,
+    SetOption,
+)
 from executive.errors import ConfigError
 
 _GROOT_PORT = 1667  # of BehaviorTree.CPP
@@ -129,6 +135,7 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
             help="With --dry: fail if the runs take fewer of the tree's branches.",
         ),
     ] = None,
+    by_tree: ByTreeOption = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -138,7 +145,13 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
     """
     if runner is not None:
         one_of("--runner", runner, _RUNNERS)
-    of_dry = {"mocks": mocks, "failures": failures, "runs": runs, "at-least": at_least}
+    of_dry: dict[str, object] = {
+        "mocks": mocks,
+        "failures": failures,
+        "runs": runs,
+        "at-least": at_least,
+    }
+    of_dry |= {"by-tree": by_tree}
     if dry:
         of_machine: dict[str, object] = {
             "record": record,
@@ -152,7 +165,8 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
         _refuse(of_machine, "a dry run has no machine")
         asked = Asked(mission, tuple(set_ or ()), tuple(answer_ or ()), run_dir, mocks)
         choice = Draws(seed, runs or 1, DEFAULT_FAILURES if failures is None else failures)
-        raise typer.Exit(run_dry(asked, choice, at_least, quiet=quiet, as_json=as_json))
+        wanted = Wanted(at_least, by_tree, quiet, as_json)
+        raise typer.Exit(run_dry(asked, choice, wanted))
     _refuse(of_dry, "it belongs to --dry")
 
     with startable():
