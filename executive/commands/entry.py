@@ -3,6 +3,7 @@
 This file imports nothing heavy: the supervisor is forked from it before the executive is imported.
 """
 
+import os
 import sys
 
 from executive.supervision.supervisor import supervised
@@ -12,11 +13,26 @@ _SUPERVISED = ("run", "resume")
 
 def main() -> None:
     """Run the command line; a verb that moves a machine is supervised."""
+    _open_standard_files()
     words = sys.argv[1:]
     is_still = {"--help", "--dry"} & set(words)  # no machine moves
     if words and words[0] in _SUPERVISED and not is_still:
         sys.exit(supervised(_status, lambda text: print(text, file=sys.stderr, flush=True)))
     sys.exit(_status())
+
+
+def _open_standard_files() -> None:
+    """Open /dev/null for each standard file that is closed, as in `executive run m.yaml >&-`.
+
+    Their numbers would otherwise go to the next files that are opened, such as a pipe of the
+    supervisor.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        try:
+            os.fstat(number)
+        except OSError:
+            found = os.open(os.devnull, os.O_RDWR)  # the lowest free number: this one
+            setattr(sys, name, os.fdopen(found, "w" if number else "r", encoding="utf-8"))
 
 
 def _status() -> int:

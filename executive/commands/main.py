@@ -7,6 +7,8 @@ plugin failed and was brought to a safe stop. People's text goes to standard err
 to standard output.
 """
 
+import contextlib
+import os
 import sys
 from collections.abc import Callable
 from importlib import metadata
@@ -136,7 +138,10 @@ def _options(
 def main() -> None:
     """Run the command line; an error that a user can act on is a message, not a traceback."""
     try:
-        app()
+        try:
+            app()
+        finally:
+            sys.stdout.flush()  # here, where an error can be told
     except RobotError as error:
         say(f"fault: {error}")
         sys.exit(3)
@@ -144,7 +149,19 @@ def main() -> None:
         say(str(error) if ": error: " in str(error) else f"error: {error}")
         sys.exit(2)
     except BrokenPipeError:
+        _drop_output()
         sys.exit(1)
+    except OSError as error:
+        _drop_output()
+        place = f"{error.filename}: " if error.filename else ""
+        say(f"error: {place}{error.strerror or error}")
+        sys.exit(2)
+
+
+def _drop_output() -> None:
+    """Send what is still to be printed nowhere, so that Python does not try again at its exit."""
+    with contextlib.suppress(OSError, ValueError):  # an output that is no file
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":
