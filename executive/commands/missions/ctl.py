@@ -7,6 +7,7 @@ import typer
 from executive.commands.console import answer, one_of, say
 from executive.commands.options import JsonOption, RunArgument
 
+_LONGEST_S = 3600.0
 _WAIT_S = 60.0  # in lock-step a tick may compute a long verb
 
 
@@ -54,8 +55,8 @@ def ctl(
 
     wanted = Verb(one_of("VERB", verb, list(Verb)))
     _check(wanted, argument, on_failure=on_failure)
-    if timeout <= 0:
-        raise ConfigError(f"--timeout: more than 0 s, got {timeout:g}")
+    if not 0 < timeout <= _LONGEST_S:  # so that `nan` is refused as well
+        raise ConfigError(f"--timeout: more than 0 s and at most {_LONGEST_S:g}, got {timeout:g}")
     request = Request(wanted, "on_failure" if on_failure else argument, node)
     reply = ask(run_dir, request, timeout)
     if as_json:

@@ -303,6 +303,7 @@ def test_the_command_says_what_the_run_replies_and_refuses_what_it_cannot_mean(t
         (["answer"], "give the answer"),
         (["stop", "--on-failure"], "belongs to pause"),
         (["stop", "--timeout=0"], "more than 0 s"),
+        (["stop", "--timeout=nan"], "more than 0 s"),
         (["stop"], r"has ended (success)"),
     ):
         refused = runner.invoke(app, ["ctl", str(tmp_path / "run"), *words])
