@@ -64,9 +64,11 @@ def silent():
 
 def test_a_page_for_a_browser_listens_on_this_computer_alone_and_ends_with_the_mission(port):
     viewer = LiveViewer(port, WITHOUT_DISPLAY)
-    assert f"http://127.0.0.1:{port + 1}" in viewer.place
-    assert listening(port) == listening(port + 1) == ["0100007F"]
-    viewer.close()
+    try:
+        assert f"http://127.0.0.1:{port + 1}" in viewer.place
+        assert listening(port) == listening(port + 1) == ["0100007F"]
+    finally:
+        viewer.close()
     assert listening(port) == listening(port + 1) == []
 
 
