@@ -43,7 +43,7 @@ def test_its_commands_do_what_it_says(executive):
     assert shown in errors
     status, _, errors = executive(mocked)
     assert status == 0
-    assert "6 expectations were met" in errors
+    assert "expectations: 6, all met" in errors
     status, _, errors = executive(many)
     assert status == 0
     assert errors.split("never taken:\n")[1].strip() == "main/3:check: failure"

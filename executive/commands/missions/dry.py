@@ -105,8 +105,8 @@ def _tell(done: "Rehearsal", chances: Sequence[Any], *, quiet: bool) -> None:
     for line in broken[:_SHOWN]:
         say(line)
     if done.expectations:
-        kept = "were met" if not broken else f"were not all met ({len(broken)} broken)"
-        say(f"{done.expectations} expectations {kept}")
+        kept = "all met" if not broken else f"not all met ({len(broken)} broken)"
+        say(f"expectations: {done.expectations}, {kept}")
 
 
 def _tell_made_up(done: "Rehearsal") -> None:
