@@ -92,7 +92,7 @@ def composites(node):
         st.builds(lambda n, c: {"if": c, "then": n, "else": {"wait": 7}}, node, condition),
         st.builds(lambda n, c: {"while": c, "do": n, "else": {"wait": 7}}, node, condition),
         st.builds(lambda n, c: {"loop": {"until": c, "max": 30}, "do": n}, node, condition),
-        st.builds(lambda n: {"loop": {"max": 1500}, "do": {"do": n, "optional": True}}, leaf),
+        st.builds(lambda n: {"loop": {"max": 1100}, "do": {"do": n, "optional": True}}, leaf),
         st.builds(lambda n: {"do": n, "timeout": 6}, node),
         st.builds(lambda n, c: {"do": n, "while": c}, node, condition),
         st.builds(lambda n: {"do": n, "retry": wait}, node),
@@ -110,14 +110,14 @@ trees = st.recursive(leaf, composites, max_leaves=6)
 
 
 @settings(
-    max_examples=40,
+    max_examples=25,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(tree=trees, seed=st.integers(0, 99))
 def test_passing_over_idle_ticks_changes_nothing(mission, tree, seed):
-    made = mission(json.dumps(tree), head="loop: {time_limit: 60 s}\n")
+    made = mission(json.dumps(tree), head="loop: {time_limit: 30 s}\n")
     result, fast = run(made, seed)
     _, each = run(made, seed, computes_each_tick=True)
     assert fast == each
