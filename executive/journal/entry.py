@@ -14,6 +14,7 @@ from executive.events.event import Event, UnknownEvent, event_from
 _DIGITS = 16  # of the checksum, in hexadecimal
 FIRST_CHECKSUM = "0" * _DIGITS
 _TIME_DIGITS = 9  # nanoseconds: what a replay compares with a limit must not be rounded across it
+_MOST_S = 1e12  # of a time: 30,000 years
 _FIELDS = ("sequence", "tick", "time_s", "kind", "node", "payload")
 _ENCODER = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"))
 
@@ -75,6 +76,7 @@ def entry_of(line: str, before: str, sequence: int) -> tuple[Entry, str]:
         found = json.loads(line)
         stated = found.pop("checksum")
         number, tick, time_s, kind, node, payload = values = [found[name] for name in _FIELDS]
+        _check_kinds(tick, time_s, node)
         event = event_from(kind, payload)
     except DataError:
         raise
@@ -83,6 +85,12 @@ def entry_of(line: str, before: str, sequence: int) -> tuple[Entry, str]:
     if stated != _chain(before, _body(tuple(values))) or number != sequence:
         raise DataError("the line or one before it was changed or lost")
     return Entry(number, tick, time_s, node, event), stated
+
+
+def _check_kinds(tick: object, time_s: object, node: object) -> None:
+    is_number = isinstance(time_s, int | float) and abs(time_s) < _MOST_S  # false for NaN
+    if not (is_number and isinstance(tick, int) and isinstance(node, str)):
+        raise DataError("not a line of a journal: tick, time or node is of another kind")
 
 
 def _body(values: tuple[object, ...]) -> str:
