@@ -140,3 +140,8 @@ def test_scripts_without_end_are_refused(script: str, words: str) -> None:
 
 def test_a_number_may_begin_with_zeros() -> None:
     assert main_of('<Script code="a := 03"/>') == {"set": {"a": 3}}
+
+
+def test_a_number_beyond_64_bits_is_refused() -> None:
+    with pytest.raises(MissionFileError, match="msec has 400 digits; that is too large a number"):
+        read(f'<Timeout msec="{"9" * 400}"><AlwaysSuccess/></Timeout>')

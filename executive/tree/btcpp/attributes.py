@@ -74,9 +74,12 @@ def number(element: XmlElement, name: str, otherwise: str = "") -> int:
     """Return a whole number."""
     text = element.get(name, otherwise)
     try:
-        return int(text)
+        found = int(text)
     except ValueError:
         raise CannotSayError(f"{name} is '{text}', and must be a whole number here") from None
+    if not -(2**63) <= found < 2**63:  # what BehaviorTree.CPP can hold
+        raise CannotSayError(f"{name} has {len(text)} digits; that is too large a number")
+    return found
 
 
 def seconds(element: XmlElement, name: str) -> float:
