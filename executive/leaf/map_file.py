@@ -13,6 +13,7 @@ from executive.errors import DataError, ShapeError
 from executive.messages.cloud import Cloud
 
 _KEYS = ("frame", "stamp_s", "T_map_base")
+_DAMAGED = (OSError, ValueError, KeyError, TypeError, ArithmeticError, RecursionError, ShapeError)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,7 +65,7 @@ def read_map(path: Path) -> MapFile:
         frame, stamp_s, pose = (found[key] for key in _KEYS)
         T = None if pose is None else checked("T_map_base", np.array(pose, dtype=float), 4, 4)
         return MapFile(Cloud(str(frame), points), float(stamp_s), T)
-    except (OSError, ValueError, KeyError, TypeError, RecursionError, ShapeError) as error:
+    except _DAMAGED as error:
         raise DataError(f"{beside}: not the description of a saved map: {error}") from error
 
 

@@ -23,6 +23,7 @@ from executive.messages.odometry import LidarIncrement
 
 _log = logging.getLogger(__name__)
 
+_SHOWN = 200  # characters of an error that another package raised
 _HEAD = 2000  # number of messages within which each sensor must appear
 # Standard deviation of increments that were recorded without one: rotation [rad], position [m].
 _INCREMENT_STD = np.repeat([0.003, 0.02], 3)
@@ -143,7 +144,14 @@ class Log:
             kind = carried[recorded.topic]
             message = recorded.message
             frames[message.child_frame_id if kind == "odometry" else message.header.frame_id] = kind
-        return rig_from(transforms, frames, str(self.path))
+        try:
+            return rig_from(transforms, frames, str(self.path))
+        except (ShapeError, ValueError) as error:  # a rotation or a position that is none
+            reason = " ".join(str(error).split())[:_SHOWN]
+            raise DataError(
+                f"{self.path}: tf_static holds what is no transform ({reason}); record it again, "
+                "or name the machine with --machine"
+            ) from error
 
     def arrivals(self) -> Iterator[Arrival]:
         """Yield all measurements in order of arrival.

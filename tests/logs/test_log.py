@@ -219,3 +219,13 @@ def test_a_sensor_without_extrinsics_is_refused_with_its_frame(ros2, car, write_
 def test_a_missing_log_is_refused():
     with pytest.raises(DataError, match="no such log"):
         Log(Path("nowhere.mcap"), Topics())
+
+
+@pytest.mark.parametrize("value", [float("nan"), 3.0])
+def test_a_static_transform_that_is_none_is_refused_by_name(value, ros2, car, write_mcap, tmp_path):
+    messages = list(car(ros2, 0.2))
+    tf = messages[0][2].transforms[2]
+    (tf.transform.rotation if value == 3.0 else tf.transform.translation).x = value
+    path = write_mcap(tmp_path / "turned.mcap", ros2, messages)
+    with pytest.raises(DataError, match=r"turned\.mcap: tf_static holds what is no transform"):
+        Log(path, Topics()).rig(None)
