@@ -1,6 +1,6 @@
 """Count how often grasps lift, carry by 90° and set down, with the machine's own arm and jaws.
 
-The sites of grasp_lifts.py, of the same numbers, some ten times faster: what replaces the
+Some ten times faster than missions (`docs/campaigns/grasp_planners.yaml`): what replaces the
 mission's lidars, mapping and estimation is a made-up view of each stone and its neighbours (half of
 the scenes with a drone's) and an error of the gripper's pose by up to 2 cm and 1.5° along and about
 each axis. The rest is the machine's own: arm, jaws, encoders, monitors.
@@ -28,15 +28,15 @@ python tests/benchmarks/grasp_attempts.py FOLDER table
 def main(words: Sequence[str] | None = None) -> int:
     given, path = read(__doc__, USAGE, "attempts.jsonl", words)
 
-    from trials import grasp_attempts, grasp_lifts
+    from trials import grasp_attempts, grasp_rows
 
     if given.verb == "run":
         sites_run = grasp_attempts.sites_run
         rows = sites_run(path, given.stones, given.ranking, given.scale, given.sites)
     else:
-        rows = grasp_lifts.read(path)
-    print(grasp_lifts.table(rows))
-    return verdict(grasp_lifts.figures(rows))
+        rows = grasp_rows.read(path)
+    print(grasp_rows.table(rows))
+    return verdict(grasp_rows.figures(rows))
 
 
 if __name__ == "__main__":

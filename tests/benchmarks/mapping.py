@@ -10,14 +10,12 @@ time; run it with OMP_NUM_THREADS=1. Five minutes a swing, an hour a `relocate`.
 
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 
 from bounds import add_seeds, command_line, seeds_of, verdict
 
 USAGE = """
 python tests/benchmarks/mapping.py swing 1:5
 python tests/benchmarks/mapping.py relocate 1
-python tests/benchmarks/mapping.py relocate 1 --keep runs     for database_poses.py --read runs/1
 """
 
 
@@ -25,17 +23,12 @@ def main(words: Sequence[str] | None = None) -> int:
     parser = command_line(__doc__, USAGE)
     parser.add_argument("what", choices=("swing", "relocate"))
     add_seeds(parser)
-    parser.add_argument(
-        "--keep", type=Path, metavar="FOLDER", help="keep the run folders of `relocate` in here"
-    )
     given = parser.parse_args(words)
-    if given.keep is not None and given.what == "swing":
-        parser.error("--keep goes with relocate: a swing leaves no run folder")
 
     from trials.mapping import relocations, swings
 
     seeds = seeds_of(given)
-    return verdict(swings(seeds) if given.what == "swing" else relocations(seeds, given.keep))
+    return verdict(swings(seeds) if given.what == "swing" else relocations(seeds))
 
 
 if __name__ == "__main__":

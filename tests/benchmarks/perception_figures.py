@@ -1,8 +1,8 @@
 """Measure what perception is held to, and print it as tables beside the paper's Table 1.
 
 Figures are kept part by part in docs/perception_figures.json, or in the file of --figures, and the
-page on perception shows the tables; a run measures the parts that are named, else all but
-`database`, and judges what the file holds then. Milliseconds are processor time of one thread: run
+page on perception shows the tables; a run measures the parts that are named, else all, and judges
+what the file holds then. Milliseconds are processor time of one thread: run
 it with OMP_NUM_THREADS=1. An hour on an idle core, most of it for `first_success` and `scan_pair`.
 """
 
@@ -18,7 +18,6 @@ USAGE = """
 OMP_NUM_THREADS=1 python tests/benchmarks/perception_figures.py
 OMP_NUM_THREADS=1 python tests/benchmarks/perception_figures.py swing_20_s same_bits
 python tests/benchmarks/perception_figures.py --print                 what was measured last
-python tests/benchmarks/perception_figures.py --database RUN RUN      runs of database_poses.py
 """
 PARTS = (
     "swing_20_s",
@@ -37,22 +36,14 @@ def main(words: Sequence[str] | None = None) -> int:
     parser = command_line(__doc__, USAGE)
     parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)}")
     parser.add_argument("--print", action="store_true", dest="is_read", help="measure nothing")
-    parser.add_argument(
-        "--database", type=Path, nargs="+", metavar="RUN", help="measure these kept runs instead"
-    )
     parser.add_argument("--figures", type=Path, default=FIGURES, help="file of the figures")
     given = parser.parse_args(words)
     if unknown := set(given.parts) - set(PARTS):
         parser.error(f"no part {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
-    for folder in given.database or ():
-        if not (folder / "truth.npz").is_file():
-            parser.error(f"{folder} holds no truth.npz; database_poses.py --keep makes it")
 
     from trials import perception_figures as measured
 
-    if given.database:
-        measured.keep("database", measured.database(given.database), given.figures)
-    elif not given.is_read:
+    if not given.is_read:
         for part in given.parts or PARTS:
             measured.keep(part, measured.PARTS[part](), given.figures)
             print(f"{part} measured", file=sys.stderr, flush=True)

@@ -262,18 +262,6 @@ ROWS = (
         ),
         lambda f: f["same_bits"]["same_again"] == f["same_bits"]["scenes"],
     ),
-    Row(
-        "database pose after the realignment, four rounds: median, 90 % below, worst",
-        "3 cm, 3°",
-        "1.5 cm, 1.5°",
-        ("database",),
-        lambda f: (
-            "{median_cm:.1f}, {p90_cm:.1f}, {worst_cm:.0f} cm; {median_deg:.1f}, "
-            "{p90_deg:.1f}, {worst_deg:.1f}°; "
-            "{within} of {n} within".format(**f["database"])
-        ),
-        lambda f: f["database"]["within"] == f["database"]["n"],
-    ),
 )
 
 

@@ -30,7 +30,7 @@ from executive.messages.stone import Stone, StoneState
 from executive.messages.verdict import Trouble, Verdict
 from executive.mission.assembly import assemble
 from executive.tree.load import load_mission
-from trials.grasp_lifts import (
+from trials.grasp_rows import (
     A_SITE,
     FIRST_SEED,
     RANKINGS,

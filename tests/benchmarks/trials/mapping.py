@@ -10,7 +10,6 @@ from bounds import Bound, Figure, held
 
 from executive.mission.run import Options, Run
 from executive.tree.load import load_mission
-from trials.database_poses import write_truth
 from trials.mapping_trials import (
     MACHINE,
     Fan,
@@ -93,7 +92,7 @@ def replayed(ticks: Ticks, track: Track, seed: int) -> tuple[list[Trial], Trial]
     return everyone, true
 
 
-def relocate(seed: int, kept: Path | None) -> tuple[dict[str, Any], dict[str, float]]:
+def relocate(seed: int) -> tuple[dict[str, Any], dict[str, float]]:
     """Run the mission on the pose graph; the other mapper and the true one see, forget and put back
     what it does. Return the report and the largest drifts [mm].
     """
@@ -120,7 +119,7 @@ def relocate(seed: int, kept: Path | None) -> tuple[dict[str, Any], dict[str, fl
             largest.update({n: max(drift, largest.get(n, 0.0)) for n, drift in drifts.items()})
 
         told = [0]
-        folder = (kept or Path(scratch)) / str(seed)
+        folder = Path(scratch) / str(seed)
         tap = Tap("relocate", seed, folder, hand_on, ["mapping.plugin=pose_graph"])
         own = tap.plugins["mapping"]
         voxels = trial(
@@ -135,7 +134,6 @@ def relocate(seed: int, kept: Path | None) -> tuple[dict[str, Any], dict[str, fl
         report = tap.run.execute(lambda mission: None).report
         tell(sum(pick["placed"] for pick in report["picks"]))
         close()
-        write_truth(folder, tap.plugins["robot"].truth_log)
     return report, largest
 
 
@@ -203,11 +201,11 @@ def swings(seeds: Sequence[int]) -> list[Figure]:
     return found
 
 
-def relocations(seeds: Sequence[int], kept: Path | None) -> list[Figure]:
+def relocations(seeds: Sequence[int]) -> list[Figure]:
     """Run the whole mission a seed, and hold the drifts against the bounds."""
     found = []
     for seed in seeds:
-        report, drifts = relocate(seed, kept)
+        report, drifts = relocate(seed)
         spent = report["timings_ms"]["mapping.add_scan_pair"]
         print(
             f"seed {seed}: {report['outcome']}, {report['ended_s']:.0f} s, "

@@ -128,32 +128,6 @@ def scan_pair() -> dict[str, Any]:
     return {"p95_ms": late | {"n": len(seeds)}, "pairs": len(spent[MAPPERS[0]])}
 
 
-def database(folders: Sequence[str]) -> dict[str, Any]:
-    """Compare databases that were kept with the truth, as they were after each realignment."""
-    from trials.database_poses import errors_of
-
-    entries: list[dict[str, Any]] = []
-    counts: dict[str, int] = {}
-    for folder in folders:
-        found, told = errors_of(Path(folder))
-        entries += found
-        counts = {name: counts.get(name, 0) + number for name, number in told.items()}
-    released = len(entries)
-    entries = [entry for entry in entries if entry["was_realigned"]]
-    cm, deg = np.array([entry["final"] for entry in entries]).T
-    return counts | {
-        "runs": len(folders),
-        "n": len(entries),
-        "released": released,
-        "within": int(((cm <= 3) & (deg <= 3)).sum()),
-        **{
-            f"{name}_{unit}": round(float(np.percentile(values, share)), 2)
-            for unit, values in (("cm", cm), ("deg", deg))
-            for name, share in (("median", 50), ("p90", 90), ("worst", 100))
-        },
-    }
-
-
 PARTS: dict[str, Callable[[], dict[str, Any]]] = {
     "swing_20_s": lambda: swing(20),
     "swing_10_s": lambda: swing(10),

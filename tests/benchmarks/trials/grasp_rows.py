@@ -1,14 +1,12 @@
-"""Sites of `pick_and_place` on which grasps are counted, and the table of what came of them.
+"""Sites on which grasps are counted: their stones, a row a stone, and the table of all rows.
 
-An attempt is a success if the mission says that the stone was placed and the simulator that it was
-lifted and not dropped: picked up, carried to its slot, set down. Stones that were found and for
-which there was no attempt count as failures. Intervals: Wilson, 95 %.
+An attempt is a success if it says that the stone was placed and the simulator that it was lifted
+and not dropped: picked up, carried, set down. Stones that were found and for which there was no
+attempt count as failures. Intervals: Wilson, 95 %.
 """
 
 import hashlib
 import json
-import sys
-import tempfile
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -20,11 +18,7 @@ from executive_plugins.grasping.sampled_cnn import weights_file
 from executive_plugins.robot.mujoco.site.mass_properties import volume_and_centroid
 from executive_plugins.robot.mujoco.site.stone_meshes import mesh_files, read_skin
 
-from executive.clock import wall_s
 from executive.machine.machine import load_machine
-from executive.mission.mission import Mission
-from executive.mission.run import Options, Run
-from executive.tree.load import load_mission
 
 A_SITE, FIRST_SEED, DENSITY, FLAT, TRIES = 7, 1000, 2700.0, 0.5, 3
 RANKINGS = {
@@ -50,92 +44,6 @@ def scans_of(folder: Path, scale: float, site: int) -> list[Path]:
     ]
     order = np.random.default_rng(0).permutation(len(files))
     return [files[i] for i in order[A_SITE * (site - 1) : A_SITE * site]]
-
-
-def run_site(
-    stones: str, scale: float, ranking: str, site: int, folder: Path
-) -> list[dict[str, Any]]:
-    """Run the mission of one site and return a row a stone."""
-    settings = [*RANKINGS[ranking], f"robot.site.stones.count={A_SITE}"]
-    if stones != "generated":
-        meshes = folder / "meshes"
-        meshes.mkdir()
-        for file in scans_of(Path(stones), scale, site):
-            (meshes / file.name).symlink_to(file.resolve())
-        settings += [
-            f"robot.site.stones.folder={json.dumps(str(meshes))}",
-            f"robot.site.stones.scale={scale}",
-        ]
-    shapes: dict[int, tuple[float, float]] = {}
-
-    def look(mission: Mission) -> None:
-        if not shapes:
-            shapes.update(shapes_of(mission.services.plugins["robot"].world.model))
-
-    begun_s = wall_s()
-    made = Run(
-        load_mission("pick_and_place", settings),
-        Options(seed=FIRST_SEED + site, run_dir=folder / "run"),
-    )
-    report = made.execute(look).report
-    if report["outcome"] in ("stopped", "fault"):
-        sys.exit(
-            f"{stones} {ranking} site {site}: {report['outcome']}: {report['reason']}; "
-            "nothing is noted"
-        )
-    about = {
-        "stones": "generated" if stones == "generated" else "scanned",
-        "ranking": ranking,
-        "site": site,
-    }
-    about |= {
-        "weights": weights_id() if ranking == "learned" else "",
-        "wall_s": round(wall_s() - begun_s),
-    }
-    about |= {"plan_ms": report["timings_ms"].get("grasping.plan", {})}
-    return [about | row for row in rows_of(report, shapes)]
-
-
-def rows_of(
-    report: dict[str, Any], shapes: dict[int, tuple[float, float]]
-) -> Iterator[dict[str, Any]]:
-    """Yield a row for each stone: its shape, and its attempts in order."""
-    truth = report["truth"]
-    lifted = {key(a, p): g for (a, p), g in zip(by_time(report), truth["grasps"], strict=True)}
-    for stone in truth["stones"]:
-        picks = [pick for pick in report["picks"] if pick["object"] == stone["held_object"]]
-        flatness, mass_kg = shapes[stone["id"]]
-        yield {
-            "stone": stone["id"],
-            "flatness": round(flatness, 3),
-            "mass_kg": round(mass_kg),
-            "found": stone["held_object"] is not None,
-            "set_aside": picks[0]["set_aside"] if picks else "never selected",
-            "attempts": [
-                {
-                    "outcome": attempt["outcome"],
-                    "reason": attempt["reason"],
-                    "lifted": lifted[key(attempt, pick)]["lifted"],
-                    "dropped": lifted[key(attempt, pick)]["dropped"],
-                    "score": round(attempt["grasp"]["score"], 3),
-                    "costs": {
-                        name: round(cost, 3) for name, cost in attempt["grasp"]["costs"].items()
-                    },
-                }
-                for pick in picks[:1]
-                for attempt in pick["attempts"]
-            ],
-        }
-
-
-def by_time(report: dict[str, Any]) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-    """Return attempts with their picks in the order of the report's true grasps."""
-    pairs = [(attempt, pick) for pick in report["picks"] for attempt in pick["attempts"]]
-    return sorted(pairs, key=lambda pair: pair[0]["started_s"])
-
-
-def key(attempt: dict[str, Any], pick: dict[str, Any]) -> tuple[int, float]:
-    return pick["object"], attempt["started_s"]
 
 
 def shapes_of(model: Any) -> dict[int, tuple[float, float]]:
@@ -259,26 +167,3 @@ def _above_the_paper(
 def read(path: Path) -> list[dict[str, Any]]:
     """Return the rows of a file; none where there is no file yet."""
     return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
-
-
-def sites_run(
-    path: Path, stones: str, ranking: str, scale: float, sites: Iterable[int]
-) -> list[dict[str, Any]]:
-    """Run those missions whose site is not in the file, write their rows there, return all rows."""
-    rows = read(path)
-    kind = "generated" if stones == "generated" else "scanned"
-    weights = weights_id() if ranking == "learned" else ""
-    done = {(*kind_of(r), r["site"]) for r in rows}
-    for site in sites:
-        if (kind, ranking, weights, site) in done:
-            continue
-        with tempfile.TemporaryDirectory() as folder:
-            found = run_site(stones, scale, ranking, site, Path(folder))
-        with path.open("a") as file:
-            file.writelines(json.dumps(row) + "\n" for row in found)
-        print(
-            f"{kind} {ranking} site {site}: {sum(map(is_first, found))} of {len(found)}, "
-            f"{found[0]['wall_s']} s",
-            flush=True,
-        )
-    return read(path)
