@@ -12,6 +12,7 @@ import resource
 import signal
 import socket
 import sys
+import traceback
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -99,9 +100,11 @@ def _computed(function: Any, path: Path) -> tuple[dict[str, Any], Sequence[np.nd
         kind = ConfigError if isinstance(error, ConfigError) else DataError
         raised, text = kind.__name__, str(error)
     # What a library raises on a damaged file has no common class; a panic in Rust is not even an
-    # Exception. The type stands in the message.
+    # Exception. The type stands in the message, the traceback in the log at DEBUG.
     except BaseException as error:
         raised, text = DataError.__name__, _unreadable(path, error)
+        told = "".join(traceback.format_exception(error))
+        kept.records.append((__name__, logging.DEBUG, f"{path}:\n{told}"))
     layout = [(one.dtype.str, one.shape) for one in arrays]
     return {"raised": raised, "text": text, "log": kept.records, "arrays": layout}, arrays
 

@@ -1,5 +1,6 @@
 """A running mission as the nodes of its tree see it: context, journal, questions, faults."""
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -157,8 +158,9 @@ class NodeRuntime(Runtime):
         """Latch the machine's safe stop; an error of it is recorded, and nothing is lost by it."""
         try:
             self._robot.safe_stop(reason)
-        except Exception as error:  # recorded, and the mission ends all the same
+        except Exception as error:  # recorded and logged, and the mission ends all the same
             self.record("", StopFailed(f"{type(error).__name__}: {error}"))
+            logging.getLogger(__name__).exception("the robot's safe stop failed")
 
     def _fault(self, fault: Fault) -> None:
         """Stop the machine for an error that escaped, and end the mission; the first one counts."""

@@ -47,6 +47,15 @@ def test_errors_and_warnings_of_the_reader_arrive(
     assert ("given", logging.WARNING, "3 of 4 left out") in caplog.record_tuples
 
 
+def test_what_a_reader_raises_is_logged_with_its_line(
+    file: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.DEBUG)
+    with pytest.raises(DataError, match="ZeroDivisionError"):
+        read_confined(f"{HERE}:raises", file)
+    assert "return [np.array(1 // 0)]" in caplog.text
+
+
 @pytest.mark.parametrize(
     ("name", "words"),
     [
