@@ -22,7 +22,7 @@ from executive.leaf.surroundings import surroundings
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
 from executive.messages.request import MoveRequest
-from executive.messages.stone import Stone
+from executive.messages.stone import Stone, StoneState
 from executive.messages.trajectory import JointTrajectory
 
 # Two grasps that are nearer than both count as one: about the spread of the jaws' own errors.
@@ -64,8 +64,9 @@ class PickPlanned(GraspsLeft):
 class PlanPick(Action[PlanPickSettings]):
     """Find the first grasp with a collision-free path; remove it and those before it from the list.
 
-    Grasps that differ from those that this node has attempted on the stone come first, because a
-    stone that slipped out of a grasp slips out of it again.
+    Grasps that differ from those that failed on the stone come first, because a stone that slipped
+    out of a grasp slips out of it again. An attempt has failed if the stone has not been placed
+    since.
     """
 
     needs = (MotionPlanner, Mapper, ObjectDatabase)
@@ -73,7 +74,8 @@ class PlanPick(Action[PlanPickSettings]):
 
     def __init__(self, settings: PlanPickSettings, context: Context) -> None:
         super().__init__(settings, context)
-        self._tried: dict[int, list[Float]] = {}  # T_object_gripper by stone
+        # Time [s] and T_object_gripper of the attempts, by stone.
+        self._tried: dict[int, list[tuple[float, Float]]] = {}
         self._refusals: dict[int, str] = {}  # why the last plan found no path, by stone
 
     def run(self, stone: int, grasps: list[Grasp]) -> Steps[PickPlanned | GraspsLeft]:
@@ -98,7 +100,8 @@ class PlanPick(Action[PlanPickSettings]):
             if plan.trajectory is None:
                 reasons.append(plan.reason)
                 continue
-            self._tried.setdefault(stone, []).append(_on_stone(grasp, known))
+            attempt = self.context.now_s(), _on_stone(grasp, known)
+            self._tried.setdefault(stone, []).append(attempt)
             self._record(known, grasp, reasons)
             self.context.show("path", plan)
             return succeeded(PickPlanned(ordered[number:], grasp, plan.trajectory))
@@ -107,11 +110,27 @@ class PlanPick(Action[PlanPickSettings]):
         return failed(f"stone {stone}: {self._refusals[stone]}", GraspsLeft([]))
 
     def _new_ones_first(self, stone: Stone, grasps: list[Grasp]) -> list[Grasp]:
-        tried = self._tried.get(stone.id, [])
+        failed_ones = self._failed(stone)
         return sorted(
             grasps,
-            key=lambda grasp: any(_are_alike(_on_stone(grasp, stone), other) for other in tried),
+            key=lambda grasp: any(
+                _are_alike(_on_stone(grasp, stone), other) for other in failed_ones
+            ),
         )
+
+    def _failed(self, stone: Stone) -> list[Float]:
+        """Forget what was tried until the stone was last placed; return what failed since."""
+        placed_s = max(
+            (
+                event.stamp_s
+                for event in self.context.use(ObjectDatabase).history(stone.id)
+                if event.state is StoneState.PLACED
+            ),
+            default=float("-inf"),
+        )
+        failures = [one for one in self._tried.get(stone.id, []) if one[0] > placed_s]
+        self._tried[stone.id] = failures
+        return [T_object_gripper for _, T_object_gripper in failures]
 
     def _request(self, grasp: Grasp, cloud: Cloud) -> MoveRequest:
         return MoveRequest(

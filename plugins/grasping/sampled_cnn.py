@@ -67,8 +67,10 @@ class SampledCnn(SampledPlanner):
             if is_paper
             else by_success
         )
-        worth = np.zeros(len(pool)) if is_paper else likely
-        return Order(order, worth, {"failure": 1.0 - likely}, is_telling=not is_paper)
+        costs = {"failure": 1.0 - likely}
+        if is_paper:
+            return Order(order, np.zeros(len(pool)), costs, is_telling=False)
+        return Order(order, likely, costs, True, self._judging.min_score)
 
     def _paper_first(
         self, pool: Pool, is_accepted: Bool, by_success: Iterator[int]

@@ -32,7 +32,9 @@ _FEW_POINTS = 20  # with fewer points the shape of a stone is unknown
 # then two with a position error.
 _VARIANTS = ((0.45, (0.0, 0.0, 0.0)), (0.55, (-0.03, 0.0, 0.04)), (0.55, (-0.03, 0.0, -0.04)))
 _PUSH_WEIGHT = 0.2  # weight of the motion by the closing jaws relative to the slip
-_FIRM_M, _ENOUGH = 0.05, 4  # stop simulating once this many grasps have at most this cost
+# Stop simulating once this many grasps have at most this cost: one for each attempt of a mission
+# that tries a stone three times, and one whose path is blocked.
+_FIRM_M, _ENOUGH = 0.05, 4
 _SPREAD_M, _SPREAD_RAD = 0.10, np.radians(20.0)
 
 
@@ -44,13 +46,15 @@ class Order:
         indices: Best first, consumed lazily.
         worth: First term of the score of each grasp, shape (M,).
         costs: Further costs by name, each of shape (M,).
-        is_telling: Whether the worth is reliable enough to return a grasp without a simulated lift.
+        is_telling: Whether the worth predicts the success; else it says nothing before a lift.
+        least_score: Score below which a grasp is refused.
     """
 
     indices: Iterable[int]
     worth: Float
     costs: Costs
     is_telling: bool
+    least_score: float = -np.inf
 
 
 class SampledPlanner(GraspPlanner):
@@ -123,8 +127,9 @@ class SampledPlanner(GraspPlanner):
     ) -> tuple[Grasp, ...]:
         """Simulate lifts of the first feasible grasps, and rank them by worth less slip.
 
-        A grasp is not simulated if its worth is at most the score that another one has after its
-        lift.
+        Each grasp that is returned has been lifted, as the later ones are for attempts after a
+        failure. Where the worth is telling, simulation stops once there are enough firm grasps and
+        no other one can become the best: its worth is at most the score of the best.
         """
         s, gripper = self._settings, self._machine.gripper
         mass_kg = scene.volume_m3 * s.density
@@ -134,29 +139,25 @@ class SampledPlanner(GraspPlanner):
         firm, best = 0, -np.inf
         attainable = self._attainable(scene, pool, order.indices, T_map_base, refused)
         for tried, (i, T_map_gripper) in enumerate(attainable, start=1):
-            is_beaten = order.is_telling and best >= order.worth[i]
+            if order.is_telling and firm >= _ENOUGH and best >= order.worth[i]:
+                break
             T_plan_gripper = pose(pool.R[i], pool.position[i])
-            lifted = (
-                {}
-                if is_beaten
-                else self._rehearsed(simulated_lift, T_plan_gripper, float(pool.jaw_rad[i]))
-            )
+            lifted = self._rehearsed(simulated_lift, T_plan_gripper, float(pool.jaw_rad[i]))
             cost = round(lifted.get("slip_m", 0.0) + _PUSH_WEIGHT * lifted.get("push_m", 0.0), 2)
             firm += bool(lifted) and cost <= _FIRM_M
+            score = float(order.worth[i]) - cost / FALLEN_M  # a fallen stone costs 1
             if cost > s.max_slip_m:
                 refused["slips"] += 1
+            elif score < order.least_score:
+                refused["unlikely"] += 1
             else:
                 named = {
                     name: float(values[i])
                     for name, values in (*pool.costs.items(), *order.costs.items())
                 }
-                score = float(order.worth[i]) - cost / FALLEN_M  # a fallen stone costs 1
                 best = max(best, score)
                 grasps.append(Grasp(T_map_gripper, gripper.max_opening_m, score, named | lifted))
-            is_settled = (
-                is_beaten and len(grasps) >= s.max_grasps if order.is_telling else firm == _ENOUGH
-            )
-            if is_settled or tried == max(s.rehearsed, s.max_grasps):
+            if tried == (s.rehearsed or s.max_grasps) or (not order.is_telling and firm == _ENOUGH):
                 break
         grasps.sort(key=lambda grasp: -grasp.score)  # stable: equal scores keep their order
         return tuple(grasps[: s.max_grasps])

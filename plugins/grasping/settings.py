@@ -24,10 +24,17 @@ class SampledPlannerSettings(SamplingSettings):
         20, ge=1, description="Number of grasps that pass the ranking by enclosing (Sec. 5.4)."
     )
     rehearsed: int = Field(
-        32, ge=0, le=500, description="Largest number of simulated lifts; with 0 the order is kept."
+        32,
+        ge=0,
+        le=500,
+        description="Largest number of grasps that are lifted in simulation; with 0 none is, and "
+        "the order is kept.",
     )
     max_slip_m: Meters = Field(
-        0.3, gt=0, description="Slip in simulated lifts above which a grasp is refused [m]."
+        0.3,
+        gt=0,
+        description="Slip in simulated lifts, and a fifth of the drag by the closing jaws, above "
+        "which a grasp is refused [m]. A fallen stone counts 0.5 m: from there on none is.",
     )
     max_grasps: int = Field(8, ge=1, description="Largest number of grasps returned.")
 
@@ -61,9 +68,16 @@ class SampledCnnSettings(SampledPlannerSettings):
     min_success: float = Field(
         0.5, ge=0, le=1, description="Least predicted success for the ranking 'paper'."
     )
-    rehearsed: int = Field(
-        8, ge=0, le=500, description="Largest number of simulated lifts per plan; 0 for none."
+    min_score: float = Field(
+        0.0,
+        ge=-1,
+        le=1,
+        description="Least score for the ranking 'learned', where it is the predicted success less "
+        "the share of a fall in simulated lifts; a grasp below it is refused as unlikely.",
     )
-    max_slip_m: Meters = Field(
-        1.0, gt=0, description="Slip in simulated lifts above which a grasp is refused [m]."
+    rehearsed: int = Field(
+        12,
+        ge=0,
+        le=500,
+        description="Largest number of grasps that are lifted in simulation; 0 for none.",
     )

@@ -11,6 +11,7 @@ from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
 from executive.messages.request import MotionPlan
 from executive.messages.stone import Stone, StoneState
+from executive.messages.stone_event import StoneEvent
 from executive.messages.trajectory import JointTrajectory
 
 POINTS = np.random.default_rng(0).uniform(-0.4, 0.4, (50, 3)) + [5, 0, 0.4]
@@ -22,6 +23,7 @@ class Objects(SqliteObjects):
     def __init__(self):
         super().__init__(SqliteObjects.Settings())
         self.T_map_object = pose(t=np.array([5.0, 0.0, 0.4]))
+        self.events = []
 
     def stone(self, stone_id):
         return Stone(
@@ -30,6 +32,12 @@ class Objects(SqliteObjects):
 
     def stones(self):
         return (self.stone(1),)
+
+    def history(self, stone_id):
+        return tuple(self.events)
+
+    def now_is(self, state, stamp_s):
+        self.events.append(StoneEvent(stamp_s, "state", state, self.T_map_object))
 
 
 class Mapper:
@@ -115,3 +123,22 @@ def test_another_stone_is_a_new_story(leaf, fakes):
     fakes.finish(leaf, stone=1, grasps=[grasp(5.0), grasp(5.3)])
     other = fakes.finish(leaf, stone=2, grasps=[grasp(5.0), grasp(5.3)])
     assert other.outputs.grasp.T_map_gripper[0, 3] == pytest.approx(5.0)
+
+
+def test_a_grasp_that_worked_is_taken_again(leaf, fakes):
+    fakes.finish(leaf, stone=1, grasps=[grasp(5.0), grasp(5.3)])
+    objects = leaf.context.plugins["objects"]
+    objects.now_is(StoneState.PLACED, leaf.context.time_s + 30.0)
+    objects.now_is(StoneState.ON_GROUND, leaf.context.time_s + 60.0)  # another round begins
+    leaf.context.time_s += 60.0
+    again = fakes.finish(leaf, limit_s=200.0, stone=1, grasps=[grasp(5.0), grasp(5.3)])
+    assert again.outputs.grasp.T_map_gripper[0, 3] == pytest.approx(5.0)
+
+
+def test_a_grasp_that_lost_the_stone_after_the_last_placement_is_not(leaf, fakes):
+    objects = leaf.context.plugins["objects"]
+    objects.now_is(StoneState.PLACED, leaf.context.time_s)
+    leaf.context.time_s += 60.0
+    fakes.finish(leaf, limit_s=200.0, stone=1, grasps=[grasp(5.0), grasp(5.3)])
+    again = fakes.finish(leaf, limit_s=200.0, stone=1, grasps=[grasp(5.0), grasp(5.3)])
+    assert again.outputs.grasp.T_map_gripper[0, 3] == pytest.approx(5.3)

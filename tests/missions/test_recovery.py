@@ -51,11 +51,7 @@ class Fault(ABC):
 
 
 class OpenJaws(Fault):
-    """A valve opens the jaws: the stone falls.
-
-    With this seed the second grasp holds. With the seeds 1 to 3 and 5 to 9 it may lose the stone
-    again, because second grasps are not rehearsed.
-    """
+    """A valve opens the jaws: the stone falls. With this seed the second grasp holds."""
 
     seed = 4
 
