@@ -16,6 +16,7 @@ from executive.campaign.figures.measurement import measure, record_of
 from executive.config import Settings
 from executive.interfaces.work import Piece, Work
 from executive.mission.assembly import Selections, assemble, needed_for
+from executive.mission.preset_answers import preset_answers
 from executive.mission.run import Options, Run, model_of
 from executive.tree.instances import capability_of
 from executive.tree.language import MissionFile
@@ -35,11 +36,11 @@ class MissionWork(Work):
 
     def inputs(self, arguments: Settings) -> Mapping[str, Path]:
         """Return the files and folders that settings of plugins name, by the setting."""
-        return dict(_paths_in(_description(_text(arguments), ())))
+        return dict(_paths_in(_description(_checked(arguments).mission, ())))
 
     def prepare(self, arguments: Settings, inputs: Mapping[str, Path]) -> None:
         """Read the mission, and let its stateless plugins start once: they import and compile."""
-        description = _description(_text(arguments), _moved(inputs))
+        description = _description(_checked(arguments).mission, _moved(inputs))
         chosen = _stateless(description)
         if repr(chosen) in _started:
             return
@@ -51,8 +52,13 @@ class MissionWork(Work):
             assembly.close()
 
     def run(self, piece: Piece) -> Mapping[str, Any]:
-        description = _description(_text(piece.arguments), _moved(piece.inputs))
-        result = Run(description, Options(seed=piece.seed, run_dir=piece.folder)).execute(_nothing)
+        arguments = _checked(piece.arguments)
+        description = _description(arguments.mission, _moved(piece.inputs))
+        preset = preset_answers(arguments.answers, description)
+        options = Options(
+            seed=piece.seed, run_dir=piece.folder, answer=preset.answer, choices=preset.choices
+        )
+        result = Run(description, options).execute(_nothing)
         if result.report["outcome"] == "fault" and not is_space_left(piece.folder):
             raise DiskFullError(f"no space is left for {piece.folder}")
         return {"report": result.report, "measurements": _measured(piece.folder)}
@@ -76,10 +82,10 @@ def _nothing(_: object) -> None:
     """Show no progress after a tick."""
 
 
-def _text(arguments: Settings) -> str:
+def _checked(arguments: Settings) -> MissionArguments:
     if not isinstance(arguments, MissionArguments):
         raise TypeError(f"expected MissionArguments, got {type(arguments).__name__}")
-    return arguments.mission
+    return arguments
 
 
 @lru_cache(maxsize=64)

@@ -41,6 +41,22 @@ def preset_answers(given: Sequence[str], mission: MissionFile) -> PresetAnswers:
     return PresetAnswers(truths[0] if truths else None, choices)
 
 
+def answers_of(mission: MissionFile) -> set[str]:
+    """Return every answer that a question of the mission takes: choices, yes and no."""
+    asked = _questions(mission)
+    return {answer for ask in asked for answer in ask.choices or _TRUTHS}
+
+
+def unanswered(preset: PresetAnswers, mission: MissionFile) -> list[Ask]:
+    """Return the questions that only a person could answer."""
+    return [
+        ask
+        for ask in _questions(mission)
+        if ask.default is None
+        and (not set(preset.choices) & set(ask.choices) if ask.choices else preset.answer is None)
+    ]
+
+
 def _questions(mission: MissionFile) -> list[Ask]:
     nodes = (node for tree in mission.trees.values() for node in tree.root.walk())
     return [node.kind for node in nodes if isinstance(node.kind, Ask)]

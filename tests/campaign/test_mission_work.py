@@ -94,6 +94,18 @@ def test_a_mission_that_fails_has_an_answer(mission, tmp_path) -> None:
     assert answer["report"]["outcome"] == "failure"
 
 
+@pytest.mark.parametrize(("answer", "outcome"), [("slowly", "success"), ("not", "failure")])
+def test_the_answers_of_a_campaign_reach_the_missions_questions(
+    mission: Path, tmp_path: Path, answer: str, outcome: str
+) -> None:
+    ask = "{ask: How?, choices: [slowly, not]}"
+    trees = f"trees:\n  main: {{sequence: [{ask}, {{check: \"{{answer}} == 'slowly'\"}}]}}\n"
+    mission.write_text(MISSION.partition("trees:")[0] + trees)
+    arguments = arguments_of(mission).model_copy(update={"answers": (answer,)})
+    report = MissionWork().run(Piece(arguments, 1, tmp_path / "run", {}))["report"]
+    assert report["outcome"] == outcome
+
+
 def test_a_fault_of_a_full_disk_is_none_of_the_mission(mission, tmp_path, monkeypatch) -> None:
     def full(*_: object, **__: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")

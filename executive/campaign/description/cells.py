@@ -37,6 +37,9 @@ class Checker(Protocol):
     def arguments(self, cell: Cell) -> Mapping[str, Any] | None:
         """Return what the runs of a cell are given, or None after every mistake was noted."""
 
+    def finish(self) -> None:
+        """Note what no cell has used, after all of them were checked."""
+
 
 def cells_of(common: Sequence[PlacedSetting], factors: Sequence[Factor]) -> Iterator[Cell]:
     """Yield the full grid; the levels of the last factor change first."""

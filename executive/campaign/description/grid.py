@@ -56,7 +56,9 @@ def read_grid(table: Table, paths: Paths, reading: Reading, *, has_cells: bool =
             for cell in cells_of(settings, factors)
             if (arguments := checker.arguments(cell)) is not None
         )
-        return Grid(work, varied, tuple(cells))
+        grid = Grid(work, varied, tuple(cells))
+        checker.finish()
+        return grid
     return Grid(work, varied, ())
 
 
@@ -85,7 +87,8 @@ def _checker(table: Table, paths: Paths, reading: Reading) -> tuple[str, Checker
     if found is None or found[0] == WORK:
         _refuse(table, ["arguments"], "missions take settings, under 'set'", reading)
         return WORK, MissionCells(table, paths, reading)
-    _refuse(table, ["missions"], f"the work is '{found[0]}', which runs no mission", reading)
+    why = f"the work is '{found[0]}', which runs no mission"
+    _refuse(table, ["missions", "answers"], why, reading)
     arguments = _section(table, "arguments", reading) or Table({}, table.mark)
     return found[0], WorkCells(found, arguments, paths, reading)
 

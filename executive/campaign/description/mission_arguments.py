@@ -13,3 +13,7 @@ class MissionArguments(Settings):
         "a run needs no other file of the mission, and a changed mission is another trial. Paths "
         "in settings are absolute."
     )
+    answers: tuple[str, ...] = Field(
+        (),
+        description="Answers to the mission's questions, as with `--answer`: yes, no, or choices.",
+    )

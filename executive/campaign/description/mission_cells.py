@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from executive.campaign.description.answers import AnswerReader
 from executive.campaign.description.cells import Cell
 from executive.campaign.description.mission_arguments import MissionArguments
 from executive.campaign.description.paths import Paths, Place, part_at, relative_paths
@@ -33,6 +34,7 @@ class MissionCells:
         self._paths = paths
         self._reading = reading
         self._found: dict[Mark, str | None] = {}
+        self._answers = AnswerReader(table, reading)
 
     def arguments(self, cell: Cell) -> Mapping[str, Any] | None:
         """Return the arguments of the runs of a cell, or None after every mistake was noted."""
@@ -46,9 +48,15 @@ class MissionCells:
         if own or absolute != cell:
             absolute = replace(absolute, settings=(*absolute.settings, *own))
             mission = self._loaded(name, absolute)
-        if mission is None:
+        if mission is None or cell.mission is None:
             return None
-        return MissionArguments(mission=resolved_yaml(mission)).model_dump(mode="json")
+        answers = self._answers.of(mission, cell.mission.mark)
+        arguments = MissionArguments(mission=resolved_yaml(mission), answers=answers)
+        return arguments.model_dump(mode="json", exclude_defaults=True)
+
+    def finish(self) -> None:
+        """Note what no cell has used."""
+        self._answers.refuse_unused()
 
     def _name_of(self, cell: Cell) -> str | None:
         value = cell.mission

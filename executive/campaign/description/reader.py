@@ -26,6 +26,7 @@ KEYS = (
     "missions",
     "seeds",
     "set",
+    "answers",
     "factors",
     "variants",
     "limits",

@@ -44,6 +44,9 @@ class WorkCells:
             checked = check_settings(self._work.Arguments, absolute, owner, problems) or checked
         return settings_dump(checked)
 
+    def finish(self) -> None:
+        """Do nothing: all that a work is given belongs to its arguments."""
+
 
 def find_work(value: Value, reading: Reading) -> tuple[str, type[Work]] | None:
     """Return name and class of a work, or None after a mistake was noted."""

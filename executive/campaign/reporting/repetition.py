@@ -10,7 +10,7 @@ _WORK = "mission"
 
 
 def repetition(folder: Path, result: Result) -> str:
-    """Return the command that repeats a mission with equal settings and an equal seed.
+    """Return the command that repeats a mission with equal settings, answers and seed.
 
     The mission's file is the resolved one in the run's folder; where the run ended before it was
     written, it is written beside the runs. Empty for work that is no mission.
@@ -27,4 +27,5 @@ def repetition(folder: Path, result: Result) -> str:
         mission = folder / "repeat" / f"{trial.number}.yaml"
         mission.parent.mkdir(parents=True, exist_ok=True)
         mission.write_text(trial.arguments["mission"], encoding="utf-8")
-    return f"executive run {shlex.quote(str(mission))} --seed {trial.seed}"
+    answers = "".join(f" --answer {shlex.quote(one)}" for one in trial.arguments.get("answers", ()))
+    return f"executive run {shlex.quote(str(mission))} --seed {trial.seed}{answers}"

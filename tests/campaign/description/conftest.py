@@ -31,6 +31,22 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
+def asking(folder: Path) -> Path:
+    """Return a mission with a question of yes or no, one with choices, and one with a default."""
+    asks = """
+    sequence:
+      - ask: Go?
+      - ask: How?
+        choices: [slowly, quickly]
+      - ask: Again?
+        default: false"""
+    path = folder / "asks.yaml"
+    text = MISSION.replace("mission: waits", "mission: asks").replace("{wait: 1 s}", asks)
+    path.write_text(text)
+    return path
+
+
+@pytest.fixture
 def read(folder: Path) -> Callable[..., Campaign]:
     """Return what reads the text of a campaign; `api`, name, missions and seeds are added."""
 

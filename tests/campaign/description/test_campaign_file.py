@@ -108,6 +108,21 @@ def test_a_mistake_within_a_mission_is_reported_there(read: Read, folder: Path) 
         read("")
 
 
+def test_answers_that_no_mission_takes_and_questions_left_open_are_refused(
+    mistakes: Mistakes, asking: Path
+) -> None:
+    head = f"{HEAD}missions: [waits.yaml, {asking.name}]\nseeds: 1\n"
+    assert mistakes("answers: [true]\n", head) == [
+        "3:24 asks asks 'How?', and nobody is there to answer: put slowly or quickly under "
+        "'answers', or give the question a default",
+    ]
+    told = mistakes("answers: [true, false, slowli, slowly]\n", head)
+    assert told == [
+        "5:17 true and false are both given; questions of yes or no take one of them",
+        "5:24 no question of the campaign's missions takes 'slowli'. Did you mean 'slowly'?",
+    ]
+
+
 def test_two_factors_that_set_the_same_are_refused(mistakes: Mistakes) -> None:
     text = "factors: {loop.tick: [0.1, 0.2], a: {x: {loop.tick: 0.3}, y: {mission: other.yaml}}}\n"
     told = mistakes(text)
@@ -125,6 +140,13 @@ def test_factors_beside_variants_are_refused(mistakes: Mistakes) -> None:
 
 
 # --- what a file says
+
+
+def test_each_mission_gets_the_answers_that_its_questions_take(read: Read, asking: Path) -> None:
+    head = f"{HEAD}missions: [waits.yaml, {asking.name}]\nseeds: 1\n"
+    campaign = read("answers: [slowly, false]\n", head)
+    answers = [one.arguments.get("answers") for one in campaign.trials]
+    assert answers == [None, ["slowly", "no"]]
 
 
 def test_seeds_are_a_number_a_range_or_a_list(read: Read) -> None:

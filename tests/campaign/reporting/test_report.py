@@ -7,6 +7,7 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
@@ -174,6 +175,9 @@ def test_the_command_of_a_failed_run_names_its_own_mission_and_seed(
     made_up: ModuleType, tmp_path: Path
 ) -> None:
     campaign = made_up.campaign(range(7, 9), {})
+    first, second = campaign.trials
+    asked = replace(second, arguments={**second.arguments, "answers": ["slowly"]})
+    campaign = replace(campaign, trials=(first, asked))
     found = [Outcome(n, Status.DONE, "", ANSWER) for n in range(2)]
     made_up.write_ledger(tmp_path, campaign, found)
     (tmp_path / "runs" / "0-1").mkdir(parents=True)
@@ -182,7 +186,7 @@ def test_the_command_of_a_failed_run_names_its_own_mission_and_seed(
     commands = re.findall(r"<pre>(executive run .*?)</pre>", body_of(tmp_path))
     assert commands == [
         f"executive run {tmp_path}/runs/0-1/mission.yaml --seed 7",
-        f"executive run {tmp_path}/repeat/1.yaml --seed 8",
+        f"executive run {tmp_path}/repeat/1.yaml --seed 8 --answer slowly",
     ]
     assert (tmp_path / "repeat" / "1.yaml").read_text(encoding="utf-8") == made_up.MISSION
 
