@@ -211,6 +211,11 @@ def name_of(capability: str, plugin: type) -> str:
     return next((name for name, point in points if _target(point) == target), plugin.__name__)
 
 
+def has_oracle(robot: type) -> bool:
+    """Return whether something can judge what a robot's class has done, as a simulator can."""
+    return name_of("robot", robot) in _entry_points(ORACLES)
+
+
 def declared(capability: str, name: str) -> Declared:
     """Return what a plugin declares; it is imported if its settings are not announced apart.
 

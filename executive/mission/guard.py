@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
+from executive import registry
 from executive.arrays import Float
 from executive.clock import Clock
 from executive.events.event import Event
@@ -16,6 +17,7 @@ from executive.faults.tap import tap
 from executive.interfaces.robot import Robot
 from executive.machine.machine import Machine
 from executive.messages.base_state import BaseState
+from executive.mission.record.samples import Samples
 from executive.mission.streams import StreamGuard, Streams
 from executive.watch.ages import Ages
 from executive.watch.antenna_check import AntennaCheck
@@ -24,6 +26,8 @@ from executive.watch.gate import Gate
 from executive.watch.motion import MotionWatch
 from executive.watch.rules import ESTIMATE, EstimateRule, Watched
 from executive.watch.watch import Decision, Watch
+
+_JUDGED = 3600  # states in memory, an hour of one a second; later every second, every fourth
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +66,8 @@ class Guard(StreamGuard):
         self.refused: Counter[str] = Counter()  # observations by sensor and kind of reason
         self.scans_not_fused = 0
         self.stale_states = 0  # of those that the report judges
+        self.judged: Samples[BaseState] = Samples(_JUDGED)
+        self._has_judge = registry.has_oracle(type(self._robot))
         tap(self._robot, "command", self._command)
         tap(self._robot, "stop", self._stop)
 
@@ -106,12 +112,16 @@ class Guard(StreamGuard):
                 troubles[ESTIMATE] = estimate
         return self._watch.step(troubles, now_s)
 
-    def judged(self, state: BaseState) -> BaseState:
-        """Return a state as it is judged now: one that is too old counts as the state of now.
+    def judge(self, state: BaseState) -> None:
+        """Take a state that the report judges; one that is too old counts as the state of now.
 
         A frozen state is used at each tick as if it were new; its error is that of the present.
         """
-        now_s = self._now_s()
+        judged = self._judged(state, self._now_s())
+        if self._has_judge:
+            self.judged.append(judged)
+
+    def _judged(self, state: BaseState, now_s: float) -> BaseState:
         if not stale(state, now_s, self.age_limit_s):
             return state
         self.stale_states += 1

@@ -14,7 +14,6 @@ from executive.events.mission import (
 )
 from executive.events.watch import MissionHeld
 from executive.leaf.runtime import MissionFaultError, Runtime
-from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
 from executive.mission.guard import failure_of
 from executive.mission.hold import Hold
@@ -44,7 +43,6 @@ class Mission(NodeRuntime):
     ) -> None:
         super().__init__(setup)
         self.phase = Phase.IDLE
-        self.states: list[BaseState] = []
         plugins, machine = setup.assembly.plugins, setup.assembly.machine
         self.pause = Pause(setup.clock, plugins, self._events.take_error)
         self.late_ticks = LateTicks(setup.tick_s, setup.late_ticks, machine)
@@ -261,7 +259,7 @@ class Mission(NodeRuntime):
             self.record("", self._setup.jobs.told.popleft())
         state = self.services.streams.state()
         if state.is_ready and not self.pause.is_on and self._is_due(_STATE_PERIOD_S):
-            self.states.append(self.guard.judged(state))
+            self.guard.judge(state)
         if self._display.is_on and self._is_due(_VIEW_PERIOD_S):
             self._display.show_machine(self.root, state, self.services.streams.joints)
         if self._is_still:

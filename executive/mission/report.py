@@ -38,7 +38,7 @@ class Ending:
         return {"success": 0, "failure": 1, "stopped": 1, "fault": 3}[self.outcome]
 
 
-def timings_from(durations_ms: Mapping[str, Samples]) -> dict[str, dict[str, float]]:
+def timings_from(durations_ms: Mapping[str, Samples[float]]) -> dict[str, dict[str, float]]:
     """Return median, 95th percentile and number of each stage's wall times [ms]."""
     return {
         stage: {

@@ -92,7 +92,7 @@ class Streams:
         self.scan_pairs = 0
         self.arrived_scans: list[LidarScan] = []  # of this tick
         self.ignored: Counter[str] = Counter()  # observations by type that no plugin takes
-        self.durations_ms: dict[str, Samples] = {}
+        self.durations_ms: dict[str, Samples[float]] = {}
 
     def process(self, observations: Sequence[Observation]) -> None:
         """Take all observations of one tick."""

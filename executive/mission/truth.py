@@ -31,7 +31,7 @@ def truth_of(robot_name: str, mission: Mission, picks: Sequence[Pick]) -> dict[s
             for one in stones
         }
     view = MissionView(
-        states=mission.states,
+        states=tuple(mission.guard.judged),
         stones=stones,
         first_stones=tuple(mission.first_stones.values()),
         slots=_slots(picks),

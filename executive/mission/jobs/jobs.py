@@ -93,7 +93,7 @@ class Jobs:
         self._clock = clock
         self._is_lock_step = is_lock_step
         self._limits = limits
-        self.durations_ms: dict[str, Samples] = {}
+        self.durations_ms: dict[str, Samples[float]] = {}
         self.told: deque[WorkerReplaced] = deque() if told is None else told
         self._memory: MemoryLimit | None = None
         # Which calls a fault on purpose lets fail; None without such faults.

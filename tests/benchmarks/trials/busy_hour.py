@@ -1,0 +1,120 @@
+"""A busy mission on the wall clock: what its ticks, its memory and its files do over an hour."""
+
+import multiprocessing as mp
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from bounds import Bound, Figure, held, judged
+
+from executive.clock import wall_s
+from executive.mission.mission import Mission
+from executive.mission.run import Options, Run
+from executive.tree.load import load_mission
+
+MISSION = """
+api: 1
+mission: busy
+plugins:
+  robot: {plugin: kinematic, model: m545, noise: true}
+  estimation: dual_graph
+  mapping: voxel_map
+  objects: sqlite
+  motion: hermite
+loop: {tick: 50 ms, late_ticks: 1000, time_limit: 1000 h}
+trees:
+  main:
+    sequence:
+      - {run: Localise, timeout: 30 s}
+      - parallel:
+          - loop: forever
+            do:
+              sequence:
+                - {run: TurnCabin, with: {heading: 60 deg}}
+                - {run: TurnCabin, with: {heading: -60 deg}}
+          - loop: forever
+            do:
+              sequence:
+                - for_each: {item: number, in: [1, 2, 3, 4, 5, 6]}
+                  do: {set: {mark: "{number}"}}
+                - wait: 50 ms
+"""
+TICK_MS = 50.0
+P99_MS, WORST_MS = Bound(55.0), Bound(200.0)
+# Python's allocator and gtsam's keep pages in which little is used: a share that does not grow. A
+# record that grew by one entry of 100 bytes a tick would take 6 MB in the 50 minutes.
+GROWTH_MB = Bound(2.0)
+FILES_MB = Bound(50.0)
+
+
+class Minutes:
+    """Notes the interval of each tick, and memory and files each minute; ends the run."""
+
+    def __init__(self, minutes: int, folder: Path) -> None:
+        self._minutes, self._folder = minutes, folder
+        self._begun_s = self._last_s = 0.0
+        self.intervals_ms = np.empty(int(minutes * 60e3 / TICK_MS * 1.1), dtype=np.float32)
+        self.count = 0
+        self.memory_mb: list[float] = []
+        self.files_mb: list[float] = []
+
+    def __call__(self, mission: Mission) -> None:
+        now_s = wall_s()
+        if self._begun_s == 0.0:
+            self._begun_s = now_s
+        elif self.count < len(self.intervals_ms):
+            self.intervals_ms[self.count] = 1e3 * (now_s - self._last_s)
+            self.count += 1
+        self._last_s = now_s
+        minute = int((now_s - self._begun_s) / 60.0)
+        if minute > len(self.memory_mb):
+            self._note(minute)
+            if minute >= self._minutes:
+                mission.request_stop()
+
+    def _note(self, minute: int) -> None:
+        children = [child.pid for child in mp.active_children()]
+        self.memory_mb.append(sum(resident_mb(pid) for pid in (os.getpid(), *children) if pid))
+        files = (one.stat().st_size for one in self._folder.rglob("*") if one.is_file())
+        self.files_mb.append(sum(files) / 1e6)
+        newest = self.intervals_ms[max(0, self.count - 1200) : self.count]
+        print(
+            f"minute {minute}: {self.memory_mb[-1]:.1f} MB in {1 + len(children)} processes, files "
+            f"{self.files_mb[-1]:.1f} MB, tick intervals {np.percentile(newest, 99):.1f} ms at "
+            f"99 %, {newest.max():.1f} ms at worst, load {os.getloadavg()[0]:.1f}",
+            flush=True,
+        )
+
+
+def resident_mb(pid: int) -> float:
+    """Return the memory that a process does not share with files [MB]; 0 for one that ended."""
+    try:
+        lines = Path(f"/proc/{pid}/status").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return 0.0
+    return sum(float(line.split()[1]) for line in lines if line.startswith("RssAnon")) / 1e3
+
+
+def measured(minutes: int, settled: int) -> list[Figure]:
+    """Run for so many minutes; return the figures, memory from a minute on."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "busy.yaml"
+        path.write_text(MISSION, encoding="utf-8")
+        noted = Minutes(minutes, Path(folder) / "run")
+        options = Options(run_dir=Path(folder) / "run", real_time=True)
+        report = Run(load_mission(str(path)), options).execute(noted).report
+    ended = f"{report['outcome']}: {report['reason']}"
+    intervals = noted.intervals_ms[: noted.count]
+    p50, p99, worst = np.percentile(intervals if noted.count else [np.nan], [50, 99, 100])
+    late = int((intervals > WORST_MS.must).sum())
+    growth = noted.memory_mb[-1] - noted.memory_mb[settled - 1]
+    words = f"{growth:+.2f} ({noted.memory_mb[settled - 1]:.1f} to {noted.memory_mb[-1]:.1f})"
+    return [
+        judged("how it ended", ended, "stopped by the operator", report["outcome"] == "stopped"),
+        Figure("tick interval, median [ms]", f"{p50:.1f} (n = {noted.count})"),
+        held("tick interval, 99 % [ms]", p99, P99_MS, f"{p99:.1f}"),
+        held("tick interval, worst [ms]", worst, WORST_MS, f"{worst:.1f} ({late} above)"),
+        held(f"memory after minute {settled} [MB]", growth, GROWTH_MB, words),
+        held("files [MB]", max(noted.files_mb), FILES_MB),
+    ]
