@@ -60,6 +60,14 @@ class Robot(Plugin, ABC):
         A second stop gives the path up: nothing is left to go on along then.
         """
 
+    def behind_s(self) -> float:
+        """Return by how much the machine will be late on its path if mission time goes on now [s].
+
+        Accelerating after a `resume` may lose more time than braking before it has gained, since
+        mission time stood still. Mission time goes on when this is 0 or less. By default it is 0.
+        """
+        return 0.0
+
     @abstractmethod
     def stop(self) -> None:
         """Slow down along the present path within the limits, and hold; the jaws keep pressing."""

@@ -218,9 +218,10 @@ class Mission(NodeRuntime):
         """Hold the mission, or let it go on, as the operator wants and open questions demand."""
         self.questions = [one for one in self.questions if one.question.answer() is None]
         wanted, reason = self.wishes.phase(self._hold, is_asking=bool(self.questions))
-        if self._ending is not None or wanted is self.phase:
+        is_over = wanted is Phase.RUNNING
+        if self._ending is not None or self.pause.must_wait(is_over) or wanted is self.phase:
             return
-        if wanted is Phase.RUNNING:
+        if is_over:
             reason = self.wishes.resumed if self.phase is Phase.PAUSED else ""
             self.record("", PauseEnded(round(self.pause.end(), 6)))
         elif not self.pause.is_on:

@@ -36,6 +36,7 @@ class Pause:
         self._rest = Rest()
         self._since_wall_s = 0.0
         self._began_s = 0.0
+        self._is_ending = False
         self.stands = False
         self.count = 0
         self.wall_s = 0.0
@@ -52,9 +53,8 @@ class Pause:
 
     def begin(self) -> None:
         """Stop the machine along its path, and let mission time stand still."""
-        self._robot.stop()
+        self._hold()
         self._clock.pause()
-        self._rest, self.stands = Rest(), False
         self._since_wall_s, self._began_s = wall_s(), self._clock.machine_s()
         self.count += 1
         self._tell(lambda plugin: plugin.paused(self._clock.now_s()))
@@ -65,16 +65,38 @@ class Pause:
             now_s = self._clock.machine_s()
             self.stands = self._rest.add(now_s, sample.position, sample.velocity)
 
+    def must_wait(self, is_over: bool) -> bool:
+        """Let the machine go on when the pause is to end; stop it again if the pause is to last.
+
+        Args:
+            is_over: Whether the mission is to go on.
+
+        Returns:
+            Whether mission time has to wait, because the machine would be late on its path.
+        """
+        if not is_over:
+            if self._is_ending:
+                self._hold()
+            return False
+        if self.is_on and not self._is_ending:
+            self._robot.resume()
+            self._is_ending, self.stands = True, False
+        return self.is_on and self._robot.behind_s() > 0.0
+
+    def _hold(self) -> None:
+        self._robot.stop()
+        self._rest, self.stands, self._is_ending = Rest(), False, False
+
     def end(self) -> float:
-        """Let machine and mission go on; return the machine time that passed [s]."""
+        """Let mission time go on, too; return the machine time that passed [s]."""
         self._tell(lambda plugin: plugin.resumed(self._clock.now_s()))
-        self._robot.resume()
         return self.leave()
 
     def leave(self) -> float:
         """Let mission time go on, but not the machine; return the machine time that passed [s]."""
         if not self.is_on:
             return 0.0
+        self._is_ending = False
         self._clock.resume()
         self.wall_s += wall_s() - self._since_wall_s
         return self._clock.machine_s() - self._began_s

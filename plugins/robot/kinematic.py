@@ -108,10 +108,15 @@ class KinematicRobot(Robot):
     def resume(self) -> None:
         self._follower.resume()
 
+    def behind_s(self) -> float:
+        return self._follower.behind_s()
+
     def paused(self, now_s: float) -> None:
+        self._follower.pause()
         self._jaw_held, self._jaw_goal = self._jaw_goal, self._jaw
 
     def resumed(self, now_s: float) -> None:
+        self._follower.go_on()
         if self._jaw_held is not None:
             self._jaw_goal, self._jaw_held = self._jaw_held, None
 

@@ -15,6 +15,7 @@ _POSITION_TOLERANCE = 1e-3  # tolerated excess over a range, below encoder resol
 _SPEED_TOLERANCE = 1.05  # cubic pieces slightly exceed the speeds at the samples
 _PROBE_S = 1e-3  # step of the difference quotient for the acceleration of the path
 _QUICKEST_STOP_S = 0.1  # shortest time in which ds/dt falls from 1 to 0
+_LOOK_S = 0.01  # step in which a coming acceleration is computed
 
 
 class Follower:
@@ -24,6 +25,10 @@ class Follower:
     stopping, ds/dt falls to 0 as fast as the acceleration limits of all joints allow, so that the
     arm stays on the path that was checked for collisions: with q(s), the acceleration of the joints
     is q″ (ds/dt)² + q′ d²s/dt².
+
+    In a pause the mission's time stands still while s goes on until the arm stands. After it the
+    arm waits for so long that, when ds/dt is 1 again, s is as far as without a pause. Where
+    accelerating takes more than braking has gained, `behind_s` says by how much.
     """
 
     def __init__(self, machine: Machine, position: Float) -> None:
@@ -33,7 +38,8 @@ class Follower:
         self._trajectory: JointTrajectory | None = None
         self._columns = np.zeros(0, dtype=np.int64)
         self._s, self._rate, self._is_stopping = 0.0, 1.0, False
-        self._is_given_up = False
+        self._is_given_up = self._is_paused = False
+        self._lead_s = self._wait_s = 0.0  # s beyond the mission's time; how long ds/dt stays
 
     @property
     def is_moving(self) -> bool:
@@ -63,6 +69,7 @@ class Follower:
         self._trajectory, self._columns = trajectory, columns
         self._s, self._rate, self._is_stopping = 0.0, 1.0, False
         self._is_given_up = False
+        self._lead_s = self._wait_s = 0.0
 
     def stop(self) -> None:
         """Slow down along the path and hold; the path is kept for `resume`.
@@ -81,15 +88,41 @@ class Follower:
         if not self._is_given_up:
             self._is_stopping = False
 
+    def pause(self) -> None:
+        """Note that the mission's time stands still from now on."""
+        self._is_paused = True
+
+    def go_on(self) -> None:
+        """Note that the mission's time goes on: be in step with it when the path's speed is back."""
+        self._is_paused = False
+        self._wait_s = max(-self.behind_s(), 0.0) / (1.0 - self._rate) if self._rate < 1.0 else 0.0
+
+    def behind_s(self) -> float:
+        """Return by how much s is behind the mission's time at the end, if that goes on now [s].
+
+        It is negative if the arm will be ahead, and 0 where there is nothing to go on along.
+        """
+        if self._trajectory is None or self._is_given_up:
+            return 0.0
+        s, rate, lost_s = self._s, self._rate, 0.0
+        while rate < 1.0 and s < self._trajectory.duration_s:
+            rate = min(rate + self._room(1.0, s, rate) * _LOOK_S, 1.0)
+            s += rate * _LOOK_S
+            lost_s += (1.0 - rate) * _LOOK_S
+        return lost_s - self._lead_s
+
     def advance(self, dt_s: float) -> tuple[Float, Float]:
         """Advance by one step; return reference position and velocity, each shape (n,)."""
         if self._trajectory is None:
             return self._held, np.zeros_like(self._held)
         if self._is_stopping:
-            self._rate = max(self._rate - self._room(-1.0) * dt_s, 0.0)
+            self._rate = max(self._rate - self._room(-1.0, self._s, self._rate) * dt_s, 0.0)
+        elif self._wait_s > 0.5 * dt_s:
+            self._wait_s -= dt_s
         elif self._rate < 1.0:
-            self._rate = min(self._rate + self._room(1.0) * dt_s, 1.0)
+            self._rate = min(self._rate + self._room(1.0, self._s, self._rate) * dt_s, 1.0)
         self._s += self._rate * dt_s
+        self._lead_s += (self._rate - (not self._is_paused)) * dt_s
         position, velocity = self._reference()
         if self._s >= self._trajectory.duration_s:
             self._held, self._trajectory = position, None
@@ -118,7 +151,7 @@ class Follower:
             velocity[self._columns] = slope * self._rate
         return position, velocity
 
-    def _room(self, direction: float) -> float:
+    def _room(self, direction: float, s: float, rate: float) -> float:
         """Return the largest |d²s/dt²| within the acceleration limits of all joints.
 
         The direction is 1 for speeding up and −1 for slowing down.
@@ -126,8 +159,8 @@ class Follower:
         if self._trajectory is None:
             return 0.0
         limit = self._machine.max_acceleration[self._columns]
-        slope = self._trajectory.at(self._s)[1]
-        curve = (self._trajectory.at(self._s + _PROBE_S)[1] - slope) / _PROBE_S * self._rate**2
+        slope = self._trajectory.at(s)[1]
+        curve = (self._trajectory.at(s + _PROBE_S)[1] - slope) / _PROBE_S * rate**2
         moves = np.abs(slope) > 1e-9
         room = (limit - direction * np.sign(slope) * curve)[moves] / np.abs(slope[moves])
         return float(np.clip(np.min(room, initial=1 / _QUICKEST_STOP_S), 0.0, 1 / _QUICKEST_STOP_S))

@@ -219,7 +219,7 @@ trees:
     result = run(tmp_path, text, after_tick=answer_late)
     assert result.report["outcome"] == "success", result.report["reason"]
     assert speeds[0] > 0.05
-    assert speeds[-1] < 0.01
+    assert speeds[99] < 0.01  # when the answer came; then it takes up its speed again
 
 
 def test_a_mission_that_is_stopped_in_a_pause_ends_stopped(tmp_path):
@@ -246,6 +246,6 @@ def test_the_pretended_jaws_are_held_in_a_pause_as_well():
     robot.paused(0.5)
     jaws = [one.of(machine.jaw.name)[0] for one in robot.read(3.0) if isinstance(one, JointSample)]
     assert jaws[0] == jaws[-1] > 0.4
-    robot.resumed(0.5)
     robot.resume()
+    robot.resumed(0.5)
     assert robot.read(6.0)[-1].of(machine.jaw.name)[0] == pytest.approx(0.4)

@@ -118,11 +118,14 @@ class MujocoRobot(Robot, Scene, Photographer, Breakable):
         """Continue along the path that `stop` interrupted."""
         self.world.resume()
 
+    def behind_s(self) -> float:
+        return self.world.behind_s()
+
     def paused(self, now_s: float) -> None:
-        self.world.jaws.hold()
+        self.world.pause()
 
     def resumed(self, now_s: float) -> None:
-        self.world.jaws.go_on()
+        self.world.go_on()
 
     def safe_stop(self, reason: str) -> None:
         """Stop for good: the path is given up, and commands are refused until `reset`."""

@@ -102,6 +102,20 @@ class World:
         """Continue along the path that `stop` interrupted."""
         self._follower.resume()
 
+    def behind_s(self) -> float:
+        """Return by how much the arm will be behind the mission's time if that goes on now [s]."""
+        return self._follower.behind_s()
+
+    def pause(self) -> None:
+        """Note that the mission's time stands still; free jaws hold."""
+        self._follower.pause()
+        self.jaws.hold()
+
+    def go_on(self) -> None:
+        """Note that the mission's time goes on; jaws go on to where they were sent."""
+        self._follower.go_on()
+        self.jaws.go_on()
+
     def step(self) -> None:
         """Advance by one control step.
 

@@ -69,6 +69,31 @@ def test_a_stop_is_on_the_path_and_resume_goes_on_to_its_end(robot, machine):
     assert np.abs(np.diff(speeds)).max() / 0.01 < 1.1 * limit
 
 
+@pytest.mark.parametrize("at_s", [0.3, 1.0, 2.5, 4.0, 4.7])
+def test_after_a_pause_it_is_as_far_as_without_one(robot, machine, at_s):
+    """Wherever the path was interrupted: accelerating loses as much as braking has gained."""
+    undisturbed = KinematicRobot(KinematicSettings(), machine)
+    for one in (robot, undisturbed):
+        one.command(Follow(turn(machine, 1.0, 5.0)))
+    robot.read(at_s)
+    robot.stop()
+    robot.paused(at_s)
+    now_s = at_s + 3.0
+    robot.read(now_s)
+    robot.resume()
+    while robot.behind_s() > 0.0:
+        now_s += 0.05
+        robot.read(now_s)
+    robot.resumed(at_s)
+    for later_s in (1.5, 2.0, 5.0):
+        found, wanted = (
+            one.read(until_s)[-1].of(machine.turn_joint)[0]
+            for one, until_s in ((robot, now_s + later_s), (undisturbed, at_s + later_s))
+        )
+        assert found - wanted == pytest.approx(0.0, abs=0.05 * 0.4)  # a tick at the top speed
+    assert found == pytest.approx(wanted)
+
+
 def test_closing_jaws_meet_the_pretended_stone(machine):
     robot = KinematicRobot(KinematicSettings(jaws_stop_at=0.3), machine)
     robot.command(MoveJaws(0.0, 1e4))
