@@ -93,7 +93,7 @@ class Follower:
         self._is_paused = True
 
     def go_on(self) -> None:
-        """Note that the mission's time goes on: be in step with it when the path's speed is back."""
+        """Note that the mission's time goes on, and be in step with it at the path's full speed."""
         self._is_paused = False
         self._wait_s = max(-self.behind_s(), 0.0) / (1.0 - self._rate) if self._rate < 1.0 else 0.0
 

@@ -1,4 +1,4 @@
-"""Values of a long run, such as durations, of which a part is kept that is spread evenly over it."""
+"""Values of a long run, such as durations, of which an evenly spread part is kept."""
 
 from collections.abc import Iterator
 from typing import Generic, TypeVar
