@@ -75,6 +75,16 @@ class Gripper(Sourced):
         return np.array(self.grasp_centre_m)
 
     @property
+    def tooth_half_width_m(self) -> float:
+        """Half the extent along z of the part of the jaw that ends in the tip [m]."""
+        return min(
+            (max(ends) - min(ends)) / 2
+            for part in self.jaw_parts
+            if self.tip_m in part.corners_m
+            for ends in [[z for span in part.spans_m for z in span]]
+        )
+
+    @property
     def tip_radius_m(self) -> float:
         """Distance of a tip from its pivot [m]."""
         return math.hypot(*self.tip_m)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from executive_plugins.physics.contact import apply_contact
-from executive_plugins.physics.contact_settings import ContactSettings
 from executive_plugins.physics.gravity import GRAVITY_M_S2
+from executive_plugins.physics.surface import Surface, uniform
 
 from executive.arrays import Float
 from executive.geometry.rotation import angle_between, quaternion_wxyz
@@ -110,8 +110,7 @@ class SimulatedLift:
         spec.option.gravity = [0.0, 0.0, -GRAVITY_M_S2]
         self._add_stone(spec)
         self._add_gripper(spec, T_plan_gripper)
-        contact = ContactSettings(friction=friction, torsional_friction_m=_TORSIONAL_FRICTION_M)
-        apply_contact(spec, contact)
+        apply_contact(spec, uniform(Surface(friction, _TORSIONAL_FRICTION_M)))
         return spec.compile()
 
     def _add_stone(self, spec: mujoco.MjSpec) -> None:

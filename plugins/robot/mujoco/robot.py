@@ -45,8 +45,9 @@ class MujocoRobot(Robot, Scene, Photographer, Breakable):
             ConfigError: If the site cannot be built, for example because stones do not fit.
         """
         site_rng, sensor_rng = self._rng.spawn(2)
-        site = make_site(self.settings.site, self._machine, self.settings.physics, site_rng)
-        self._world = World(self._machine, site, self.settings.physics)
+        physics, scenario = self.settings.physics, self.settings.scenario
+        site = make_site(self.settings.site, self._machine, physics, site_rng, scenario)
+        self._world = World(self._machine, site, physics, scenario)
         self._sensors = SensorSuite(
             self._machine, site, self.settings.sensors, self._world.model, sensor_rng
         )

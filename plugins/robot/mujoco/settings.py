@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import ClassVar
 
+from executive_plugins.physics.scenario import Scenario
 from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 from executive_plugins.robot.mujoco.sensors.settings import SensorSettings
 from executive_plugins.robot.mujoco.site.settings import SiteSettings
@@ -20,6 +21,9 @@ class MujocoSettings(RobotSettings):
     needs: ClassVar[tuple[str, ...]] = ("machine", "rng")
     gives: ClassVar[tuple[str, ...]] = ("scene", "photographs")
 
+    scenario: Scenario = Field(
+        "kind", description="Physics of the world, from kind to harsh; see docs/simulator.md."
+    )
     site: SiteSettings = Field(SiteSettings(), description="Ground and stones.")
     physics: PhysicsSettings = Field(PhysicsSettings(), description="Integration and contacts.")
     sensors: SensorSettings = Field(

@@ -5,6 +5,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from executive_plugins.physics.scenario import Scenario, contact_of
 from executive_plugins.robot.mujoco.machine.arm_servos import ArmServos, make_servos
 from executive_plugins.robot.mujoco.machine.jaw_drive import JawDrive, make_jaw_drive
 from executive_plugins.robot.mujoco.physics import apply_physics
@@ -36,8 +37,15 @@ class World:
         T_world_base: Pose of the base, which is fixed, shape (4, 4).
     """
 
-    def __init__(self, machine: Machine, site: Site, settings: PhysicsSettings) -> None:
+    def __init__(
+        self,
+        machine: Machine,
+        site: Site,
+        settings: PhysicsSettings,
+        scenario: Scenario = "kind",
+    ) -> None:
         self.machine, self.site = machine, site
+        self._contact = contact_of(scenario, machine.gripper)
         self.T_world_base = pose(t=np.array([0.0, 0.0, machine.stance.base_height_m]))
         self._substeps = _substeps(settings)
         self.model = self._build(settings)
@@ -175,7 +183,7 @@ class World:
         make_servos(spec, self.machine, settings)
         make_jaw_drive(spec, self.machine)
         self.site.add_to(spec)
-        apply_physics(spec, settings)
+        apply_physics(spec, settings, self._contact)
         return spec.compile()
 
     def _set_arm(self, position: Float) -> None:

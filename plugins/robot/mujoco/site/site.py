@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from executive_plugins.physics.scenario import Scenario, contact_of
 from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 from executive_plugins.robot.mujoco.site.settings import (
     SiteSettings,
@@ -40,7 +41,11 @@ class Site:
 
 
 def make_site(
-    settings: SiteSettings, machine: Machine, physics: PhysicsSettings, rng: np.random.Generator
+    settings: SiteSettings,
+    machine: Machine,
+    physics: PhysicsSettings,
+    rng: np.random.Generator,
+    scenario: Scenario = "kind",
 ) -> Site:
     """Draw a site; equal generator states give identical sites.
 
@@ -52,7 +57,9 @@ def make_site(
     stones = make_stones(settings.stones, machine.payload_kg, shape_rng)
     if not stones:
         return Site(terrain, (), ())
-    poses = place(stones, terrain, settings.stones.placement, machine.reach_m, physics, place_rng)
+    contact = contact_of(scenario, machine.gripper)
+    where = settings.stones.placement
+    poses = place(stones, terrain, where, machine.reach_m, physics, contact, place_rng)
     return Site(terrain, stones, poses)
 
 

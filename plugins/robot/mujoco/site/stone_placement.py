@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 from executive_plugins.physics.settling import come_to_rest
+from executive_plugins.physics.surface import ContactModel
 from executive_plugins.robot.mujoco.physics import apply_physics
 from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 from executive_plugins.robot.mujoco.site.settings import PlacementSettings
@@ -35,6 +36,7 @@ def place(
     settings: PlacementSettings,
     reach_m: float,
     physics: PhysicsSettings,
+    contact: ContactModel,
     rng: np.random.Generator,
 ) -> tuple[Float, ...]:
     """Return the poses of the stones at rest, T_world_stone each.
@@ -48,7 +50,7 @@ def place(
             drops = _arrangement(stones, terrain, settings, reach_m, rng)
         except _NoRoomError:
             continue
-        rest = _settle(stones, drops, terrain, physics)
+        rest = _settle(stones, drops, terrain, physics, contact)
         if rest and _gaps_hold(stones, rest, settings.gap_m):
             return rest
     raise ConfigError(
@@ -154,14 +156,18 @@ def _gaps_hold(stones: Sequence[StoneModel], poses: Sequence[Float], gap_m: floa
 
 
 def _settle(
-    stones: Sequence[StoneModel], drops: Sequence[Float], terrain: Terrain, physics: PhysicsSettings
+    stones: Sequence[StoneModel],
+    drops: Sequence[Float],
+    terrain: Terrain,
+    physics: PhysicsSettings,
+    contact: ContactModel,
 ) -> tuple[Float, ...]:
     """Let the stones fall; return their poses at rest, empty if one is still moving in the end."""
     spec = mujoco.MjSpec()
     terrain.add_to(spec)
     for stone, T in zip(stones, drops, strict=True):
         stone.add_to(spec, T)
-    apply_physics(spec, physics)
+    apply_physics(spec, physics, contact)
     model = spec.compile()
     data = mujoco.MjData(model)
     if not come_to_rest(model, data, *_SETTLING_S):

@@ -3,12 +3,12 @@
 import mujoco
 import numpy as np
 from executive_plugins.physics.contact import apply_contact
-from executive_plugins.physics.contact_settings import ContactSettings
 from executive_plugins.physics.even_directions import even_directions
 from executive_plugins.physics.hull_mesh import hull_mesh
 from executive_plugins.physics.quarried_block import block, ratios
 from executive_plugins.physics.rounded_stone import rounded_stone
 from executive_plugins.physics.settling import come_to_rest
+from executive_plugins.physics.surface import Surface, uniform
 
 
 def test_blocks(recorded) -> None:
@@ -45,12 +45,12 @@ WORLD = """<mujoco><worldbody><geom type="plane" size="5 5 1"/>
 
 def test_a_world_comes_to_rest(recorded) -> None:
     told = []
-    for settings, times in (
-        (ContactSettings(), (0.1, 0.3)),
-        (ContactSettings(friction=0.3, impratio=10, torsional_friction_m=0.01), (0.05, 5.0)),
+    for contact, times in (
+        (uniform(Surface(0.6, 0.08)), (0.1, 0.3)),
+        (uniform(Surface(0.3, 0.01), impratio=10), (0.05, 5.0)),
     ):
         spec = mujoco.MjSpec.from_string(WORLD)
-        apply_contact(spec, settings)
+        apply_contact(spec, contact)
         model = spec.compile()
         data = mujoco.MjData(model)
         rests = come_to_rest(model, data, *times)

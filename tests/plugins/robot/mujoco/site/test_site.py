@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
+from executive_plugins.physics.scenario import contact_of
 from executive_plugins.robot.mujoco.physics import apply_physics
 from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 from executive_plugins.robot.mujoco.site.settings import SiteSettings, TerrainSettings
@@ -26,7 +27,7 @@ def site(seed: int = 0, **settings: object) -> Site:
 def world(of: Site) -> tuple[mujoco.MjModel, mujoco.MjData]:
     spec = mujoco.MjSpec()
     of.add_to(spec)
-    apply_physics(spec, PhysicsSettings())
+    apply_physics(spec, PhysicsSettings(), contact_of("kind", MACHINE.gripper))
     model = spec.compile()
     return model, mujoco.MjData(model)
 
