@@ -58,7 +58,8 @@ class RegisterDroneMap(Action):
             )
         )
         if not alignment.accepted:
-            return failed(f"registration refused: {alignment.reason}")
+            reason = f"registration refused: {alignment.reason}"
+            return failed(reason, is_final=alignment.is_final)
         drone_map = Cloud("map", alignment.apply(survey.points))
         self.context.show("drone_map", drone_map)
         return succeeded(DroneMap(alignment, drone_map), f"rmse {1e3 * alignment.rmse_m:.0f} mm")

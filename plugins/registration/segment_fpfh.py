@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from importlib import import_module
 
 from executive_plugins.registration.consistency import consistent_transforms
-from executive_plugins.registration.constellation import constellation_transforms
+from executive_plugins.registration.constellation import Constellation
 from executive_plugins.registration.features import match
 from executive_plugins.registration.motion_proposer import MotionProposer
-from executive_plugins.registration.segment_registrar import SegmentRegistrar, centroids
+from executive_plugins.registration.segment_registrar import SegmentRegistrar
 from executive_plugins.registration.settings import SegmentFpfhSettings
 from executive_plugins.registration.stopwatch import Stopwatch
 
@@ -24,7 +24,7 @@ def load_open3d() -> None:
     Raises:
         MissingExtraError: If it is not installed.
     """
-    require_extra("FPFH, which is also the fallback of 'segment_shot',", "fpfh")
+    require_extra("registration 'segment_fpfh'", "fpfh")
     import_module("executive_plugins.registration.fpfh_features")
 
 
@@ -52,11 +52,7 @@ class FpfhAndConstellation(MotionProposer):
             described = consistent_transforms(
                 *matched, s.consistency_m, s.max_scale_error, s.candidates
             )
-            stars = [(centroids(x.segments), x.ground_plane) for x in (target, source)]
-            placed = constellation_transforms(
-                stars[0], stars[1], s.pair_tolerance_m, s.max_match_m, s.candidates
-            )
-        return [*described, *placed]
+        return [*described, *Constellation(s).propose(target, source, watch)]
 
 
 class SegmentFpfh(SegmentRegistrar):
@@ -72,6 +68,7 @@ class SegmentFpfh(SegmentRegistrar):
 
     def start(self) -> None:
         """Load what describes keypoints."""
+        super().start()
         load_open3d()
 
     def _proposers(self) -> tuple[MotionProposer, ...]:

@@ -1,19 +1,15 @@
-"""Registration on segments whose motions come from SHOT descriptors, and failing these, from
-elsewhere.
+"""Registration on segments whose motions come from SHOT descriptors, and failing these, from where
+the segments stand.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from executive_plugins.registration.consistency import consistent_transforms
+from executive_plugins.registration.constellation import Constellation
 from executive_plugins.registration.motion_proposer import MotionProposer
-from executive_plugins.registration.segment_fpfh import FpfhAndConstellation, load_open3d
 from executive_plugins.registration.segment_registrar import SegmentRegistrar
-from executive_plugins.registration.settings import (
-    SegmentFpfhSettings,
-    SegmentSettings,
-    SegmentShotSettings,
-)
+from executive_plugins.registration.settings import SegmentShotSettings
 from executive_plugins.registration.shot_features import (
     describe_keypoints,
     find_keypoints,
@@ -58,8 +54,8 @@ class Shot(MotionProposer):
 
 
 class SegmentShot(SegmentRegistrar):
-    """Registration by segments with ISS and SHOT; refused, FPFH and constellations are tried at the
-    same gate.
+    """Registration by segments with ISS and SHOT; refused, constellations of centroids are tried at
+    the same gate.
     """
 
     Settings = SegmentShotSettings
@@ -68,21 +64,12 @@ class SegmentShot(SegmentRegistrar):
         self, settings: SegmentShotSettings, segmentation: Segmenter, alignment: Aligner
     ) -> None:
         super().__init__(settings, segmentation, alignment)
-        self._falls_back = settings.falls_back
-        shared = settings.model_dump(include=set(SegmentSettings.model_fields))
-        others = (
-            (FpfhAndConstellation(SegmentFpfhSettings(**shared)),) if settings.falls_back else ()
-        )
+        others = (Constellation(settings),) if settings.falls_back else ()
         self._tried: tuple[MotionProposer, ...] = (Shot(settings), *others)
 
     def start(self) -> None:
-        """Compile the inner loops, so that no registration has to wait for them.
-
-        Raises:
-            MissingExtraError: If the fallback is on and open3d is not installed.
-        """
-        if self._falls_back:
-            load_open3d()
+        """Compile the inner loops, so that no registration has to wait for them."""
+        super().start()
         points = np.mgrid[0:4, 0:4, 0:4].reshape(3, -1).T * 0.1
         found = find_keypoints(Segment(0, points, points.mean(axis=0), np.ones(3)), 0.05, 0.2, 0.1)
         describe_keypoints([found], 0.4)

@@ -75,6 +75,19 @@ class SegmentSettings(PluginSettings):
     min_matched: int = Field(
         3, ge=1, description="Fewest stones that must agree; with fewer in view it is refused."
     )
+    bend_m: Meters = Field(
+        0.01,
+        ge=0,
+        le=1,
+        description="Standard deviation of a survey's smooth bends, for the covariance [m].",
+    )
+    max_rival_ratio: float = Field(
+        0.01,
+        ge=0,
+        le=1,
+        description="Largest likelihood of another motion, in that of the best, at which the best "
+        "is accepted.",
+    )
 
 
 class KissMatcherSettings(SegmentSettings):
@@ -124,7 +137,7 @@ class SegmentShotSettings(SegmentSettings):
         600, ge=10, le=5000, description="Most matches that are looked at, the most alike."
     )
     falls_back: bool = Field(
-        True, description="Whether FPFH and constellations are tried when SHOT is refused."
+        True, description="Whether constellations of stones are tried when SHOT is refused."
     )
 
     @model_validator(mode="before")

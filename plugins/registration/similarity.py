@@ -88,13 +88,24 @@ def refine(
     return now
 
 
+def jacobian(arms: Float, normals: Float) -> Float:
+    """Return derivatives of point-to-plane distances by rotation, shift and growth, shape (N, 7).
+
+    Args:
+        arms: Moved points from the centre of rotation and growth [m], shape (N, 3).
+        normals: Of the planes, shape (N, 3).
+    """
+    growth = np.einsum("ij,ij->i", arms, normals)
+    return np.column_stack([np.cross(arms, normals), normals, growth])
+
+
 def _step(
     now: Similarity, moved: Float, partners: Float, normals: Float, reach_m: float
 ) -> Similarity:
     centre = moved.mean(axis=0)
     arms = moved - centre
     residuals = np.einsum("ij,ij->i", moved - partners, normals)
-    J = np.column_stack([np.cross(arms, normals), normals, np.einsum("ij,ij->i", arms, normals)])
+    J = jacobian(arms, normals)
     weights = np.clip(1 - (residuals / reach_m) ** 2, 0, 1) ** 2  # Tukey's biweight
     H = J.T @ (J * weights[:, None]) + 1e-6 * np.eye(7)
     rotation, shift, growth = np.split(-np.linalg.solve(H, J.T @ (weights * residuals)), [3, 6])

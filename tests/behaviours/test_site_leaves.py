@@ -178,6 +178,14 @@ def test_a_registration_that_is_refused_is_recorded_and_a_failure(stage):
     assert [event.accepted for event in ended.events] == [False]
 
 
+@pytest.mark.parametrize("is_final", [True, False])
+def test_a_survey_that_can_never_be_registered_is_not_tried_again(stage, is_final):
+    refused = replace(alignment(False), is_final=is_final)
+    registrar = stage.Scripted(Registrar, register=refused)
+    stand = stage.Stage(mapping=stage.PointMap(np.ones((9, 3))), registration=registrar)
+    assert stand.tick(RegisterDroneMap, survey=SURVEY).is_final == is_final
+
+
 @pytest.mark.parametrize("leaf", [RegisterDroneMap, SegmentMap])
 def test_an_empty_map_is_not_worked_on(stage, database, leaf):
     registrar, segmenter = stage.Scripted(Registrar), stage.Scripted(Segmenter, merge=merged)

@@ -14,7 +14,7 @@ from executive_plugins.estimation.live.packed_state import PackedState
 import executive.messages
 from executive.errors import DataError, ShapeError
 from executive.geometry.polygon import Box
-from executive.messages.alignment import Alignment
+from executive.messages.alignment import Alignment, Rival, Uncertainty
 from executive.messages.base_state import BaseState
 from executive.messages.cloud import Cloud
 from executive.messages.gnss import GnssFix
@@ -108,6 +108,12 @@ MESSAGES: dict[type, Callable[[], dict[str, object]]] = {
         "ground": Cloud("map", P.copy()),
         "ground_plane": [0, 0, 1, 0],
     },
+    Rival: lambda: {
+        "T_target_source": np.eye(4),
+        "scale": 1.0,
+        "likelihood_ratio": 0.5,
+    },
+    Uncertainty: lambda: {"covariance": np.eye(6), "centre": np.zeros(3)},
     Alignment: lambda: {
         "T_target_source": T.copy(),
         "accepted": True,

@@ -20,8 +20,30 @@ def alignment_answer(found: Alignment) -> dict[str, Any]:
         "overlap": found.overlap,
         "matched_segments": [list(pair) for pair in found.matched_segments],
         "scale": found.scale,
+        "is_final": found.is_final,
+        "rival": _rival(found),
+        "uncertainty": _uncertainty(found),
         "timings_ms": dict(found.timings_ms),
     }
+
+
+def _rival(found: Alignment) -> dict[str, Any] | None:
+    rival = found.rival
+    if rival is None:
+        return None
+    return {
+        "T": rival.T_target_source.tolist(),
+        "scale": rival.scale,
+        "likelihood_ratio": rival.likelihood_ratio,
+        "matched_segments": [list(pair) for pair in rival.matched_segments],
+    }
+
+
+def _uncertainty(found: Alignment) -> dict[str, Any] | None:
+    doubt = found.uncertainty
+    if doubt is None:
+        return None
+    return {"covariance": doubt.covariance.tolist(), "centre": doubt.centre.tolist()}
 
 
 def verdict(found: Alignment, source: Float, target: Float) -> str:

@@ -46,6 +46,7 @@ def test_shot_alone_lays_a_survey_over_the_map(make_scene: Callable, seed: int, 
         "verification",
         "refinement",
         "gate",
+        "rivals",
         "total",
     }
     assert set(found.timings_ms) == stages

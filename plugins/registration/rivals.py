@@ -1,0 +1,122 @@
+"""The best rival of a motion: another one that explains the two clouds nearly as well.
+
+Own addition to the method of the paper. Identical stones at equal distances, or a symmetric site,
+can be laid over each other in several ways, and each of them passes a gate on matched stones.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from executive_plugins.registration.evidence import CAP, StoneFit
+from executive_plugins.registration.matchup import Matchup, joined
+from executive_plugins.registration.similarity import Similarity, Surface, refine
+from executive_plugins.registration.thinning import sampled, thinned
+
+from executive.arrays import Float
+from executive.messages.alignment import Rival
+
+_LEAST_STONES = 2  # that a rival brings to agreement: one stone fits any other place
+_MOST_WEIGHED = 4  # rivals whose likelihood is computed, those with the smallest misfit
+_MOST_POINTS = 2_000  # of the source at a candidate; five times as many at a refinement
+_MOST_LOG_RATIO = 100.0  # a larger one is told as this
+_PROMISING = 3.0  # mean cost of an observation up to which a rival is refined to the end
+
+
+class RivalSearch:
+    """Looks for rivals among motions that were proposed."""
+
+    def __init__(self, clouds: Matchup) -> None:
+        self._settings, self._clouds = clouds.settings, clouds
+        self._narrow_m = tuple(x * clouds.settings.truncation_m for x in (3, 2, 1.5, 1, 1))
+        edge_m = 3 * clouds.settings.fine_voxel_m
+        self._few = [thinned(one.points, edge_m) for one in clouds.source.segments]
+
+    def best_rival(
+        self, best: Similarity, agreeing: tuple[tuple[int, int], ...], candidates: Sequence[Float]
+    ) -> Rival | None:
+        """Return the likeliest of the candidates that lay stones elsewhere than the best motion.
+
+        Args:
+            best: The motion that was accepted.
+            agreeing: Pairs (source, target) of segments that agree under it.
+            candidates: T_target_source of motions, each (4, 4).
+
+        Returns:
+            The rival; None if no candidate brings two stones to agreement elsewhere.
+        """
+        evidence, found = self._clouds.evidence, None
+        noise_m = evidence.noise_m(best, agreeing)
+        own = evidence.stone_fit(best, self._clouds.matched(best), noise_m)
+        for motion in self._rough(best, candidates):
+            fit = evidence.stone_fit(motion, self._clouds.matched(motion), noise_m)
+            if fit.mean_cost < _PROMISING:  # else some centimetres more change nothing
+                motion = self._refined(motion, fit.near)
+                fit = evidence.stone_fit(motion, self._clouds.matched(motion), noise_m)
+            if len(fit.agreeing) < _LEAST_STONES or self._clouds.is_same(motion, best):
+                continue
+            ratio = self._ratio(motion, fit, best, own)
+            if found is None or ratio > found.likelihood_ratio:
+                found = Rival(motion.T_target_source, motion.scale, ratio, fit.agreeing)
+        return found
+
+    def _ratio(self, motion: Similarity, fit: StoneFit, best: Similarity, own: StoneFit) -> float:
+        """Return the likelihood of a motion in that of the best.
+
+        What is costly is looked at only if the stones have not decided; then free space, then the
+        ground. Observations that only the best motion makes do not count for it.
+        """
+        evidence, limit = self._clouds.evidence, self._clouds.settings.max_rival_ratio
+        usual = own.mean_cost
+        logarithm = -fit.excess(usual)
+        if _ratio_of(logarithm) > limit:
+            against = evidence.contradicted(motion, fit.near) - evidence.contradicted(
+                best, own.near
+            )
+            logarithm -= against * (CAP - usual)
+        if _ratio_of(logarithm) > limit:
+            excess, count = evidence.relief_excess(best, self._on_ground(motion, fit.near))
+            logarithm -= excess * count
+        return _ratio_of(logarithm)
+
+    def _on_ground(self, motion: Similarity, near: Sequence[tuple[int, int]]) -> Similarity:
+        """Refine a motion on stones and ground, as the best one was."""
+        s, clouds = self._settings, self._clouds
+        surface = clouds.stones.joined(
+            Surface.thinned(clouds.target.ground.points, s.ground_voxel_m)
+        )
+        stones = thinned(joined([clouds.source.segments[i] for i, _ in near]), s.fine_voxel_m)
+        ground = thinned(clouds.source.ground.points, s.ground_voxel_m)
+        points = np.vstack([sampled(part, 5 * _MOST_POINTS) for part in (stones, ground)])
+        return refine(surface, points, motion, self._narrow_m, s.max_scale_error)
+
+    def _rough(self, best: Similarity, candidates: Sequence[Float]) -> list[Similarity]:
+        """Refine candidates roughly; return those that fit best, without the best's own basin."""
+        s, limit_m = self._settings, 2 * self._settings.truncation_m
+        wide = (s.coarse_reach_m, s.coarse_reach_m, 0.6 * s.coarse_reach_m)
+        found: list[tuple[float, Similarity]] = []
+        known = [best]
+        for T in candidates:
+            start = Similarity(T, best.scale)
+            near = [i for i, _ in self._clouds.matched(start)]
+            if len(near) < _LEAST_STONES or self._is_any(start, known):
+                continue
+            points = sampled(np.vstack([self._few[i] for i in near]), _MOST_POINTS)
+            fitted = refine(self._clouds.stones, points, start, wide, 0.0)
+            if not self._is_any(fitted, known):
+                known.append(fitted)
+                distances, _ = self._clouds.stones.nearest(fitted.apply(points), limit_m)
+                found.append((float(np.minimum(distances, limit_m).mean()), fitted))
+        found.sort(key=lambda one: one[0])
+        return [motion for _, motion in found[:_MOST_WEIGHED]]
+
+    def _refined(self, motion: Similarity, near: Sequence[tuple[int, int]]) -> Similarity:
+        stones = joined([self._clouds.source.segments[i] for i, _ in near])
+        points = sampled(thinned(stones, self._settings.fine_voxel_m), 5 * _MOST_POINTS)
+        return refine(self._clouds.stones, points, motion, self._narrow_m, 0.0)
+
+    def _is_any(self, motion: Similarity, others: Sequence[Similarity]) -> bool:
+        return any(self._clouds.is_same(motion, other) for other in others)
+
+
+def _ratio_of(logarithm: float) -> float:
+    return float(np.exp(min(logarithm, _MOST_LOG_RATIO)))
