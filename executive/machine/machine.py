@@ -21,6 +21,7 @@ from executive.plain_yaml import read_plain_yaml
 
 _FOLDER = Path(str(files("executive_robot_models")))  # machines that come with the package
 FILE = "robot.yaml"
+_SETTLED = 5.834  # ωt at which (1 + ωt) exp(−ωt) is 2 %
 
 
 class Stance(Sourced):
@@ -41,6 +42,16 @@ class Stance(Sourced):
     tracking_lag_s: float = Field(
         0.2, ge=0, lt=2, description="Largest delay of a joint behind its path [s]."
     )
+
+    @property
+    def settling_s(self) -> float:
+        """How long a joint may need to be back on its path after its load has changed at once [s].
+
+        A critically damped position drive of natural frequency ω is 2/ω behind a ramp, and a
+        disturbance leaves (1 + ωt) exp(−ωt) of its deflection, 2 % after ωt = 5.83: the settling
+        time of Franklin, Powell and Emami-Naeini, Feedback Control of Dynamic Systems, Sec. 3.4.
+        """
+        return 0.5 * _SETTLED * self.tracking_lag_s
 
 
 class Machine(Rig):

@@ -36,7 +36,7 @@ class Pause:
         self._rest = Rest()
         self._since_wall_s = 0.0
         self._began_s = 0.0
-        self._is_ending = False
+        self._is_ending, self._ends_s = False, 0.0
         self.stands = False
         self.count = 0
         self.wall_s = 0.0
@@ -61,7 +61,7 @@ class Pause:
 
     def watch(self, sample: JointSample | None) -> None:
         """Look in the newest sample whether the machine is at rest."""
-        if self.is_on and not self.stands and sample is not None:
+        if self.is_on and not self.stands and not self._is_ending and sample is not None:
             now_s = self._clock.machine_s()
             self.stands = self._rest.add(now_s, sample.position, sample.velocity)
 
@@ -78,10 +78,12 @@ class Pause:
             if self._is_ending:
                 self._hold()
             return False
+        now_s = self._clock.machine_s()
         if self.is_on and not self._is_ending:
+            self._ends_s = now_s + self._robot.behind_s()
             self._robot.resume()
             self._is_ending, self.stands = True, False
-        return self.is_on and self._robot.behind_s() > 0.0
+        return self.is_on and now_s < self._ends_s - 1e-9
 
     def _hold(self) -> None:
         self._robot.stop()

@@ -37,6 +37,10 @@ class Rule(Settings):
         "stop", description="Of `hold`: what happens when the wait is over."
     )
 
+    def after_s(self, machine: Machine) -> float:
+        """Return how long the condition must be broken on a machine before the rule acts [s]."""
+        return self.after
+
     @model_validator(mode="after")
     def _check_hold(self) -> "Rule":
         given = sorted(self.model_fields_set & {"wait", "settle", "then"})
@@ -61,6 +65,21 @@ class EstimateRule(Rule):
     )
 
 
+class TrackingRule(Rule):
+    """How long a joint may be off its path: it springs when a stone falls from the jaws."""
+
+    after: Seconds | None = Field(  # type: ignore[assignment]  # the machine's file says it
+        None,
+        ge=0,
+        le=60,
+        description="How long it must be broken before that happens [s]; by default the settling "
+        "time of the machine's drives.",
+    )
+
+    def after_s(self, machine: Machine) -> float:
+        return machine.stance.settling_s if self.after is None else self.after
+
+
 class GeofenceRule(Rule):
     """Where the gripper may be: within a circle in the map."""
 
@@ -70,7 +89,11 @@ class GeofenceRule(Rule):
 
 Watched = Mapping[str, Rule]  # by condition
 
-_OWN: Mapping[str, type[Rule]] = {ESTIMATE: EstimateRule, GEOFENCE: GeofenceRule}
+_OWN: Mapping[str, type[Rule]] = {
+    ESTIMATE: EstimateRule,
+    TRACKING: TrackingRule,
+    GEOFENCE: GeofenceRule,
+}
 
 
 def conditions_of(machine: Machine) -> Mapping[str, type[Rule]]:
@@ -79,5 +102,5 @@ def conditions_of(machine: Machine) -> Mapping[str, type[Rule]]:
     A sensor's name or kind is the condition that its good samples keep coming.
     """
     kinds = (sensor.kind for sensor in machine.sensors.values())
-    motion = (TRACKING, JOINT_LIMITS, EFFORT)
+    motion = (JOINT_LIMITS, EFFORT)
     return {**dict.fromkeys((*machine.sensors, *kinds, *motion), Rule), **_OWN}

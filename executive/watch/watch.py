@@ -91,7 +91,7 @@ class Watch:
         rule = self.rule_of(condition)
         if rule is None or rule.do == "tell" or condition in self._excused:
             return False
-        return now_s - self._broken[condition].since_s >= rule.after - 1e-9
+        return now_s - self._broken[condition].since_s >= rule.after_s(self._machine) - 1e-9
 
     def _of(self, condition: str) -> Rule:
         rule = self.rule_of(condition)

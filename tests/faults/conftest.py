@@ -24,7 +24,7 @@ watch:
   imu: {do: hold, wait: 15 s}
   gnss: {do: hold, after: 1 s, wait: 15 s}
   estimate: {do: hold, wait: 15 s}
-  tracking: stop
+  tracking: {do: stop, after: 0 s}
   joint_limits: stop
 trees:
   main:

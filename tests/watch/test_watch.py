@@ -3,7 +3,7 @@
 import pytest
 
 from executive.machine.machine import load_machine
-from executive.watch.rules import Rule
+from executive.watch.rules import Rule, TrackingRule
 from executive.watch.watch import Watch, Wish
 
 MACHINE = load_machine("m545")
@@ -42,3 +42,22 @@ def test_without_a_rule_that_acts_it_only_tells(rules):
     asked, events = wishes(rules, [SICK, SICK])
     assert asked == [Wish.GO_ON, Wish.GO_ON]
     assert [event.kind for event in events] == ["condition_broken"]
+
+
+@pytest.mark.parametrize(("after", "least_s"), [({}, MACHINE.stance.settling_s), ({"after": 2}, 2)])
+def test_an_arm_may_spring_for_as_long_as_its_drives_need_to_settle(after, least_s):
+    watch = Watch(MACHINE, {"tracking": TrackingRule(do="stop", **after)}, lambda event: None)
+    off = {"tracking": "J_BOOM is 0.120 off its path"}
+    asked = [watch.step(off, now_s).wish for now_s in (0.0, 0.99 * least_s, 1.01 * least_s)]
+    assert asked == [Wish.GO_ON, Wish.GO_ON, Wish.STOP]
+
+
+def test_a_drive_that_lags_by_no_more_than_declared_settles_in_that_time():
+    stance, dt_s = MACHINE.stance, 1e-4
+    omega = 2.0 / stance.tracking_lag_s  # of a critically damped drive: it is 2/ω behind a ramp
+    off, speed, last_s = 1.0, 0.0, 0.0
+    for step in range(round(2.0 / dt_s)):
+        speed -= (2 * omega * speed + omega**2 * off) * dt_s
+        off += speed * dt_s
+        last_s = step * dt_s if abs(off) > 0.02 else last_s
+    assert last_s == pytest.approx(stance.settling_s, rel=0.01)
