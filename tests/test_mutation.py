@@ -151,7 +151,7 @@ def test_the_same_seed_draws_the_same_faults(load) -> None:
 
 def test_tests_are_those_that_mirror_hold_and_import_a_file(load) -> None:
     related = load("mutants.related_tests").related
-    near, wide, kit = related(TESTS.parent, "plugins/monitoring/jaw_slip.py")
+    near, wide, kit = related(TESTS.parent, "plugins/monitoring/hold_state.py")
     assert kit[-2:] == ("monitoring", "executive/testing/suites")
     assert all("tests/plugins/monitoring" in test for test in near[:1])
     assert "tests/plugins/monitoring" in wide
@@ -161,8 +161,8 @@ def test_tests_are_those_that_mirror_hold_and_import_a_file(load) -> None:
 
 def test_recorded_results_of_the_mirror_run_first(load) -> None:
     related = load("mutants.related_tests").related
-    assert related(TESTS.parent, "plugins/monitoring/jaw_slip.py")[0] == (
-        "tests/plugins/monitoring/test_jaw_slip.py",
+    assert related(TESTS.parent, "plugins/monitoring/hold_state.py")[0] == (
+        "tests/plugins/monitoring/test_hold_state.py",
         "tests/recorded/plugins/monitoring",
     )
     room = related(TESTS.parent, "plugins/estimation/filters/error_state_ekf.py")[0]

@@ -5,6 +5,7 @@ from abc import ABC, abstractmethod
 from executive.interfaces.plugin import Plugin
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Verdict
+from executive.messages.weight import Weight
 
 
 class Monitor(Plugin, ABC):
@@ -15,6 +16,12 @@ class Monitor(Plugin, ABC):
 
     def payload_kg(self, sample: JointSample) -> float | None:
         """Return the mass in the jaws [kg] of a machine at rest; None if it cannot be told."""
+        return None
+
+    def weight(self) -> Weight | None:
+        """Return the mass of the stone of this or the last hold, as weighed while it was carried;
+        None if it was not.
+        """
         return None
 
     @abstractmethod
@@ -30,6 +37,7 @@ class Monitor(Plugin, ABC):
         """Take one joint sample, at each tick and in order of stamps; it must be fast.
 
         Returns:
-            A verdict at the moment when trouble is recognised, once a hold, with the monitor's
-            installed name; None otherwise. A sample twice or out of order changes nothing.
+            A verdict at the moment when trouble is recognised, with the monitor's installed name;
+            None otherwise. Once a hold; only a fall may follow a slip. A sample twice or out of
+            order changes nothing.
         """

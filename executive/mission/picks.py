@@ -16,6 +16,7 @@ from executive.events.stone import (
     StonesTakenUpAgain,
 )
 from executive.interfaces.oracle import Attempt
+from executive.messages.verdict import Trouble
 
 _UNFINISHED = "unfinished"
 
@@ -91,7 +92,7 @@ class Picks:
             case JawsClosedOnNothing():
                 self._end(time_s, "empty", event.reason)
             case VerdictGiven():
-                self._end(time_s, event.trouble, event.detail)
+                self._take_verdict(time_s, event)
             case StoneReleased():
                 self._end(time_s, "placed", "")
                 self._pick_released(event).released = event
@@ -122,6 +123,12 @@ class Picks:
             pick = self._newest[stone] = Pick(stone)
             self.all.append(pick)
         return pick
+
+    def _take_verdict(self, time_s: float, event: VerdictGiven) -> None:
+        current = self._current
+        if current and current.outcome == Trouble.SLIP and event.trouble is not Trouble.SLIP:
+            current.outcome = _UNFINISHED  # the slip was the begin of a fall
+        self._end(time_s, event.trouble, event.detail)
 
     def _end(self, time_s: float, outcome: str, reason: str) -> None:
         if self._current is None:

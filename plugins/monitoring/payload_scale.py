@@ -7,8 +7,16 @@ from executive_plugins.physics.gravity import GRAVITY_M_S2
 from executive.arrays import Float
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
+from executive.machine.sensor import Encoders
 from executive.machine.urdf import urdf
 from executive.messages.joints import JointSample
+
+_OFF_CENTRE_M = 0.15  # a stone's centre from the grasp centre: a tenth of the widest opening
+
+
+def encoders_of(machine: Machine) -> Encoders:
+    """Return the sensor of joints and efforts."""
+    return next(one for one in machine.sensors.values() if isinstance(one, Encoders))
 
 
 class PayloadScale:
@@ -26,6 +34,8 @@ class PayloadScale:
         self._joints = [
             self._model.joints[self._model.getJointId(name)] for name in machine.joint_names
         ]
+        noise = encoders_of(machine).effort_noise
+        self._effort_std = noise * np.array([joint.max_effort for joint in machine.joints])
         self._mirror = self._model.joints[self._model.getJointId(machine.jaw.mirror_name)]
 
     def weigh(self, sample: JointSample) -> float:
@@ -55,6 +65,27 @@ class PayloadScale:
         """
         gravity = pin.computeGeneralizedGravity(self._model, self._data, self._configuration(q))
         return np.array([gravity[joint.idx_v] for joint in self._joints[:-1]])
+
+    def noise_kg(self, q_arm: Float) -> float:
+        """Return the standard deviation of the mass by the noise of one sample's efforts [kg]."""
+        lever = self.lever(q_arm)
+        return float(np.linalg.norm(lever * self._effort_std) / max(float(lever @ lever), 1e-9))
+
+    def lever_share(self, q_arm: Float) -> float:
+        """Return the standard deviation of the mass as a share of it, because the stone's centre
+        may be some decimetres off the grasp centre.
+        """
+        out_m = np.linalg.norm(self._kinematics.gripper(q_arm)[:2, 3])
+        return float(_OFF_CENTRE_M / max(float(out_m), _OFF_CENTRE_M))
+
+    def shaken_share(self, q_arm: Float, acceleration: Float) -> float:
+        """Return by what share joint accelerations may change the weight at the grasp centre."""
+        vertical = np.abs(self.lever(q_arm)) / GRAVITY_M_S2
+        return float(vertical @ np.abs(acceleration) / GRAVITY_M_S2)
+
+    def rise_noise_m_s(self, q_arm: Float, velocity_noise: float) -> float:
+        """Return the standard deviation of `rise_m_s` [m/s]."""
+        return float(np.linalg.norm(self.lever(q_arm)) / GRAVITY_M_S2 * velocity_noise)
 
     def rise_m_s(self, sample: JointSample) -> float:
         """Return the vertical speed of the grasp centre [m/s]."""

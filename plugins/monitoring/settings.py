@@ -4,17 +4,20 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from executive.config import Kilograms, Meters, Seconds
+from executive.config import Meters, Seconds
 from executive.interfaces.declaration import PluginSettings
 
 
-class JawSlipSettings(PluginSettings):
-    """When closing jaws count as slip. All lengths are openings between the tips."""
+class HoldStateSettings(PluginSettings):
+    """What counts as trouble with a held stone. All lengths are openings between the tips."""
 
     needs: ClassVar[tuple[str, ...]] = ("machine",)
 
     slip: Meters = Field(
-        0.015, gt=0, le=0.5, description="Closing within the window that counts as slip [m]."
+        0.015,
+        gt=0,
+        le=0.5,
+        description="Motion of the jaws within the window that counts as slip or opening [m].",
     )
     window: Seconds = Field(
         5.0, gt=0, le=60, description="Length of the window; slower closing counts as settling [s]."
@@ -37,43 +40,21 @@ class JawSlipSettings(PluginSettings):
     empty: Meters = Field(
         0.1, ge=0, le=1, description="Opening below which the jaws hold nothing [m]."
     )
-    confirm: Seconds = Field(
-        0.25, ge=0, le=5, description="Time for which trouble must last before it is reported [s]."
+    probability: float = Field(
+        0.99,
+        gt=0.5,
+        lt=1,
+        description="Probability of trouble from which it is reported, once it lasts.",
     )
 
 
-class PayloadDropSettings(PluginSettings):
-    """When a loss of weight counts as a drop."""
+class JawSlipSettings(HoldStateSettings):
+    """What counts as trouble with a held stone; slips are reported."""
 
     needs: ClassVar[tuple[str, ...]] = ("machine",)
 
-    smoothing: Seconds = Field(
-        0.3, gt=0, le=5, description="Time constant of the estimated mass [s]."
-    )
-    carried: Kilograms = Field(
-        250.0, gt=0, description="Mass from which a stone counts as carried [kg]."
-    )
-    loss: float = Field(
-        0.5, gt=0, lt=1, description="Share of the carried mass whose loss counts as a drop."
-    )
-    sudden: Seconds = Field(
-        3.0, gt=0, le=60, description="A loss within this time counts as sudden [s]."
-    )
-    confirm: Seconds = Field(
-        0.4, ge=0, le=5, description="Time for which the loss must last before it is reported [s]."
-    )
-    steady: float = Field(
-        0.6,
-        gt=0,
-        le=5,
-        description="Share of the acceleration limits up to which the mass is estimated.",
-    )
-    touch_down: Seconds = Field(
-        3.0,
-        ge=0,
-        le=60,
-        description="Time after sinking in which the ground may carry the stone [s].",
-    )
-    jaw_closing: Meters = Field(
-        0.05, gt=0, le=1, description="Closing of the tips that shows a drop during set-down [m]."
-    )
+
+class PayloadDropSettings(HoldStateSettings):
+    """What counts as trouble with a held stone; falls are reported."""
+
+    needs: ClassVar[tuple[str, ...]] = ("machine",)

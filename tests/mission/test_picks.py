@@ -82,7 +82,22 @@ def test_counts_what_a_person_asks_for():
     counts = Account.of(STORY).counts()
     assert counts["picks"] == 2
     assert (counts["placed"], counts["first_attempt"], counts["attempts"]) == (1, 0, 3)
-    assert (counts["drops"], counts["slips"], counts["empty"], counts["set_aside"]) == (1, 1, 1, 1)
+    assert (counts["drops"], counts["slips"], counts["empty"], counts["set_aside"]) == (1, 0, 1, 1)
+
+
+def test_a_slip_that_ends_in_a_fall_is_one_fall():
+    slip, fall = verdict(Trouble.SLIP, "jaws closed further"), verdict(Trouble.DROP, "gone")
+    story = journal_of((10, attempt(1)), (20, grasped(1)), (30, slip), (31, fall), (40, attempt(1)))
+    account = Account.of(story)
+    (pick,) = account.picks()
+    assert (pick.tries[0].outcome, pick.tries[0].reason) == ("drop", "gone")
+    assert (account.counts()["drops"], account.counts()["slips"]) == (1, 0)
+
+
+def test_a_slip_of_the_next_attempt_is_another_one():
+    slip = verdict(Trouble.SLIP, "jaws closed further")
+    story = journal_of((10, attempt(1)), (20, slip), (30, attempt(1)), (40, slip))
+    assert Account.of(story).counts()["slips"] == 2
 
 
 def test_a_stone_that_is_moved_again_is_picked_again():

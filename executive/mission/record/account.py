@@ -11,7 +11,7 @@ from executive.events.event import Event
 from executive.events.mission import MissionEnded, PluginFailed, VerdictGiven
 from executive.events.node import NodeEnded, NodeNotRetried, NodeResult
 from executive.events.site import SiteScanned, SiteSegmented, SlotsFound, SurveyRegistered
-from executive.events.stone import JawsClosedOnNothing
+from executive.events.stone import AttemptStarted, JawsClosedOnNothing, StoneGrasped
 from executive.journal import Entry
 from executive.messages.verdict import Trouble
 from executive.mission.picks import Pick, Picks
@@ -40,6 +40,7 @@ class Account:
         self._picks = Picks()
         self._kinds: Counter[type[Event]] = Counter()
         self._troubles: Counter[Trouble] = Counter()
+        self._trouble: Trouble | None = None  # of the present hold
         self._accepted = 0
         self._failures: dict[str, tuple[int, str]] = {}  # by node: number of the entry, reason
 
@@ -63,7 +64,9 @@ class Account:
             case MissionEnded():
                 self.has_ended = True
             case VerdictGiven():
-                self._troubles[event.trouble] += 1
+                self._count(event.trouble)
+            case AttemptStarted() | StoneGrasped():
+                self._trouble = None
             case SiteSegmented():
                 self.stones_found = len(event.stones)
             case SlotsFound():
@@ -71,6 +74,15 @@ class Account:
             case SurveyRegistered(accepted=True):
                 self._accepted += 1
                 self.registered = event
+
+    def _count(self, trouble: Trouble) -> None:
+        """Count one trouble a hold: a slip that ends in a fall is a fall."""
+        if self._trouble not in (None, Trouble.SLIP) or trouble is self._trouble:
+            return
+        if self._trouble is not None:
+            self._troubles[self._trouble] -= 1
+        self._troubles[trouble] += 1
+        self._trouble = trouble
 
     @property
     def ended_s(self) -> float:

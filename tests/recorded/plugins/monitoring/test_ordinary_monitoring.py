@@ -3,7 +3,7 @@
 import pytest
 
 
-@pytest.mark.parametrize("name", ["jaw_slip", "payload_drop"])
+@pytest.mark.parametrize("name", ["hold_state", "jaw_slip", "payload_drop"])
 def test_answer(recorded, exercised, name) -> None:
     recorded(exercised("monitoring", name))
 

@@ -1,0 +1,109 @@
+"""The state of a grip, and how likely each state is, from signals with standard deviations."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from executive.arrays import Float
+
+_HALF = 0.5  # of the weight, or of the force: nearer to all of it than to nothing
+_NOTHING = 0.2  # share of the force below which the jaws bear on nothing
+_CREEP = 0.2  # share of the slip that counts as trouble, from which closing is creep
+_SWITCH = 1e-3  # probability that a grip changes to another given state between two windows
+
+
+class GripState(StrEnum):
+    """What a held stone does."""
+
+    FIRM = "firm"
+    CREEPING = "creeping"  # it gives way by less than counts as slip
+    SLIPPING = "slipping"
+    OPENING = "opening"  # the jaws press no longer, or are forced apart
+    LOST = "lost"  # its weight is gone, and the jaws do not bear on it
+    TOUCHING_GROUND = "touching ground"  # the ground carries it, the jaws still bear on it
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """A measured value with its standard deviation; a NaN was not measured."""
+
+    value: float
+    std: float
+
+    @property
+    def is_unknown(self) -> bool:
+        """Whether it was not measured."""
+        return bool(np.isnan(self.value))
+
+    def off(self, low: float, high: float) -> float:
+        """Return the squared distance from an interval in standard deviations; 0 if unknown."""
+        distance = self.value - min(max(self.value, low), high)
+        return 0.0 if self.is_unknown else (distance / self.std) ** 2
+
+
+@dataclass(frozen=True, slots=True)
+class Signals:
+    """The signals of one window of samples.
+
+    Attributes:
+        weight: Mass in the jaws as a share of the carried mass.
+        force: Force of the jaws as a share of that at the grasp.
+        closed: Closing of the jaws as a share of what counts as slip.
+        widened: Opening of the jaws as a share of the same.
+        may_stand: Whether the ground may carry the stone.
+    """
+
+    weight: Signal
+    force: Signal
+    closed: Signal
+    widened: Signal
+    may_stand: bool
+
+
+class GripFilter:
+    """A discrete Bayes filter over the states of a grip.
+
+    A state is a region of the signals, such as: the weight is there, the force is there, the jaws
+    are where they were. Its likelihood is that of the nearest point of the region, so that
+    −2 ln p is χ² distributed while the state lasts (generalised likelihood ratio: Van Trees 1968,
+    Sec. 2.5). Ours, not the paper's, which gives no method.
+    """
+
+    def __init__(self) -> None:
+        self._states = tuple(GripState)
+        self._p = np.full(len(self._states), _SWITCH)
+        self._p[0] = 1 - _SWITCH * (len(self._states) - 1)
+
+    def update(self, signals: Signals) -> Mapping[GripState, float]:
+        """Take one window; return the probability of each state."""
+        chi2 = _chi2(signals)
+        prior = (1 - _SWITCH * len(self._states)) * self._p + _SWITCH * self._p.sum()
+        log_p = np.log(prior) - 0.5 * np.array([chi2[state] for state in self._states])
+        p: Float = np.exp(log_p - log_p.max())
+        self._p = p / p.sum()
+        return dict(zip(self._states, (float(one) for one in self._p), strict=True))
+
+
+def _chi2(s: Signals) -> dict[GripState, float]:
+    """Return the squared distance of the signals from the region of each state."""
+    inf = np.inf
+    carried, gone = s.weight.off(_HALF, inf), s.weight.off(-inf, _HALF)
+    unmoved, narrow = s.closed.off(-inf, 1.0), s.closed.off(1.0, inf)
+    still, wide = s.widened.off(-inf, 1.0), s.widened.off(1.0, inf)
+    pressing, bears = s.force.off(_HALF, inf), s.force.off(_NOTHING, inf)
+    weak, slack = s.force.off(-inf, _HALF), s.force.off(-inf, _NOTHING)
+    standing = 0.0
+    if s.force.is_unknown:  # then the jaws' motion, and whether the stone may stand, have to tell
+        pressing, bears, weak = still, still, wide
+        slack = min(narrow, wide) if s.may_stand else 0.0
+        standing = 0.0 if s.may_stand else inf
+    return {
+        GripState.FIRM: carried + pressing + s.closed.off(-inf, _CREEP),
+        GripState.CREEPING: carried + pressing + s.closed.off(_CREEP, 1.0),
+        GripState.SLIPPING: carried + bears + narrow,
+        GripState.OPENING: carried + unmoved + weak,
+        GripState.LOST: inf if s.weight.is_unknown else min(gone, narrow) + slack,
+        GripState.TOUCHING_GROUND: gone + bears + standing,
+    }

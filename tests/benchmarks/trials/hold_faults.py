@@ -1,0 +1,164 @@
+"""Carries with faults in mid-carry, watched by `hold_state`, and judged by the simulator's truth."""
+
+import tempfile
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from bounds import Bound, Figure, held
+from executive_plugins.monitoring.hold_state import HoldState
+from executive_plugins.monitoring.settings import HoldStateSettings
+
+from executive.arrays import Float
+from executive.geometry.pose import inverse
+from executive.interfaces.monitoring import Monitor
+from executive.messages.command import MoveJaws
+from executive.messages.joints import JointSample
+from executive.messages.verdict import Trouble, Verdict
+from executive.messages.weight import Weight
+from trials.grasp_attempts import A_SITE, Site, attempt, lay_out
+from trials.grasp_rows import shapes_of
+
+FAULTS = ("pressure", "none", "open", "wet")
+WET = (0.05, 0.005)  # friction of steel on a wet stone: Coulomb's, and torsional [m]
+EARLIEST_S, LATEST_S = 3.0, 10.0  # after the grasp; a carry takes 13 s
+MOVED_M, LOST_M = 0.03, 0.3
+IN_TIME_S = 0.5
+
+
+@dataclass
+class Hold:
+    """What happened in one hold: the fault, the stone's centre in the jaws over time, verdicts."""
+
+    fault: str
+    mass_kg: float
+    fault_s: float = np.nan
+    stamps_s: list[float] = field(default_factory=list)
+    centres_m: list[Float] = field(default_factory=list)
+    told: list[Verdict] = field(default_factory=list)
+    weight: Weight | None = None
+
+    @property
+    def moved_m(self) -> Float:
+        """How far the stone has moved in the jaws."""
+        return np.asarray(np.linalg.norm(np.array(self.centres_m) - self.centres_m[0], axis=1))
+
+    @property
+    def is_lost(self) -> bool:
+        return bool(self.moved_m.max() > LOST_M)
+
+    def late_s(self, since_s: float) -> float:
+        """Return the time to the first verdict; infinite if there was none, or one before."""
+        return self.told[0].stamp_s - since_s if self.told else np.inf
+
+
+class Watched(Monitor):
+    """Hands the samples to the monitor on trial, makes the fault, and keeps what is true."""
+
+    def __init__(self, site: Site, monitor: HoldState) -> None:
+        self._site, self._monitor = site, monitor
+        self.hold: Hold | None = None
+        self.at_s = np.inf
+
+    def begin_hold(self) -> None:
+        self._monitor.begin_hold()
+        self._begun_s = self._site.now_s
+
+    def end_hold(self) -> None:
+        self._monitor.end_hold()
+
+    def update(self, sample: JointSample) -> Verdict | None:
+        hold, i = self.hold, self._site.watched
+        if hold is None or i is None:
+            return None
+        hold.stamps_s.append(sample.stamp_s)
+        hold.centres_m.append((inverse(self._site.gripper()) @ self._site.T(i))[:3, 3])
+        if np.isnan(hold.fault_s) and sample.stamp_s - self._begun_s > self.at_s:
+            hold.fault_s = sample.stamp_s
+            self._make_fault(hold.fault, i)
+        if (verdict := self._monitor.update(sample)) is not None:
+            hold.told.append(verdict)
+        hold.weight = self._monitor.weight()
+        return None
+
+    def _make_fault(self, fault: str, i: int) -> None:
+        robot, world = self._site.plugins["robot"], self._site.world
+        if fault == "pressure":
+            robot.weaken(self._site.machine.jaw.name, 0.0)
+        elif fault == "open":
+            force_n = self._site.machine.gripper.tip_force_n
+            robot.command(MoveJaws(self._site.machine.jaw.upper, force_n))
+        elif fault == "wet":
+            stone = world.model.body(world.site.stones[i].name)
+            geoms = range(int(stone.geomadr[0]), int(stone.geomadr[0]) + int(stone.geomnum[0]))
+            world.model.geom_priority[geoms] = 1  # else the rougher of two surfaces decides
+            world.model.geom_friction[geoms, :2] = WET
+
+
+def holds_of(number: int) -> Iterator[Hold]:
+    """Carry the stones of one site, each once, and yield those that were held."""
+    with tempfile.TemporaryDirectory() as folder:
+        site = lay_out("generated", 1.0, "learned", number, Path(folder))
+    monitor = HoldState(HoldStateSettings(), site.machine)
+    monitor.start()
+    watched = Watched(site, monitor)
+    site.plugins["monitoring"] = [watched]
+    site.run(1.0)
+    rng, shapes, model = (
+        np.random.default_rng(number),
+        shapes_of(site.world.model),
+        site.world.model,
+    )
+    for n, i in enumerate(sorted(range(A_SITE), key=lambda i: -shapes[i + 1][1])):
+        fault = FAULTS[(n + A_SITE * number) % len(FAULTS)]
+        watched.hold = Hold(fault, shapes[i + 1][1])
+        watched.at_s = rng.uniform(EARLIEST_S, LATEST_S)
+        friction, priority = model.geom_friction.copy(), model.geom_priority.copy()
+        attempt(site, i, [], rng)
+        model.geom_friction[:], model.geom_priority[:] = friction, priority
+        site.plugins["robot"].weaken(site.machine.jaw.name, 1.0)
+        if watched.hold.stamps_s:
+            yield watched.hold
+
+
+def measured(sites: Iterable[int]) -> list[Figure]:
+    """Carry the stones of some sites, and hold the verdicts against the truth."""
+    holds = [hold for number in sites for hold in holds_of(number)]
+    forced = [h for h in holds if h.fault in ("pressure", "open") and not np.isnan(h.fault_s)]
+    # A stone that is lost before its fault, or without one, was badly gripped.
+    late_s = [h.late_s(h.fault_s) for h in forced if h.moved_m[_at(h, h.fault_s)] < MOVED_M]
+    slid = [h for h in holds if h.fault == "wet" and h.is_lost]
+    slid_s = [h.late_s(h.stamps_s[int(np.argmax(h.moved_m > MOVED_M))]) for h in slid]
+    kept = [h for h in holds if h.fault == "none" and not h.is_lost]
+    wrong = [h for h in kept if h.told]
+    doubled = [h for h in holds if [v.trouble for v in h.told].count(Trouble.DROP) > 1]
+    off = [
+        abs(h.weight.mass_kg / h.mass_kg - 1)
+        for h in holds
+        if h.weight and (h.fault != "wet" or not h.told) and h.stamps_s[-1] - h.stamps_s[0] > 5.0
+    ]
+    return [
+        *_told("pressure lost or jaws opened", late_s),
+        *_told("wet stone lost", slid_s),
+        held(
+            "false verdicts in 300 holds", 300 * len(wrong) / max(len(kept), 1), Bound(1.0),
+            f"{len(wrong)} of {len(kept)}",
+        ),
+        held("falls told twice", len(doubled), Bound(0.0), f"{len(doubled)} of {len(holds)}"),
+        held("mass error, p95 [%]", float(np.percentile(off, 95)) * 100, Bound(8.0, 4.0)),
+    ]  # fmt: skip
+
+
+def _at(hold: Hold, time_s: float) -> int:
+    return int(np.searchsorted(hold.stamps_s, time_s))
+
+
+def _told(what: str, late_s: list[float]) -> Iterator[Figure]:
+    """Yield the share told in time, and the median time."""
+    in_time = [0.0 <= late <= IN_TIME_S for late in late_s]
+    share = np.mean(in_time) if late_s else np.nan
+    words = f"{sum(in_time)} of {len(late_s)}"
+    yield held(f"{what}: told within {IN_TIME_S} s", float(share), Bound(1.0, is_least=True), words)
+    median_s = float(np.median(late_s)) if late_s else np.nan
+    yield held(f"{what}: median [s]", median_s, Bound(IN_TIME_S, 0.3))
