@@ -10,6 +10,7 @@ from executive.arrays import Float
 
 _HALF = 0.5  # of the weight, or of the force: nearer to all of it than to nothing
 _NOTHING = 0.2  # share of the force below which the jaws bear on nothing
+_APART = 4.0  # slips; a stone that seats itself in a lift has forced jaws apart by less than two
 _CREEP = 0.2  # share of the slip that counts as trouble, from which closing is creep
 _SWITCH = 1e-3  # probability that a grip changes to another given state between two windows
 
@@ -91,13 +92,14 @@ def _chi2(s: Signals) -> dict[GripState, float]:
     inf = np.inf
     carried, gone = s.weight.off(_HALF, inf), s.weight.off(-inf, _HALF)
     unmoved, narrow = s.closed.off(-inf, 1.0), s.closed.off(1.0, inf)
-    still, wide = s.widened.off(-inf, 1.0), s.widened.off(1.0, inf)
-    pressing, bears = s.force.off(_HALF, inf), s.force.off(_NOTHING, inf)
-    weak, slack = s.force.off(-inf, _HALF), s.force.off(-inf, _NOTHING)
+    together, apart = s.widened.off(-inf, _APART), s.widened.off(_APART, inf)
+    pressing, bears = s.force.off(_HALF, inf) + together, s.force.off(_NOTHING, inf) + together
+    weak = min(s.force.off(-inf, _HALF), apart)
+    slack = min(s.force.off(-inf, _NOTHING), apart)
     standing = 0.0
     if s.force.is_unknown:  # then the jaws' motion, and whether the stone may stand, have to tell
-        pressing, bears, weak = still, still, wide
-        slack = min(narrow, wide) if s.may_stand else 0.0
+        weak = apart
+        slack = min(narrow, apart) if s.may_stand else 0.0
         standing = 0.0 if s.may_stand else inf
     return {
         GripState.FIRM: carried + pressing + s.closed.off(-inf, _CREEP),
