@@ -1,4 +1,4 @@
-"""Carries with faults in mid-carry, watched by `hold_state`, and judged by the simulator's truth."""
+"""Carries with faults in mid-carry, watched by `hold_state`, judged by the simulator."""
 
 import tempfile
 from collections.abc import Iterable, Iterator
