@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from executive.arrays import Float
+from executive.errors import DataError
 from executive.estimate.estimator_run import Estimated, estimate
 from executive.estimate.material import Material
 from executive.estimate.measures import Track
@@ -28,10 +29,35 @@ def compare(
         options: Options of the runs.
         truth: Errors of states against a simulator's truth; None if the truth is unknown.
 
+    Returns:
+        The report of each; {"error": why} for an estimator that gave none while another did.
+
     Raises:
-        ConfigError, DataError: As `estimate`.
+        ConfigError: As `estimate`.
+        DataError: As `estimate`, if there is no report at all.
     """
-    return {name: reported(estimate(material, name, options), truth) for name in names}
+    return side_by_side(names, lambda name: reported(estimate(material, name, options), truth))
+
+
+def side_by_side(
+    names: Sequence[str], run: Callable[[str], dict[str, Any]]
+) -> dict[str, dict[str, Any]]:
+    """Return a report for each name; a run that finds no state does not end the others.
+
+    Raises:
+        DataError: If there is no report at all.
+    """
+    reports: dict[str, dict[str, Any]] = {}
+    failures: list[DataError] = []
+    for name in names:
+        try:
+            reports[name] = run(name)
+        except DataError as error:
+            failures.append(error)
+            reports[name] = {"error": str(error)}
+    if failures and len(failures) == len(reports):
+        raise failures[0]
+    return reports
 
 
 def reported(estimated: Estimated, truth: Truth | None = None) -> dict[str, Any]:
@@ -81,7 +107,12 @@ def _with_recovery(
 
 
 def table(reports: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return a table of the reports: errors in centimetres, latencies in microseconds."""
+    """Return a table of the reports: errors in centimetres, latencies in microseconds.
+
+    Estimators without a report are named below it, with the reason.
+    """
+    failed = [f"{name}: {r['error']}" for name, r in reports.items() if "error" in r]
+    reports = {name: report for name, report in reports.items() if "error" not in report}
     rows: dict[str, Callable[[Mapping[str, Any]], str]] = {
         "position error of the prediction [cm]": lambda r: _mean_std(r["prediction_m"], 100),
         "  95 % [cm]": lambda r: _figure(r["prediction_m"], "p95", 100),
@@ -109,9 +140,10 @@ def table(reports: Mapping[str, Mapping[str, Any]]) -> str:
     ]
     lines += [line for i in range(_outages(reports)) for line in _outage_lines(reports, i)]
     widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
-    return "\n".join(
+    rows_of_text = [
         "  ".join([line[0].ljust(widths[0]), *_right(line[1:], widths[1:])]) for line in lines
-    )
+    ]
+    return "\n".join([*rows_of_text, *failed])
 
 
 def _outages(reports: Mapping[str, Mapping[str, Any]]) -> int:

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from executive.estimate.compare import odometry_steps
+from executive.errors import DataError
+from executive.estimate.compare import odometry_steps, side_by_side, table
 from executive.estimate.measures import Track
 from executive.geometry.pose import pose
 from executive.geometry.rotation import about_axis
@@ -44,3 +45,32 @@ def test_a_step_of_the_odometry_is_found_at_its_size(even: Track) -> None:
     steps = odometry_steps(replace(even, T_odom_base=stepped))
     assert steps.argmax() == 59
     assert steps.max() == pytest.approx(0.05)
+
+
+REPORT = {
+    "prediction_m": {"n": 0},
+    "posterior_m": {"n": 0},
+    "consistency_m": {"n": 0},
+    "latency_us": {"n": 0},
+    "odometry_step_m": 0.001,
+    "replay_speed": 7.0,
+    "outages": [],
+    "truth": {},
+}
+
+
+def _run(name: str) -> dict:
+    if name == "lost":
+        raise DataError("log: lost found no first state")
+    return REPORT
+
+
+def test_an_estimator_that_finds_no_state_is_named_below_the_others() -> None:
+    lines = table(side_by_side(["lost", "found"], _run)).splitlines()
+    assert lines[0].split() == ["found"]
+    assert lines[-1] == "lost: log: lost found no first state"
+
+
+def test_it_is_an_error_if_none_finds_a_state() -> None:
+    with pytest.raises(DataError, match="lost found no first state"):
+        side_by_side(["lost"], _run)
