@@ -20,7 +20,8 @@ class Replay:
     """The result of one replay.
 
     Attributes:
-        states: The state after every inertial sample of the main sensor, from the first ready one.
+        states: The state after every inertial sample of the main sensor, from the first one with
+            a position.
         fixes: All fixes with a fixed RTK solution, also dropped ones; they are the reference.
         latency_us: Time from the arrival of each of those samples to the state [µs].
         counts: Observations fed by kind, and dropped ones.
@@ -84,6 +85,6 @@ class Replayer:
         took_us = 1e6 * (wall_s() - started_s)
         if not replay.changes or replay.changes[-1][1] != state.status:
             replay.changes.append((sample.stamp_s, state.status))
-        if state.is_ready and (not replay.states or state.stamp_s > replay.states[-1].stamp_s):
+        if state.is_located and (not replay.states or state.stamp_s > replay.states[-1].stamp_s):
             replay.states.append(state)
             replay.latency_us.append(took_us)

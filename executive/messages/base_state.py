@@ -21,7 +21,8 @@ class BaseState:
             [rad/s], shape (3,).
         covariance: Covariance of T_map_cabin as (rotation [rad], translation [m]) in the cabin
             frame, shape (6, 6).
-        status: `INITIALISING`, or the estimator's mode, such as `GLOBAL` or `FALLBACK`.
+        status: `INITIALISING`, `ALIGNING` while the heading is not known (the covariance says so),
+            or the estimator's mode, such as `GLOBAL` or `FALLBACK`.
     """
 
     stamp_s: float
@@ -43,4 +44,9 @@ class BaseState:
     @property
     def is_ready(self) -> bool:
         """Whether the pose may be used."""
+        return self.status not in ("INITIALISING", "ALIGNING")
+
+    @property
+    def is_located(self) -> bool:
+        """Whether position and velocity may be used; the heading only as the covariance says."""
         return self.status != "INITIALISING"

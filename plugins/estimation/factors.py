@@ -21,6 +21,7 @@ from gtsam.symbol_shorthand import B, V, X
 
 from executive.arrays import Float
 from executive.geometry.pose import pose
+from executive.geometry.rotation import skew
 
 # 95 % efficient on Gaussian noise; redescending kernels (Tukey, Geman-McClure) diverged.
 _HUBER = 1.345
@@ -89,15 +90,18 @@ def extract(
 
 
 def covariance_of(R_node: Float, R_map_imu: Float) -> Float:
-    """Return the covariance of the error in our order and axes, shape (15, 15).
+    """Return the covariance of the error in our order and axes, shape (15 + k, 15 + k).
 
     Args:
-        R_node: Square-root information of the newest node, in GTSAM's order, shape (15, 15).
+        R_node: Square-root information of the newest node, in GTSAM's order, and of k constants
+            after it, shape (15 + k, 15 + k).
         R_map_imu: Attitude of that node, shape (3, 3).
     """
-    root = np.linalg.solve(R_node, np.eye(DIMENSION))
-    J = np.zeros((DIMENSION, DIMENSION))
-    J[_ORDER] = np.eye(DIMENSION)
+    n = len(R_node)
+    root = np.linalg.solve(R_node, np.eye(n))
+    J = np.eye(n)
+    J[:DIMENSION, :DIMENSION] = 0.0
+    J[_ORDER, np.arange(DIMENSION)] = 1.0
     J[POSITION] = R_map_imu @ J[POSITION]
     root = J @ root
     return np.asarray(root @ root.T)
@@ -165,6 +169,38 @@ def fix_factor(node: int, fix: Fix) -> gtsam.NonlinearFactor:
         gtsam.noiseModel.mEstimator.Huber.Create(_HUBER), gaussian
     )
     return gtsam.GPSFactorArm(X(node), fix.p_map_antenna, fix.arm_imu, robust)
+
+
+def shifted_fix_factor(node: int, clock: int, fix: Fix, rate_imu: Float) -> gtsam.NonlinearFactor:
+    """Return a factor on a fix whose stamp is late by an unknown time d: |p_a − v_a d − z|.
+
+    Here p_a = p + R l and v_a = v + R (ω × l) are position and velocity of the antenna. A motion
+    over d that is not linear is neglected; stamps are corrected by the offset that is known.
+
+    Args:
+        node: The node at the stamp.
+        clock: Key of d, a vector of one element [s].
+        fix: The fix.
+        rate_imu: Angular velocity ω in IMU axes [rad/s], shape (3,).
+    """
+    arm, speed_imu, z = fix.arm_imu, np.cross(rate_imu, fix.arm_imu), fix.p_map_antenna
+
+    def error(this: gtsam.CustomFactor, values: gtsam.Values, H: list[Float] | None) -> Float:
+        x, v, d = this.keys()
+        T, velocity, late_s = values.atPose3(x), values.atVector(v), float(values.atVector(d)[0])
+        R = T.rotation().matrix()
+        v_antenna = velocity + R @ speed_imu
+        if H is not None:
+            H[0] = np.hstack([-R @ skew(arm - late_s * speed_imu), R])
+            H[1] = -late_s * np.eye(3)
+            H[2] = -v_antenna[:, None]
+        return np.asarray(T.translation() + R @ arm - late_s * v_antenna - z)
+
+    gaussian = gtsam.noiseModel.Gaussian.Covariance(fix.covariance)
+    robust = gtsam.noiseModel.Robust.Create(
+        gtsam.noiseModel.mEstimator.Huber.Create(_HUBER), gaussian
+    )
+    return gtsam.CustomFactor(robust, [X(node), V(node), clock], error)
 
 
 def between_factor(

@@ -5,16 +5,19 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from executive_plugins.estimation.cabin.aligning import Aligning
 from executive_plugins.estimation.cabin.sensors import antennas_in_imu, cabin_imu
 from executive_plugins.estimation.cabin.settings import CabinSettings
+from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.gate.stamp_gate import StampGate
 from executive_plugins.estimation.inertial.noise import InertialNoise
-from executive_plugins.estimation.inertial.state import Inertial, InertialState
+from executive_plugins.estimation.inertial.state import Inertial
 from executive_plugins.estimation.live.kernels import is_beyond_range
 from executive_plugins.estimation.live.propagator import OUT_OF_RANGE, LivePropagator
 from executive_plugins.estimation.start.chassis import StandstillDetector, TurnJoint
 from executive_plugins.estimation.start.chassis_level import ChassisLevel
 from executive_plugins.estimation.start.first_state import FirstState
+from executive_plugins.estimation.start.found import Found
 
 from executive.arrays import Float
 from executive.geometry.geodesy import enu_from_geodetic
@@ -28,7 +31,7 @@ from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.status_change import StatusChange
 
-INITIALISING = "INITIALISING"
+INITIALISING, ALIGNING = "INITIALISING", "ALIGNING"
 # An inertial stamp further ahead than this is accepted only if the next one is close to it. A
 # smaller step is a gap.
 _JUMP_S = 2.0
@@ -39,6 +42,8 @@ _IDLING_RAD_S = 0.15
 # Largest squared Mahalanobis distance of a fix on an unknown body, whose fixes may scatter by 1.65
 # times their stated standard deviation: 60 = 22 · 1.65², with 22 the default of the gates.
 UNKNOWN_BODY_GATE = 60.0
+# Clocks that nothing synchronises: delays of drivers and of a receiver's solution reach 0.2 s.
+_UNKNOWN_CLOCK_S = 0.1
 _REPORT_PERIOD_S = 5.0  # between reports of what a start waits for
 
 
@@ -59,6 +64,7 @@ class CabinEstimator(Estimator):
         known: dict[str, object] = {"imu": imu, "datum": body.datum}
         if not body.is_described:
             known["rest"] = {"max_rate_std_rad_s": _IDLING_RAD_S}
+            known["clock_std_s"] = _UNKNOWN_CLOCK_S
         return known
 
     @property
@@ -112,8 +118,14 @@ class CabinEstimator(Estimator):
             self._machine, settings.chassis_imu, self._T_imu_cabin, self._turn, self._standing
         )
         self._first = FirstState(
-            settings.rest, settings.window_start, self._antennas_imu, self._noise, level
+            settings.rest,
+            settings.window_start,
+            self._antennas_imu,
+            self._noise,
+            level,
+            settings.clock_std_s,
         )
+        self._aligning: Aligning | None = None
         self._newest_s: float | None = None  # of the cabin's inertial sensor
         self._is_begun = False
         self._standing_s = -np.inf
@@ -175,22 +187,33 @@ class CabinEstimator(Estimator):
         inertial = Inertial(
             sample.stamp_s, sample.angular_velocity_rad_s, sample.specific_force_m_s2, since_last_s
         )
-        first = self._first.add_sample(inertial, self._turn.velocity_rad_s)
-        if first is not None:
-            self._is_begun = True
-            self._start_at(*first)
-        elif (
-            self._first.waits_for and not 0 <= sample.stamp_s - self._reported_s < _REPORT_PERIOD_S
-        ):
-            self._reported_s = sample.stamp_s
-            reason = f"waits for {self._first.waits_for}"
-            self._status_changes.append(
-                StatusChange(sample.stamp_s, INITIALISING, INITIALISING, reason)
-            )
+        self._align(inertial)
+        found = self._first.add_sample(inertial, self._turn.velocity_rad_s)
+        if found is not None and found.has_heading:
+            self._is_begun, self._aligning = True, None
+            self._start_at(found)
+            return
+        if found is not None:
+            self._aligning = Aligning(found, self._noise, self._propagator, UNKNOWN_BODY_GATE)
+        if self._first.waits_for and not 0 <= sample.stamp_s - self._reported_s < _REPORT_PERIOD_S:
+            self._report(sample.stamp_s, f"waits for {self._first.waits_for}")
+
+    def _report(self, stamp_s: float, reason: str) -> None:
+        """Report why there is no state with a heading."""
+        self._reported_s = stamp_s
+        status = INITIALISING if self._aligning is None else ALIGNING
+        self._status_changes.append(StatusChange(stamp_s, status, status, reason))
+
+    def _align(self, sample: Inertial) -> None:
+        """Carry a state without a heading on to a sample."""
+        if self._aligning is None:
+            return
+        if self._propagator.step(sample.stamp_s, sample.rate, sample.force) >= 0:
+            self._aligning.add_sample(sample)
 
     @abstractmethod
-    def _start_at(self, state: InertialState, covariance: Float) -> None:
-        """Start from a first state with its covariance (15, 15), and set the propagator to it."""
+    def _start_at(self, found: Found) -> None:
+        """Start from a first state with a heading, and set the propagator to it."""
 
     @abstractmethod
     def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
@@ -210,6 +233,9 @@ class CabinEstimator(Estimator):
         p_map = enu_from_geodetic(fix.geodetic, self._datum)
         if not self._is_begun:
             self._first.add_fix(fix.stamp_s, fix.antenna, p_map, noise)
+            if self._aligning is not None:
+                arm_imu = self._antennas_imu[fix.antenna]
+                self._aligning.add_fix(Fix(fix.stamp_s, fix.antenna, arm_imu, p_map, noise))
         return p_map, noise
 
     def add_gnss(self, fix: GnssFix) -> None:
@@ -263,16 +289,8 @@ class CabinEstimator(Estimator):
         """Return the status that is reported with the state."""
 
     def state(self) -> BaseState:
-        if self._is_begun and self._turn.is_known:
-            return self._propagator.state(self._status())
+        if self._turn.is_known and (self._is_begun or self._aligning is not None):
+            return self._propagator.state(self._status() if self._is_begun else ALIGNING)
         nowhere, zeros = np.eye(4), np.zeros(3)
-        return BaseState(
-            self._newest_s or 0.0,
-            nowhere,
-            nowhere,
-            nowhere,
-            zeros,
-            zeros,
-            1e6 * np.eye(6),
-            INITIALISING,
-        )
+        at_s, P = self._newest_s or 0.0, 1e6 * np.eye(6)
+        return BaseState(at_s, nowhere, nowhere, nowhere, zeros, zeros, P, INITIALISING)

@@ -37,6 +37,13 @@ class CabinSettings(PluginSettings):
     max_gnss_std_m: float = Field(
         30.0, gt=0, le=1000, description="Largest standard deviation of a fix that is used [m]."
     )
+    clock_std_s: Seconds = Field(
+        0.0,
+        ge=0,
+        le=1,
+        description="Standard deviation of the receiver's clock against the inertial sensor's, "
+        "which is then estimated [s]; 0 if both are synchronised.",
+    )
     restart_after_s: Seconds = Field(
         5.0,
         gt=0,

@@ -2,10 +2,10 @@
 
 import numpy as np
 from executive_plugins.estimation.filters.cloning_filter import CloningFilter
-from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
 from executive_plugins.estimation.filters.settings import ErrorStateEkfSettings
-from executive_plugins.estimation.inertial.state import InertialState
+from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.start.found import Found
 
 from executive.arrays import Float
 from executive.errors import ConfigError
@@ -36,8 +36,8 @@ class ErrorStateEkf(GnssImuFilter):
                 stream, increment.to_s, lambda _: self._correct_by_increment(stream, increment)
             )
 
-    def _make_filter(self, state: InertialState, covariance: Float) -> ErrorStateFilter:
-        self._cloning = CloningFilter(state, covariance, self._noise)
+    def _make_filter(self, found: Found) -> ErrorStateFilter:
+        self._cloning = CloningFilter(found.state, found.covariance, self._noise, found.clock)
         return self._cloning
 
     def _correct_by_increment(self, stream: str, increment: LidarIncrement) -> None:

@@ -4,17 +4,18 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
-from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.filters.settings import GnssImuSettings
-from executive_plugins.estimation.filters.trailing_filter import Correction, TrailingFilter
 from executive_plugins.estimation.gate.innovation_scale import InnovationScale
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.measurement_models import (
-    antenna_residual,
     rate_residual,
     standstill_residual,
 )
-from executive_plugins.estimation.inertial.state import Inertial, InertialState
+from executive_plugins.estimation.inertial.state import Inertial
+from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.kalman.fix_residual import fix_residual
+from executive_plugins.estimation.kalman.trailing_filter import Correction, TrailingFilter
+from executive_plugins.estimation.start.found import Found
 from executive_plugins.estimation.start.window_start import WindowStart
 
 from executive.arrays import Float
@@ -56,19 +57,20 @@ class GnssImuFilter(CabinEstimator):
         super()._restart()
         self._trailing: TrailingFilter | None = None
         self._used_fix_s = -np.inf
-        self._scales = {name: InnovationScale(3) for name in self._antennas_imu}
+        self._scales: dict[str, InnovationScale] = {}
         self._doubt: WindowStart | None = None
         self._doubted_s, self._used_in_row = np.inf, 0
         self._moving_s = -np.inf
 
-    def _start_at(self, state: InertialState, covariance: Float) -> None:
+    def _start_at(self, found: Found) -> None:
         self._trailing = TrailingFilter(
-            self._make_filter(state, covariance), self._settings.lag_s, self._propagator
+            self._make_filter(found), self._settings.lag_s, self._propagator
         )
-        self._used_fix_s = state.stamp_s
+        self._used_fix_s = found.state.stamp_s
+        self._scales = {name: InnovationScale(3, found.fix_scale) for name in self._antennas_imu}
 
-    def _make_filter(self, state: InertialState, covariance: Float) -> ErrorStateFilter:
-        return ErrorStateFilter(state, covariance, self._noise)
+    def _make_filter(self, found: Found) -> ErrorStateFilter:
+        return ErrorStateFilter(found.state, found.covariance, self._noise, found.clock)
 
     def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
         if self._trailing is not None:
@@ -82,11 +84,12 @@ class GnssImuFilter(CabinEstimator):
 
     def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
         antenna, stamp_s = fix.antenna, fix.stamp_s
+        position = Fix(stamp_s, antenna, self._antennas_imu[antenna], p_map_antenna, noise)
         if self._doubt is not None:
-            arm_imu = self._antennas_imu[antenna]
-            self._doubt.add_fix(Fix(stamp_s, antenna, arm_imu, p_map_antenna, noise))
+            self._doubt.add_fix(position)
+        late_s = 0.0 if self._trailing is None else self._trailing.kalman.clock_s
         self._queue(
-            antenna, stamp_s, lambda at: self._correct_by_fix(at, antenna, p_map_antenna, noise)
+            antenna, stamp_s - late_s, lambda at: self._correct_by_fix(at, position, late_s)
         )
 
     def add_odometry(self, increment: LidarIncrement) -> None:
@@ -104,13 +107,13 @@ class GnssImuFilter(CabinEstimator):
         ):
             self._stamp_gate.refuse(stream, "too late")
 
-    def _correct_by_fix(
-        self, kalman: ErrorStateFilter, antenna: str, p_map_antenna: Float, noise: Float
-    ) -> None:
-        residual, H = antenna_residual(kalman.state, self._antennas_imu[antenna], p_map_antenna)
+    def _correct_by_fix(self, kalman: ErrorStateFilter, fix: Fix, late_s: float) -> None:
+        """Correct by a fix at the time by which the clock was thought to be late."""
+        antenna = fix.antenna
+        residual, H, by_clock, noise = fix_residual(kalman, fix, late_s)
         scale = self._scales[antenna]
-        scale.add(residual, H @ kalman.covariance @ H.T, noise)
-        if kalman.correct(residual, H, scale.factor() * noise, self._settings.gate):
+        scale.add(residual, kalman.predicted(H, by_clock), noise)
+        if kalman.correct(residual, H, scale.factor() * noise, self._settings.gate, by_clock):
             self._used_fix_s = max(self._used_fix_s, kalman.state.stamp_s)
             self._used_in_row += 1
             if self._used_in_row >= _TRUSTED:
@@ -119,7 +122,9 @@ class GnssImuFilter(CabinEstimator):
         self._stamp_gate.refuse(antenna, "outlier")
         self._used_in_row = 0
         if self._doubt is None:
-            self._doubt = WindowStart(self._settings.window_start, self._noise)
+            self._doubt = WindowStart(
+                self._settings.window_start, self._noise, self._settings.clock_std_s
+            )
             self._doubted_s = kalman.state.stamp_s
 
     def _begin_trust(self) -> None:
@@ -137,8 +142,8 @@ class GnssImuFilter(CabinEstimator):
         if sample.stamp_s - self._doubted_s < self._settings.reacquire_after_s:
             return
         found = self._doubt.state()
-        if found is not None:
-            self._start_at(*found)
+        if found is not None and found.has_heading:
+            self._start_at(found)
             self._begin_trust()
             self._moving_s = sample.stamp_s  # a wide state would accept any standstill
 

@@ -19,14 +19,16 @@ class InnovationScale:
     declares is not trusted more, because errors that change slowly do not show in innovations.
     """
 
-    def __init__(self, degrees: int) -> None:
-        """Start with a factor of 1.
+    def __init__(self, degrees: int, factor: float = 1.0) -> None:
+        """Start with a factor that is known otherwise, or 1.
 
         Args:
             degrees: Length of an innovation.
+            factor: The factor until there are enough innovations; they replace it one by one.
         """
         self._median = float(chi2.median(degrees))
-        self._squares: deque[float] = deque(maxlen=_COUNT)
+        known = [factor * self._median] * (_COUNT if factor > 1.0 else 0)
+        self._squares: deque[float] = deque(known, maxlen=_COUNT)
 
     def factor(self) -> float:
         """Return the factor on the variance, from 1 to 25; 1 until there are enough innovations."""

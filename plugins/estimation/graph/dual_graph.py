@@ -14,8 +14,8 @@ from executive_plugins.estimation.graph.smoother_process import (
     ProcessSmoother,
     SmootherHost,
 )
-from executive_plugins.estimation.inertial.state import InertialState
 from executive_plugins.estimation.live.modes import Mode, ModeChange
+from executive_plugins.estimation.start.found import Found
 
 from executive.arrays import Float
 from executive.geometry.pose import adjoint, inverse
@@ -74,15 +74,16 @@ class DualGraph(CabinEstimator):
     def _restart(self) -> None:
         super()._restart()
         self._mode = Mode.GLOBAL
+        self._late_s = 0.0  # stamps of the fixes minus times of measurement, by the start
 
     @property
     def refused(self) -> Mapping[str, int]:
         """Number of refused samples by stream and reason."""
         return dict(self._stamp_gate.refused + self._refused)
 
-    def _start_at(self, state: InertialState, covariance: Float) -> None:
-        self._begun_s = state.stamp_s
-        self._host.begin(self._propagator, state, covariance)
+    def _start_at(self, found: Found) -> None:
+        self._begun_s, self._late_s = found.state.stamp_s, found.clock.offset_s
+        self._host.begin(self._propagator, found.state, found.covariance)
 
     def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
         update = self._host.sampled(self._propagator, sample, since_last_s, answered)
@@ -104,9 +105,8 @@ class DualGraph(CabinEstimator):
         return self._late_stamp_gate.admits(fix.antenna, fix.stamp_s, self._now_s)
 
     def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
-        self._hand_over(
-            Fix(fix.stamp_s, fix.antenna, self._antennas_imu[fix.antenna], p_map_antenna, noise)
-        )
+        at_s, arm_imu = fix.stamp_s - self._late_s, self._antennas_imu[fix.antenna]
+        self._hand_over(Fix(at_s, fix.antenna, arm_imu, p_map_antenna, noise))
 
     def add_odometry(self, increment: LidarIncrement) -> None:
         if not increment.from_s < increment.to_s:

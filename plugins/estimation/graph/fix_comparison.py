@@ -1,7 +1,6 @@
 """Comparison of a fix with the estimate of a window and with lidar odometry."""
 
 import numpy as np
-from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.gate.gnss_gate import Compared
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.graph.lidar_chain import LidarChain
@@ -9,6 +8,7 @@ from executive_plugins.estimation.graph.window import GraphWindow
 from executive_plugins.estimation.inertial.measurement_models import antenna_residual
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import InertialState
+from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose, transform

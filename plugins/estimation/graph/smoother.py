@@ -10,7 +10,6 @@ from executive_plugins.estimation.factors import (
     between_factor,
     fix_factor,
 )
-from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.gate.gnss_gate import Compared, GnssGate
 from executive_plugins.estimation.gate.measurements import (
     Fix,
@@ -28,6 +27,7 @@ from executive_plugins.estimation.graph.window import GraphWindow, UnsolvableErr
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
+from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.live.estimate import Estimate
 from executive_plugins.estimation.live.modes import Mode, Modes
 

@@ -14,8 +14,8 @@ from executive_plugins.estimation.inertial.state import (
 from executive.arrays import Float
 from executive.geometry.rotation import skew
 
-# Each function returns measured − predicted, shape (3,), and H, the derivative of the prediction by
-# the error of the state, shape (3, 15).
+# Each residual is measured − predicted, shape (3,), with H, the derivative of the prediction by the
+# error of the state, shape (3, 15).
 
 
 def antenna_residual(
@@ -29,6 +29,11 @@ def antenna_residual(
     H[:, ROTATION] = -state.R_map_imu @ skew(arm_imu)
     H[:, POSITION] = IDENTITY_3
     return p_map_antenna - state.p_map_imu - state.R_map_imu @ arm_imu, H
+
+
+def antenna_velocity(state: InertialState, arm_imu: Float) -> Float:
+    """Return the velocity of an antenna, v_imu + R (ω × l) [m/s], map axes, shape (3,)."""
+    return state.v_map_imu + state.R_map_imu @ (skew(state.rate) @ arm_imu)
 
 
 def standstill_residual(state: InertialState, arm_imu: Float) -> tuple[Float, Float]:

@@ -19,6 +19,11 @@ class SampleBuffer:
         """Time of the newest sample [s]."""
         return self._stamps_s[-1]
 
+    @property
+    def oldest_s(self) -> float:
+        """Time of the oldest sample [s]."""
+        return self._stamps_s[0]
+
     def append(self, sample: Inertial) -> None:
         """Add a sample that is newer than all others."""
         self._stamps_s.append(sample.stamp_s)

@@ -33,6 +33,7 @@ class RestInitialisation:
     Attributes:
         waits_for: Why the last call of `state` gave no state; empty if it gave one, or if there
             were too few samples to tell.
+        moves: Whether that was because the machine moves.
     """
 
     def __init__(
@@ -51,7 +52,7 @@ class RestInitialisation:
             name: deque() for name in antennas_imu
         }
         self._fix_std_m = 0.0  # of the newest fix
-        self.waits_for = ""
+        self.waits_for, self.moves = "", False
 
     def add_sample(self, sample: Inertial) -> None:
         """Add one inertial sample."""
@@ -79,13 +80,15 @@ class RestInitialisation:
 
         None if the machine moves, or if there are too few samples.
         """
+        self.moves = False
         if not self._samples or not self._is_long_enough():
             return None
         rates = np.array([s.rate for s in self._samples])
         forces = np.array([s.force for s in self._samples])
         positions = {name: np.array([p for _, p in fixes]) for name, fixes in self._fixes.items()}
         self.waits_for = self._motion(rates, forces, positions)
-        if self.waits_for:
+        self.moves = bool(self.waits_for)
+        if self.moves:
             return None
         means = {name: p.mean(axis=0) for name, p in positions.items()}
         force = forces.mean(axis=0)
@@ -98,6 +101,21 @@ class RestInitialisation:
             self._samples[-1], R, position, np.zeros(3), rates.mean(axis=0), accel_bias
         )
         return state, self._covariance(R, level_rad, rates, positions)
+
+    def unrest_rad_s(self) -> float:
+        """Return how fast a body turns that seems to be at rest, by two halves of the time.
+
+        A body that begins to move, or rocks on tyres or soil, shows it in how the means of angular
+        velocity and of the direction of gravity differ.
+        """
+        rates = np.array([s.rate for s in self._samples])
+        forces = np.array([s.force for s in self._samples])
+        half = len(rates) // 2
+        half_s = self._samples[-1].stamp_s - self._samples[half].stamp_s
+        turned = rates[half:].mean(axis=0) - rates[:half].mean(axis=0)
+        tilted = forces[half:].mean(axis=0) - forces[:half].mean(axis=0)
+        tilt_rad_s = np.linalg.norm(tilted) / (self._noise.gravity_m_s2 * half_s)
+        return float(max(np.abs(turned).max(), tilt_rad_s))
 
     def _is_long_enough(self) -> bool:
         self.waits_for = ""

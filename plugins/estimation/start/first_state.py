@@ -9,6 +9,8 @@ from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import GYRO_BIAS, Inertial, InertialState
 from executive_plugins.estimation.start.at_rest import RestInitialisation
 from executive_plugins.estimation.start.chassis_level import ChassisLevel
+from executive_plugins.estimation.start.found import ClockOffset, Found
+from executive_plugins.estimation.start.rest_bias import RestBias
 from executive_plugins.estimation.start.settings import RestSettings, WindowStartSettings
 from executive_plugins.estimation.start.window_start import WindowStart
 
@@ -34,14 +36,18 @@ class FirstState:
         antennas_imu: Mapping[str, Float],
         noise: InertialNoise,
         chassis: ChassisLevel | None,
+        clock_std_s: float = 0.0,
     ) -> None:
         self._max_rate_rad_s, self._rest_s = rest.max_rate_rad_s, rest.duration_s
         self._first_s = math.inf
         self._has_heading = len(antennas_imu) > 1
         self._rest = RestInitialisation(rest, antennas_imu, noise, chassis)
-        self._window = WindowStart(window, noise)
+        self._rest_bias = RestBias(rest.duration_s)
+        self._window = WindowStart(window, noise, clock_std_s)
+        self._clock_std_s = clock_std_s
         self._antennas_imu = antennas_imu
         self._tried_s = -math.inf
+        self._moves = False  # by the last attempt to find rest
         self.waits_for = ""
 
     def add_fix(
@@ -61,10 +67,8 @@ class FirstState:
         arm_imu = self._antennas_imu[antenna]
         self._window.add_fix(Fix(stamp_s, antenna, arm_imu, p_map_antenna, covariance))
 
-    def add_sample(
-        self, sample: Inertial, turn_rate_rad_s: float
-    ) -> tuple[InertialState, Float] | None:
-        """Add an inertial sample; return the first state if it is found.
+    def add_sample(self, sample: Inertial, turn_rate_rad_s: float) -> Found | None:
+        """Add an inertial sample; return a state if one was found just now.
 
         Args:
             sample: The sample.
@@ -72,28 +76,36 @@ class FirstState:
             at rest to its own sensor.
 
         Returns:
-            The state at the sample and its error's covariance (15, 15), or None.
+            The state at the sample. States without a heading are followed by better ones.
         """
         self._first_s = min(self._first_s, sample.stamp_s)
         self._rest.add_sample(sample)
         self._window.add_sample(sample)
+        at_rest = self._at_rest(sample, turn_rate_rad_s)
         if self._has_heading:
-            found = self._at_rest(sample, turn_rate_rad_s)
-            if found is not None or not self._is_given_up(sample.stamp_s):
-                return found
-        elif (at_rest := self._at_rest(sample, turn_rate_rad_s)) is not None:
-            state, P = at_rest
-            std = float(np.sqrt(np.diag(P[GYRO_BIAS, GYRO_BIAS]).max()))
-            self._window.take_rest(state.gyro_bias, std)
+            if at_rest is not None:
+                return Found(*at_rest, True, ClockOffset(std_s=self._clock_std_s))
+            if not self._is_given_up(sample.stamp_s):
+                return None
+        elif at_rest is not None:
+            self._take_rest(*at_rest)
         found = self._window.state()
         if self._window.waits_for:
             self.waits_for = self._window.waits_for
         return found
 
+    def _take_rest(self, state: InertialState, P: Float) -> None:
+        """Tell the window the bias of the gyroscope, which its fixes may not."""
+        noise = float(np.sqrt(np.diag(P[GYRO_BIAS, GYRO_BIAS]).max()))
+        error = max(noise, self._rest.unrest_rad_s())
+        if self._rest_bias.add(state.stamp_s, state.gyro_bias, error):
+            self._window.take_rest(self._rest_bias.rate, self._rest_bias.std_rad_s)
+
     def _at_rest(
         self, sample: Inertial, turn_rate_rad_s: float
     ) -> tuple[InertialState, Float] | None:
         if abs(turn_rate_rad_s) >= self._max_rate_rad_s:
+            self._moves = True
             self.waits_for = (
                 f"rest: the cabin turns on its chassis at {abs(turn_rate_rad_s):.3f} rad/s"
             )
@@ -102,7 +114,7 @@ class FirstState:
             return None
         self._tried_s = sample.stamp_s
         found = self._rest.state()
-        self.waits_for = self._rest.waits_for
+        self.waits_for, self._moves = self._rest.waits_for, self._rest.moves
         return found
 
     def _is_given_up(self, now_s: float) -> bool:
@@ -111,4 +123,4 @@ class FirstState:
         It is the more accurate one, and comes within seconds; but not to a body that moves, nor
         where an antenna is silent or slow.
         """
-        return self.waits_for.startswith("rest") or now_s - self._first_s > _PATIENCE * self._rest_s
+        return self._moves or now_s - self._first_s > _PATIENCE * self._rest_s

@@ -4,11 +4,9 @@ from dataclasses import dataclass
 
 import gtsam
 import numpy as np
-from executive_plugins.estimation.factors import keys
-from executive_plugins.estimation.inertial.state import ROTATION, InertialState
 
 from executive.arrays import Float
-from executive.geometry.rotation import exp_so3, from_rpy, yaw_of
+from executive.geometry.rotation import exp_so3, from_rpy
 
 _ITERATIONS = 20
 
@@ -20,10 +18,9 @@ class Solution:
     cost: float
     graph: gtsam.NonlinearFactorGraph
     values: gtsam.Values
-    heading_rad: float  # of the newest node
 
 
-def solved(graph: gtsam.NonlinearFactorGraph, guess: gtsam.Values, newest: int) -> Solution | None:
+def solved(graph: gtsam.NonlinearFactorGraph, guess: gtsam.Values) -> Solution | None:
     """Return the solution that is reached from a first guess; None if there is none."""
     params = gtsam.LevenbergMarquardtParams()
     params.setLinearSolverType("MULTIFRONTAL_QR")
@@ -33,14 +30,7 @@ def solved(graph: gtsam.NonlinearFactorGraph, guess: gtsam.Values, newest: int) 
     except RuntimeError:  # GTSAM raises it on a singular system
         return None
     cost = float(graph.error(found))
-    heading_rad = yaw_of(found.atPose3(keys(newest)[0]).rotation().matrix())
-    return Solution(cost, graph, found, heading_rad) if np.isfinite(cost) else None
-
-
-def heading_std(state: InertialState, covariance: Float) -> float:
-    """Return the standard deviation of the heading [rad]."""
-    R = state.R_map_imu
-    return float(np.sqrt((R @ covariance[ROTATION, ROTATION] @ R.T)[2, 2]))
+    return Solution(cost, graph, found) if np.isfinite(cost) else None
 
 
 def levelled(force: Float) -> Float:

@@ -2,55 +2,49 @@
 
 Source: the start of Nubert 2025 (arXiv 2504.06479), a prior of 180 deg in heading and 10 m/s in
 velocity instead of a rest. Deviation: a heading is not taken from one linearisation; the problem
-is solved from several, and the estimate begins when one is left.
+is solved from several, and what they leave open is part of the covariance.
 """
 
 from collections import deque
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
+from dataclasses import replace
 
-import gtsam
 import numpy as np
-from executive_plugins.estimation.factors import (
-    covariance_of,
-    extract,
-    fix_factor,
-    inertial_factor,
-    insert,
-    keys,
-)
+from executive_plugins.estimation.factors import covariance_of, extract
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
 from executive_plugins.estimation.inertial.state import (
     DIMENSION,
     Inertial,
-    InertialState,
     carry_covariance,
+    carry_cross,
     propagate,
-    propagate_through,
 )
+from executive_plugins.estimation.start.fix_groups import grouped, longest_straight_s
+from executive_plugins.estimation.start.found import ClockOffset, Found
+from executive_plugins.estimation.start.heading_hypotheses import Hypothesis, most_likely
 from executive_plugins.estimation.start.settings import WindowStartSettings
-from executive_plugins.estimation.start.window_solution import (
-    Solution,
-    heading_std,
-    levelled,
-    solved,
+from executive_plugins.estimation.start.window_problem import (
+    CLOCK,
+    Knowledge,
+    WindowProblem,
+    misfit,
 )
+from executive_plugins.estimation.start.window_solution import Solution, solved
 
 from executive.arrays import Float
-from executive.geometry.rotation import from_rpy, wrap_angle
 
 _NODES = 30  # at most, in a window
 _HEADINGS = 4  # first guesses; the basin of attraction is wider than a quarter of a turn
 _STEP_S = 0.05  # between two steps of an attempt
 _GROWTH = 1.25  # of the window, from one attempt to the next
 _FIRST_SPAN_S = 0.8
-_VELOCITY_STD_M_S = 30.0
-_ATTITUDE_STD_RAD = np.pi
-# Two solutions are two hypotheses if they differ by more than this; the worse one is refuted if
-# the data are e⁷ = 1,100 times less likely under it.
-_SAME_RAD = 0.3
-_REFUTED = 7.0
+# A window is solved again if the fixes scatter by more than was assumed, by this factor on their
+# variance: the 99 % bound of a median of 30.
+_RESCALED = 1.6
+
+_Nodes = list[tuple[float, list[Fix]]]
 
 
 class WindowStart:
@@ -60,18 +54,29 @@ class WindowStart:
     antennas, or from the difference of the accelerations by the fixes and by the samples.
 
     Attributes:
-        waits_for: Why there is no state yet; empty before the first attempt.
+        waits_for: Why there is no state with a heading yet; empty before the first attempt.
     """
 
-    def __init__(self, settings: WindowStartSettings, noise: InertialNoise) -> None:
-        self._settings, self._noise = settings, noise
+    def __init__(
+        self, settings: WindowStartSettings, noise: InertialNoise, clock_std_s: float = 0.0
+    ) -> None:
+        """Make an empty window.
+
+        Args:
+            settings: Its length, and when a heading is known.
+            noise: Noise of the inertial sensor.
+            clock_std_s: Standard deviation of the receiver's clock against the inertial sensor's
+                [s]; 0 if they agree.
+        """
+        self._settings, self._noise, self._clock_std_s = settings, noise, clock_std_s
         self._samples = SampleBuffer()
         self._fixes: deque[Fix] = deque()
         self._first_s: float | None = None  # of the samples
         self._next_span_s = _FIRST_SPAN_S
         self._tried_s = self._stepped_s = -np.inf
-        self._attempt: Generator[None, None, tuple[InertialState, Float] | None] | None = None
-        self._bias = np.zeros(3)  # of the gyroscope, by the newest attempt
+        self._attempt: Generator[None, None, Found | None] | None = None
+        # By the newest attempt, for the next: gyro bias, clock, and factor on the fixes' variance.
+        self._bias, self._late_s, self._fix_scale = np.zeros(3), 0.0, 1.0
         self._rest_bias, self._rest_std_rad_s = np.zeros(3), noise.gyro_bias_rad_s
         self.waits_for = ""
 
@@ -94,10 +99,11 @@ class WindowStart:
 
         Fixes of one antenna do not tell a turn about it from a bias.
         """
-        self._rest_bias, self._rest_std_rad_s = gyro_bias, std_rad_s
+        if std_rad_s < self._noise.gyro_bias_rad_s:
+            self._rest_bias, self._rest_std_rad_s = gyro_bias, std_rad_s
 
-    def state(self) -> tuple[InertialState, Float] | None:
-        """Return the state at the newest sample and its error's covariance (15, 15), if found.
+    def state(self) -> Found | None:
+        """Return the state at the newest sample, if an attempt has just found one.
 
         An attempt is made of steps, one in `_STEP_S` at most: no tick waits for a whole one.
         """
@@ -110,54 +116,9 @@ class WindowStart:
             next(self._attempt)
         except StopIteration as end:
             self._attempt = None
-            found: tuple[InertialState, Float] | None = end.value
-            return None if found is None else self._carried(*found)
+            found: Found | None = end.value
+            return None if found is None else self._carried(found)
         return None
-
-    def _steps(self) -> Generator[None, None, tuple[InertialState, Float] | None]:
-        """Solve from one heading after the other; return the newest node's state if it is sure."""
-        nodes = self._nodes()
-        if len(nodes) < 2:
-            self.waits_for = "fixes: fewer than two times so far"
-            return None
-        reckoned = self._reckoned(nodes)
-        graph = self._graph(nodes, reckoned)
-        solutions = []
-        for k in range(_HEADINGS):
-            yield
-            guess = self._guess(reckoned, nodes, 2 * np.pi * k / _HEADINGS)
-            solution = solved(graph, guess, len(nodes) - 1)
-            if solution is not None:
-                solutions.append(solution)
-        yield
-        return self._judged(sorted(solutions, key=lambda one: one.cost), nodes)
-
-    def _judged(
-        self, solutions: Sequence[Solution], nodes: Sequence[tuple[float, list[Fix]]]
-    ) -> tuple[InertialState, Float] | None:
-        """Return the best solution's newest state, unless another heading or none is likely."""
-        if not solutions:
-            self.waits_for = "fixes that fit the inertial samples"
-            return None
-        best = solutions[0]
-        rivals = [
-            other
-            for other in solutions[1:]
-            if other.cost - best.cost < _REFUTED
-            and abs(wrap_angle(other.heading_rad - best.heading_rad)) > _SAME_RAD
-        ]
-        state, covariance = self._newest(best, nodes)
-        self._bias = state.gyro_bias
-        heading_rad = heading_std(state, covariance)
-        if rivals or heading_rad > self._settings.max_heading_std_rad:
-            which = (
-                f"{len(rivals) + 1} headings explain all fixes"
-                if rivals
-                else f"its standard deviation is {heading_rad:.2f} rad"
-            )
-            self.waits_for = f"motion that tells the heading: {which}"
-            return None
-        return state, covariance
 
     def _is_due(self) -> bool:
         """Return whether the window has grown enough since the last attempt."""
@@ -174,118 +135,88 @@ class WindowStart:
         self._next_span_s = max(_GROWTH * span_s, _FIRST_SPAN_S)
         return True
 
-    def _nodes(self) -> list[tuple[float, list[Fix]]]:
-        """Return times of the window with their fixes, oldest first, evenly thinned."""
+    def _steps(self) -> Generator[None, None, Found | None]:
+        """Solve from one heading after the other; return what they say of the newest node."""
+        nodes = self._nodes()
+        if len(nodes) < 2:
+            self.waits_for = "fixes: fewer than two times so far"
+            return None
+        known = Knowledge(
+            self._rest_bias, self._rest_std_rad_s, self._bias, self._late_s, self._clock_std_s
+        )
+        problem = WindowProblem(nodes, self._samples, self._noise, known)
+        hypotheses = []
+        for k in range(_HEADINGS):
+            yield
+            guess = problem.guess(2 * np.pi * k / _HEADINGS)
+            solution = solved(problem.graph, guess)
+            if solution is not None:
+                hypotheses.append(self._hypothesis(solution, problem, nodes))
+        yield
+        return self._judged(hypotheses, nodes)
+
+    def _judged(self, hypotheses: list[Hypothesis], nodes: _Nodes) -> Found | None:
+        """Return the likeliest state, with all other headings that are likely in its covariance.
+
+        None if clock or accuracy of the receiver are so different from what was assumed that the
+        problem must be solved again.
+        """
+        if not hypotheses:
+            self.waits_for = "fixes that fit the inertial samples"
+            return None
+        found, headings, std_rad = most_likely(hypotheses, self._settings.max_heading_std_rad)
+        moved_s, self._late_s = abs(found.clock.offset_s - self._late_s), found.clock.offset_s
+        self._bias, self.waits_for = found.state.gyro_bias, ""
+        is_curved = self._clock_std_s > 0 and moved_s > longest_straight_s(nodes[-1][1][0])
+        is_noisier = found.fix_scale > _RESCALED * self._fix_scale
+        self._fix_scale = found.fix_scale
+        if is_curved or is_noisier:
+            self._tried_s, self._next_span_s = -np.inf, 0.0
+            self.waits_for = "the receiver's clock and accuracy"
+            return None
+        if not found.has_heading:
+            which = (
+                f"{headings} headings explain all fixes"
+                if headings > 1
+                else f"its standard deviation is {std_rad:.2f} rad"
+            )
+            self.waits_for = f"motion that tells the heading: {which}"
+        return found
+
+    def _nodes(self) -> _Nodes:
+        """Return times of the window with their fixes, oldest first, at most `_NODES`."""
         by_time: dict[float, list[Fix]] = {}
+        oldest_s = max(self._first_s or 0.0, self._samples.oldest_s)
         for fix in sorted(self._fixes, key=lambda fix: fix.stamp_s):
-            if fix.stamp_s <= self._samples.newest_s:
-                by_time.setdefault(fix.stamp_s, []).append(fix)
-        stamps = np.array(list(by_time))
-        if len(stamps) < 2:
-            return list(by_time.items())
-        wanted = np.linspace(stamps[0], stamps[-1], min(_NODES, len(stamps)))
-        chosen = np.unique(np.abs(stamps[None, :] - wanted[:, None]).argmin(axis=1))
-        return [(float(stamps[i]), by_time[float(stamps[i])]) for i in chosen]
+            at_s = fix.stamp_s - self._late_s
+            if oldest_s <= at_s <= self._samples.newest_s:
+                scaled = replace(fix, covariance=self._fix_scale * fix.covariance)
+                by_time.setdefault(at_s, []).append(scaled)
+        return grouped(by_time, _NODES)
 
-    def _graph(
-        self, nodes: Sequence[tuple[float, list[Fix]]], reckoned: Sequence[InertialState]
-    ) -> gtsam.NonlinearFactorGraph:
-        graph = gtsam.NonlinearFactorGraph()
-        for i, (state, (_, fixes)) in enumerate(zip(reckoned, nodes, strict=True)):
-            for fix in fixes:
-                graph.add(fix_factor(i, fix))
-            if i + 1 < len(nodes):
-                samples = self._samples.between(state.stamp_s, nodes[i + 1][0])
-                graph.add(inertial_factor((i, i + 1), state, samples, self._noise))
-        self._add_priors(graph)
-        return graph
-
-    def _add_priors(self, graph: gtsam.NonlinearFactorGraph) -> None:
-        """Constrain what the window may leave open: the biases, and weakly pose and velocity."""
-        x, v, b = keys(0)
-        noise = self._noise
-        wide = gtsam.noiseModel.Diagonal.Sigmas(np.repeat([_ATTITUDE_STD_RAD, 1e3], 3))
-        graph.add(gtsam.PriorFactorPose3(x, gtsam.Pose3(), wide))
-        speed = gtsam.noiseModel.Isotropic.Sigma(3, _VELOCITY_STD_M_S)
-        graph.add(gtsam.PriorFactorVector(v, np.zeros(3), speed))
-        known = gtsam.imuBias.ConstantBias(np.zeros(3), self._rest_bias)
-        std = np.repeat([noise.accel_bias_m_s2, self._rest_std_rad_s], 3)
-        graph.add(gtsam.PriorFactorConstantBias(b, known, gtsam.noiseModel.Diagonal.Sigmas(std)))
-
-    def _reckoned(self, nodes: Sequence[tuple[float, list[Fix]]]) -> list[InertialState]:
-        """Return dead-reckoned states at the nodes, level but of arbitrary heading."""
-        at_s = nodes[0][0]
-        state = InertialState(
-            self._samples.at(at_s), np.eye(3), np.zeros(3), np.zeros(3), self._bias, np.zeros(3)
-        )
-        turned, forces = [state], []
-        for end_s, _ in nodes[1:]:
-            samples = self._samples.between(turned[-1].stamp_s, end_s)
-            forces.append(turned[-1].R_map_imu @ np.mean([s.force for s in samples], axis=0))
-            turned.append(propagate_through(turned[-1], samples, 0.0))
-        # Over some seconds, the mean acceleration is small beside gravity.
-        level = levelled(np.mean(forces, axis=0))
-        return [
-            InertialState(
-                state.sample,
-                level @ state.R_map_imu,
-                np.zeros(3),
-                np.zeros(3),
-                self._bias,
-                np.zeros(3),
-            )
-            for state in turned
-        ]
-
-    def _guess(
-        self,
-        reckoned: Sequence[InertialState],
-        nodes: Sequence[tuple[float, list[Fix]]],
-        heading_rad: float,
-    ) -> gtsam.Values:
-        turn = from_rpy(0.0, 0.0, heading_rad)
-        stamps = np.array([at_s for at_s, _ in nodes])
-        attitudes = [turn @ state.R_map_imu for state in reckoned]
-        positions = np.array(
-            [
-                np.mean([fix.p_map_antenna - R @ fix.arm_imu for fix in fixes], axis=0)
-                for R, (_, fixes) in zip(attitudes, nodes, strict=True)
-            ]
-        )
-        velocities = np.gradient(positions, stamps, axis=0)
-        values = gtsam.Values()
-        for i, (state, R) in enumerate(zip(reckoned, attitudes, strict=True)):
-            insert(
-                values,
-                i,
-                InertialState(
-                    state.sample, R, positions[i], velocities[i], self._bias, np.zeros(3)
-                ),
-            )
-        return values
-
-    def _newest(
-        self, solution: Solution, nodes: Sequence[tuple[float, list[Fix]]]
-    ) -> tuple[InertialState, Float]:
-        """Return the newest node's state and covariance, widened if the fixes fit badly."""
+    def _hypothesis(self, solution: Solution, problem: WindowProblem, nodes: _Nodes) -> Hypothesis:
+        """Return the newest node's state and covariance."""
         last = len(nodes) - 1
         state = extract(solution.values, last, self._samples.at(nodes[-1][0]))
-        ordering = gtsam.Ordering()
-        for node in range(len(nodes)):
-            for key in keys(node):
-                ordering.push_back(key)
         # By QR: the squares of biases that hardly walk and of the other states span 16 decades.
-        A, _ = solution.graph.linearize(solution.values).jacobian(ordering)
-        root: Float = np.asarray(np.linalg.qr(A, mode="r"))[-DIMENSION:, -DIMENSION:]
-        fixes = 3 * sum(len(fixes) for _, fixes in nodes)
-        misfit = 2.0 * solution.cost / max(fixes - DIMENSION, 3)
-        return state, max(misfit, 1.0) * covariance_of(root, state.R_map_imu)
+        A, _ = solution.graph.linearize(solution.values).jacobian(problem.ordering())
+        n = DIMENSION + (self._clock_std_s > 0)
+        root = np.asarray(np.linalg.qr(A, mode="r"))[-n:, -n:]
+        P = covariance_of(root, state.R_map_imu)
+        clock = ClockOffset()
+        if n > DIMENSION:
+            late_s = self._late_s + float(solution.values.atVector(CLOCK)[0])
+            clock = ClockOffset(late_s, float(np.sqrt(P[-1, -1])), P[:DIMENSION, -1])
+        scale = max(1.0, self._fix_scale * misfit(problem.residuals2(solution.values), n))
+        return Hypothesis(solution.cost, state, P[:DIMENSION, :DIMENSION], clock, scale)
 
-    def _carried(self, state: InertialState, covariance: Float) -> tuple[InertialState, Float]:
+    def _carried(self, found: Found) -> Found:
         """Carry state and covariance on to the newest sample."""
+        state, covariance, cross = found.state, found.covariance, found.clock.cross[:, None]
         for sample in self._samples.between(state.stamp_s, self._samples.newest_s):
-            covariance = carry_covariance(
-                state, covariance, self._noise, sample.stamp_s - state.stamp_s
-            )
+            dt_s = sample.stamp_s - state.stamp_s
+            cross = carry_cross(state, cross, dt_s)
+            covariance = carry_covariance(state, covariance, self._noise, dt_s)
             state = propagate(state, sample, self._noise.gravity_m_s2)
-        return state, covariance
+        clock = ClockOffset(found.clock.offset_s, found.clock.std_s, cross[:, 0])
+        return replace(found, state=state, covariance=covariance, clock=clock)

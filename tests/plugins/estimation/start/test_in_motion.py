@@ -36,8 +36,11 @@ def car():
     return Rig.model_validate({"name": "car", "sensors": {"imu": imu, "gnss": {**gnss, **mounted}}})
 
 
-def drive(estimator, yaw, direction, seconds, gyro_bias=0.0):
-    """Rest for 5 s, then accelerate by 1 m/s² along a body axis; return the estimator's states."""
+def drive(estimator, yaw, direction, seconds, gyro_bias=0.0, late_s=0.0):
+    """Rest for 5 s, then accelerate by 1 m/s² along a body axis; return the estimator's states.
+
+    The stamps of the fixes are late by `late_s`.
+    """
     rng = np.random.default_rng(3)
     R, states = from_rpy(0, 0, yaw), []
     forward = R @ np.asarray(direction, dtype=float)
@@ -47,7 +50,7 @@ def drive(estimator, yaw, direction, seconds, gyro_bias=0.0):
         if k % 25 == 0:
             p = 0.5 * u * u * forward + rng.normal(0, 0.005, 3)
             estimator.add_gnss(
-                GnssFix(t, "gnss", geodetic_from_enu(p, DATUM), np.eye(3) * 1e-4, True)
+                GnssFix(t + late_s, "gnss", geodetic_from_enu(p, DATUM), np.eye(3) * 1e-4, True)
             )
         force = R.T @ (forward * (u > 0) + [0, 0, 9.81]) + rng.normal(0, 0.02, 3)
         estimator.add_imu(ImuSample(t, "imu", gyro_bias + rng.normal(0, 0.002, 3), force))
@@ -81,10 +84,28 @@ def test_a_gyroscope_with_a_large_bias_starts_all_the_same(car):
     assert abs(yaw_of(state.T_map_base[:3, :3]) - 0.4) < 0.05
 
 
-def test_at_rest_one_antenna_is_not_enough(car):
+def test_at_rest_one_antenna_gives_a_position_and_no_heading(car):
     estimator = GnssImuFilter(GnssImuSettings(imu="imu"), car)
     estimator.start()
-    assert not any(state.is_ready for state in drive(estimator, 0.4, (1, 0, 0), 5.0))
+    states = drive(estimator, 0.4, (1, 0, 0), 5.0)
+    assert not any(state.is_ready for state in states)
+    located = [state for state in states if state.is_located]
+    assert located[0].stamp_s < 2.5
+    assert {state.status for state in located} == {"ALIGNING"}
+    last = located[-1]
+    assert np.sqrt(last.covariance[2, 2]) > 1.5  # all headings
+    assert np.linalg.norm(last.T_map_base[:2, 3]) < 0.1
+    assert "heading" in estimator.account()[-1].reason
+
+
+def test_a_clock_that_is_late_is_found_and_its_fixes_are_not_taken_for_drift(car):
+    estimator = GnssImuFilter(GnssImuSettings(imu="imu", clock_std_s=0.1), car)
+    estimator.start()
+    state = drive(estimator, 0.4, (1, 0, 0), 14.0, late_s=0.1)[-1]
+    u = state.stamp_s - 5.0
+    along = from_rpy(0, 0, 0.4).T @ state.T_map_base[:3, 3]
+    assert abs(along[0] - 0.5 * u * u) < 0.1  # 0.9 m if the clock were believed
+    assert not any("outlier" in reason for reason in estimator.refused)
 
 
 def test_a_rig_without_a_turn_joint_is_one_body(car):

@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 from executive_plugins.estimation.filters.cloning_filter import CloningFilter
-from executive_plugins.estimation.filters.compiled_correction import corrected
-from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.inertial.measurement_models import (
     antenna_residual,
     rate_residual,
@@ -23,6 +21,8 @@ from executive_plugins.estimation.inertial.state import (
     retract,
     rotation_step,
 )
+from executive_plugins.estimation.kalman.compiled_correction import corrected
+from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 
 from executive.geometry.pose import pose
 from executive.geometry.rotation import from_rpy

@@ -5,8 +5,8 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from executive_plugins.estimation.filters.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.inertial.state import Inertial
+from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.live.packing import packed
 from executive_plugins.estimation.live.propagator import LivePropagator
 
@@ -45,7 +45,7 @@ class TrailingFilter:
         self._samples: deque[Inertial] = deque()  # newer than the filter
         self._corrections: list[Correction] = []
         self._anchored_s = self._begin_s
-        propagator.take(packed(kalman.state, kalman.covariance))
+        propagator.take(packed(kalman.state, kalman.reported_covariance()))
 
     def add(self, correction: Correction) -> bool:
         """Add a correction; return whether it is in time.
@@ -72,7 +72,7 @@ class TrailingFilter:
         if not is_corrected and sample.stamp_s - self._anchored_s < _COVARIANCE_PERIOD_S:
             return
         self._anchored_s = sample.stamp_s
-        estimate = packed(self.kalman.state, self.kalman.covariance)
+        estimate = packed(self.kalman.state, self.kalman.reported_covariance())
         if is_corrected:
             self._propagator.take(estimate)
         else:

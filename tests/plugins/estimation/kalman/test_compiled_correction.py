@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from executive_plugins.estimation.filters.compiled_correction import corrected
+from executive_plugins.estimation.kalman.compiled_correction import corrected
 
 
 def problem(n: int, m: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

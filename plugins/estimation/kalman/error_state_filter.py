@@ -1,0 +1,169 @@
+"""An error-state Kalman filter over a strapdown state."""
+
+import numpy as np
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import (
+    DIMENSION,
+    POSITION,
+    ROTATION,
+    VELOCITY,
+    Inertial,
+    InertialState,
+    carry_covariance,
+    carry_cross,
+    propagate,
+    retract,
+)
+from executive_plugins.estimation.kalman.compiled_correction import corrected
+from executive_plugins.estimation.start.found import ClockOffset
+
+from executive.arrays import Float
+
+_LONG_GAP_S = 0.1  # over a longer gap, the samples do not describe the motion
+_GAP_ACCELERATION_M_S2 = 1.0  # possible motion of the machine during such a gap
+_GAP_RATE_RAD_S = 0.8
+_CLOCK_WALK_S = 1e-4  # of the receiver's clock, in one second: quartzes differ by 100 ppm
+_NO_CLOCK = ClockOffset()
+
+
+class ErrorStateFilter:
+    """A state and the covariance of its error (Solà 2017, Sec. 5–6; error on the right).
+
+    It is predicted by inertial samples and corrected by linearised residuals. Beside the state it
+    may estimate companions: quantities that inertial samples do not change. The first is the offset
+    of the receiver's clock, unless that is known; subclasses add others.
+
+    Attributes:
+        state: The state.
+        covariance: Of its error, shape (15, 15).
+        clock_s: Stamps of the fixes minus times of measurement [s].
+    """
+
+    def __init__(
+        self,
+        state: InertialState,
+        covariance: Float,
+        noise: InertialNoise,
+        clock: ClockOffset = _NO_CLOCK,
+    ) -> None:
+        self.state = state
+        self.covariance = covariance
+        self.clock_s = clock.offset_s
+        self._noise = noise
+        self._clocks = int(clock.std_s > 0)  # number of companions that are clocks
+        # Covariances of the state's error with the companions', (15, k), and of these, (k, k).
+        self._cross = clock.cross[:, None][:, : self._clocks].copy()
+        self._own = np.full((self._clocks, self._clocks), clock.std_s**2)
+
+    @property
+    def clock_std_s(self) -> float:
+        """Standard deviation of the clock's offset [s]; 0 if it is known."""
+        return float(np.sqrt(self._own[0, 0])) if self._clocks else 0.0
+
+    def predict(self, sample: Inertial) -> None:
+        """Propagate to a later sample; a gap in the samples inflates the covariance."""
+        dt_s = sample.stamp_s - self.state.stamp_s
+        if dt_s <= 0:
+            return
+        if self._own.size:
+            self._cross = carry_cross(self.state, self._cross, dt_s)
+        if self._clocks:
+            self._own[0, 0] += dt_s * _CLOCK_WALK_S**2
+        self.covariance = self.covariance_after(dt_s)
+        if sample.since_last_s > _LONG_GAP_S:
+            # Only a share of the gap's variance: the gap may be integrated in several parts.
+            share_s = float(np.sqrt(sample.since_last_s * dt_s))
+            self.inflate(0.0, _GAP_ACCELERATION_M_S2 * share_s, _GAP_RATE_RAD_S * share_s)
+        self.state = propagate(self.state, sample, self._noise.gravity_m_s2)
+
+    def acceleration(self) -> Float:
+        """Return the acceleration at the newest sample, map axes [m/s²], shape (3,)."""
+        force = self.state.sample.force - self.state.accel_bias
+        return self.state.R_map_imu @ force - [0.0, 0.0, self._noise.gravity_m_s2]
+
+    def reported_covariance(self) -> Float:
+        """Return the covariance that is reported with the state, shape (15, 15)."""
+        return self.covariance
+
+    def covariance_after(self, dt_s: float) -> Float:
+        """Return the covariance after a step at the present rate and force, shape (15, 15)."""
+        return carry_covariance(self.state, self.covariance, self._noise, dt_s)
+
+    def predicted(self, H: Float, by_clock: Float | None = None) -> Float:
+        """Return the covariance of a prediction, shape (m, m); see `correct`."""
+        joint = self._joint(H, by_clock)
+        return joint @ self._joint_covariance() @ joint.T
+
+    def correct(
+        self,
+        residual: Float,
+        H: Float,
+        noise: Float,
+        gate: float,
+        by_clock: Float | None = None,
+    ) -> bool:
+        """Correct by measured − predicted = H · error + noise.
+
+        Args:
+            residual: Shape (m,).
+            H: Shape (m, 15).
+            noise: Covariance of the measurement, shape (m, m).
+            gate: Largest squared Mahalanobis distance that is accepted.
+            by_clock: Derivative by the error of the clock, shape (m,); None if that has no part.
+
+        Returns:
+            Whether the measurement was within the gate and was used.
+        """
+        return self._correct_jointly(residual, self._joint(H, by_clock), noise, gate)
+
+    def _joint(self, H: Float, by_clock: Float | None) -> Float:
+        """Return the derivative by the errors of state and companions, shape (m, 15 + k)."""
+        if not self._own.size:
+            return H
+        joint = np.zeros((len(H), DIMENSION + len(self._own)))
+        joint[:, :DIMENSION] = H
+        if self._clocks and by_clock is not None:
+            joint[:, DIMENSION] = by_clock
+        return joint
+
+    def _joint_covariance(self) -> Float:
+        """Return the covariance of the errors of state and companions, (15 + k, 15 + k)."""
+        if not self._own.size:
+            return self.covariance
+        joint = np.empty((DIMENSION + len(self._own), DIMENSION + len(self._own)))
+        joint[:DIMENSION, :DIMENSION] = self.covariance
+        joint[:DIMENSION, DIMENSION:], joint[DIMENSION:, :DIMENSION] = self._cross, self._cross.T
+        joint[DIMENSION:, DIMENSION:] = self._own
+        return joint
+
+    def _correct_jointly(self, residual: Float, H: Float, noise: Float, gate: float) -> bool:
+        """Correct the state and its companions, whose error has 15 + k dimensions."""
+        answer = corrected(self._joint_covariance(), H, residual, noise, gate)
+        if answer is None:
+            return False
+        P, error = answer
+        self._take(P, error)
+        return True
+
+    def _take(self, P: Float, error: Float) -> None:
+        """Apply a correction with the covariance after it, of 15 + k dimensions."""
+        if self._own.size:
+            self._cross, self._own = P[:DIMENSION, DIMENSION:], P[DIMENSION:, DIMENSION:]
+            self._move_companions(error[DIMENSION:])
+            P = P[:DIMENSION, :DIMENSION]
+        self.covariance = P
+        self.state = retract(self.state, error[:DIMENSION])
+
+    def _move_companions(self, error: Float) -> None:
+        """Apply a correction to the companions, shape (k,)."""
+        if self._clocks:
+            self.clock_s += float(error[0])
+
+    def inflate(self, position_m: float, velocity_m_s: float, rotation_rad: float) -> None:
+        """Add variance to the state: standard deviations of position, velocity and rotation."""
+        for block, std in (
+            (POSITION, position_m),
+            (VELOCITY, velocity_m_s),
+            (ROTATION, rotation_rad),
+        ):
+            self.covariance[block, block] += std**2 * np.eye(3)

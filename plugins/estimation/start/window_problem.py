@@ -1,0 +1,169 @@
+"""The newest seconds of a body that moves, as one least-squares problem."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import gtsam
+import numpy as np
+from executive_plugins.estimation.factors import (
+    fix_factor,
+    inertial_factor,
+    insert,
+    keys,
+    shifted_fix_factor,
+)
+from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
+from executive_plugins.estimation.inertial.state import InertialState, propagate_through
+from executive_plugins.estimation.start.window_solution import levelled
+from scipy.stats import chi2
+
+from executive.arrays import Float
+from executive.geometry.rotation import from_rpy
+
+CLOCK = gtsam.symbol("d", 0)  # key of the error of the receiver's clock, as far as it is unknown
+# The tilt by the mean force of a window errs by the mean acceleration over gravity.
+_TILT_STD_RAD = 0.3
+_HEADING_STD_RAD = 10.0  # no information (Nubert 2025)
+_VELOCITY_STD_M_S = 30.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Knowledge:
+    """What is known before a window is solved.
+
+    Attributes:
+        gyro_bias: Bias of the gyroscope [rad/s], shape (3,).
+        gyro_bias_std_rad_s: Its standard deviation [rad/s].
+        guessed_bias: First guess of the bias [rad/s], shape (3,).
+        late_s: Stamps of the fixes minus times of measurement, by which the nodes were corrected.
+        clock_std_s: Standard deviation of what was not corrected [s]; 0 if the clocks agree.
+    """
+
+    gyro_bias: Float
+    gyro_bias_std_rad_s: float
+    guessed_bias: Float
+    late_s: float
+    clock_std_s: float
+
+
+Nodes = Sequence[tuple[float, Sequence[Fix]]]  # times [s], each with its fixes; oldest first
+
+
+class WindowProblem:
+    """Nodes at fixes, inertial factors between them, and first guesses for any heading."""
+
+    def __init__(
+        self, nodes: Nodes, samples: SampleBuffer, noise: InertialNoise, known: Knowledge
+    ) -> None:
+        self._nodes, self._samples, self._noise, self._known = nodes, samples, noise, known
+        self._reckoned = self._dead_reckoned()
+        self.graph = gtsam.NonlinearFactorGraph()
+        for i, (state, (_, fixes)) in enumerate(zip(self._reckoned, nodes, strict=True)):
+            for fix in fixes:
+                self.graph.add(self._fix_factor(i, fix, state))
+            if i + 1 < len(nodes):
+                between = samples.between(state.stamp_s, nodes[i + 1][0])
+                self.graph.add(inertial_factor((i, i + 1), state, between, noise))
+        self._add_priors()
+
+    def _fix_factor(self, i: int, fix: Fix, state: InertialState) -> gtsam.NonlinearFactor:
+        if self._known.clock_std_s > 0:
+            return shifted_fix_factor(i, CLOCK, fix, state.rate)
+        return fix_factor(i, fix)
+
+    def _add_priors(self) -> None:
+        """Constrain what the window may leave open: the biases, and weakly pose and velocity."""
+        x, v, b = keys(0)
+        known, diagonal = self._known, gtsam.noiseModel.Diagonal.Sigmas
+        R = self._reckoned[0].R_map_imu
+        P = np.eye(6) * 1e6
+        tilt, heading = _TILT_STD_RAD**2, _HEADING_STD_RAD**2
+        P[:3, :3] = R.T @ np.diag([tilt, tilt, heading]) @ R
+        wide = gtsam.noiseModel.Gaussian.Covariance(P)
+        level = gtsam.Pose3(gtsam.Rot3(R), np.zeros(3))
+        # A prior of each first guess' own heading would favour none; this one costs π²/200 at most.
+        self.graph.add(gtsam.PriorFactorPose3(x, level, wide))
+        speed = gtsam.noiseModel.Isotropic.Sigma(3, _VELOCITY_STD_M_S)
+        self.graph.add(gtsam.PriorFactorVector(v, np.zeros(3), speed))
+        bias = gtsam.imuBias.ConstantBias(np.zeros(3), known.gyro_bias)
+        std = np.repeat([self._noise.accel_bias_m_s2, known.gyro_bias_std_rad_s], 3)
+        self.graph.add(gtsam.PriorFactorConstantBias(b, bias, diagonal(std)))
+        if known.clock_std_s > 0:
+            late = gtsam.noiseModel.Isotropic.Sigma(1, known.clock_std_s)
+            self.graph.add(gtsam.PriorFactorVector(CLOCK, np.array([-known.late_s]), late))
+
+    def _dead_reckoned(self) -> list[InertialState]:
+        """Return dead-reckoned states at the nodes, level but of arbitrary heading."""
+        at_s, bias, zero = self._nodes[0][0], self._known.guessed_bias, np.zeros(3)
+        state = InertialState(self._samples.at(at_s), np.eye(3), zero, zero, bias, zero)
+        turned, forces = [state], []
+        for end_s, _ in self._nodes[1:]:
+            samples = self._samples.between(turned[-1].stamp_s, end_s)
+            forces.append(turned[-1].R_map_imu @ np.mean([s.force for s in samples], axis=0))
+            turned.append(propagate_through(turned[-1], samples, 0.0))
+        # Over some seconds, the mean acceleration is small beside gravity.
+        level = levelled(np.mean(forces, axis=0))
+        return [
+            replace(state, R_map_imu=level @ state.R_map_imu, p_map_imu=zero, v_map_imu=zero)
+            for state in turned
+        ]
+
+    def guess(self, heading_rad: float) -> gtsam.Values:
+        """Return first values: the dead-reckoned attitudes turned by a heading, at the fixes."""
+        turn = from_rpy(0.0, 0.0, heading_rad)
+        stamps = np.array([at_s for at_s, _ in self._nodes])
+        attitudes = [turn @ state.R_map_imu for state in self._reckoned]
+        positions = np.array(
+            [
+                np.mean([fix.p_map_antenna - R @ fix.arm_imu for fix in fixes], axis=0)
+                for R, (_, fixes) in zip(attitudes, self._nodes, strict=True)
+            ]
+        )
+        velocities = np.gradient(positions, stamps, axis=0)
+        values = gtsam.Values()
+        for i, (state, R) in enumerate(zip(self._reckoned, attitudes, strict=True)):
+            p, v = positions[i], velocities[i]
+            insert(values, i, replace(state, R_map_imu=R, p_map_imu=p, v_map_imu=v))
+        if self._known.clock_std_s > 0:
+            values.insert(CLOCK, np.zeros(1))
+        return values
+
+    def residuals2(self, values: gtsam.Values) -> Float:
+        """Return the squared Mahalanobis distance of each fix from a solution, shape (F,)."""
+        late_s = float(values.atVector(CLOCK)[0]) if self._known.clock_std_s > 0 else 0.0
+        squares = []
+        for i, (state, (_, fixes)) in enumerate(zip(self._reckoned, self._nodes, strict=True)):
+            x, v, _b = keys(i)
+            T, velocity = values.atPose3(x), values.atVector(v)
+            R = T.rotation().matrix()
+            for fix in fixes:
+                speed = velocity + R @ np.cross(state.rate, fix.arm_imu)
+                at = T.translation() + R @ fix.arm_imu - late_s * speed
+                error = fix.p_map_antenna - at
+                squares.append(float(error @ np.linalg.solve(fix.covariance, error)))
+        return np.array(squares)
+
+    def ordering(self) -> gtsam.Ordering:
+        """Return all keys, the newest node's and the clock's last."""
+        ordering = gtsam.Ordering()
+        for node in range(len(self._nodes)):
+            for key in keys(node):
+                ordering.push_back(key)
+        if self._known.clock_std_s > 0:
+            ordering.push_back(CLOCK)
+        return ordering
+
+
+def misfit(squares: Float, unknowns: int) -> float:
+    """Return the factor on the variance of fixes that explains their residuals.
+
+    Args:
+        squares: Squared Mahalanobis distances of fixes from a solution, shape (F,).
+        unknowns: How many unknowns the fixes have determined.
+    """
+    free = 3 * len(squares) - unknowns
+    if free < unknowns:  # too few to tell
+        return 1.0
+    return float(np.median(squares) / chi2.median(3)) * 3 * len(squares) / free
