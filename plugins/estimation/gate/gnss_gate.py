@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.estimation.gate.drift_record import DriftRecord
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.gate.settings import GnssGateSettings
 
@@ -65,6 +66,7 @@ class GnssGate:
     def __init__(self, settings: GnssGateSettings) -> None:
         self._settings = settings
         self._window: deque[Compared] = deque()
+        self._record = DriftRecord(settings.window_s)
         self._run: list[Compared] = []
         self._refused_since_s: float | None = None
 
@@ -82,9 +84,12 @@ class GnssGate:
         self._window.append(compared)
         while self._window[0].fix.stamp_s < compared.fix.stamp_s - self._settings.window_s:
             self._window.popleft()
-        drift_m = _drift(
-            tuple(self._window), self._settings.window_drift_m, 0.5 * self._settings.window_s
-        )
+        window = tuple(self._window)
+        way_m, least_s = _way(window), 0.5 * self._settings.window_s
+        usual_m = max(self._settings.window_drift_m, self._record.share * way_m)
+        drift_m = _drift(window, usual_m, least_s)
+        if _spans(window, least_s):
+            self._record.add(compared.fix.stamp_s, _moved(window), way_m)
         return f"drifted by {drift_m:.2f} m against the odometry" if drift_m else ""
 
     def begin_recovery(self) -> None:
@@ -156,19 +161,37 @@ class GnssGate:
         return _norm(compared.moved_since(last)) < self._settings.jump_m + compared.slack_m
 
 
-def _drift(compared: Sequence[Compared], limit_m: float, least_s: float) -> float:
-    """Return how far fixes and odometry drifted apart between the first and last third [m].
+def _way(compared: Sequence[Compared]) -> float:
+    """Return the distance travelled by odometry [m], from the antenna of the newest fix."""
+    antenna = compared[-1].fix.antenna
+    positions = [c.p_odometry_antenna for c in compared if c.fix.antenna == antenna]
+    return float(np.linalg.norm(np.diff(positions, axis=0), axis=-1).sum())
 
-    It is 0 if the drift is within the limit and the noise.
-    """
-    if len(compared) < _FEWEST or compared[-1].fix.stamp_s - compared[0].fix.stamp_s < least_s:
-        return 0.0
-    third = len(compared) // 3
-    newest = compared[-1]
+
+def _spans(compared: Sequence[Compared], least_s: float) -> bool:
+    """Return whether there are enough fixes, over enough time, to detect a drift."""
+    over_s = compared[-1].fix.stamp_s - compared[0].fix.stamp_s if compared else 0.0
+    return len(compared) >= _FEWEST and over_s >= least_s
+
+
+def _moved(compared: Sequence[Compared]) -> float:
+    """Return how far fixes and odometry moved apart between the first and last third [m]."""
+    third, newest = len(compared) // 3, compared[-1]
     by_odometry = np.array([c.p_odometry_antenna for c in compared]) @ newest.R_map_odometry.T
     offsets = np.array([c.fix.p_map_antenna for c in compared]) - by_odometry
-    noise_m = _SIGMAS * float(np.sqrt(2 * np.trace(newest.fix.covariance) / third))
-    moved_m = _norm(offsets[-third:].mean(axis=0) - offsets[:third].mean(axis=0))
+    return _norm(offsets[-third:].mean(axis=0) - offsets[:third].mean(axis=0))
+
+
+def _drift(compared: Sequence[Compared], limit_m: float, least_s: float) -> float:
+    """Return how far fixes and odometry drifted apart over a window [m].
+
+    It is 0 if the drift is within the limit and the noise, or if there are too few fixes.
+    """
+    if not _spans(compared, least_s):
+        return 0.0
+    fix, third = compared[-1].fix, len(compared) // 3
+    noise_m = _SIGMAS * float(np.sqrt(2 * np.trace(fix.covariance) / third))
+    moved_m = _moved(compared)
     return moved_m if moved_m > limit_m + noise_m else 0.0
 
 

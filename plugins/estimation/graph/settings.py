@@ -30,6 +30,12 @@ class SmootherSettings(Settings):
     gate: GnssGateSettings = Field(
         default_factory=GnssGateSettings, description="Which fixes are used."
     )
+    increment_gate: float = Field(
+        32.0,
+        gt=0,
+        description="Largest squared Mahalanobis distance of an increment of odometry from the "
+        "inertial samples (χ², 6: 1 in 60,000).",
+    )
     fallback: Literal["relative", "pseudo_global"] = Field(
         "relative",
         description="Source of the estimate without satellites: 'relative' is the main graph with "

@@ -43,19 +43,23 @@ def test_a_jump_is_refused_by_its_innovation(gate, rng) -> None:
     assert reason.endswith("m off the estimate")
 
 
-def test_a_ramp_that_the_estimate_follows_is_detected_by_the_odometry(rng) -> None:
-    def first_refused_s(has_odometry: bool) -> float:
-        gate = GnssGate(GnssGateSettings())
-        for k in range(200):
-            ramp = np.array([0.1 * k / 20, 0, 0])
-            if gate.refusal(
-                compare(k / 20, ramp, rng, estimate_error=ramp, has_odometry=has_odometry)
-            ):
-                return k / 20
-        return np.inf
+def first_refused_s(rng, drift_m_s, clean_s, has_odometry=True) -> float:
+    """Return when fixes are refused that drift after clean seconds; counted from their drift."""
+    gate = GnssGate(GnssGateSettings())
+    for k in range(round(20 * clean_s) + 200):
+        ramp = np.array([drift_m_s * max(k / 20 - clean_s, 0.0), 0, 0])
+        if gate.refusal(compare(k / 20, ramp, rng, estimate_error=ramp, has_odometry=has_odometry)):
+            return k / 20 - clean_s
+    return np.inf
 
-    assert 1.0 < first_refused_s(True) < 2.5
-    assert first_refused_s(False) == np.inf
+
+def test_a_ramp_that_the_estimate_follows_is_detected_by_the_odometry(rng) -> None:
+    assert 1.0 < first_refused_s(rng, 0.1, 12.0) < 2.5
+    assert first_refused_s(rng, 0.1, 12.0, has_odometry=False) == np.inf
+
+
+def test_odometry_that_has_always_drifted_refutes_no_fix(rng) -> None:
+    assert first_refused_s(rng, 0.03, 0.0) == np.inf  # 4 % of the way from the first metre on
 
 
 def recovered_s(gate, rng, error, until_s=100.0, lost_s=0.0):

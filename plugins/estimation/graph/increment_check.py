@@ -1,0 +1,66 @@
+"""Increments of odometry against the inertial prediction: which are used, and how far."""
+
+from dataclasses import replace
+
+import numpy as np
+from executive_plugins.estimation.gate.innovation_scale import InnovationScale
+from executive_plugins.estimation.gate.measurements import Increment
+from executive_plugins.estimation.graph.window import GraphWindow
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import GYRO_BIAS, VELOCITY, InertialState
+
+from executive.arrays import Float
+from executive.geometry.pose import inverse, pose
+from executive.geometry.rotation import log_so3
+
+
+class IncrementCheck:
+    """Refuses increments that the inertial samples contradict, and scales the others' covariance.
+
+    Odometry that has lost its scene stands still or jumps, and says nothing of it. The inertial
+    sensor is the witness: over an increment, it errs by the velocity's error only, which good fixes
+    keep small, and which grows without them. Odometry that drifts disagrees a little each time;
+    there, the factor by which it does so is applied to its covariance.
+    """
+
+    def __init__(self, noise: InertialNoise, gate: float) -> None:
+        """Make one without a record.
+
+        Args:
+            noise: Noise of the inertial sensor.
+            gate: Largest squared Mahalanobis distance of an increment.
+        """
+        self._noise, self._gate = noise, gate
+        self._scale = InnovationScale(6)
+
+    def admitted(self, increment: Increment, window: GraphWindow) -> Increment | None:
+        """Return an increment with a covariance that its record explains; None to refuse it."""
+        first, last = window.state_at(increment.from_s), window.state_at(increment.stamp_s)
+        T_first = pose(first.R_map_imu, first.p_map_imu)
+        T = inverse(T_first) @ pose(last.R_map_imu, last.p_map_imu)
+        turn = log_so3(T[:3, :3].T @ increment.T_from_to[:3, :3])
+        shift = T[:3, :3].T @ (increment.T_from_to[:3, 3] - T[:3, 3])
+        innovation = np.concatenate([turn, shift])
+        predicted = self._predicted(window.covariance, last, increment.stamp_s - increment.from_s)
+        self._scale.add(innovation, predicted, increment.covariance)
+        covariance = self._scale.factor() * increment.covariance
+        S = predicted + covariance
+        if not innovation @ np.linalg.solve(S, innovation) <= self._gate:
+            return None
+        return replace(increment, covariance=covariance)
+
+    def _predicted(self, P: Float, last: InertialState, over_s: float) -> Float:
+        """Return the covariance of the inertial motion over a time, in the later axes, (6, 6).
+
+        Args:
+            P: Covariance of the newest state's error, shape (15, 15).
+            last: The state at the end.
+            over_s: The time [s].
+        """
+        noise, R = self._noise, last.R_map_imu
+        predicted = np.zeros((6, 6))
+        predicted[:3, :3] = over_s**2 * P[GYRO_BIAS, GYRO_BIAS]
+        predicted[:3, :3] += over_s * noise.gyro_density**2 * np.eye(3)
+        predicted[3:, 3:] = over_s**2 * R.T @ P[VELOCITY, VELOCITY] @ R
+        predicted[3:, 3:] += over_s**3 / 3 * noise.accel_density**2 * np.eye(3)
+        return predicted
