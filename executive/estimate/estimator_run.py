@@ -89,8 +89,10 @@ def estimate(material: Material, name: str, options: EstimateOptions) -> Estimat
     if not replay.states:
         raise DataError(_no_state(material, name, estimator, replay))
     track, datum = Track.of(replay.states), map_origin(estimator, material)
-    errors = fix_errors(track, replay.fixes, material.rig, datum, material.drops)
-    return Estimated(_report(material, name, replay, track, errors), replay, track, errors)
+    # Without a heading a correction turns the whole path; figures are of the states with one.
+    ready = Track.of([state for state in replay.states if state.is_ready] or replay.states)
+    errors = fix_errors(ready, replay.fixes, material.rig, datum, material.drops)
+    return Estimated(_report(material, name, replay, ready, errors), replay, track, errors)
 
 
 def _no_state(material: Material, name: str, estimator: Estimator, replay: Replay) -> str:

@@ -94,7 +94,8 @@ def test_a_slow_ramp_is_reported_and_its_fixes_are_removed(
     )
     states = run(estimator, with_lidar(cabin, observations, std_m=0.002, std_rad=0.0002))
     assert "against the odometry" in " ".join(reasons(estimator, Mode.SUSPECT))
-    assert errors_m(cabin, states).max() < 0.3
+    # Seen once it exceeds the drift that odometry is allowed: 3 % of the way, and 0.1 m.
+    assert errors_m(cabin, states).max() < 0.4
     assert states[-1].status in ("FALLBACK", "RECOVERING")
 
 
