@@ -1,5 +1,6 @@
 """Optional dependencies: the extras of a package, and what of an extra is not installed."""
 
+from functools import cache
 from importlib import metadata
 
 from packaging.requirements import Requirement
@@ -19,6 +20,7 @@ class MissingExtraError(ConfigError):
         )
 
 
+@cache
 def missing_packages(extra: str, distribution: str = "executive") -> tuple[str, ...]:
     """Return the packages of an extra that are not installed, sorted by name.
 
@@ -52,7 +54,7 @@ def require_extra(who: str, extra: str, distribution: str = "executive") -> None
 
 def _is_installed(name: str) -> bool:
     try:
-        metadata.version(name)
+        metadata.distribution(name)
     except metadata.PackageNotFoundError:
         return False
     return True

@@ -8,7 +8,7 @@ import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import Distribution, EntryPoint, EntryPoints, entry_points
 from typing import Any
 
 from executive.config import Settings
@@ -76,8 +76,15 @@ class Installed:
 
 
 @cache
+def _every_entry_point() -> EntryPoints:
+    """Read what all installed packages announce: this opens a file of each of them."""
+    return entry_points()
+
+
+@cache
 def _entry_points(capability: str) -> Mapping[str, EntryPoint]:
-    return {point.name: point for point in entry_points(group=f"executive.{capability}.v1")}
+    found = _every_entry_point().select(group=f"executive.{capability}.v1")
+    return {point.name: point for point in found}
 
 
 def capabilities() -> tuple[str, ...]:
@@ -114,8 +121,8 @@ def is_plural(capability: str) -> bool:
 
 def reread() -> None:
     """Forget what was found: packages that were installed since then are seen from now on."""
-    _entry_points.cache_clear()
-    installed.cache_clear()
+    for found in (_every_entry_point, _entry_points, _name, installed, missing_packages):
+        found.cache_clear()
 
 
 @cache
@@ -127,6 +134,11 @@ def installed(capability: str) -> tuple[Installed, ...]:
         )
         for name, point in sorted(_entry_points(capability).items())
     )
+
+
+def names(capability: str) -> tuple[str, ...]:
+    """List the names of a capability's plugins, without looking at the packages that bring them."""
+    return tuple(sorted(_entry_points(capability)))
 
 
 def require_extras(capability: str, name: str) -> None:
@@ -161,7 +173,12 @@ def _target(point: EntryPoint) -> str:
 
 
 def _distribution(point: EntryPoint) -> str:
-    return point.dist.name if point.dist else "?"
+    return _name(point.dist) if point.dist else "?"
+
+
+@cache
+def _name(distribution: Distribution) -> str:
+    return distribution.name  # each time it is asked for, the package's metadata are parsed
 
 
 def load(capability: str, name: str) -> type[Any]:

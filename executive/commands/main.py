@@ -1,6 +1,7 @@
 """The command line: a verb is a function with typer's annotations, one file a verb.
 
-A verb imports whatever is heavy within its function, so that `--help` answers at once.
+A verb is imported when it is asked for, and whatever is heavy within its function, so that each
+answers at once, and `--help` too.
 
 Exit status: 0 done; 1 the mission failed or was stopped; 2 the input is wrong; 3 the robot or a
 plugin failed and was brought to a safe stop. People's text goes to standard error, `--json` answers
@@ -10,62 +11,66 @@ to standard output.
 import contextlib
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Mapping
 from importlib import metadata
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import typer
-from typer.core import TyperGroup
 
-from executive.commands.campaigns.campaign import campaign
-from executive.commands.campaigns.compare import compare
-from executive.commands.campaigns.report import report
-from executive.commands.clouds.align import align
-from executive.commands.clouds.register import register
-from executive.commands.clouds.segment import segment
-from executive.commands.clouds.survey import survey
 from executive.commands.console import say
-from executive.commands.grasps.grasp import grasp
-from executive.commands.logs.compare_estimators import compare_estimators
-from executive.commands.logs.estimate import estimate
-from executive.commands.missions.check import check
-from executive.commands.missions.coverage import coverage
-from executive.commands.missions.ctl import ctl
-from executive.commands.missions.import_ import import_mission
-from executive.commands.missions.journal import journal
-from executive.commands.missions.replay import replay
-from executive.commands.missions.resume import resume
-from executive.commands.missions.run import run
-from executive.commands.missions.schema import schema
-from executive.commands.missions.show import show
-from executive.commands.missions.simulate import simulate
-from executive.commands.missions.words import words
-from executive.commands.plugins.doctor import doctor
-from executive.commands.plugins.list import list_plugins
-from executive.commands.plugins.new import new_plugin
-from executive.commands.plugins.show import show_plugin
-from executive.commands.plugins.test import hold_plugin
-from executive.commands.stones.objects import objects
+from executive.commands.verbs import Verbs, command_of
 from executive.errors import ExecutiveError, RobotError
-from executive.registry import VERBS, installed, load_verb
+from executive.registry import VERBS, load_verb, names
 
 
-class _Verbs(TyperGroup):
-    """The verbs of this package, and those of installed plugins: each is imported when it is asked
-    for.
-    """
+class _Verbs(Verbs):
+    """The verbs of this package, and those of installed plugins."""
+
+    functions: ClassVar[Mapping[str, str]] = {
+        "run": "missions.run:run",
+        "resume": "missions.resume:resume",
+        "ctl": "missions.ctl:ctl",
+        "replay": "missions.replay:replay",
+        "journal": "missions.journal:journal",
+        "check": "missions.check:check",
+        "coverage": "missions.coverage:coverage",
+        "show": "missions.show:show",
+        "simulate": "missions.simulate:simulate",
+        "import": "missions.import_:import_mission",
+        "schema": "missions.schema:schema",
+        "words": "missions.words:words",
+        "campaign": "campaigns.campaign:campaign",
+        "report": "campaigns.report:report",
+        "compare": "campaigns.compare:compare",
+        "segment": "clouds.segment:segment",
+        "register": "clouds.register:register",
+        "align": "clouds.align:align",
+        "survey": "clouds.survey:survey",
+        "grasp": "grasps.grasp:grasp",
+        "objects": "stones.objects:objects",
+        "estimate": "logs.estimate:estimate",
+        "compare-estimators": "logs.compare_estimators:compare_estimators",
+    }
 
     def list_commands(self, ctx: Any) -> list[str]:
-        return [*super().list_commands(ctx), *(verb.name for verb in installed(VERBS))]
+        return [*super().list_commands(ctx), *names(VERBS)]
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        if cmd_name not in {verb.name for verb in installed(VERBS)}:
+        if cmd_name in self.functions or cmd_name not in names(VERBS):
             return super().get_command(ctx, cmd_name)
-        alone = typer.Typer(
-            add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False
-        )
-        alone.command(cmd_name)(load_verb(cmd_name))
-        return typer.main.get_command(alone)
+        return command_of(cmd_name, load_verb(cmd_name))
+
+
+class _PluginVerbs(Verbs):
+    """The verbs of `executive plugins`."""
+
+    functions: ClassVar[Mapping[str, str]] = {
+        "list": "plugins.list:list_plugins",
+        "show": "plugins.show:show_plugin",
+        "doctor": "plugins.doctor:doctor",
+        "test": "plugins.test:hold_plugin",
+        "new": "plugins.new:new_plugin",
+    }
 
 
 app = typer.Typer(
@@ -76,45 +81,12 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 plugins_app = typer.Typer(
-    help="What is installed, by capability.", no_args_is_help=True, rich_markup_mode=None
+    cls=_PluginVerbs,
+    help="What is installed, by capability.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
 )
 app.add_typer(plugins_app, name="plugins")
-_VERBS: dict[str, Callable[..., None]] = {
-    "run": run,
-    "resume": resume,
-    "ctl": ctl,
-    "replay": replay,
-    "journal": journal,
-    "check": check,
-    "coverage": coverage,
-    "show": show,
-    "simulate": simulate,
-    "import": import_mission,
-    "schema": schema,
-    "words": words,
-    "campaign": campaign,
-    "report": report,
-    "compare": compare,
-    "segment": segment,
-    "register": register,
-    "align": align,
-    "survey": survey,
-    "grasp": grasp,
-    "objects": objects,
-    "estimate": estimate,
-    "compare-estimators": compare_estimators,
-}
-_PLUGIN_VERBS: dict[str, Callable[..., None]] = {
-    "list": list_plugins,
-    "show": show_plugin,
-    "doctor": doctor,
-    "test": hold_plugin,
-    "new": new_plugin,
-}
-for name, verb in _VERBS.items():
-    app.command(name)(verb)
-for name, verb in _PLUGIN_VERBS.items():
-    plugins_app.command(name)(verb)
 
 
 def _print_version(wanted: bool) -> None:

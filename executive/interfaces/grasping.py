@@ -18,7 +18,7 @@ class GraspPlanner(Plugin, ABC):
 
     @abstractmethod
     def plan(
-        self, target: Stone, cloud: Cloud, T_map_base: Float, rng: np.random.Generator
+        self, target: Stone, cloud: Cloud, T_map_base: Float, rng: "np.random.Generator"
     ) -> GraspPlan:
         """Plan grasps, best first; the same generator state gives the same plan. It may be slow.
 

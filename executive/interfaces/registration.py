@@ -15,7 +15,7 @@ class Registrar(Plugin, ABC):
     capability = "registration"
 
     @abstractmethod
-    def register(self, target: Cloud, source: Cloud, rng: np.random.Generator) -> Alignment:
+    def register(self, target: Cloud, source: Cloud, rng: "np.random.Generator") -> Alignment:
         """Lay a survey over the map, without a guess; the same generator state gives the same
         answer. It may be slow: a job.
 

@@ -17,7 +17,7 @@ class Survey(Plugin, ABC):
     capability = "surveying"
 
     @abstractmethod
-    def survey(self, rng: np.random.Generator) -> Cloud:
+    def survey(self, rng: "np.random.Generator") -> Cloud:
         """Return the site as seen from outside.
 
         Raises:

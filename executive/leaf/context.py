@@ -67,7 +67,7 @@ class Context(ABC):
         """Start a verb of a plugin and return its job, for a leaf that waits in its own way."""
 
     @abstractmethod
-    def rng(self) -> np.random.Generator:
+    def rng(self) -> "np.random.Generator":
         """Return a new generator, seeded by the mission's seed, the node's path and the number of
         such calls.
         """

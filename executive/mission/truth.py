@@ -17,7 +17,7 @@ from executive.mission.picks import Pick, attempts_from, newest_releases
 
 def truth_of(robot_name: str, mission: Mission, picks: Sequence[Pick]) -> dict[str, Any]:
     """Return {"truth": …} of a run on a robot that has an oracle, else nothing."""
-    if robot_name not in {one.name for one in registry.installed(registry.ORACLES)}:
+    if robot_name not in registry.names(registry.ORACLES):
         return {}
     plugins = mission.services.plugins
     oracle: Oracle = registry.load(registry.ORACLES, robot_name)(plugins["robot"])

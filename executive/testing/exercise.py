@@ -50,7 +50,7 @@ class Exercise(ABC, Generic[P]):
 
 def exercise_of(capability: str) -> Exercise[Any] | None:
     """Return the exercise of a capability; None where no installed package has one."""
-    if capability not in {one.name for one in registry.installed(registry.EXERCISES)}:
+    if capability not in registry.names(registry.EXERCISES):
         return None
     made: Exercise[Any] = registry.load(registry.EXERCISES, capability)()
     return made

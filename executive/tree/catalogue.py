@@ -71,7 +71,7 @@ class InstalledCatalogue(Catalogue):
     """What the entry points announce."""
 
     def plugin_names(self, capability: str) -> tuple[str, ...]:
-        return tuple(one.name for one in registry.installed(capability))
+        return registry.names(capability)
 
     def behaviour_names(self) -> tuple[str, ...]:
         return self.plugin_names(registry.BEHAVIOURS)

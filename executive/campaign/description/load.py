@@ -61,13 +61,6 @@ def is_campaign_folder(what: str) -> bool:
     return (path / FILE).is_file() or (path.is_dir() and what not in shipped_names())
 
 
-def is_campaign_file(what: str) -> bool:
-    """Return whether a file is one of a campaign, whatever mistakes it has."""
-    path = find(what)
-    value = read_file(path, what, Problems(), "campaign") if path is not None else None
-    return isinstance(value, Table) and "campaign" in value.entries
-
-
 def _table(what: str, reading: Reading) -> tuple[Table, Path]:
     path = Path(what) / FILE if is_campaign_folder(what) else find(what)
     if path is None:

@@ -24,7 +24,7 @@ MAIN = ("success", "placed", "first_attempt", "placement_error", "cycle_time")
 
 def installed_metrics() -> tuple[str, ...]:
     """List the installed metrics by name."""
-    return tuple(one.name for one in registry.installed(registry.METRICS))
+    return registry.names(registry.METRICS)
 
 
 class MetricReader:

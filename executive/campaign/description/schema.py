@@ -74,7 +74,7 @@ def campaign_schema(catalogue: Catalogue | None = None) -> Schema:
         "api": {"const": API, "description": "Version of the language of campaigns."},
         "campaign": {"type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*$"},
         "description": _TEXT,
-        "work": {"enum": [one.name for one in registry.installed(registry.WORKS)]},
+        "work": {"enum": list(registry.names(registry.WORKS))},
         "arguments": {"type": "object"},
         "missions": _one_or_more(_mission()),
         "seeds": _one_or_more(_SEED),

@@ -88,7 +88,7 @@ def compare_on(
 
 def _oracles(description: MissionFile, running: Mission) -> list[Oracle]:
     name = description.plugins["robot"][0].name
-    if name not in {one.name for one in registry.installed(registry.ORACLES)}:
+    if name not in registry.names(registry.ORACLES):
         return []
     oracle: Oracle = registry.load(registry.ORACLES, name)(running.services.plugins["robot"])
     return [oracle]

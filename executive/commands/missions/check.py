@@ -13,7 +13,7 @@ def check(mission: MissionArgument, set_: SetOption = None, as_json: JsonOption 
 
     Example: executive check my_wall.yaml --set placing.spacing_m=1.8
     """
-    from executive.campaign.description.load import is_campaign_file
+    from executive.campaign.description.campaign_file import is_campaign_file
     from executive.tree.problem import MissionFileError
 
     kind = "campaign" if is_campaign_file(mission) else "mission"
