@@ -32,7 +32,6 @@ class Verbs(TyperGroup):
         found = getattr(import_module(f"executive.commands.{module}"), function)
         return command_of(cmd_name, found)
 
-
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         known = self.list_commands(ctx)
         if args[0] not in known and not args[0].startswith("-"):
