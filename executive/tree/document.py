@@ -132,7 +132,9 @@ class _Reader:
 
     def read(self, events: Iterator[Any]) -> Value | None:
         for event in events:
-            if isinstance(event, yaml.DocumentStartEvent):
+            if isinstance(event, yaml.ScalarEvent):  # first, since most are
+                self._scalar(event)
+            elif isinstance(event, yaml.DocumentStartEvent):
                 self._documents += 1
                 if self._documents > 1:
                     self._problems.error(
@@ -156,8 +158,6 @@ class _Reader:
                     if done.is_table
                     else Listing(tuple(done.items), done.mark)
                 )
-            elif isinstance(event, yaml.ScalarEvent):
-                self._scalar(event)
             elif isinstance(event, yaml.AliasEvent):
                 mark = self._mark(event)
                 self._problems.error(
@@ -232,6 +232,8 @@ class _Reader:
 
     def _refuse_extras(self, event: Any) -> bool:
         """Note an anchor or a tag; a tag leaves no value to go on with."""
+        if event.anchor is None and event.tag is None:
+            return False
         if event.anchor is not None:
             self._problems.error(
                 self._mark(event),
@@ -245,7 +247,8 @@ class _Reader:
         return event.tag is not None
 
     def _mark(self, event: Any) -> Mark:
-        return Mark(self._name, event.start_mark.line + 1, event.start_mark.column + 1)
+        start = event.start_mark
+        return Mark(self._name, start.line + 1, start.column + 1)
 
 
 def _words(problem: str, context: str) -> str:

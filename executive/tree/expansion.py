@@ -63,9 +63,7 @@ def _levels(root: Node) -> Iterator[tuple[Node, int]]:
     while waiting:
         node, level = waiting.pop()
         yield node, level
-        beside = (node.modifiers.on_failure, node.modifiers.on_halt)
-        below = (*node.children(), *(one for one in beside if one))
-        waiting.extend((child, level + 1) for child in reversed(below))
+        waiting.extend((child, level + 1) for child in reversed(node.below()))
 
 
 def _size(root: Node, sizes: Mapping[str, _Size]) -> _Size:

@@ -4,12 +4,15 @@ import re
 from collections.abc import Callable
 
 from executive.tree.key_source import Template
+from executive.tree.kind_keys import MODIFIERS
 from executive.tree.leaf_reader import LeafReader
 from executive.tree.node_kinds import Attempts, Branch, Kind, Modifiers, Node
 from executive.tree.reading import Reading, is_text
 from executive.tree.traversal import is_instant
 from executive.tree.value import Table, Value
 
+_KEYS = frozenset(MODIFIERS)
+_NONE = Modifiers()
 _NAME = re.compile(r"[^/@\n\t]{1,60}")
 
 
@@ -22,6 +25,8 @@ class ModifierReader:
 
     def modifiers(self, table: Table, kind: Kind | None) -> Modifiers:
         """Read the modifiers; `kind` is what the node is, None if it was refused."""
+        if _KEYS.isdisjoint(table.entries):
+            return _NONE
         own = kind.kind if isinstance(kind, Branch) else ""  # a condition of the kind itself
         reading = self._reading
 

@@ -1,8 +1,8 @@
 """The nodes of a checked mission: each kind, its modifiers, its children; frozen."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 from executive.tree.key_source import Computed, Ref, Source, Template
 from executive.tree.leaf_use import Condition, KeyHolds, LeafUse
@@ -265,22 +265,43 @@ class Node:
 
     def children(self) -> tuple["Node", ...]:
         """Return the nodes directly below, without those of `on_failure` and `on_halt`."""
-        match self.kind:
-            case Composite(children=children) | Parallel(children=children):
-                return children
-            case Group(child=child) | Turned(child=child):
-                return (child,)
-            case Loop(body=body) | ForEach(body=body) | Consume(body=body):
-                return (body,)
-            case Branch(then=then, otherwise=otherwise):
-                return (then,) if otherwise is None else (then, otherwise)
-            case Switch(cases=cases, otherwise=otherwise):
-                return (*cases.values(), *(() if otherwise is None else (otherwise,)))
-        return ()
+        below = _CHILDREN.get(type(self.kind))
+        return () if below is None else below(self.kind)
 
     def walk(self) -> Iterator["Node"]:
         """Yield this node and all below, those of `on_failure` and `on_halt` included."""
-        yield self
+        waiting = [self]
+        while waiting:
+            node = waiting.pop()
+            yield node
+            waiting.extend(reversed(node.below()))
+
+    def below(self) -> tuple["Node", ...]:
+        """Return the nodes directly below, those of `on_failure` and `on_halt` included."""
         beside = (self.modifiers.on_failure, self.modifiers.on_halt)
-        for child in (*self.children(), *(one for one in beside if one)):
-            yield from child.walk()
+        if beside == (None, None):
+            return self.children()
+        return (*self.children(), *(one for one in beside if one))
+
+
+def _branches(branch: Branch) -> tuple[Node, ...]:
+    return (branch.then,) if branch.otherwise is None else (branch.then, branch.otherwise)
+
+
+def _cases(switch: Switch) -> tuple[Node, ...]:
+    otherwise = () if switch.otherwise is None else (switch.otherwise,)
+    return (*switch.cases.values(), *otherwise)
+
+
+# Kinds that have nodes below, and how these are found.
+_CHILDREN: Mapping[type, Callable[[Any], tuple[Node, ...]]] = {
+    Composite: lambda kind: kind.children,
+    Parallel: lambda kind: kind.children,
+    Group: lambda kind: (kind.child,),
+    Turned: lambda kind: (kind.child,),
+    Loop: lambda kind: (kind.body,),
+    ForEach: lambda kind: (kind.body,),
+    Consume: lambda kind: (kind.body,),
+    Branch: _branches,
+    Switch: _cases,
+}

@@ -30,6 +30,9 @@ from executive.tree.repeat_reader import RepeatReader
 from executive.tree.value import Scalar, Table, Value, describe, without
 
 
+_ALLOWED = {kind: frozenset((kind, *keys, *MODIFIERS)) for kind, keys in KINDS.items()}
+
+
 class NodeReader:
     """Reads nodes; `headers` are the ports of every tree that can be called, by name."""
 
@@ -73,15 +76,18 @@ class NodeReader:
         kind = self._kind_of(table) if table else None
         if table is None or kind is None:
             return None
-        allowed = (kind, *KINDS[kind], *MODIFIERS)
-        if "else" in table.entries and "else" not in allowed:
-            self._reading.problems.error(table.entries["else"].key_mark, ELSE_GOES_WITH)
-        self._reading.known_keys(
-            without(table, ["else"]), allowed, f"a '{_shown_kind(kind, table)}' node"
-        )
+        if not table.entries.keys() <= _ALLOWED[kind]:
+            self._refuse_keys(table, kind)
         what = self._kinds[kind](table)
         modifiers = self._modifiers.modifiers(table, what)
         return Node(what, modifiers, table.entries[kind].key_mark) if what is not None else None
+
+    def _refuse_keys(self, table: Table, kind: str) -> None:
+        if "else" in table.entries and "else" not in _ALLOWED[kind]:
+            self._reading.problems.error(table.entries["else"].key_mark, ELSE_GOES_WITH)
+        shown = _shown_kind(kind, table)
+        article = "an" if shown[0] in "aeiou" else "a"
+        self._reading.known_keys(without(table, ["else"]), _ALLOWED[kind], f"{article} '{shown}' node")
 
     def _node_table(self, value: Value) -> Table | None:
         if isinstance(value, Table):
@@ -98,10 +104,11 @@ class NodeReader:
         return None
 
     def _kind_of(self, table: Table) -> str | None:
-        found = [kind for kind in KINDS if kind in table.entries]
-        if len(found) == 2 and found[0] in REPEATING and found[1] == "do":
-            return found[0]
+        found = [key for key in table.entries if key in KINDS]
         if len(found) == 1:
+            return found[0]
+        found.sort(key=tuple(KINDS).index)
+        if len(found) == 2 and found[0] in REPEATING and found[1] == "do":
             return found[0]
         if found:
             self._tell_kinds(found, table)

@@ -2,14 +2,14 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from executive.errors import ConfigError
 
 _LONGEST = 1000  # characters of a message; what was typed may be a whole book
 
 
-@dataclass(frozen=True, order=True, slots=True)
-class Mark:
+class Mark(NamedTuple):
     """A place in a file, counted from 1; line 0 means the file or option as a whole."""
 
     file: str

@@ -49,6 +49,10 @@ _SURPRISES = (
 )  # fmt: skip
 
 
+# How a text begins that is anything else than text, or that is read differently.
+_FIRST = frozenset("-+.0123456789yYnNoO")
+
+
 class SurpriseError(ValueError):
     """A plain scalar that two versions of YAML read differently."""
 
@@ -64,6 +68,8 @@ def resolve(text: str) -> Plain:
         return None
     if text in _BOOL:
         return _BOOL[text]
+    if text[0] not in _FIRST:
+        return text
     for pattern, cure in _SURPRISES:
         if pattern.fullmatch(text):
             raise SurpriseError(f"{shortened(repr(text), 40)} {cure}")

@@ -33,12 +33,15 @@ def is_instant(node: Node) -> bool:
 
 def conditions_of(node: Node) -> tuple[Condition, ...]:
     """Return the conditions of a node itself."""
+    kind, modifiers = node.kind, node.modifiers
     own = None
-    if isinstance(node.kind, Loop):
-        own = node.kind.until
-    elif isinstance(node.kind, Branch):
-        own = node.kind.condition
-    return tuple(c for c in (node.modifiers.if_, node.modifiers.while_, own) if c is not None)
+    if isinstance(kind, Loop):
+        own = kind.until
+    elif isinstance(kind, Branch):
+        own = kind.condition
+    if own is modifiers.if_ is modifiers.while_ is None:  # fast path: most nodes have none
+        return ()
+    return tuple(c for c in (modifiers.if_, modifiers.while_, own) if c is not None)
 
 
 def asks(node: Node, trees: Mapping[str, Tree]) -> bool:

@@ -61,6 +61,11 @@ def switch(node: Any, other: Any) -> Any:
     return {"switch": "{s}", "cases": {"1": node}, "else": other}
 
 
+def while_else(node: Any, other: Any, condition: Any) -> Any:
+    """Return a choice that is asked anew at each tick, for so long: it may change without end."""
+    return {"do": {"while": condition, "do": node, "else": other}, "timeout": 1}
+
+
 def consume(node: Any) -> Any:
     return {"consume": {"item": "x", "from": "{q}"}, "do": {"do": node}}
 
@@ -78,7 +83,7 @@ def composites(node: Any) -> Any:
         st.builds(lambda n: {"force_failure": n}, node),
         st.builds(lambda n, c: {"if": c, "then": n}, node, condition),
         st.builds(lambda n, m, c: {"if": c, "then": n, "else": m}, node, node, condition),
-        st.builds(lambda n, m, c: {"while": c, "do": n, "else": m}, node, node, condition),
+        st.builds(while_else, node, node, condition),
         st.builds(lambda n, m: {"sequence": [{"set": {"s": 1}}, switch(n, m)]}, node, node),
         st.builds(lambda n: {"sequence": [{"set": {"q": [1, 2]}}, consume(n)]}, leaf),
         st.builds(lambda n: {"parallel": n, "wait_for_all": True}, nodes),

@@ -58,7 +58,7 @@ class Wires:
 
     def _narrow(self, condition: Computed) -> None:
         paths = asked_for(condition.expression, True)
-        for key in keys_of(condition.expression):
+        for key in keys_of(condition.expression) if paths else ():
             if str(key) in paths and key.name not in self.keys:
                 self.keys.change(key.name, UNKNOWN)
 
@@ -157,6 +157,8 @@ class Wires:
             is_absent = key.name not in self.keys and ANYTHING not in self.keys
             if may_miss and is_absent and (key.name in self._later or key.name in self._inputs):
                 return UNKNOWN
+            if not is_absent:
+                return self.keys.get(key.name, UNKNOWN)
             return self.types(Ref(key.name, place.at(key.at)), reader)
 
         def fail(at: int, message: str) -> None:

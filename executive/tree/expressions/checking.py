@@ -97,13 +97,16 @@ class Typing:
     def _of_key(self, one: Key, *, may_miss: bool) -> Types:
         if one.name in self._items:
             return self._items[one.name]
-        found = self._key(one, may_miss or str(one) in self._present)
+        found = self._key(one, may_miss or self._is_present(one))
         return _split(found)
+
+    def _is_present(self, one: Expression) -> bool:
+        return bool(self._present) and str(one) in self._present
 
     def _there(self, one: Expression) -> Types:
         """Return the types of a value that must not be missing."""
         found = self.types(one)
-        if str(one) in self._present:
+        if self._is_present(one):
             return _without_missing(found)
         return self._refuse_missing(one, found)
 
@@ -266,7 +269,15 @@ class Typing:
 
 
 def _split(found: Types) -> Types:
+    if all(map(_is_plain, found)):
+        return found
     return frozenset(_listed(member) for kind in found for member in members(kind))
+
+
+def _is_plain(kind: Any) -> bool:
+    """Return whether a type is one class, neither a union nor a tuple."""
+    inner = bare(kind)
+    return type(inner) is type and inner is not tuple
 
 
 def _listed(kind: Any) -> Any:

@@ -10,7 +10,7 @@ import typing
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,7 @@ _ENDINGS = (
 )
 
 
+@cache
 def number(dimension: Dimension | None, kind: type = float) -> Any:
     """Return the type of a number; None is a dimension that is not known."""
     return kind if dimension is None else typing.Annotated[kind, dimension]
@@ -46,6 +47,7 @@ COUNT = number(PLAIN, int)
 _WRITTEN = "written in the expression"
 
 
+@cache
 def written(kind: type) -> Any:
     """Return the type of a number without a unit that stands in the expression: it is SI."""
     return typing.Annotated[kind, PLAIN, _WRITTEN]

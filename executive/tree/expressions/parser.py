@@ -41,7 +41,7 @@ def parse(text: str) -> Expression:
     """
     if len(text) > _LONGEST:
         raise ExpressionError(0, f"an expression has at most {_LONGEST} characters")
-    parser = Parser(list(tokens(text)))
+    parser = Parser(tokens(text))
     expression = parser.expression(0)
     parser.end()
     return expression
@@ -69,7 +69,7 @@ def parse_path(text: str, start: int) -> tuple[Expression, int]:
     end = text.find("}", start)
     if end < 0:
         raise ExpressionError(start, "this brace is not closed; a brace as text is written '{{'")
-    parser = Parser(list(tokens(text[: end + 1], start)))
+    parser = Parser(tokens(text[: end + 1], start))
     path = parser.expression(0)
     parser.end()
     return path, end + 1
@@ -79,7 +79,7 @@ class Parser:
     """Reads one expression from its words."""
 
     def __init__(self, words: list[Token]) -> None:
-        self._words = words
+        self._words = [*words, words[-1], words[-1]]  # as far as it is looked ahead
         self._next = 0
         self._count = 0
         self._depth = 0
@@ -116,16 +116,17 @@ class Parser:
     # --- words
 
     def _peek(self, ahead: int = 0) -> Token:
-        return self._words[min(self._next + ahead, len(self._words) - 1)]
+        return self._words[self._next + ahead]
 
     def _take(self) -> Token:
-        word = self._peek()
-        self._next += 1
+        word = self._words[self._next]
+        if word.kind != "end":
+            self._next += 1
         return word
 
     def _is(self, letters: str, ahead: int = 0) -> bool:
-        word = self._peek(ahead)
-        return word.kind in ("sign", "name") and word.letters == letters
+        word = self._words[self._next + ahead]
+        return word.letters == letters and word.kind in ("sign", "name")
 
     def _expect(self, letters: str) -> Token:
         if not self._is(letters):

@@ -1,8 +1,7 @@
 """The words of an expression: numbers, names, texts, signs; each with its offset."""
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 _PATTERN = re.compile(
     r"(?P<space>\s+)"
@@ -32,8 +31,7 @@ class ExpressionError(ValueError):
         self.at = at
 
 
-@dataclass(frozen=True, slots=True)
-class Token:
+class Token(NamedTuple):
     """A word: its kind (`number`, `name`, `text`, `sign`, `end`), its letters, its offset."""
 
     kind: str
@@ -46,20 +44,24 @@ class Token:
         return self.at + len(self.letters)
 
 
-def tokens(text: str, start: int = 0) -> Iterator[Token]:
-    """Yield the words of a text, and the end.
+def tokens(text: str, start: int = 0) -> list[Token]:
+    """Return the words of a text, and the end.
 
     Raises:
         ExpressionError: At a character that cannot stand there.
     """
+    found = []
     at = start
-    while at < len(text):
-        match = _PATTERN.match(text, at)
-        if match is None:
-            letter = text[at]
-            cure = _CURES.get(letter, "quote texts, and put keys in braces")
-            raise ExpressionError(at, f"'{letter}' cannot stand here; {cure}")
-        if match.lastgroup != "space":
-            yield Token(str(match.lastgroup), match.group(), at)
+    for match in _PATTERN.finditer(text, start):
+        if match.start() != at:
+            break
         at = match.end()
-    yield Token("end", "", len(text))
+        kind = match.lastgroup or ""
+        if kind != "space":
+            found.append(Token(kind, match.group(), match.start()))
+    if at < len(text):
+        letter = text[at]
+        cure = _CURES.get(letter, "quote texts, and put keys in braces")
+        raise ExpressionError(at, f"'{letter}' cannot stand here; {cure}")
+    found.append(Token("end", "", len(text)))
+    return found
