@@ -87,7 +87,9 @@ class NodeReader:
             self._reading.problems.error(table.entries["else"].key_mark, ELSE_GOES_WITH)
         shown = _shown_kind(kind, table)
         article = "an" if shown[0] in "aeiou" else "a"
-        self._reading.known_keys(without(table, ["else"]), _ALLOWED[kind], f"{article} '{shown}' node")
+        self._reading.known_keys(
+            without(table, ["else"]), _ALLOWED[kind], f"{article} '{shown}' node"
+        )
 
     def _node_table(self, value: Value) -> Table | None:
         if isinstance(value, Table):
