@@ -29,7 +29,6 @@ from executive.tree.reading import Reading, is_text
 from executive.tree.repeat_reader import RepeatReader
 from executive.tree.value import Scalar, Table, Value, describe, without
 
-
 _ALLOWED = {kind: frozenset((kind, *keys, *MODIFIERS)) for kind, keys in KINDS.items()}
 
 
