@@ -8,7 +8,7 @@ import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import Distribution, EntryPoint, EntryPoints, entry_points
+from importlib.metadata import Distribution, EntryPoint, entry_points
 from typing import Any
 
 from executive.config import Settings
@@ -76,15 +76,16 @@ class Installed:
 
 
 @cache
-def _every_entry_point() -> EntryPoints:
+def _groups() -> Mapping[str, tuple[EntryPoint, ...]]:
     """Read what all installed packages announce: this opens a file of each of them."""
-    return entry_points()
+    found = entry_points()
+    ours = (group for group in found.groups if group.startswith("executive."))
+    return {group: tuple(found.select(group=group)) for group in ours}
 
 
 @cache
 def _entry_points(capability: str) -> Mapping[str, EntryPoint]:
-    found = _every_entry_point().select(group=f"executive.{capability}.v1")
-    return {point.name: point for point in found}
+    return {point.name: point for point in _groups().get(f"executive.{capability}.v1", ())}
 
 
 def capabilities() -> tuple[str, ...]:
@@ -121,7 +122,7 @@ def is_plural(capability: str) -> bool:
 
 def reread() -> None:
     """Forget what was found: packages that were installed since then are seen from now on."""
-    for found in (_every_entry_point, _entry_points, _name, installed, missing_packages):
+    for found in (_groups, _entry_points, _name, installed, missing_packages):
         found.cache_clear()
 
 

@@ -169,7 +169,8 @@ class _Reader:
 
     def _scalar(self, event: Any) -> None:
         mark = self._mark(event)
-        if self._refuse_extras(event):
+        parent = self._open[-1] if self._open else None
+        if (event.anchor is not None or event.tag is not None) and self._refuse_extras(event):
             self._add(Broken(mark))
             return
         odd = _UNPRINTABLE.search(event.value) if event.style == '"' else None
@@ -179,8 +180,8 @@ class _Reader:
             )
             self._add(Broken(mark))
             return
-        if self._expects_key():
-            self._open[-1].key = (event.value, mark)
+        if parent is not None and parent.is_table and parent.key is None:
+            parent.key = (event.value, mark)
             return
         if not event.implicit[0]:  # quoted: text, whatever it looks like
             self._add(Scalar(event.value, mark, self._written(event)))
@@ -197,9 +198,6 @@ class _Reader:
             return ""
         written: str = self._text[event.start_mark.index : event.end_mark.index]
         return written
-
-    def _expects_key(self) -> bool:
-        return bool(self._open) and self._open[-1].is_table and self._open[-1].key is None
 
     def _add(self, value: Value) -> None:
         if not self._open:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from executive.tree.problem import Mark, shortened
 from executive.tree.scalar import Plain
@@ -38,8 +38,7 @@ class Listing:
     mark: Mark
 
 
-@dataclass(frozen=True, slots=True)
-class TableEntry:
+class TableEntry(NamedTuple):
     """A key's place, and its value."""
 
     key_mark: Mark

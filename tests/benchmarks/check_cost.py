@@ -1,7 +1,7 @@
 """Measure what checking costs: trees of many nodes, and the command on a shipped mission.
 
 The trees are sequences of `set`, `wait` and `check` nodes with conditions on keys. Times are
-processor times, the shortest of three. Run it with OMP_NUM_THREADS=1. One minute.
+processor times, the shortest of at least three. Run it with OMP_NUM_THREADS=1. One minute.
 """
 
 import sys

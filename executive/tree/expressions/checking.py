@@ -66,7 +66,8 @@ class Typing:
             case Number(value=value, unit=unit):
                 if unit:
                     return frozenset({number(unit_dimension(unit))})
-                return frozenset({written(type(value))})
+                kind: Any = type(value)
+                return frozenset({written(kind)})
             case Text():
                 return frozenset({typing.Literal[one.value]})
             case Truth():
