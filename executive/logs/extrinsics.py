@@ -49,7 +49,8 @@ def rig_from(transforms: Iterable[Any], frames: Mapping[str, str], log: str) -> 
         log: Name of the log, for errors.
 
     Raises:
-        DataError: If a sensor's frame is not in the tree, or not connected to the IMU's.
+        DataError: If there is no IMU, or if a sensor's frame is not in the tree, or not connected to
+            the IMU's.
     """
     parents = {t.child_frame_id: (t.header.frame_id, transform_of(t.transform)) for t in transforms}
     known = {*parents, *(parent for parent, _ in parents.values())}
@@ -58,7 +59,13 @@ def rig_from(transforms: Iterable[Any], frames: Mapping[str, str], log: str) -> 
         if frame not in known:
             raise DataError(f"{log}: tf_static has no frame '{frame}'{did_you_mean(frame, known)}")
         poses[frame] = _to_root(frame, parents, log)
-    body = next(root for frame, (root, _) in poses.items() if frames[frame] == "imu")
+    bodies = [root for frame, (root, _) in poses.items() if frames[frame] == "imu"]
+    if not bodies:
+        raise DataError(
+            f"{log}: no topic has IMU messages (sensor_msgs/Imu), so that it is not known which "
+            "body carries the sensors; name the machine with --machine, or record the IMU's topic"
+        )
+    body = bodies[0]
     strangers = sorted(frame for frame, (root, _) in poses.items() if root != body)
     if strangers:
         raise DataError(
