@@ -52,6 +52,10 @@ class Plugin:
     # process has died; the others are computed within the tick, once.
     is_stateless: ClassVar[bool] = False
 
+    # Modules that the plugin imports only when it starts, because they take long. What worker
+    # processes are forked from imports them first, so that a worker is soon replaced.
+    late_imports: ClassVar[tuple[str, ...]] = ()
+
     # Types of observations that the plugin takes besides those that its interface has verbs for;
     # each is handed to `take` in order of its stamp.
     takes: ClassVar[tuple[type, ...]] = ()

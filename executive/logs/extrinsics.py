@@ -49,8 +49,8 @@ def rig_from(transforms: Iterable[Any], frames: Mapping[str, str], log: str) -> 
         log: Name of the log, for errors.
 
     Raises:
-        DataError: If there is no IMU, or if a sensor's frame is not in the tree, or not connected to
-            the IMU's.
+        DataError: If there is no IMU, or if a sensor's frame is not in the tree, or not connected
+            to the IMU's.
     """
     parents = {t.child_frame_id: (t.header.frame_id, transform_of(t.transform)) for t in transforms}
     known = {*parents, *(parent for parent, _ in parents.values())}

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from executive.clock import wall_s
-from executive.testing.digest import content, parts
+from executive.messages.parts import parts
+from executive.testing.digest import content
 from executive.testing.exercise import Exercise, RefusedError
 from executive.testing.subject import Subject
 

@@ -34,6 +34,7 @@ class SampledCnn(SampledPlanner):
     """Samples like `sampled_antipodal`, and ranks by the success that a network predicts."""
 
     Settings: ClassVar[type[Settings]] = SampledCnnSettings
+    late_imports = ("executive_plugins.grasping.classifier.outcome_net",)  # imports torch
 
     def __init__(
         self, settings: SampledCnnSettings, machine: Machine, motion: MotionPlanner

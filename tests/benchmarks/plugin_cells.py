@@ -27,6 +27,8 @@ CAPABILITIES = (
 FAULTS = (
     "raise",
     "wrong_type",
+    "nan",
+    "late",
     "hang",
     "hold_gil",
     "sigkill",

@@ -10,18 +10,22 @@ from typing import Any, cast
 import numpy as np
 
 from executive.interfaces.plugin import Plugin
+from executive.messages.parts import place_of_nan
 
-_LOOKED_AT = 1000  # elements of a container whose types are checked: a share of a tick at most
+_LOOKED_AT = 1000  # elements of a container that are checked: a share of a tick at most
 
 
 def unfit(plugin: Plugin, verb: str, value: object) -> str:
     """Return why a value is no answer of a verb, such as `dict instead of Plan`; else "".
 
     The type is the return annotation of the interface: the class that names the capability. A verb
-    that is in no interface, or has no annotation, may return anything.
+    that is in no interface, or has no annotation, may return any type. No answer may hold a NaN.
     """
     wanted = _answer_type(cast(Any, type(plugin)), verb)
-    return _unfit(value, wanted)
+    reason = _unfit(value, wanted)
+    if not reason and (place := place_of_nan(value, _LOOKED_AT)):
+        return f"NaN ({place})"
+    return reason
 
 
 @cache

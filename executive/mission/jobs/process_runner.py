@@ -71,5 +71,6 @@ def _modules(selections: Selections) -> list[str]:
         if any(registry.load(capability_of(key), one.name).is_stateless for one in several):
             for needed, chosen in needed_for(selections, key).items():
                 group = capability_of(needed)
-                modules |= {registry.load(group, one.name).__module__: None for one in chosen}
+                for plugin in (registry.load(group, one.name) for one in chosen):
+                    modules |= dict.fromkeys((plugin.__module__, *plugin.late_imports))
     return list(modules)

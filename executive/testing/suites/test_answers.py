@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from executive.testing.digest import digest, first_difference, place_of_nan
+from executive.messages.parts import place_of_nan
+from executive.testing.digest import digest, first_difference
 from executive.testing.exercise import Exercise
 from executive.testing.first_answer import Answer, answer_of
 from executive.testing.spawned import spawned_digest

@@ -117,7 +117,8 @@ def what_came(
     if took_s > BACK_S:
         return f"BAD: {took_s:.1f} s"
     # Nothing has to be sent to another process inline or in a thread, and an answer is checked.
-    is_answered = once or (fault == "unpicklable_argument" and runner != "process")
+    is_sent = fault == "unpicklable_argument" and runner == "process"
+    is_answered = once or fault == "late" or (fault == "unpicklable_argument" and not is_sent)
     if is_answered:
         return "answered" if status == 0 else f"BAD: status {status}"
     named = report.get("fault", {})

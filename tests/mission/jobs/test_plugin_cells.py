@@ -90,10 +90,16 @@ def assert_named(faulty, fault, cell, name):
 
 
 @pytest.mark.parametrize("runner", ["inline", "thread", "process"])
-@pytest.mark.parametrize("name", ["raise", "wrong_type", "hang", "sys_exit", "leak"])
+@pytest.mark.parametrize("name", ["raise", "wrong_type", "nan", "hang", "sys_exit", "leak"])
 def test_every_runner_names_what_failed(faulty, runner, name):
     with Cell(faulty, "motion", runner, name) as cell:
         assert_named(faulty, cell.fault(), cell, name)
+
+
+@pytest.mark.parametrize("runner", ["inline", "thread", "process"])
+def test_an_answer_that_is_late_but_within_its_limit_is_an_answer(faulty, runner):
+    with Cell(faulty, "motion", runner, "late") as cell:
+        assert cell.jobs.start(cell.verb).result() is not None
 
 
 @pytest.mark.parametrize("name", [*DEADLY, "unpicklable_answer", "hold_gil"])

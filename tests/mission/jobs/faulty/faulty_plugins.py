@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from executive.config import Settings
+from executive.faults.plugin_faults import with_nan
 from executive.interfaces.alignment import Aligner
 from executive.interfaces.grasping import GraspPlanner
 from executive.interfaces.motion import MotionPlanner
@@ -21,11 +22,13 @@ from executive.interfaces.segmentation import Segmenter
 from executive.interfaces.surveying import Survey
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
-from executive.messages.grasp import GraspPlan
+from executive.messages.grasp import Grasp, GraspPlan
+from executive.messages.placement import Slot
 from executive.messages.request import MotionPlan
 from executive.messages.segment import Segmentation
 
 LEAKED_BYTES = 50_000_000
+LATE_S = 0.2  # later than the latency of 0.1 s, and within the limit of the verb
 
 
 class FaultySettings(Settings):
@@ -102,6 +105,10 @@ class Faulty:
             return answer
         if once:
             Path(once).touch()
+        if name == "late":
+            time.sleep(LATE_S)
+        if name in ("late", "nan"):
+            return with_nan(answer) if name == "nan" else answer
         return globals()[f"fault_{name}"]()
 
 
@@ -110,7 +117,7 @@ def cloud():
 
 
 def plan():
-    return MotionPlan(None, "stays where it is", np.empty((0, 3)))
+    return MotionPlan(None, "stays where it is", np.zeros((1, 3)))
 
 
 def alignment():
@@ -168,14 +175,14 @@ class FaultyGrasps(Faulty, GraspPlanner):
     latency_s = {"plan": 0.1}
 
     def plan(self, *_):
-        return self._do(GraspPlan((), {}))
+        return self._do(GraspPlan((Grasp(np.eye(4), 1.0, 0.0, {}),), {}))
 
 
 class FaultyPlaces(Faulty, PlacementPlanner):
     latency_s = {"slots": 0.1, "plan": 0.1}
 
     def slots(self, *_):
-        return self._do(())
+        return self._do((Slot(1, np.zeros(3)),))
 
     def plan(self, *_):
         return self._do(())
