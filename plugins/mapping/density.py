@@ -14,7 +14,7 @@ def dense_share(points_map: Float, sector: Sector, points_per_m2: float) -> floa
     belongs to the sector if its middle does.
 
     Args:
-        points_map: Points in the map [m], shape (N, 3).
+        points_map: Points in the map [m], shape (N, 2) or (N, 3).
         sector: The part of the ground.
         points_per_m2: Number of points from which a cell counts as dense [1/m²].
 

@@ -71,6 +71,14 @@ class ScanFrontEnd:
             place(scan.points_lidar[kept], slices[kept], fractions[kept], T_map_lidar)
         )
 
+    def lidar_map(self, scan: LidarScan, motion: Motion) -> Float:
+        """Return the position of a scan's lidar in the middle of the scan, in the map [m], (3,).
+
+        At a swing of 10°/s it is 2 cm from where it was at the ends.
+        """
+        stamp_s = float(0.5 * (scan.point_stamps_s[0] + scan.point_stamps_s[-1]))
+        return np.asarray(self.lidars_map(motion, stamp_s)[self._lidars.index(scan.frame)])
+
     def lidars_map(self, motion: Motion, stamp_s: float) -> Float:
         """Return the positions of the lidars at a time, in the map [m], shape (L, 3)."""
         frames = self._frames(motion, stamp_s)

@@ -150,6 +150,20 @@ class PoseGraphSettings(MapSettings):
 
 
 class VoxelMapSettings(MapSettings):
-    """Extent and resolution of the map."""
+    """Extent and resolution of the map, and when it forgets."""
 
     needs: ClassVar[tuple[str, ...]] = ("machine",)
+
+    forget_after: int = Field(
+        0,
+        ge=0,
+        le=100,
+        description="Scan pairs in a row that see through a place until it is forgotten; 0: never.",
+    )
+    seen_through_m: Meters = Field(
+        0.3,
+        gt=0,
+        le=5,
+        description="Distance behind a place at which a ray must end to have passed through it "
+        "[m].",
+    )

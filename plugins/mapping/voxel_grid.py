@@ -8,6 +8,7 @@ from executive.arrays import Bool, Float, Int
 from executive.errors import DataError
 
 _HALF = 1 << (BITS - 1)
+_INDEX = (1 << BITS) - 1
 _FREE = -1
 _LOAD = 0.6  # above it, collisions become too frequent
 _FIRST_CAPACITY = 1 << 18
@@ -68,6 +69,44 @@ def _capacity_for(voxels: int) -> int:
     return capacity
 
 
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _erase(keys: Int, counts: Int, corners: Int, edge: int) -> int:
+    """Empty the voxels of cubes; return how many had points."""  # pragma: no cover - compiled
+    erased = 0
+    for corner in corners:
+        for i in range(corner[0], corner[0] + edge):
+            for j in range(corner[1], corner[1] + edge):
+                for k in range(corner[2], corner[2] + edge):
+                    key = ((i + _HALF) << (2 * BITS)) | ((j + _HALF) << BITS) | (k + _HALF)
+                    row = _slot(keys, np.int64(key))
+                    if keys[row] != _FREE and counts[row] > 0:
+                        counts[row] = 0
+                        erased += 1
+    return erased
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _columns(keys: Int, means: Float, counts: Int, least: int) -> Float:
+    """Return the place of one voxel of each upright column that has any, in order of the table."""
+    # pragma: no cover - compiled
+    low, high = np.full(2, 1 << BITS), np.zeros(2, dtype=np.int64)
+    for row in range(len(keys)):
+        if counts[row] >= least and keys[row] != _FREE:
+            for a, index in enumerate((keys[row] >> (2 * BITS), (keys[row] >> BITS) & _INDEX)):
+                low[a], high[a] = min(low[a], index), max(high[a], index)
+    spans = np.maximum(high - low + 1, 0)
+    is_taken = np.zeros((spans[0], spans[1]), dtype=np.bool_)
+    places, found = np.empty((len(keys), 2)), 0
+    for row in range(len(keys)):
+        if counts[row] >= least and keys[row] != _FREE:
+            i, j = (keys[row] >> (2 * BITS)) - low[0], ((keys[row] >> BITS) & _INDEX) - low[1]
+            if not is_taken[i, j]:
+                is_taken[i, j] = True
+                places[found] = means[row, :2]
+                found += 1
+    return places[:found]
+
+
 class VoxelGrid:
     """Voxels in a hash table of 40 bytes a row, with a load of at most 0.6.
 
@@ -93,9 +132,11 @@ class VoxelGrid:
         warm_up.insert(np.zeros((1, 3)))
         warm_up.keep(np.ones(1, dtype=bool))
         warm_up.surface(1.0)
+        warm_up.columns(1)
+        warm_up.erase(np.zeros((1, 3), dtype=np.int64), 1)
 
     def __len__(self) -> int:
-        return self._size
+        return int((self._counts > 0).sum())
 
     def insert(self, points: Float) -> None:
         """Add points to their voxels, shape (N, 3).
@@ -109,10 +150,19 @@ class VoxelGrid:
                 f"{self._voxel_m * _HALF:.0f} m: set the datum near the site"
             )
         if (self._size + len(points)) > _LOAD * len(self._keys):
-            self._rebuild(np.flatnonzero(self._keys != _FREE), self._size + len(points))
+            self._rebuild(np.flatnonzero(self._counts > 0), self._size + len(points))
         self._size += _insert(
             self._keys, self._means, self._counts, points, self._voxel_m, self._memory
         )
+
+    def erase(self, corners: Int, edge: int) -> int:
+        """Remove the voxels of cubes; return how many.
+
+        Args:
+            corners: Lowest voxel index of each cube, shape (K, 3).
+            edge: Voxels along the edge of a cube.
+        """
+        return int(_erase(self._keys, self._counts, corners, edge))
 
     def points(self) -> tuple[Float, Int]:
         """Return the means [m] (N, 3) and numbers of points (N,), in order of the voxels."""
@@ -124,6 +174,14 @@ class VoxelGrid:
         rows = self._rows()
         means, counts = self._means[rows], self._counts[rows]
         return smoothed(self._keys[rows], means, np.minimum(counts, self._memory), reach_m), counts
+
+    def columns(self, least: int) -> Float:
+        """Return a place in each upright column of voxels [m], shape (M, 2), in no given order.
+
+        A column counts if one of its voxels has at least `least` points. It takes some milliseconds
+        for a million voxels: nothing is sorted.
+        """
+        return np.asarray(_columns(self._keys, self._means, self._counts, least))
 
     def rows(self) -> tuple[Int, Float, Int]:
         """Return keys (N,), means [m] (N, 3) and numbers of points (N,) in order of the voxels."""
@@ -159,7 +217,7 @@ class VoxelGrid:
         self._rebuild(self._rows()[kept], int(kept.sum()))
 
     def _rows(self) -> Int:
-        rows = np.flatnonzero(self._keys != _FREE)
+        rows = np.flatnonzero((self._keys != _FREE) & (self._counts > 0))
         return np.asarray(rows[np.argsort(self._keys[rows], kind="stable")])
 
     def _rebuild(self, rows: Int, expected: int) -> None:

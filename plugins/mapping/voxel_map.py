@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from executive_plugins.mapping.carving import VOXELS, Carver
 from executive_plugins.mapping.cylinder import Cylinder
 from executive_plugins.mapping.density import dense_share
 from executive_plugins.mapping.map_cloud import cloud_of
@@ -40,16 +41,22 @@ class VoxelMap(Mapper):
         self._held_radius_m = 0.0
         self.revision = 0
         self._cylinder = Cylinder(settings.radius_m)
+        self._carver: Carver | None = None
+        self.forgotten = 0
 
     def start(self) -> None:
         """Prepare the shapes and compile the inner loops, so that no scan waits for them."""
         self._front_end = ScanFrontEnd(self._machine, self._settings)
         VoxelGrid.compile()
-        self._grid = VoxelGrid(self._settings.voxel_m, self._settings.memory)
+        s = self._settings
+        self._grid = VoxelGrid(s.voxel_m, s.memory)
+        if s.forget_after:
+            Carver.compile()
+            self._carver = Carver(s.voxel_m, s.radius_m, s.seen_through_m, s.forget_after)
 
     def close(self) -> None:
         """Release the map's memory."""
-        self._front_end = self._grid = self._cloud = None
+        self._front_end = self._grid = self._cloud = self._carver = None
 
     def keep(self) -> Mapping[str, Any]:
         """Return the voxels, the cylinder's centre, and the radius around a held stone."""
@@ -68,6 +75,7 @@ class VoxelMap(Mapper):
         grid.refill(kept["keys"], kept["means"], kept["counts"])
         self._cylinder.follow(kept["centre_map"])
         self._held_radius_m = kept["held_radius_m"]
+        self._begin_carving(grid)
         self._changed()
 
     def add_scan_pair(self, scans: Sequence[LidarScan], motion: Motion) -> int:
@@ -82,8 +90,20 @@ class VoxelMap(Mapper):
         self._changed()
         if self._cylinder.follow(motion.T_map_cabin[-1][:3, 3]):
             grid.keep(self._cylinder.contains(grid.points()[0]))
+            self._begin_carving(grid)
         grid.insert(pair_map[self._cylinder.contains(pair_map)])
+        if self._carver is not None:
+            views = [
+                (front_end.lidar_map(scan, motion), part)
+                for scan, part in zip(scans, parts, strict=True)
+                if len(part)
+            ]
+            self.forgotten += grid.erase(self._carver.see(views), VOXELS)
         return len(pair_map)
+
+    def _begin_carving(self, grid: VoxelGrid) -> None:
+        if self._carver is not None:
+            self._carver.begin(self._cylinder.centre_map, grid.points()[0])
 
     def mask_held(self, radius_m: float) -> None:
         """Drop returns within this distance of the grasp centre [m], from now on."""
@@ -109,14 +129,19 @@ class VoxelMap(Mapper):
         """
         _, grid = self._running()
         points = checked("points_map", points_map, None, 3)
+        points = points[self._cylinder.contains(points)]
         self._changed()
-        grid.insert(
-            np.repeat(points[self._cylinder.contains(points)], self._settings.min_points, axis=0)
-        )
+        grid.insert(np.repeat(points, self._settings.min_points, axis=0))
+        if self._carver is not None:
+            self._carver.add(points)
 
     def dense_share(self, sector: Sector, points_per_m2: float) -> float:
-        """Return the share of the sector's square metres that hold so many points."""
-        return dense_share(self.cloud().points, sector, points_per_m2)
+        """Return the share of the sector's square metres that hold so many columns of voxels.
+
+        On ground these are the points of the cloud, without the cost of making it.
+        """
+        _, grid = self._running()
+        return dense_share(grid.columns(self._settings.min_points), sector, points_per_m2)
 
     def cloud(self) -> Cloud:
         """Return one point for each occupied voxel: 100 ms for 300,000 voxels.
