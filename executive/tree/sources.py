@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 
 from executive.errors import did_you_mean
 from executive.tree.document import read_file
-from executive.tree.problem import Mark, MissionFileError, Problem
+from executive.tree.problem import Mark, MissionFileError, Problem, Problems
 from executive.tree.reading import Reading
 from executive.tree.value import Scalar, Table, TableEntry, Value
 
@@ -160,7 +161,7 @@ def _joined(tables: Sequence[Table], reading: Reading) -> Table:
 
 
 def _library(path: Path, reading: Reading) -> Table | None:
-    value: Value | None = read_file(path, shown(path), reading.problems)
+    value = _library_value(path, reading)
     table = reading.table(value, "a file of subtrees") if value is not None else None
     if table is None:
         reading.problems.is_partial = True
@@ -172,6 +173,27 @@ def _library(path: Path, reading: Reading) -> Table | None:
         reading.fail(table, "a file of subtrees needs 'trees'")
         return None
     return reading.table(trees, "'trees'")
+
+
+def _library_value(path: Path, reading: Reading) -> Value | None:
+    """Read a file of subtrees; every mission of a process needs them, and they seldom change."""
+    try:
+        state = path.stat()
+    except OSError:
+        return read_file(path, shown(path), reading.problems)
+    value, problems = _read_once(path, shown(path), (state.st_mtime_ns, state.st_size))
+    for problem in problems:
+        reading.problems.error(problem.mark, problem.message)
+    return value
+
+
+@lru_cache(maxsize=64)
+def _read_once(
+    path: Path, name: str, _state: tuple[int, int]
+) -> tuple[Value | None, tuple[Problem, ...]]:
+    problems = Problems()
+    value = read_file(path, name, problems)
+    return value, problems.all()
 
 
 def shown(path: Path) -> str:
