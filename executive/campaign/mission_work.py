@@ -16,8 +16,10 @@ from executive.campaign.figures.measurement import measure, record_of
 from executive.config import Settings
 from executive.interfaces.work import Piece, Work
 from executive.mission.assembly import Selections, assemble, needed_for
+from executive.mission.options import Options
 from executive.mission.preset_answers import preset_answers
-from executive.mission.run import Options, Run, model_of
+from executive.mission.run import Run
+from executive.mission.selections import model_of
 from executive.tree.instances import capability_of
 from executive.tree.language import MissionFile
 from executive.tree.load import load_mission

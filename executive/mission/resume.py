@@ -2,9 +2,10 @@
 
 from pathlib import Path
 
+from executive.mission.options import Options
 from executive.mission.record.resumption import Resumption
 from executive.mission.record.run_options import KeptOptions
-from executive.mission.run import Options, Run
+from executive.mission.run import Run
 from executive.mission.run_folder import RunFolder
 from executive.tree.load import load_mission
 

@@ -3,19 +3,16 @@
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from executive.clock import SimulatedClock, WallClock, wall_s
 from executive.clouds.ply_writer import write_ply
-from executive.errors import ConfigError, DataError, ExecutiveError, RobotError
+from executive.errors import ConfigError, DataError, RobotError
 from executive.events.event import Event, plain
 from executive.events.mission import Faulted, MissionEnded
-from executive.interfaces.robot import RobotSettings
 from executive.journal import Journal
 from executive.journal.value_folder import ValueFolder
 from executive.logs.recorder import Recorder
-from executive.mission.assembly import Assembly, Selections, assemble
 from executive.mission.control.listening import controlled
 from executive.mission.fault import fault_of
 from executive.mission.groot.watching import publisher_at, shown_to_groot
@@ -24,60 +21,23 @@ from executive.mission.interrupts import stop_on_interrupt
 from executive.mission.jobs.choice import Choice
 from executive.mission.mission import Mission
 from executive.mission.operator import Operator
+from executive.mission.options import Options
 from executive.mission.phase import Phase
 from executive.mission.record.account import Account
 from executive.mission.record.keeper import Keeper
 from executive.mission.record.leaf_memory import LeafMemory
 from executive.mission.record.resumption import Resumption
-from executive.mission.record.run_options import KeptOptions
-from executive.mission.report import (
-    Ending,
-    cpu_s,
-    resources_since,
-    summary,
-    timings_from,
-    write_report,
-)
+from executive.mission.report import Ending, cpu_s, summary, write_report
 from executive.mission.run_folder import RunFolder
 from executive.mission.run_log import run_log
+from executive.mission.run_report import RunReport
+from executive.mission.selections import assembled, can_fail, model_of, selections_of
 from executive.mission.setup import Setup
 from executive.mission.stop_signals import Aborted, stop_after_report, stop_at_once, stopping
-from executive.mission.truth import truth_of
 from executive.supervision.beacon import beacon
 from executive.tree.build import build_tree, halt
 from executive.tree.language import MissionFile
 from executive.tree.resolved import resolved_yaml
-
-
-@dataclass(frozen=True, slots=True)
-class Options:
-    """What the command line adds to a mission file."""
-
-    seed: int = 1
-    run_dir: Path | None = None
-    record: bool = False
-    record_log: Path | None = None
-    real_time: bool = False
-    runner: str | None = None
-    answer: bool | None = None
-    choices: tuple[str, ...] = ()
-    attended: bool = False
-    pause_on_failure: bool = False
-    groot: int | None = None  # port of 127.0.0.1
-    live: int | None = None  # port of 127.0.0.1
-
-    @property
-    def kept(self) -> KeptOptions:
-        """Return what a resumed run takes over."""
-        return KeptOptions(
-            self.seed,
-            self.real_time,
-            self.runner,
-            self.answer,
-            self.choices,
-            self.attended,
-            self.pause_on_failure,
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,9 +72,9 @@ class Run:
         """
         self._description = description
         self._options = options
-        self._selections = _selections(description, options)
+        self._selections = selections_of(description, options.seen_by)
         self._model = model_of(description)
-        self._assembly = _assembled(self._selections, self._model, options.seed)
+        self._assembly = assembled(self._selections, self._model, options.seed)
         self._groot = publisher_at(options.groot)
         self._resumption = resumption
         if resumption is None:
@@ -149,7 +109,7 @@ class Run:
             folder=self.folder.path,
             recorder=self._recorder(),
             regions=description.regions,
-            can_fail=_can_fail(description),
+            can_fail=can_fail(description),
             guard=GuardSettings(description.faults, description.watch),
             heartbeat_limit_s=description.loop.heartbeat_limit if options.real_time else 0.0,
             late_ticks=description.loop.late_ticks,
@@ -157,7 +117,6 @@ class Run:
         self._tell: Callable[[str], None] = lambda text: None
         self._mission: Mission | None = None
         self._is_closed = False
-        self._begun_cpu_s = 0.0
 
     def execute(
         self, after_tick: Callable[[Mission], None], tell: Callable[[str], None] = lambda text: None
@@ -173,7 +132,8 @@ class Run:
             DataError: If a file that a plugin needs is missing or wrong; nothing has moved then.
         """
         self._tell = tell
-        started_s, self._begun_cpu_s = wall_s(), cpu_s()
+        started_s = wall_s()
+        made = RunReport(self._description, self._selections, self._setup, cpu_s())
         beacon().name(
             run_dir=str(self.folder.path.absolute()),
             mission=self._description.name,
@@ -185,12 +145,12 @@ class Run:
                 wall = wall_s() - started_s
                 self._end_journal(ending)
                 self.folder.give_room()
-                write_report(self.folder.report, self._report(ending, wall))
+                write_report(self.folder.report, made.of(ending, wall, self._mission))
                 truth: dict[str, Any] = {}
                 ending = self._afterwards(ending, self._save_map)
-                ending = self._afterwards(ending, lambda: truth.update(self._truth()))
+                ending = self._afterwards(ending, lambda: truth.update(made.truth(self._mission)))
                 ending = self._afterwards(ending, self._close)
-                report: dict[str, Any] = plain(self._report(ending, wall) | truth)
+                report: dict[str, Any] = plain(made.of(ending, wall, self._mission) | truth)
                 write_report(self.folder.report, report)
                 if self._account.has_ended:
                     self.folder.forget_state()
@@ -267,7 +227,7 @@ class Run:
         plugins = self._assembly.plugins
         if "objects" in plugins:
             plugins["objects"].open(str(self.folder.objects))
-        if self._options.record and "viewing" in plugins:
+        if self._options.record:
             plugins["viewing"].open(str(self.folder.recording))
         if self._options.live is not None:
             self._tell(
@@ -312,109 +272,7 @@ class Run:
         path = self._options.record_log
         return None if path is None else Recorder(path, self._assembly.machine, self._model)
 
-    def _report(self, ending: Ending, wall: float) -> dict[str, Any]:
-        ended_s = self._account.ended_s
-        durations = dict(self._setup.jobs.durations_ms)
-        if self._mission is not None:
-            durations |= self._mission.services.streams.durations_ms
-        return {
-            "mission": self._description.name,
-            "seed": self._options.seed,
-            "outcome": ending.outcome,
-            "reason": ending.reason,
-            "fault": ending.fault,
-            "started_s": 0.0,
-            "ended_s": ended_s,
-            "wall_s": round(wall, 3),
-            "real_time_factor": round(ended_s / max(wall - self._paused_wall_s(), 1e-3), 3),
-            "picks": [pick.as_report() for pick in self._account.picks()],
-            "plugins": {
-                key: [one.name for one in several] for key, several in self._selections.items()
-            },
-            "counts": self._account.counts(),
-            **self._account.findings.as_report(),
-            "ignored_observations": self._ignored(),
-            **self._guarded(),
-            **({} if self._mission is None else self._mission.time_report()),
-            "resources": resources_since(self._begun_cpu_s),
-            "timings_ms": timings_from(durations),
-        }
-
-    def _paused_wall_s(self) -> float:
-        return 0.0 if self._mission is None else self._mission.pause.wall_s
-
-    def _ignored(self) -> dict[str, int]:
-        return dict(self._mission.services.streams.ignored) if self._mission is not None else {}
-
-    def _guarded(self) -> dict[str, Any]:
-        """Return what was injected on purpose, and which observations were refused."""
-        if self._mission is None:
-            return {}
-        injected = self._mission.injector.report()
-        return self._mission.guard.report() | ({"faults": injected} if injected else {})
-
-    def _truth(self) -> dict[str, Any]:
-        if self._mission is None:
-            return {}
-        robot_name = self._description.plugins["robot"][0].name
-        return truth_of(robot_name, self._mission, self._account.picks())
-
     def _save_map(self) -> None:
         if "mapping" in self._assembly.plugins:
             cloud = self._assembly.plugins["mapping"].cloud()
             write_ply(self.folder.map, cloud.points, cloud.frame)
-
-
-def _assembled(selections: Selections, model: str, seed: int) -> Assembly:
-    """Make the plugins.
-
-    Raises:
-        ConfigError: If a plugin refuses its settings or lacks what it needs.
-        RobotError: If the constructor of a plugin raises something else; it names the line.
-    """
-    try:
-        return assemble(selections, model, seed)
-    except ExecutiveError:
-        raise
-    except Exception as error:  # whatever a constructor raises
-        fault = fault_of(error, {})
-        making = "; ".join(getattr(error, "__notes__", ()))
-        raise RobotError(f"{fault.error} {making} ({fault.place})") from error
-
-
-def _can_fail(description: MissionFile) -> frozenset[tuple[str, str]]:
-    """Return capability and name of the plugins that the mission can do without."""
-    return frozenset(
-        (capability, one.name)
-        for capability, several in description.plugins.items()
-        for one in several
-        if one.can_fail
-    )
-
-
-def model_of(description: MissionFile) -> str:
-    """Return the name or folder of the machine of a mission.
-
-    Raises:
-        ConfigError: If the settings of its robot name none.
-    """
-    settings = description.plugins["robot"][0].settings
-    if not isinstance(settings, RobotSettings):
-        raise ConfigError(
-            f"the settings of robot plugin '{description.plugins['robot'][0].name}' name no model"
-        )
-    return settings.model
-
-
-def _selections(description: MissionFile, options: Options) -> Selections:
-    """Leave out the viewer unless something is to be seen.
-
-    Raises:
-        ConfigError: If it is to be seen live, and the mission selects no viewer.
-    """
-    if options.live is not None and "viewing" not in description.plugins:
-        raise ConfigError("--live: the mission selects no viewer; add --set viewing.plugin=rerun")
-    is_seen = options.record or options.live is not None
-    return {
-        name: chosen for name, chosen in description.plugins.items() if name != "viewing" or is_seen
-    }

@@ -9,7 +9,8 @@ from typer.testing import CliRunner
 
 from executive.commands.main import app
 from executive.errors import ConfigError
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 MISSION = Path(__file__).with_name("waits.yaml").read_text(encoding="utf-8")

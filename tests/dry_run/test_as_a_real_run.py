@@ -4,7 +4,8 @@ from executive.dry_run.dry_run import DryOptions, DryRun
 from executive.events.node import NodeEnded, NodeStarted
 from executive.journal import Journal
 from executive.journal.reading import read_journal
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 # The nodes of the language alone: what leaves do is not compared.

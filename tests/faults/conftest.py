@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from executive.journal import Entry, read_journal
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 MISSION = """

@@ -11,8 +11,9 @@ from executive.machine.machine import load_machine
 from executive.messages.command import MoveJaws
 from executive.messages.joints import JointSample
 from executive.mission.operator import Operator
+from executive.mission.options import Options
 from executive.mission.phase import Phase
-from executive.mission.run import Options, Run
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 HEAD = """

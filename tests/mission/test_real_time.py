@@ -6,7 +6,8 @@ import time
 import pytest
 
 from executive.commands.main import main
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 HEAD = """

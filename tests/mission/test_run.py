@@ -11,10 +11,12 @@ import time
 import pytest
 from executive_plugins.robot.kinematic import KinematicRobot
 
+from executive.errors import ConfigError
 from executive.events.mission import PhaseChanged
 from executive.journal import read_journal
+from executive.mission.options import Options
 from executive.mission.report import cpu_s
-from executive.mission.run import Options, Run
+from executive.mission.run import Run
 from executive.mission.stop_signals import Aborted
 from executive.tree.load import load_mission
 
@@ -223,6 +225,13 @@ def test_ended_at_once_no_leaf_outlives_the_robot(tmp_path, monkeypatch):
     swing = [e for e in read_journal(result.folder.journal) if e.node == "main/1:ScanSwing"]
     assert [e.kind for e in swing] == ["node_started", "leaf_called", "node_ended"]
     assert calls == ["stop", "close"]  # the leaf's clean-up stops the machine while there is one
+
+
+def test_a_recording_without_a_viewer_is_refused_before_anything_is_made(tmp_path):
+    cure = "--record: the mission selects no viewer; add --set viewing.plugin=rerun"
+    with pytest.raises(ConfigError, match=cure):
+        run(tmp_path, SWING, record=True)
+    assert not list(tmp_path.glob("**/journal.jsonl"))
 
 
 def test_a_viewer_that_fails_does_not_disturb_the_mission(tmp_path, monkeypatch):

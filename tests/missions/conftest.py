@@ -15,7 +15,8 @@ import pytest
 from executive.commands.main import main
 from executive.journal import read_journal
 from executive.mission.mission import Mission
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 # Half of a run's time goes into lidar returns. With one firing in eight, a swing still gives a

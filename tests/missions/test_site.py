@@ -5,7 +5,8 @@ hopeless sites end clearly.
 import pytest
 
 from executive.journal import read_journal
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 QUICK = """

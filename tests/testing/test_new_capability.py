@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from executive import registry
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.testing.run import Trial, hold_to_contract
 from executive.tree.load import load_mission
 from executive.tree.schema import mission_schema

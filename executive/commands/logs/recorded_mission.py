@@ -15,7 +15,8 @@ from executive.estimate.options import EstimateOptions
 from executive.interfaces.oracle import MissionView, Oracle
 from executive.messages.base_state import BaseState
 from executive.mission.mission import Mission
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.language import MissionFile
 from executive.tree.load import load_mission
 

@@ -170,9 +170,11 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
     _refuse(of_dry, "it belongs to --dry")
 
     with startable():
+        from executive.mission.options import Options
         from executive.mission.preset_answers import preset_answers
         from executive.mission.progress import progress
-        from executive.mission.run import Options, Run, model_of
+        from executive.mission.run import Run
+        from executive.mission.selections import model_of
         from executive.tree.load import load_mission
 
         settings = [*(set_ or ()), *_folder_of(stones)]

@@ -36,7 +36,7 @@ def simulate(
     Example: executive simulate map_site --address unix:/tmp/machine.sock
     """
     from executive.mission.assembly import assemble, needed_for
-    from executive.mission.run import model_of
+    from executive.mission.selections import model_of
     from executive.tree.load import load_mission
     from executive.wire.address import Address
     from executive.wire.machine_server import MachineServer

@@ -10,7 +10,8 @@ from bounds import Bound, Figure, held, judged
 
 from executive.clock import wall_s
 from executive.mission.mission import Mission
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 MISSION = """

@@ -14,7 +14,8 @@ from bounds import Bound, Figure, held
 from executive_plugins.surveying import simulated_drone
 
 from executive.arrays import Float
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 HEADER = "seed  dense_s  first_s attempts matched stones  error_mm"

@@ -12,7 +12,8 @@ from executive_plugins.motion.obstacles import Obstacles
 from scipy.ndimage import minimum_filter
 
 from executive.geometry.voxels import voxel_means
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 AROUND_M, CELL_M, HALF_M = 1.2, 0.1, 10.0

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from bounds import Bound, Figure, held
 
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 from trials.mapping_trials import (
     MACHINE,

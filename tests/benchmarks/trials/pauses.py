@@ -11,7 +11,8 @@ from executive.events.mission import EstimatorStatusChanged, PauseEnded, PhaseCh
 from executive.journal import read_journal
 from executive.mission import run as run_module
 from executive.mission.mission import Mission
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 MISSION = """

@@ -12,7 +12,8 @@ from executive_plugins.robot.kinematic import KinematicRobot
 
 from executive.clock import wall_s
 from executive.mission.mission import Mission
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 MISSION = """

@@ -16,8 +16,9 @@ from executive.events.control import ControlRequested
 from executive.events.mission import PhaseChanged
 from executive.journal import read_journal
 from executive.mission.control.desk import Desk
+from executive.mission.options import Options
 from executive.mission.resume import resumed_run
-from executive.mission.run import Options, Run
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 HEAD = """

@@ -13,7 +13,8 @@ from executive import extras
 from executive.commands.main import app
 from executive.errors import ConfigError
 from executive.mission.groot.watching import publisher_at
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 zmq = pytest.importorskip("zmq", reason="needs the extra 'groot'")

@@ -13,7 +13,8 @@ from executive.mission.groot.breakpoints import Breakpoints
 from executive.mission.groot.protocol import notice_header
 from executive.mission.groot.replies import Replies
 from executive.mission.groot.shown_tree import ShownTree
-from executive.mission.run import Options, Run
+from executive.mission.options import Options
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 msgpack = pytest.importorskip("msgpack")

@@ -12,8 +12,9 @@ from executive.errors import ConfigError, DataError
 from executive.events.mission import Resumed, WorldObserved
 from executive.events.node import LeafTakenUp
 from executive.journal import read_journal
+from executive.mission.options import Options
 from executive.mission.resume import resumed_run
-from executive.mission.run import Options, Run
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 WITHOUT_SOCKET = shutil.ignore_patterns("control.sock")  # which ends with the process

@@ -19,8 +19,9 @@ import numpy as np
 import toy_site
 from executive_plugins.objects.sqlite import SqliteObjects
 
+from executive.mission.options import Options
 from executive.mission.resume import resumed_run
-from executive.mission.run import Options, Run
+from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 KINDS = ("line", "change", "tick")
