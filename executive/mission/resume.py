@@ -10,8 +10,13 @@ from executive.mission.run_folder import RunFolder
 from executive.tree.load import load_mission
 
 
-def resumed_run(path: Path) -> Run:
+def resumed_run(path: Path, *, groot: int | None = None, live: int | None = None) -> Run:
     """Return the run of a folder, ready to go on; nothing has moved.
+
+    Args:
+        path: The folder.
+        groot: Port of 127.0.0.1 at which Groot2 may watch it.
+        live: Port of 127.0.0.1 at which a viewer shows it.
 
     Raises:
         ConfigError: If the folder holds no run, its mission has ended, or another process runs it.
@@ -30,6 +35,8 @@ def resumed_run(path: Path) -> Run:
             choices=tuple(kept.choices),
             attended=kept.attended,
             pause_on_failure=kept.pause_on_failure,
+            groot=groot,
+            live=live,
         )
         return Run(load_mission(str(folder.mission)), options, resumption)
     except BaseException:

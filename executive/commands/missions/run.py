@@ -10,6 +10,15 @@ import typer
 from executive.commands.console import answer, one_of, say
 from executive.commands.missions.dry import DEFAULT_FAILURES, Asked, Draws, Wanted, run_dry
 from executive.commands.missions.starting import startable
+from executive.commands.missions.watching import (
+    GrootOption,
+    GrootPortOption,
+    LiveOption,
+    LivePortOption,
+    groot_port_of,
+    groot_told,
+    live_port_of,
+)
 from executive.commands.options import (
     ByTreeOption,
     JsonOption,
@@ -19,8 +28,6 @@ from executive.commands.options import (
 )
 from executive.errors import ConfigError
 
-_GROOT_PORT = 1667  # of BehaviorTree.CPP
-_LIVE_PORT = 9876  # of rerun
 _RUNNERS = ("inline", "thread", "process")
 
 
@@ -79,34 +86,10 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
             help="Pause when an action fails, until `executive ctl RUN skip`, retry or resume.",
         ),
     ] = False,
-    groot: Annotated[
-        bool,
-        typer.Option("--groot", help="Let Groot2 and btview on this computer watch the tree."),
-    ] = False,
-    groot_port: Annotated[
-        int | None,
-        typer.Option(
-            min=1,
-            max=65534,
-            metavar="PORT",
-            help="Port of --groot on 127.0.0.1, and the next one: 1667 by default.",
-            show_default=False,
-        ),
-    ] = None,
-    live: Annotated[
-        bool,
-        typer.Option("--live", help="Show the mission in a rerun viewer while it runs."),
-    ] = False,
-    live_port: Annotated[
-        int | None,
-        typer.Option(
-            min=1,
-            max=65534,
-            metavar="PORT",
-            help="Port of --live on 127.0.0.1: 9876 by default.",
-            show_default=False,
-        ),
-    ] = None,
+    groot: GrootOption = False,
+    groot_port: GrootPortOption = None,
+    live: LiveOption = False,
+    live_port: LivePortOption = None,
     dry: Annotated[
         bool,
         typer.Option(
@@ -193,12 +176,12 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
             choices=preset.choices,
             attended=attended,
             pause_on_failure=pause_on_failure,
-            groot=groot_port or (_GROOT_PORT if groot else None),
-            live=live_port or (_LIVE_PORT if live else None),
+            groot=groot_port_of(groot, groot_port),
+            live=live_port_of(live, live_port),
         )
         made = Run(description, options)
     if options.groot is not None:
-        say(f"Groot2 and btview connect with 127.0.0.1, port {options.groot}")
+        say(groot_told(options.groot))
     with progress(quiet=quiet) as after_tick:
         result = made.execute(after_tick, say)
     say(result.summary)

@@ -172,3 +172,15 @@ def test_stones_are_where_they_belong_whenever_a_run_is_cut_off(tmp_path, monkey
         report = run.execute(lambda mission: None).report
         assert toy_site.complaints(*judged[0], report) == [], folder.name
         assert json.loads((folder / "report.json").read_text()) == report
+
+
+def test_a_resumed_run_can_be_watched_as_a_first_one_can(tmp_path, monkeypatch):
+    import executive.mission.resume as resume
+
+    asked = []
+    monkeypatch.setattr(resume, "Run", lambda _, options, past: asked.append((options, past)))
+    (folder,) = cut_at(tmp_path, DRY, (20,))
+    resumed_run(folder, groot=1700, live=9900)
+    ((options, past),) = asked
+    past.folder.release()
+    assert (options.groot, options.live, options.run_dir) == (1700, 9900, folder)
