@@ -1,6 +1,7 @@
-"""An object-like part of a cloud."""
+"""Object-like parts of a cloud, and what else rises from its ground."""
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 from executive.arrays import Float, checked
 from executive.messages.cloud import Cloud
@@ -28,6 +29,39 @@ class Segment:
         object.__setattr__(self, "extents", checked("extents", self.extents, 3))
 
 
+class PartKind(StrEnum):
+    """What a part that rises from the ground is taken for, if it is no stone."""
+
+    STACK = "stack"  # several stones that touch or lie on each other, and could not be parted
+    TOO_LARGE = "too_large"
+    TOO_SMALL = "too_small"
+    STRUCTURE = "structure"  # flat, or wider than any heap: a wall, a building, a slope
+    UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LeftOut:
+    """A part that rises from the ground and is no segment.
+
+    Attributes:
+        kind: What it is taken for.
+        reason: What it was measured to be, and the limit.
+        points: Number of its points.
+        centroid: Mean of the points [m], shape (3,).
+        extents: Side lengths of the box along the principal axes, longest first [m], shape (3,).
+    """
+
+    kind: PartKind
+    reason: str
+    points: int
+    centroid: Float
+    extents: Float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "centroid", checked("centroid", self.centroid, 3))
+        object.__setattr__(self, "extents", checked("extents", self.extents, 3))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Segmentation:
     """A cloud split into its ground and the objects on it.
@@ -37,12 +71,18 @@ class Segmentation:
         segments: Object-like parts, the one of most points first.
         ground: Points classified as ground.
         ground_plane: Unit normal n (pointing up) and offset d with n·p = d [m], shape (4,).
+        left_out: Parts that rise from the ground and are no segment, the one of most points first.
+        scattered_points: Points above the ground in clusters too small to be named.
+        warnings: What speaks against the cloud being a site in metres with z up.
     """
 
     frame: str
     segments: tuple[Segment, ...]
     ground: Cloud
     ground_plane: Float
+    left_out: tuple[LeftOut, ...] = ()
+    scattered_points: int = 0
+    warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ground_plane", checked("ground_plane", self.ground_plane, 4))

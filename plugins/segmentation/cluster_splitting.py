@@ -43,6 +43,14 @@ class ClusterSplitter:
     least_height_m: float
     least_share: float
 
+    def count_tops(self, places: Float, heights: Float) -> int:
+        """Return how many summits a part has, seen from above; arguments as in `split`."""
+        return len(np.unique(basins(places, heights, self.cell_m, self.least_drop, self._cells)))
+
+    @property
+    def _cells(self) -> int:
+        return int(0.25 * (self.least_extent_m / self.cell_m) ** 2)
+
     def split(self, points: Float, places: Float, heights: Float) -> list[Int]:
         """Return the rows of each stone's points in a cluster; all rows at once if it is one stone.
 
@@ -54,8 +62,7 @@ class ClusterSplitter:
         fine = connected_clusters(points, np.zeros(len(points), dtype=np.int64), self.fine_voxel_m)
         found = []
         for part in self._believed(fine, points, heights):
-            least_cells = int(0.25 * (self.least_extent_m / self.cell_m) ** 2)
-            valley = basins(places[part], heights[part], self.cell_m, self.least_drop, least_cells)
+            valley = basins(places[part], heights[part], self.cell_m, self.least_drop, self._cells)
             found += [part[rows] for rows in self._believed(valley, points[part], heights[part])]
         return found
 

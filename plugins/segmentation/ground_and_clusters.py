@@ -15,16 +15,18 @@ from executive_plugins.segmentation.shape import (
     principal_extents,
     spans,
 )
+from executive_plugins.segmentation.site_check import site_warnings
 
 from executive.arrays import Float
 from executive.errors import DataError
 from executive.geometry.voxels import voxel_means
 from executive.interfaces.segmentation import Segmenter
 from executive.messages.cloud import Cloud
-from executive.messages.segment import Segment, Segmentation
+from executive.messages.segment import LeftOut, PartKind, Segment, Segmentation
 
 _GROUND_SAMPLE = 20_000  # points that shape the ground: 50 in a square metre over ±10 m
 _WIDEST_HEAP_M = 20.0  # wider clusters are not heaps of stones
+Fault = tuple[Float, PartKind, str]  # points of a part that is no stone, what it is, and why
 
 
 class GroundAndClusters(Segmenter):
@@ -75,13 +77,25 @@ class GroundAndClusters(Segmenter):
         is_rising = heights > settings.plane_margin_m
         rising, lying = np.flatnonzero(is_rising), np.flatnonzero(~is_rising)
         points, heights = cloud.points.take(rising, axis=0) - centre, heights[rising]
-        parts = self._objects(points, heights, points @ surface.R_plane_cloud[:2].T, rng)
+        parts, rest, scattered = self._objects(
+            points, heights, points @ surface.R_plane_cloud[:2].T, rng
+        )
+        warnings = site_warnings(
+            sample,
+            plane,
+            surface.heights_above(sample),
+            settings.plane_margin_m,
+            np.random.default_rng(settings.seed),
+        )
         normals = None if cloud.normals is None else cloud.normals[lying]
         return Segmentation(
             frame=cloud.frame,
             segments=tuple(_segment(number, part + centre) for number, part in enumerate(parts)),
             ground=Cloud(cloud.frame, cloud.points.take(lying, axis=0), normals),
             ground_plane=np.array([*plane[:3], plane[3] + plane[:3] @ centre]),
+            left_out=tuple(_left_out(*one, centre) for one in rest),
+            scattered_points=scattered,
+            warnings=warnings,
         )
 
     def merge(self, clouds: Sequence[Cloud]) -> Cloud:
@@ -97,38 +111,67 @@ class GroundAndClusters(Segmenter):
 
     def _objects(
         self, points: Float, heights: Float, places: Float, rng: np.random.Generator
-    ) -> list[Float]:
-        """Return the point sets that pass size and planarity checks, most points first."""
+    ) -> tuple[list[Float], list[Fault], int]:
+        """Part what rises from the ground.
+
+        Returns:
+            The point sets that pass size and planarity checks, most points first; those that do
+            not, with the kind and the reason; and the number of points in clusters too small.
+        """
         labels = connected_clusters(
             points, np.zeros(len(points), dtype=np.int64), self._settings.voxel_m
         )
         order = np.argsort(labels, kind="stable")
         counts = np.bincount(labels)
-        kept = []
+        kept, rest, scattered = list[Float](), list[Fault](), 0
         for members in np.split(order, np.cumsum(counts)[:-1]):
-            if (
-                len(members) < self._settings.min_points
-                or spans(points[members]).max() > _WIDEST_HEAP_M
-            ):
+            if len(members) < self._settings.min_points:
+                scattered += len(members)
+                continue
+            widest_m = float(spans(points[members]).max())
+            if widest_m > _WIDEST_HEAP_M:
+                reason = f"{widest_m:.1f} m wide, more than any heap ({_WIDEST_HEAP_M:.0f} m)"
+                rest.append((points[members], PartKind.STRUCTURE, reason))
                 continue
             for rows in self._splitter.split(points[members], places[members], heights[members]):
                 part = members[rows]
-                if heights[part].max() >= self._settings.min_height_m and self._is_object(
-                    points[part], rng
-                ):
+                fault = self._fault(points[part], places[part], heights[part], rng)
+                if fault is None:
                     kept.append(points[part])
-        return sorted(kept, key=len, reverse=True)
+                else:
+                    rest.append((points[part], *fault))
+        rest.sort(key=lambda one: -len(one[0]))
+        return sorted(kept, key=len, reverse=True), rest, scattered
 
-    def _is_object(self, part: Float, rng: np.random.Generator) -> bool:
-        settings = self._settings
-        longest = principal_extents(part)[0]
-        if not settings.min_extent_m <= longest <= settings.max_extent_m:
-            return False
+    def _fault(
+        self, part: Float, places: Float, heights: Float, rng: np.random.Generator
+    ) -> tuple[PartKind, str] | None:
+        """Return what a part is and why, if it is no stone."""
+        s, top_m = self._settings, float(heights.max())
+        if top_m < s.min_height_m:
+            return PartKind.TOO_SMALL, f"{top_m:.2f} m high, less than {s.min_height_m:.2f} m"
+        longest_m = float(principal_extents(part)[0])
+        if longest_m < s.min_extent_m:
+            return PartKind.TOO_SMALL, f"{longest_m:.2f} m long, less than {s.min_extent_m:.2f} m"
+        if longest_m > s.max_extent_m:
+            told = f"{longest_m:.2f} m long, more than {s.max_extent_m:.2f} m"
+            tops = self._splitter.count_tops(places, heights)
+            if tops > 1:
+                return PartKind.STACK, f"{told}, with {tops} tops that could not be parted"
+            return PartKind.TOO_LARGE, told
         sample = part[rng.integers(len(part), size=min(len(part), 500))]
         planes = planes_through(sample, rng.integers(len(sample), size=(3, 100)))
-        return len(planes) > 0 and int(
-            counts_near(sample, planes, settings.flat_margin_m).max()
-        ) < (settings.flat_share * len(sample))
+        if not len(planes):
+            return PartKind.UNKNOWN, "its points span no plane"
+        flat = int(counts_near(sample, planes, s.flat_margin_m).max()) / len(sample)
+        if flat >= s.flat_share:
+            return PartKind.STRUCTURE, f"{flat:.0%} of its points are on one plane"
+        return None
+
+
+def _left_out(points: Float, kind: PartKind, reason: str, centre: Float) -> LeftOut:
+    mean = moments(points)[0] + centre
+    return LeftOut(kind, reason, len(points), mean, principal_extents(points))
 
 
 def _segment(number: int, points: Float) -> Segment:

@@ -13,6 +13,7 @@ import pytest
 
 from executive.clouds.ply_writer import write_parts
 from executive.clouds.reader import read_points
+from executive.commands.main import main
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import angle_between, from_rpy
 
@@ -67,6 +68,25 @@ def test_segments_are_listed_and_written(target: Path, tmp_path: Path) -> None:
     assert len(read_points(tmp_path / "parts.ply")) == sum(s["points"] for s in segments)
     written = o3d.io.read_point_cloud(str(tmp_path / "parts.ply"))
     assert len(np.unique(np.asarray(written.colors), axis=0)) == 5
+
+
+def test_what_is_left_out_is_told_and_nothing_to_use_is_status_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(0)
+    ground = rng.uniform([-5, -5, 0], [5, 5, 0.02], (40_000, 3))
+    wall = rng.uniform([-3, 2, 0], [3, 2.02, 1.5], (9000, 3))
+    path = write(tmp_path / "wall.ply", np.vstack([ground, wall]))
+    monkeypatch.setattr(sys, "argv", ["executive", "segment", str(path), "--json"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    told = capsys.readouterr()
+    assert ended.value.code == 1
+    assert "left out: " in told.err
+    assert "nothing to use: no stone was found" in told.err
+    (rest,) = json.loads(told.out)["left_out"]
+    assert rest["kind"] in ("too_large", "structure")
+    assert rest["points"] > 8000
 
 
 @pytest.mark.parametrize("method", ["segment_shot", "segment_fpfh"])

@@ -30,7 +30,7 @@ from executive.messages.placement import Placement, Slot
 from executive.messages.region import Region
 from executive.messages.request import MotionPlan, MoveRequest, PostureRequest
 from executive.messages.sector import Sector
-from executive.messages.segment import Segment, Segmentation
+from executive.messages.segment import LeftOut, PartKind, Segment, Segmentation
 from executive.messages.slot_layout import Row
 from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
@@ -102,6 +102,13 @@ MESSAGES: dict[type, Callable[[], dict[str, object]]] = {
     },
     Cloud: lambda: {"frame": "map", "points": P.copy(), "normals": P.copy()},
     Segment: lambda: {"id": 0, "points": P.copy(), "centroid": zeros(), "extents": zeros()},
+    LeftOut: lambda: {
+        "kind": PartKind.STACK,
+        "reason": "",
+        "points": 9,
+        "centroid": zeros(),
+        "extents": zeros(),
+    },
     Segmentation: lambda: {
         "frame": "map",
         "segments": (),

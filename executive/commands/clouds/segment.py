@@ -9,7 +9,7 @@ from executive.commands.console import answer, check_output, say
 from executive.commands.options import CloudArgument, JsonOption, SetOption, settings
 
 if TYPE_CHECKING:
-    from executive.messages.segment import Segment, Segmentation
+    from executive.messages.segment import LeftOut, Segment, Segmentation
 
 
 def segment(
@@ -23,7 +23,9 @@ def segment(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find the objects on the ground of a cloud.
+    """Find the objects on the ground of a cloud, and say what else rises from it.
+
+    Exit status 1 says that there is none.
 
     Example: executive segment site.ply --out stones.ply
     """
@@ -41,16 +43,30 @@ def segment(
         found = segmenter.segment(Cloud(cloud.stem, points))
     for one in found.segments:
         say(_line(one))
+    for rest in found.left_out:
+        say(_rest_line(rest))
+    if found.scattered_points:
+        say(f"  left out: {found.scattered_points} points above the ground in tiny clusters")
+    for warning in found.warnings:
+        say(f"warning: {warning}")
     say(f"{cloud}: {len(found.segments)} segments of {len(points)} points")
     if out:
         write_parts(out, [one.points for one in found.segments])
     if as_json:
         answer(_answer(found))
+    if not found.segments:
+        say("nothing to use: no stone was found")
+        raise typer.Exit(1)
 
 
 def _line(one: "Segment") -> str:
     centre, size = (" ".join(f"{x:.2f}" for x in values) for values in (one.centroid, one.extents))
     return f"  {one.id:3}  {len(one.points):7} points at {centre} m, {size} m long"
+
+
+def _rest_line(one: "LeftOut") -> str:
+    centre = " ".join(f"{x:.2f}" for x in one.centroid)
+    return f"  left out: {one.kind}, {one.points} points at {centre} m, {one.reason}"
 
 
 def _answer(found: "Segmentation") -> dict[str, Any]:
@@ -63,4 +79,20 @@ def _answer(found: "Segmentation") -> dict[str, Any]:
         }
         for one in found.segments
     ]
-    return {"segments": segments, "ground_plane": found.ground_plane.tolist()}
+    left_out = [
+        {
+            "kind": str(one.kind),
+            "reason": one.reason,
+            "points": one.points,
+            "centroid": one.centroid.tolist(),
+            "extents": one.extents.tolist(),
+        }
+        for one in found.left_out
+    ]
+    return {
+        "segments": segments,
+        "ground_plane": found.ground_plane.tolist(),
+        "left_out": left_out,
+        "scattered_points": found.scattered_points,
+        "warnings": list(found.warnings),
+    }

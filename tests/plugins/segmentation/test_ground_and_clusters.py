@@ -122,3 +122,48 @@ def test_a_cloud_of_one_point_a_thousand_times_is_refused() -> None:
 def test_settings_out_of_range_are_refused() -> None:
     with pytest.raises(ValueError, match="plane_margin_m"):
         segmenter(plane_margin_m=-0.1)
+
+
+def box(size: tuple[float, float, float], place: tuple[float, float]) -> np.ndarray:
+    rng = np.random.default_rng(3)
+    points = rng.uniform(-0.5, 0.5, (8000, 3))
+    axis, side = rng.integers(3, size=8000), rng.choice([-0.5, 0.5], 8000)
+    points[np.arange(8000), axis] = np.where(axis == 2, 0.5, side)
+    return (points + [0, 0, 0.5]) * size + [*place, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("parts", "kind", "reason"),
+    [
+        ([box((1.7, 1.2, 0.9), (-3, -5)), box((1.7, 1.1, 0.9), (-1.28, -5))], "too_large", "3.4"),
+        ([box((2.5, 1.0, 0.9), (-3, -5)), box((2.5, 0.9, 0.8), (-0.8, -4.8)),
+          box((1.6, 0.7, 0.25), (-1.7, -5))], "too_large|stack", " m long, more than 3.00 m"),
+        ([box((0.2, 0.15, 0.3), (-3, -5))], "too_small", "0.38 m long|0.3"),
+        ([box((2.5, 0.02, 1.5), (-3, -5))], "structure", "of its points are on one plane"),
+        ([box((24.0, 0.3, 2.0), (0, -8))], "structure", "m wide, more than any heap (20 m)"),
+    ],
+)  # fmt: skip
+def test_what_is_no_stone_is_told_with_a_reason(
+    parts: list[np.ndarray], kind: str, reason: str
+) -> None:
+    alone = segmenter().segment(Cloud("map", site()))
+    assert alone.left_out == ()
+    limits = {"min_extent_m": 0.5} if kind == "too_small" else {}
+    found = segmenter(**limits).segment(Cloud("map", np.vstack([site(), *parts])))
+    assert len(found.segments) == len(SPOTS)
+    first = found.left_out[0]
+    assert first.kind in kind.split("|")
+    assert any(one in first.reason for one in reason.split("|"))
+    assert first.points > 0.5 * sum(len(part) for part in parts)
+    total = len(found.ground) + found.scattered_points
+    total += sum(len(s.points) for s in found.segments) + sum(x.points for x in found.left_out)
+    assert total == len(site()) + sum(len(part) for part in parts)  # nothing is lost
+
+
+def test_a_cloud_with_z_down_or_y_up_is_warned_of() -> None:
+    assert segmenter().segment(Cloud("map", site())).warnings == ()
+    down = segmenter().segment(Cloud("map", site() * (1, -1, -1)))
+    assert any("is z down?" in one for one in down.warnings)
+    floor = np.random.default_rng(0).uniform([-5, -5, 0], [5, 5, 0.02], (9000, 3))
+    upright = segmenter().segment(Cloud("map", np.vstack([site()[:, [0, 2, 1]], floor])))
+    assert any("is z up?" in one for one in upright.warnings)
