@@ -93,3 +93,13 @@ def test_options_of_the_other_kind_of_run_are_refused(executive, options):
     status, _, errors = executive("run", "map_site", *options)
     assert status == 2
     assert "leave it out" in errors
+
+
+def test_a_dry_run_has_no_report_and_the_cure_is_told(executive, tmp_path):
+    folder = tmp_path / "dry"
+    executive("run", "map_site", "--dry", "--run-dir", folder)
+    status, _, errors = executive("report", folder)
+    assert status == 2
+    assert f"{folder} holds a dry run: its leaves were mocked" in errors
+    assert f"`executive coverage {folder}`" in errors
+    assert not list(folder.glob("report*"))

@@ -64,9 +64,15 @@ def read_run(folder: Path) -> ReadRun:
     """Read the folder of a run.
 
     Raises:
-        ConfigError: If it is no folder of a run.
+        ConfigError: If it is no folder of a run, or the run was dry.
     """
     run = RunFolder(folder)
+    if run.dry_note.is_file():
+        raise ConfigError(
+            f"{folder} holds a dry run: its leaves were mocked, so that there is nothing to report "
+            f"or to compare; `executive coverage {folder}` tells which branches it has taken, and "
+            f"`executive journal {folder}` what happened"
+        )
     damages: list[str] = []
     if not (run.report.is_file() or run.journal.is_file()):
         told = "is no folder of a run: it holds neither report.json nor journal.jsonl"
