@@ -37,42 +37,40 @@ class RepeatReader:
     def for_each(self, table: Table) -> Kind | None:
         """Read `for_each`."""
         body = self._body(table, "for_each")
-        given = self._reading.table(table.entries["for_each"].value, "'for_each'")
+        given = self._item_and(table, "for_each", "in", 'a list or "{key}"')
         if given is None:
             return None
-        self._reading.known_keys(given, ("item", "in"), "'for_each'")
-        item_value, in_value = given.get("item"), given.get("in")
-        if item_value is None or in_value is None:
-            self._reading.fail(
-                given, "'for_each' needs 'item', a name, and 'in', a list or \"{key}\""
-            )
-            return None
-        item, source = (
-            self._reading.name(item_value, "'item'"),
-            self._reading.source(in_value, "'in'"),
-        )
+        item, value = given
+        source = self._reading.source(value, "'in'")
         if isinstance(source, Literally) and not isinstance(source.value, list):
-            self._reading.fail(
-                in_value, f"'in' takes a list or \"{{key}}\", not {describe(in_value)}"
-            )
+            told = f"'in' takes a list or \"{{key}}\", not {describe(value)}"
+            self._reading.fail(value, told)
             return None
         return ForEach(item, source, body) if body and item and source else None
 
     def consume(self, table: Table) -> Kind | None:
         """Read `consume`."""
         body = self._body(table, "consume")
-        given = self._reading.table(table.entries["consume"].value, "'consume'")
+        given = self._item_and(table, "consume", "from", 'the "{key}" of a list')
         if given is None:
             return None
-        self._reading.known_keys(given, ("item", "from"), "'consume'")
-        item_value, from_value = given.get("item"), given.get("from")
-        if item_value is None or from_value is None:
-            told = "'consume' needs 'item', a name, and 'from', the \"{key}\" of a list"
-            self._reading.fail(given, told)
-            return None
-        item = self._reading.name(item_value, "'item'")
-        source = self._reading.reference(from_value, "'from'")
+        item, value = given
+        source = self._reading.reference(value, "'from'")
         return Consume(item, source, body) if body and item and source else None
+
+    def _item_and(
+        self, table: Table, kind: str, key: str, what: str
+    ) -> tuple[str | None, Value] | None:
+        """Return the name of the item, and the value under the key beside it."""
+        given = self._reading.table(table.entries[kind].value, f"'{kind}'")
+        if given is None:
+            return None
+        self._reading.known_keys(given, ("item", key), f"'{kind}'")
+        item, value = given.get("item"), given.get(key)
+        if item is None or value is None:
+            self._reading.fail(given, f"'{kind}' needs 'item', a name, and '{key}', {what}")
+            return None
+        return self._reading.name(item, "'item'"), value
 
     def _body(self, table: Table, kind: str) -> Node | None:
         body = table.get("do")
