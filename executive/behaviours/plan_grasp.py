@@ -47,7 +47,8 @@ class PlanGrasp(Action):
         self.context.record(GraspsPlanned(stone, len(plan.grasps), dict(plan.refused)))
         if not plan.grasps:
             refused = ", ".join(f"{n} {reason}" for reason, n in plan.refused.items())
-            reason = f"no grasp of stone {stone}: {refused or 'no hypothesis'}"
+            figures = f" ({plan.detail})" if plan.detail else ""
+            reason = f"no grasp of stone {stone}: {refused or 'no hypothesis'}{figures}"
             return failed(reason, is_final=plan.is_final)
         self.context.show("grasp", plan.grasps[0])
         return succeeded(Grasps(list(plan.grasps)), f"{len(plan.grasps)} grasps")

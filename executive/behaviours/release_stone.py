@@ -4,7 +4,7 @@ from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Newtons, Radians, Settings
-from executive.events.stone import StoneLetGo, StoneReleased
+from executive.events.stone import StoneLetGo, StoneReleased, StoneWeighed
 from executive.geometry.gap import gap_below
 from executive.geometry.pose import transform
 from executive.interfaces.mapping import Mapper
@@ -67,6 +67,9 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
             stone = self._released(hold, T_map_gripper, placement)
         self.context.show(f"stones/{stone.id}", stone)
         self._record(stone, placement)
+        if (weight := self.context.weight()) is not None:
+            self.context.use(ObjectDatabase).weigh(stone.id, weight, self.context.now_s())
+            self.context.record(StoneWeighed(stone.id, weight.mass_kg, weight.std_kg))
         return succeeded()
 
     def _released(self, hold: Hold, T_map_gripper: Float, placement: Placement | None) -> Stone:

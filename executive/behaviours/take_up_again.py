@@ -12,7 +12,7 @@ class TakeUpAgain(Condition):
     """Make stones movable again that were set aside before another was placed; fail if none was.
 
     What was in their way may be gone. Where nothing has moved since, another attempt would end as
-    the last one did.
+    the last one did, and so it would for a stone that is too heavy: those are left.
     """
 
     needs = (ObjectDatabase,)
@@ -28,7 +28,9 @@ class TakeUpAgain(Condition):
         left = tuple(
             s.id
             for s in stones
-            if s.state is StoneState.SET_ASIDE and self._since_s(s) < last_placed_s
+            if s.state is StoneState.SET_ASIDE
+            and self._since_s(s) < last_placed_s
+            and not self.context.is_given_up(s.id)
         )
         if not left:
             return failed("no stone was set aside for a reason that may be gone")

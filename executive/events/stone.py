@@ -107,6 +107,45 @@ class StoneReleased(Event):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class StoneWeighed(Event):
+    """A stone was weighed while it was carried.
+
+    Attributes:
+        stone: Id of the stone.
+        mass_kg: Its mass [kg].
+        std_kg: Standard deviation of the mass [kg].
+    """
+
+    stone: int
+    mass_kg: float
+    std_kg: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlacementVerified(Event):
+    """A released stone was looked for at its place.
+
+    Attributes:
+        stone: Id of the stone.
+        slot: Number of the slot.
+        seen: `placed` if it stands there within the mission's tolerance, `off` if it does not,
+            `unseen` if it was not recognised.
+        off_m: Distance of its centre from the plan [m]; None if it is unseen.
+        tilt_rad: Tilt against the plan [rad]; None if it is unseen.
+        rule: What the mission does with a stone that is off: correct, keep, set_aside; else empty.
+        reason: What is wrong; empty if it is placed.
+    """
+
+    stone: int
+    slot: int
+    seen: str
+    off_m: float | None
+    tilt_rad: float | None
+    rule: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class StoneLetGo(Event):
     """A stone was released where it was, without a placement; its pose is an estimate, (4, 4)."""
 

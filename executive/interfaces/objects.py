@@ -9,6 +9,7 @@ from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment
 from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
+from executive.messages.weight import Weight
 
 
 class ObjectDatabase(Plugin, ABC):
@@ -77,6 +78,10 @@ class ObjectDatabase(Plugin, ABC):
         """Correct the stone's pose by a rigid motion in the map, found by alignment; the note says
         how it was.
         """
+
+    def weigh(self, stone_id: int, weight: Weight, stamp_s: float) -> Stone:
+        """Note what the stone weighs; by default it is not kept."""
+        return self.stone(stone_id)
 
     @abstractmethod
     def set_state(self, stone_id: int, state: StoneState, stamp_s: float) -> Stone:

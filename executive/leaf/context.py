@@ -16,6 +16,7 @@ from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
 from executive.messages.region import Region
 from executive.messages.verdict import Verdict
+from executive.messages.weight import Weight
 
 Interface = TypeVar("Interface")
 Arguments = ParamSpec("Arguments")
@@ -115,6 +116,20 @@ class Context(ABC):
     @abstractmethod
     def verdicts(self) -> tuple[Verdict, ...]:
         """Return the monitors' verdicts since `begin_hold`, oldest first."""
+
+    def weight(self) -> Weight | None:
+        """Return the mass of the stone of this or the last hold, as the monitors weighed it while
+        it was carried; None if none did.
+        """
+        return None
+
+    def payload_kg(self) -> float | None:
+        """Return the mass in the jaws now [kg], of a machine at rest; None if no monitor tells."""
+        return None
+
+    def is_given_up(self, stone: int) -> bool:
+        """Return whether a stone was set aside for a reason that no other attempt can change."""
+        return False
 
     @abstractmethod
     def last_failure(self) -> str:

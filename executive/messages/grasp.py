@@ -41,8 +41,10 @@ class GraspPlan:
         refused: Number of hypotheses by reason, such as `palm_in_ground`.
         is_final: Whether another plan for the same stone would refuse it too, because it is too
             heavy or too large for the machine: then nothing retries it.
+        detail: The measured figures behind a refusal, in words.
     """
 
     grasps: tuple[Grasp, ...]
     refused: Mapping[str, int]
     is_final: bool = False
+    detail: str = ""

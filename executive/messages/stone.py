@@ -8,6 +8,7 @@ import numpy as np
 from executive.arrays import Float, checked
 from executive.geometry.convex import volume_and_centroid
 from executive.geometry.polygon import Box, outline_of, smallest_box
+from executive.messages.weight import Weight
 
 # Density of the rocks that walls are built of, granite, gneiss and limestone: 2600 to 2800 kg/m³
 # (Schön 2015, Physical Properties of Rocks, Table 4.1).
@@ -42,6 +43,7 @@ class Stone:
         T_map_object: Pose of the object's frame, shape (4, 4). When the stone is first seen, its
             origin is the centroid and its axes are those of the map.
         seen_from_above: Whether a drone survey's points are part of the model.
+        weight: What it weighs; None until it was lifted and weighed.
     """
 
     id: int
@@ -50,6 +52,7 @@ class Stone:
     centroid_map: Float
     T_map_object: Float
     seen_from_above: bool
+    weight: Weight | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "points_map", checked("points_map", self.points_map, None, 3))
@@ -75,12 +78,16 @@ class Stone:
 
     @property
     def mass_kg(self) -> float:
-        """Mass [kg], estimated as `mass_source` tells."""
+        """Mass [kg], weighed or estimated as `mass_source` tells."""
+        if self.weight is not None:
+            return self.weight.mass_kg
         return self.volume_m3 * STONE_DENSITY_KG_M3
 
     @property
     def mass_source(self) -> str:
         """Where the mass comes from."""
+        if self.weight is not None:
+            return f"weighed, ± {self.weight.std_kg:.0f} kg"
         return f"volume × {STONE_DENSITY_KG_M3:.0f} kg/m³, not weighed"
 
     @property

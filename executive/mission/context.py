@@ -21,6 +21,7 @@ from executive.messages.base_state import BaseState
 from executive.messages.joints import JointSample
 from executive.messages.region import Region
 from executive.messages.verdict import Verdict
+from executive.messages.weight import Weight
 from executive.mission.assembly import seeded
 from executive.mission.jobs.jobs import Jobs
 from executive.mission.record.account import Account
@@ -142,6 +143,17 @@ class NodeContext(Context):
 
     def verdicts(self) -> tuple[Verdict, ...]:
         return tuple(self._services.verdicts)
+
+    def weight(self) -> Weight | None:
+        found = (monitor.weight() for monitor in self._monitors())
+        return next((one for one in found if one is not None), None)
+
+    def payload_kg(self) -> float | None:
+        found = (monitor.payload_kg(self.joints()) for monitor in self._monitors())
+        return next((one for one in found if one is not None), None)
+
+    def is_given_up(self, stone: int) -> bool:
+        return stone in self._services.account.given_up
 
     def last_failure(self) -> str:
         return self._services.account.last_failure(self._node.rpartition("/")[0])

@@ -33,6 +33,10 @@ def line_of(event: Event) -> str:  # noqa: C901 - one line a kind of event
         case stone.StoneRealigned():
             result = "realigned" if event.accepted else f"not realigned: {event.reason}"
             return f"stone {event.stone}: {result}"
+        case stone.StoneWeighed():
+            return f"stone {event.stone}: weighs {event.mass_kg:.0f} ± {event.std_kg:.0f} kg"
+        case stone.PlacementVerified() if event.seen != "placed":
+            return f"stone {event.stone}: {event.seen}, {event.reason}"
         case stone.StoneSetAside():
             return f"stone {event.stone}: set aside, {event.reason}"
         case mission.VerdictGiven():

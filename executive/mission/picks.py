@@ -10,10 +10,12 @@ from executive.events.stone import (
     AttemptStarted,
     GraspRecord,
     JawsClosedOnNothing,
+    PlacementVerified,
     StoneRealigned,
     StoneReleased,
     StoneSetAside,
     StonesTakenUpAgain,
+    StoneWeighed,
 )
 from executive.interfaces.oracle import Attempt
 from executive.messages.verdict import Trouble
@@ -43,11 +45,28 @@ class Pick:
     released: StoneReleased | None = None
     estimated_pose: Any = None
     set_aside: str = ""
+    verified: PlacementVerified | None = None  # of the newest release
+    weighed: StoneWeighed | None = None
 
     @property
     def is_over(self) -> bool:
         """Return whether the stone was set down on its slot, or set aside."""
         return self.released is not None or bool(self.set_aside)
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether it was set down on a slot, and not seen elsewhere since."""
+        return self.released is not None and not self.is_off
+
+    @property
+    def is_off(self) -> bool:
+        """Whether the stone was last seen off the place on which it was set down."""
+        return self.verified is not None and self.verified.seen == "off"
+
+    @property
+    def is_unseen(self) -> bool:
+        """Whether the stone was not seen after its release."""
+        return self.verified is None or self.verified.seen == "unseen"
 
     def as_report(self) -> dict[str, Any]:
         """Return the entry of the report."""
@@ -65,11 +84,16 @@ class Pick:
                 }
                 for t in self.tries
             ],
-            "placed": released is not None,
+            "placed": self.is_placed,
             "slot": released.slot if released is not None else None,
             "planned_pose": released.planned_pose if released is not None else None,
             "estimated_pose": estimated if self.estimated_pose is None else self.estimated_pose,
             "set_aside": self.set_aside or None,
+            "seen": None if self.verified is None else self.verified.seen,
+            "off_m": None if self.verified is None else self.verified.off_m,
+            "tilt_rad": None if self.verified is None else self.verified.tilt_rad,
+            "mass_kg": None if self.weighed is None else round(self.weighed.mass_kg, 1),
+            "mass_std_kg": None if self.weighed is None else round(self.weighed.std_kg, 1),
         }
 
 
@@ -100,6 +124,10 @@ class Picks:
                 self._pick_of(event.stone).set_aside = event.reason
             case StoneRealigned() if event.stone in self._newest:
                 self._newest[event.stone].estimated_pose = event.estimated_pose
+            case StoneWeighed() if event.stone in self._newest:
+                self._newest[event.stone].weighed = event
+            case PlacementVerified() if event.stone in self._newest:
+                self._verify(event)
             case StonesTakenUpAgain():
                 for stone in event.stones:  # the pick goes on, and its tries before that count
                     self._newest[stone].set_aside = ""
@@ -123,6 +151,14 @@ class Picks:
             pick = self._newest[stone] = Pick(stone)
             self.all.append(pick)
         return pick
+
+    def _verify(self, event: PlacementVerified) -> None:
+        """Take what was seen of a release: a stone that is to be corrected is not placed."""
+        pick = self._newest[event.stone]
+        pick.verified = event
+        if event.rule == "correct" and pick.tries:
+            pick.released = None
+            pick.tries[-1].outcome, pick.tries[-1].reason = "off", event.reason
 
     def _take_verdict(self, time_s: float, event: VerdictGiven) -> None:
         current = self._current

@@ -57,6 +57,15 @@ class Order:
     least_score: float = -np.inf
 
 
+@dataclass(frozen=True, slots=True)
+class _Load:
+    """Mass of a stone and the least that it may be [kg], and where they come from."""
+
+    mass_kg: float
+    least_kg: float
+    words: str
+
+
 class SampledPlanner(GraspPlanner):
     """Samples grasps of a stone, orders them, and returns the first that are feasible.
 
@@ -98,18 +107,33 @@ class SampledPlanner(GraspPlanner):
             return GraspPlan((), {"too_few_points": 1})
         s = self._settings
         scene = self._sampler.scene(target.points_map, cloud.points, rng)
-        if scene.volume_m3 * s.density > s.overload * self._machine.payload_kg:
-            return GraspPlan((), {"too_heavy": 1}, is_final=True)
+        load, limit_kg = self._load(target, scene), self._machine.payload_kg
+        if load.least_kg > limit_kg:
+            detail = f"{load.words}, and the gripper lifts {limit_kg:.0f} kg"
+            return GraspPlan((), {"too_heavy": 1}, is_final=True, detail=detail)
         if scene.least_width_m > self._machine.gripper.max_opening_m:
-            return GraspPlan((), {"wider_than_opening": 1})
+            detail = (
+                f"{scene.least_width_m:.2f} m wide, and the jaws open to "
+                f"{self._machine.gripper.max_opening_m:.2f} m"
+            )
+            return GraspPlan((), {"wider_than_opening": 1}, detail=detail)
         pool = self._sampler.pool(scene, rng)
         refused = Counter(pool.refused)
         grasps = (
-            self._chosen(scene, pool, checked("T_map_base", T_map_base, 4, 4), refused)
+            self._chosen(scene, pool, checked("T_map_base", T_map_base, 4, 4), load, refused)
             if len(pool)
             else ()
         )
         return GraspPlan(grasps, {reason: n for reason, n in sorted(refused.items()) if n})
+
+    def _load(self, target: Stone, scene: PlanningCloud) -> _Load:
+        """Return the weighed mass of a stone, or that of its hull."""
+        weight = target.weight
+        if weight is not None:
+            return _Load(weight.mass_kg, weight.mass_kg - 2 * weight.std_kg, f"weighed: {weight}")
+        mass_kg = scene.volume_m3 * self._settings.density
+        words = f"{mass_kg:.0f} kg by its volume, not weighed"
+        return _Load(mass_kg, mass_kg / self._settings.overload, words)
 
     def paper_order(self, pool: Pool) -> Iterator[int]:
         """Yield the indices of a pool in the order of the paper's stages (Sec. 5.4).
@@ -123,7 +147,12 @@ class SampledPlanner(GraspPlanner):
         )
 
     def _chosen(
-        self, scene: PlanningCloud, pool: Pool, T_map_base: Float, refused: Counter[str]
+        self,
+        scene: PlanningCloud,
+        pool: Pool,
+        T_map_base: Float,
+        load: _Load,
+        refused: Counter[str],
     ) -> tuple[Grasp, ...]:
         """Simulate lifts of the first feasible grasps, and rank them by worth less slip.
 
@@ -132,12 +161,11 @@ class SampledPlanner(GraspPlanner):
         no other one can become the best: its worth is at most the score of the best.
         """
         s, gripper = self._settings, self._machine.gripper
-        mass_kg = scene.volume_m3 * s.density
-        simulated_lift = SimulatedLift(gripper, scene.body, scene.ground.normal, mass_kg)
+        simulated_lift = SimulatedLift(gripper, scene.body, scene.ground.normal, load.mass_kg)
         order = self.ordered(scene, pool)
         grasps: list[Grasp] = []
         firm, best = 0, -np.inf
-        attainable = self._attainable(scene, pool, order.indices, T_map_base, refused)
+        attainable = self._attainable(scene, pool, order.indices, T_map_base, load, refused)
         for tried, (i, T_map_gripper) in enumerate(attainable, start=1):
             if order.is_telling and firm >= _ENOUGH and best >= order.worth[i]:
                 break
@@ -168,6 +196,7 @@ class SampledPlanner(GraspPlanner):
         pool: Pool,
         order: Iterable[int],
         T_map_base: Float,
+        load: _Load,
         refused: Counter[str],
     ) -> Iterator[tuple[int, Float]]:
         """Yield index and T_map_gripper of the feasible grasps, in the given order.
@@ -176,7 +205,6 @@ class SampledPlanner(GraspPlanner):
         """
         gripper, scale, up = self._machine.gripper, self._settings.scale, scene.ground.normal
         approach_m, room_m = scale * self._settings.approach_m, scale * _ROOM_IN_CLOUD_M
-        mass_kg = scene.volume_m3 * self._settings.density / self._settings.overload
         approach, fcl_check = ApproachPath(gripper, scale), FclCheck(gripper, room_m)
         for i in spread(order, pool.R, pool.position, scale * _SPREAD_M, _SPREAD_RAD):
             T_plan_gripper = pose(pool.R[i], pool.position[i])
@@ -185,7 +213,7 @@ class SampledPlanner(GraspPlanner):
             )
             if T_map_gripper is None:
                 refused["out_of_reach"] += 1
-            elif not self._arm.holds(T_map_gripper, T_map_base, mass_kg):
+            elif not self._arm.holds(T_map_gripper, T_map_base, load.least_kg):
                 refused["too_heavy_at_radius"] += 1
             elif not approach.is_free(scene.points, T_plan_gripper, up, approach_m, room_m):
                 refused["approach_blocked"] += 1

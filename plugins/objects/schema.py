@@ -10,6 +10,7 @@ from executive.errors import DataError
 from executive.geometry.pose import transform
 from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
+from executive.messages.weight import Weight
 
 VERSION = 2
 
@@ -32,6 +33,16 @@ CREATE TABLE events (
     note TEXT NOT NULL                -- its origin, for people
 );
 CREATE INDEX events_of_stone ON events(stone_id);
+"""
+
+# Later than the others, and not in files that were written before it.
+WEIGHTS = """
+CREATE TABLE IF NOT EXISTS weights (
+    stone_id INTEGER PRIMARY KEY REFERENCES stones(id),
+    mass_kg REAL NOT NULL,
+    std_kg REAL NOT NULL,             -- standard deviation
+    stamp_s REAL NOT NULL
+);
 """
 
 
@@ -76,8 +87,17 @@ def unpack_pose(blob: bytes) -> Float:
     return np.frombuffer(blob, dtype="<f8").reshape(4, 4).astype(np.float64)
 
 
-def read_stone(row: sqlite3.Row) -> Stone:
-    """Build a stone from its row."""
+def read_weights(connection: sqlite3.Connection) -> dict[int, Weight]:
+    """Return the weighed masses by the stones' ids; none in a file without their table."""
+    query = "SELECT 1 FROM sqlite_master WHERE name = 'weights'"
+    if connection.execute(query).fetchone() is None:
+        return {}
+    rows = connection.execute("SELECT stone_id, mass_kg, std_kg FROM weights").fetchall()
+    return {row["stone_id"]: Weight(row["mass_kg"], row["std_kg"]) for row in rows}
+
+
+def read_stone(row: sqlite3.Row, weight: Weight | None = None) -> Stone:
+    """Build a stone from its row, and what it weighs."""
     T = unpack_pose(row["T_map_object"])
     points = transform(T, unpack(row["points_object"]))
     return Stone(
@@ -87,6 +107,7 @@ def read_stone(row: sqlite3.Row) -> Stone:
         centroid_map=points.mean(axis=0),
         T_map_object=T,
         seen_from_above=bool(row["seen_from_above"]),
+        weight=weight,
     )
 
 

@@ -11,7 +11,14 @@ from executive_plugins.objects.association import associate
 from executive_plugins.objects.database_file import open_file, transaction
 from executive_plugins.objects.growth import Fit, fit_of, icp_shift, merged, shifts_of
 from executive_plugins.objects.scene import surface_within, surroundings, unexplained
-from executive_plugins.objects.schema import pack_pose, read_event, read_stone, unpack_pose
+from executive_plugins.objects.schema import (
+    WEIGHTS,
+    pack_pose,
+    read_event,
+    read_stone,
+    read_weights,
+    unpack_pose,
+)
 from executive_plugins.objects.settings import SqliteObjectsSettings
 from executive_plugins.objects.surface import pack
 
@@ -23,6 +30,7 @@ from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment
 from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
+from executive.messages.weight import Weight
 
 
 class SqliteObjects(ObjectDatabase):
@@ -79,11 +87,12 @@ class SqliteObjects(ObjectDatabase):
     def stones(self) -> tuple[Stone, ...]:
         """Return all stones, by id."""
         with closing(self._connection().execute("SELECT * FROM stones ORDER BY id")) as rows:
-            return tuple(read_stone(row) for row in rows)
+            weights = read_weights(self._connection())
+            return tuple(read_stone(row, weights.get(row["id"])) for row in rows)
 
     def stone(self, stone_id: int) -> Stone:
         """Return one stone as it is now."""
-        return read_stone(self._row(stone_id))
+        return read_stone(self._row(stone_id), read_weights(self._connection()).get(stone_id))
 
     def history(self, stone_id: int) -> tuple[StoneEvent, ...]:
         """Return the events of a stone, oldest first."""
@@ -139,6 +148,17 @@ class SqliteObjects(ObjectDatabase):
         with self._transaction() as db:
             self._move(db, row, T)
             self._note(db, stone_id, stamp_s, "realign", StoneState(row["state"]), note)
+        return self.stone(stone_id)
+
+    def weigh(self, stone_id: int, weight: Weight, stamp_s: float) -> Stone:
+        """Store what the stone weighs; the newest weight counts."""
+        self._row(stone_id)
+        with self._transaction() as db:
+            db.execute(WEIGHTS)  # a file of an older run has no table for it
+            db.execute(
+                "INSERT OR REPLACE INTO weights VALUES (?, ?, ?, ?)",
+                (stone_id, weight.mass_kg, weight.std_kg, stamp_s),
+            )
         return self.stone(stone_id)
 
     def set_state(self, stone_id: int, state: StoneState, stamp_s: float) -> Stone:

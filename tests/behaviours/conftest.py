@@ -64,6 +64,9 @@ class FakeContext(Context):
         self.run_folder = Path()
         self.holds = []
         self.troubles = []
+        self.weighed = None
+        self.payload = None
+        self.given_up = frozenset()
         self.regions = {}
         self._machine = load_machine("m545")
         self.positions = lambda time_s: [
@@ -121,6 +124,15 @@ class FakeContext(Context):
 
     def verdicts(self):
         return tuple(self.troubles)
+
+    def weight(self):
+        return self.weighed
+
+    def payload_kg(self):
+        return self.payload
+
+    def is_given_up(self, stone):
+        return stone in self.given_up
 
     def last_failure(self):
         return "no way there"

@@ -12,16 +12,19 @@ from executive.behaviours.plan_placement import PlanPlacement
 from executive.behaviours.plan_set_down import PlanSetDown
 from executive.behaviours.release_stone import ReleaseStone
 from executive.behaviours.relocate_and_realign import RelocateAndRealign
+from executive.behaviours.verify_placement import VerifyPlacement
 from executive.errors import DataError
 from executive.events.stone import (
     ArrivedEarly,
     PlaceForgotten,
+    PlacementVerified,
     StoneLetGo,
     StoneRealigned,
     StoneReleased,
     StoneSoughtAgain,
 )
-from executive.geometry.pose import pose
+from executive.geometry.pose import inverse, pose
+from executive.geometry.rotation import from_rpy
 from executive.interfaces.alignment import Aligner
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.placing import PlacementPlanner
@@ -37,6 +40,7 @@ from executive.messages.segment import Segment, Segmentation
 from executive.messages.stone import StoneState
 from executive.messages.trajectory import JointTrajectory
 from executive.messages.verdict import Trouble, Verdict
+from executive.messages.weight import Weight
 
 NO_PATH = np.zeros((0, 3))
 NO_WAY = MotionPlan(None, "the boom would hit stone 2", NO_PATH)
@@ -329,3 +333,89 @@ def test_a_stone_that_is_gone_is_a_failure(stage, search, database):
     plugins(search)["mapping"] = stage.PointMap([])
     ended = search.tick(FindAgain, stone=2)
     assert (ended.status, ended.reason) == ("FAILURE", "the map shows nothing around stone 2")
+
+
+def set_down(world, database, *, realigned=None):
+    """Set stone 1 down as planned on slot 1; a realignment may show it elsewhere."""
+    before = database.stone(1)
+    database.release(1, world.hold.T_map_gripper, 5.0, StoneState.PLACED)
+    if realigned is not None:
+        database.realign(1, realigned, 6.0, "alignment")
+    return Placement(SLOTS[0], world.hold.T_map_gripper, before.T_map_object)
+
+
+def tilted(database, angle_rad):
+    """Return the motion in the map that tips stone 1 over its centre."""
+    centre = pose(t=database.stone(1).centroid_map)
+    return centre @ pose(from_rpy(angle_rad, 0.0, 0.0)) @ inverse(centre)
+
+
+def verified(ended):
+    (event,) = (one for one in ended.events if isinstance(one, PlacementVerified))
+    return event
+
+
+def test_a_stone_that_is_seen_at_its_place_is_placed(world, database):
+    planned = set_down(world, database, realigned=pose(t=np.array([0.05, 0.0, 0.0])))
+    ended = world.tick(VerifyPlacement, stone=1, placement=planned)
+    assert ended.status == "SUCCESS"
+    assert (verified(ended).seen, verified(ended).off_m) == ("placed", pytest.approx(0.05))
+    assert database.stone(1).state is StoneState.PLACED
+
+
+@pytest.mark.parametrize(
+    ("rule", "status", "state"),
+    [
+        ("correct", "FAILURE", StoneState.ON_GROUND),
+        ("keep", "SUCCESS", StoneState.PLACED),
+        ("set_aside", "SUCCESS", StoneState.SET_ASIDE),
+    ],
+)
+def test_a_stone_that_stands_off_its_place_is_treated_by_the_missions_rule(
+    world, database, rule, status, state
+):
+    planned = set_down(world, database, realigned=pose(t=np.array([0.36, 0.0, 0.0])))
+    ended = world.tick(VerifyPlacement, settings={"otherwise": rule}, stone=1, placement=planned)
+    assert ended.status == status
+    assert "stone 1 is 0.36 m off its place" in ended.reason
+    assert (verified(ended).seen, verified(ended).rule) == ("off", rule)
+    assert database.stone(1).state is state
+
+
+def test_a_stone_that_toppled_on_its_place_is_off(world, database):
+    planned = set_down(world, database, realigned=tilted(database, np.radians(88)))
+    ended = world.tick(VerifyPlacement, stone=1, placement=planned)
+    assert (ended.status, "tilted by 88°" in ended.reason) == ("FAILURE", True)
+
+
+def test_a_stone_that_turned_about_the_vertical_is_placed(world, database):
+    centre = pose(t=database.stone(1).centroid_map)
+    turn = centre @ pose(from_rpy(0.0, 0.0, 1.0)) @ inverse(centre)
+    planned = set_down(world, database, realigned=turn)
+    assert world.tick(VerifyPlacement, stone=1, placement=planned).status == "SUCCESS"
+
+
+def test_a_stone_that_was_not_recognised_counts_as_unseen(world, database):
+    planned = set_down(world, database)
+    ended = world.tick(VerifyPlacement, stone=1, placement=planned)
+    assert (ended.status, verified(ended).seen) == ("SUCCESS", "unseen")
+    assert "not recognised" in ended.reason
+
+
+def test_a_stone_that_hangs_in_the_opened_jaws_is_not_placed(world, database):
+    planned = set_down(world, database, realigned=pose())
+    world.leaf_context.weighed, world.leaf_context.payload = Weight(1500.0, 30.0), 1450.0
+    ended = world.tick(VerifyPlacement, stone=1, placement=planned)
+    assert (ended.status, "hangs in the jaws with 1450 kg" in ended.reason) == ("FAILURE", True)
+    world.leaf_context.payload = 40.0
+    assert world.tick(VerifyPlacement, stone=1, placement=planned).status == "SUCCESS"
+
+
+def test_what_was_weighed_is_kept_with_the_stone(world, database):
+    world.leaf_context.weighed = Weight(1500.0, 30.0)
+    ended = world.tick(ReleaseStone, hold=world.hold, placement=placement(SLOTS[0]))
+    assert [type(event).__name__ for event in ended.events] == ["StoneReleased", "StoneWeighed"]
+    stone = database.stone(1)
+    assert (stone.weight, stone.mass_kg) == (Weight(1500.0, 30.0), 1500.0)
+    assert stone.mass_source == "weighed, ± 30 kg"
+    assert database.stone(2).weight is None

@@ -62,3 +62,11 @@ def test_where_nothing_has_moved_since_another_try_is_no_use(objects, fakes):
     outcome = TakeUpAgain(NoSettings(), fakes.Context(objects=objects)).check()
     assert not outcome.success
     assert objects.stone(1).state is StoneState.SET_ASIDE
+
+
+def test_a_stone_that_no_attempt_can_move_is_left(objects, fakes):
+    set_aside(objects, 1, 10.0)
+    place(objects, 2, 20.0)
+    context = fakes.Context(objects=objects)
+    context.given_up = frozenset({1})
+    assert not TakeUpAgain(NoSettings(), context).check().success

@@ -8,6 +8,7 @@ from executive.events.stone import (
     AttemptStarted,
     GraspRecord,
     JawsClosedOnNothing,
+    PlacementVerified,
     StoneGrasped,
     StoneRealigned,
     StoneReleased,
@@ -98,6 +99,28 @@ def test_a_slip_of_the_next_attempt_is_another_one():
     slip = verdict(Trouble.SLIP, "jaws closed further")
     story = journal_of((10, attempt(1)), (20, slip), (30, attempt(1)), (40, slip))
     assert Account.of(story).counts()["slips"] == 2
+
+
+def looked_at(stone, seen, rule=""):
+    off_m = 0.36 if seen == "off" else 0.04
+    reason = "is 0.36 m off its place" if seen == "off" else ""
+    return PlacementVerified(stone, 4, seen, off_m, 0.0, rule, reason)
+
+
+def test_placed_is_what_was_seen():
+    story = journal_of(
+        (10, attempt(1)), (40, released(1)), (50, looked_at(1, "off", "correct")),
+        (60, attempt(1)), (90, released(1)), (95, looked_at(1, "placed")),
+        (100, attempt(2)), (140, released(2)), (150, looked_at(2, "off", "keep")),
+        (160, attempt(3)), (190, released(3)), (195, looked_at(3, "unseen")),
+    )  # fmt: skip
+    account = Account.of(story)
+    first, second, third = (pick.as_report() for pick in account.picks())
+    assert [t["outcome"] for t in first["attempts"]] == ["off", "placed"]
+    assert [pick["placed"] for pick in (first, second, third)] == [True, False, True]
+    assert [pick["seen"] for pick in (first, second, third)] == ["placed", "off", "unseen"]
+    told = ("placed", "off", "unseen", "corrected", "first_attempt")
+    assert [account.counts()[name] for name in told] == [2, 1, 1, 1, 1]
 
 
 def test_a_stone_that_is_moved_again_is_picked_again():

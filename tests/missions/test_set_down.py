@@ -29,3 +29,30 @@ def test_the_gripper_is_lowered_only_with_a_stone(command_line, tmp_path, holdin
     mocks.write_text(text)
     answer = command_line("run", "relocate", "--dry", "--failures", "0", "--mocks", str(mocks))
     assert answer.status == 0, answer.err
+
+
+def rehearsed(command_line, tmp_path, *lines):
+    """Run `relocate` dry with mocked leaves, and return the answer."""
+    mocks = tmp_path / "mocks.yaml"
+    mocks.write_text("\n".join(["api: 1", "mocks:", *lines]) + "\n")
+    return command_line("run", "relocate", "--dry", "--failures", "0", "--mocks", str(mocks))
+
+
+def test_a_stone_that_is_too_heavy_is_tried_once(command_line, tmp_path):
+    answer = rehearsed(
+        command_line, tmp_path,
+        "  NoStoneLeft: [failure, success]", "  SelectLargest: success", "  FindFreeSlots: success",
+        "  PlanGrasp: {status: failure, final: true, reason: too heavy}",
+        "expect:", "  ends: {PlanGrasp: [failure]}", "  not_visited: [PlanPick]",
+    )  # fmt: skip
+    assert answer.status == 0, answer.err
+
+
+def test_a_stone_that_is_seen_off_its_place_is_picked_again(command_line, tmp_path):
+    answer = rehearsed(
+        command_line, tmp_path,
+        "  NoStoneLeft: [failure, success]", "  SelectLargest: success", "  FindFreeSlots: success",
+        "  VerifyPlacement: [failure, success]", "  DetectSlip: success",
+        "expect:", "  visited: [look_again, VerifyPlacement]",
+    )  # fmt: skip
+    assert answer.status == 0, answer.err

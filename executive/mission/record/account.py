@@ -11,7 +11,13 @@ from executive.events.event import Event
 from executive.events.mission import MissionEnded, PluginFailed, VerdictGiven
 from executive.events.node import NodeEnded, NodeNotRetried, NodeResult
 from executive.events.site import SiteScanned, SiteSegmented, SlotsFound, SurveyRegistered
-from executive.events.stone import AttemptStarted, JawsClosedOnNothing, StoneGrasped
+from executive.events.stone import (
+    AttemptStarted,
+    JawsClosedOnNothing,
+    PlacementVerified,
+    StoneGrasped,
+    StoneSetAside,
+)
 from executive.journal import Entry
 from executive.messages.verdict import Trouble
 from executive.mission.picks import Pick, Picks
@@ -41,7 +47,10 @@ class Account:
         self._kinds: Counter[type[Event]] = Counter()
         self._troubles: Counter[Trouble] = Counter()
         self._trouble: Trouble | None = None  # of the present hold
+        self.given_up: set[int] = set()  # stones that were set aside after a final failure
+        self._is_final = False  # the newest failure
         self._accepted = 0
+        self._corrected = 0  # releases after which the stone was to be picked again
         self._failures: dict[str, tuple[int, str]] = {}  # by node: number of the entry, reason
 
     @classmethod
@@ -61,8 +70,13 @@ class Account:
         match event:
             case NodeEnded(status=NodeResult.FAILURE):
                 self._failures[entry.node] = entry.sequence, event.reason
+                self._is_final = event.is_final
+            case StoneSetAside() if self._is_final:
+                self.given_up.add(event.stone)
             case MissionEnded():
                 self.has_ended = True
+            case PlacementVerified(rule="correct"):
+                self._corrected += 1
             case VerdictGiven():
                 self._count(event.trouble)
             case AttemptStarted() | StoneGrasped():
@@ -100,7 +114,7 @@ class Account:
     @property
     def placed(self) -> int:
         """Return the number of stones that were set down on a slot, again counted again."""
-        return sum(pick.released is not None for pick in self._picks.all)
+        return sum(pick.is_placed for pick in self._picks.all)
 
     def last_failure(self, parent: str) -> str:
         """Return why a node under a path failed last, recoveries left out; empty if none did."""
@@ -115,7 +129,7 @@ class Account:
     def counts(self) -> dict[str, int]:
         """Return the counts of the report."""
         picks, kinds, troubles = self.picks(), self._kinds, self._troubles
-        placed = [pick for pick in picks if pick.released is not None]
+        placed = [pick for pick in picks if pick.is_placed]
         return {
             "picks": len(picks),
             "placed": len(placed),
@@ -125,6 +139,9 @@ class Account:
             "drops": troubles[Trouble.DROP],
             "empty": kinds[JawsClosedOnNothing],
             "set_aside": sum(bool(pick.set_aside) for pick in picks),
+            "off": sum(pick.is_off for pick in picks),
+            "unseen": sum(pick.is_unseen for pick in placed),
+            "corrected": self._corrected,
             "registrations": kinds[SurveyRegistered],
             "registrations_accepted": self._accepted,
             "scans": kinds[SiteScanned],

@@ -1,6 +1,7 @@
 """Whole plans, on stones whose good grasps are plain."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from executive.machine.gripper import Gripper
 from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import GraspPlan
+from executive.messages.weight import Weight
 
 SIDES_M = (1.3, 0.8, 0.65)
 HALF_TURN = about_axis(np.array([1.0, 0.0, 0.0]), np.pi)
@@ -195,3 +197,17 @@ def test_without_rehearsals_the_order_is_the_papers(planner_of: Callable, scene:
     assert distances
     assert all("slip_m" not in grasp.costs for grasp in plain.grasps)
     assert distances[0] == min(distances)
+
+
+def test_a_stone_that_was_weighed_is_judged_by_its_weight_and_the_message_has_it(
+    planner_of: Callable, scene: tuple, machine: Machine
+) -> None:
+    planner = planner_of(samples=10, rehearsed=0)
+    stone, cloud = scene
+    heavy = replace(stone, weight=Weight(machine.payload_kg + 300.0, 50.0))
+    plan = planner.plan(heavy, cloud, np.eye(4), np.random.default_rng(0))
+    assert (plan.grasps, dict(plan.refused), plan.is_final) == ((), {"too_heavy": 1}, True)
+    limit = f"{machine.payload_kg:.0f} kg"
+    assert f"weighed: 3300 ± 50 kg, and the gripper lifts {limit}" in plan.detail
+    light = replace(stone, weight=Weight(machine.payload_kg - 300.0, 50.0))
+    assert planner.plan(light, cloud, np.eye(4), np.random.default_rng(0)).grasps

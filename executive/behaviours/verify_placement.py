@@ -1,0 +1,129 @@
+"""Ask whether a released stone stands where it was planned."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+
+from executive.config import Meters, Radians, Settings
+from executive.events.stone import PlacementVerified, StoneSetAside
+from executive.geometry.pose import inverse, transform
+from executive.interfaces.monitoring import Monitor
+from executive.interfaces.objects import ObjectDatabase
+from executive.leaf.action import Condition
+from executive.leaf.memory import OnResume
+from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.messages.placement import Placement
+from executive.messages.stone import Stone, StoneState
+
+_HANGS = 0.5  # share of the stone's weight above which it is still in the jaws
+
+
+class VerifyPlacementSettings(Settings):
+    position: Meters = Field(
+        0.3, gt=0, le=5, description="Largest distance of the stone's centre from the plan [m]."
+    )
+    tilt: Radians = Field(
+        0.35,
+        gt=0,
+        le=3.2,
+        description="Largest tilt against the plan; turns about z are free [rad].",
+    )
+    otherwise: Literal["correct", "keep", "set_aside"] = Field(
+        "correct",
+        description="What a stone that is off becomes. correct: it lies on the ground, to be picked "
+        "again, and this fails; keep: it stays as it stands; set_aside: it is not attempted again.",
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """Distance from the plan [m], tilt against it [rad], and what is wrong, if anything."""
+
+    off_m: float
+    tilt_rad: float
+    reason: str
+
+
+class VerifyPlacement(Condition[VerifyPlacementSettings]):
+    """Compare a stone's pose, as it was seen after the release, with the plan.
+
+    It needs a scan and `RelocateAndRealign` before. A stone that was not recognised there counts as
+    unseen, which is recorded, and passes: nothing is known against it. A stone whose weight is
+    still on the arm hangs in the jaws, and is off.
+    """
+
+    needs = (ObjectDatabase, Monitor)
+    on_resume = OnResume.REDO
+
+    def check(self, stone: int, placement: Placement) -> Outcome[None]:
+        """Compare, and record what was found.
+
+        Args:
+            stone: Id of the stone.
+            placement: The placement that was carried out.
+        """
+        objects = self.context.use(ObjectDatabase)
+        known = objects.stone(stone)
+        hanging_kg = self._hanging_kg()
+        if hanging_kg is None and not self._was_seen(stone):
+            self._record(known, placement, "unseen", None)
+            return succeeded(reason=f"stone {stone} was not recognised where it was set down")
+        found = self._compared(known, placement, hanging_kg)
+        self._record(known, placement, "off" if found.reason else "placed", found)
+        if not found.reason:
+            return succeeded(reason=f"{found.off_m:.2f} m off, tilted by {found.tilt_rad:.2f} rad")
+        return self._decided(known, f"stone {stone} {found.reason}")
+
+    def _hanging_kg(self) -> float | None:
+        """Return the mass in the jaws if it is most of the weighed stone's, else None."""
+        weight, mass_kg = self.context.weight(), self.context.payload_kg()
+        if weight is None or mass_kg is None or mass_kg < _HANGS * weight.mass_kg:
+            return None
+        return mass_kg
+
+    def _was_seen(self, stone: int) -> bool:
+        """Return whether the pose was corrected since the last release."""
+        kinds = [event.kind for event in self.context.use(ObjectDatabase).history(stone)]
+        since = len(kinds) - kinds[::-1].index("release") if "release" in kinds else 0
+        return "realign" in kinds[since:]
+
+    def _compared(self, stone: Stone, placement: Placement, hanging_kg: float | None) -> _Found:
+        T_planned_now = stone.T_map_object @ inverse(placement.T_map_object)
+        planned = transform(inverse(T_planned_now), stone.centroid_map[None])[0]
+        off_m = float(np.linalg.norm(stone.centroid_map - planned))
+        tilt_rad = float(np.arccos(np.clip(T_planned_now[2, 2], -1.0, 1.0)))
+        wrong = []
+        if hanging_kg is not None:
+            wrong.append(f"hangs in the jaws with {hanging_kg:.0f} kg")
+        if off_m > self.settings.position:
+            wrong.append(f"is {off_m:.2f} m off its place")
+        if tilt_rad > self.settings.tilt:
+            wrong.append(f"is tilted by {np.degrees(tilt_rad):.0f}°")
+        return _Found(off_m, tilt_rad, " and ".join(wrong))
+
+    def _decided(self, stone: Stone, reason: str) -> Outcome[None]:
+        """Do with a stone that is off what the mission asks for."""
+        if self.settings.otherwise == "keep":
+            return succeeded(reason=f"{reason}; kept as it is")
+        objects, now_s = self.context.use(ObjectDatabase), self.context.now_s()
+        if self.settings.otherwise == "set_aside":
+            objects.set_state(stone.id, StoneState.SET_ASIDE, now_s)
+            self.context.record(StoneSetAside(stone.id, reason))
+            return succeeded(reason=f"{reason}; set aside")
+        objects.set_state(stone.id, StoneState.ON_GROUND, now_s)
+        return failed(reason)
+
+    def _record(self, stone: Stone, placement: Placement, seen: str, found: _Found | None) -> None:
+        self.context.record(
+            PlacementVerified(
+                stone=stone.id,
+                slot=placement.slot.id,
+                seen=seen,
+                off_m=None if found is None else found.off_m,
+                tilt_rad=None if found is None else found.tilt_rad,
+                rule=self.settings.otherwise if seen == "off" else "",
+                reason=found.reason if found is not None else "not recognised after the release",
+            )
+        )
