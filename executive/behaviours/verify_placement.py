@@ -32,8 +32,9 @@ class VerifyPlacementSettings(Settings):
     )
     otherwise: Literal["correct", "keep", "set_aside"] = Field(
         "correct",
-        description="What a stone that is off becomes. correct: it lies on the ground, to be picked "
-        "again, and this fails; keep: it stays as it stands; set_aside: it is not attempted again.",
+        description="What a stone that is off becomes. correct: it lies on the ground, to be "
+        "picked again, and this fails; keep: it stays as it stands; set_aside: it is not attempted "
+        "again.",
     )
 
 

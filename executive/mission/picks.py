@@ -122,12 +122,8 @@ class Picks:
                 self._pick_released(event).released = event
             case StoneSetAside():
                 self._pick_of(event.stone).set_aside = event.reason
-            case StoneRealigned() if event.stone in self._newest:
-                self._newest[event.stone].estimated_pose = event.estimated_pose
-            case StoneWeighed() if event.stone in self._newest:
-                self._newest[event.stone].weighed = event
-            case PlacementVerified() if event.stone in self._newest:
-                self._verify(event)
+            case StoneRealigned() | StoneWeighed() | PlacementVerified():
+                self._learn(event)
             case StonesTakenUpAgain():
                 for stone in event.stones:  # the pick goes on, and its tries before that count
                     self._newest[stone].set_aside = ""
@@ -152,9 +148,21 @@ class Picks:
             self.all.append(pick)
         return pick
 
-    def _verify(self, event: PlacementVerified) -> None:
+    def _learn(self, event: StoneRealigned | StoneWeighed | PlacementVerified) -> None:
+        """Take what became known of a released stone."""
+        pick = self._newest.get(event.stone)
+        match event:
+            case _ if pick is None:
+                pass
+            case StoneRealigned():
+                pick.estimated_pose = event.estimated_pose
+            case StoneWeighed():
+                pick.weighed = event
+            case PlacementVerified():
+                self._verify(pick, event)
+
+    def _verify(self, pick: Pick, event: PlacementVerified) -> None:
         """Take what was seen of a release: a stone that is to be corrected is not placed."""
-        pick = self._newest[event.stone]
         pick.verified = event
         if event.rule == "correct" and pick.tries:
             pick.released = None

@@ -105,7 +105,6 @@ class SampledPlanner(GraspPlanner):
             )
         if len(target.points_map) < _FEW_POINTS:
             return GraspPlan((), {"too_few_points": 1})
-        s = self._settings
         scene = self._sampler.scene(target.points_map, cloud.points, rng)
         load, limit_kg = self._load(target, scene), self._machine.payload_kg
         if load.least_kg > limit_kg:

@@ -4,9 +4,12 @@ import numpy as np
 
 from executive.events.event import plain
 from executive.events.mission import MissionEnded, VerdictGiven
+from executive.events.node import NodeNotRetried
+from executive.events.site import SiteSegmented
 from executive.events.stone import (
     AttemptStarted,
     GraspRecord,
+    GraspsPlanned,
     JawsClosedOnNothing,
     PlacementVerified,
     StoneGrasped,
@@ -99,6 +102,17 @@ def test_a_slip_of_the_next_attempt_is_another_one():
     slip = verdict(Trouble.SLIP, "jaws closed further")
     story = journal_of((10, attempt(1)), (20, slip), (30, attempt(1)), (40, slip))
     assert Account.of(story).counts()["slips"] == 2
+
+
+def test_a_stone_whose_failure_was_final_is_given_up():
+    unplanned = GraspsPlanned(3, 0, {"too_heavy": 1})
+    story = journal_of(
+        (5, NodeNotRetried(1, 10, "fewer than three stones")), (8, SiteSegmented((1, 3), (9, 9))),
+        (10, StoneSetAside(1, "no place is free")),
+        (20, unplanned), (21, NodeNotRetried(1, 3, "too heavy")), (22, StoneSetAside(3, "")),
+        (30, unplanned), (40, StoneSetAside(4, "every attempt failed")),
+    )  # fmt: skip
+    assert Account.of(story).given_up == {3}
 
 
 def looked_at(stone, seen, rule=""):

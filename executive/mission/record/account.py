@@ -13,6 +13,7 @@ from executive.events.node import NodeEnded, NodeNotRetried, NodeResult
 from executive.events.site import SiteScanned, SiteSegmented, SlotsFound, SurveyRegistered
 from executive.events.stone import (
     AttemptStarted,
+    GraspsPlanned,
     JawsClosedOnNothing,
     PlacementVerified,
     StoneGrasped,
@@ -48,7 +49,7 @@ class Account:
         self._troubles: Counter[Trouble] = Counter()
         self._trouble: Trouble | None = None  # of the present hold
         self.given_up: set[int] = set()  # stones that were set aside after a final failure
-        self._is_final = False  # the newest failure
+        self._is_final = False  # something was not tried again since the newest plan
         self._accepted = 0
         self._corrected = 0  # releases after which the stone was to be picked again
         self._failures: dict[str, tuple[int, str]] = {}  # by node: number of the entry, reason
@@ -67,12 +68,10 @@ class Account:
         self._kinds[type(event)] += 1
         self._picks.add(entry.time_s, event)
         self.findings.add(entry)
+        self._follow_final(event)
         match event:
             case NodeEnded(status=NodeResult.FAILURE):
                 self._failures[entry.node] = entry.sequence, event.reason
-                self._is_final = event.is_final
-            case StoneSetAside() if self._is_final:
-                self.given_up.add(event.stone)
             case MissionEnded():
                 self.has_ended = True
             case PlacementVerified(rule="correct"):
@@ -88,6 +87,17 @@ class Account:
             case SurveyRegistered(accepted=True):
                 self._accepted += 1
                 self.registered = event
+
+    def _follow_final(self, event: Event) -> None:
+        """Note stones that are set aside for a cause that repetition cannot change."""
+        match event:
+            case NodeNotRetried():
+                self._is_final = True
+            case StoneSetAside():
+                self.given_up |= {event.stone} if self._is_final else set()
+                self._is_final = False
+            case GraspsPlanned() | SiteSegmented():
+                self._is_final = False
 
     def _count(self, trouble: Trouble) -> None:
         """Count one trouble a hold: a slip that ends in a fall is a fall."""
