@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from datetime import timedelta
 
 import rerun as rr
+from executive_plugins.viewing.backlog import Backlog
 from executive_plugins.viewing.layout import TIMELINE, layout
 from executive_plugins.viewing.machine_drawing import MachineDrawing
 from executive_plugins.viewing.message_drawing import draw, draw_tree
@@ -41,7 +42,6 @@ class Recording:
         self._max_points = settings.max_points
         self._drawn_s = -float("inf")
         self._states: dict[str, object] = {}
-        self._is_live = isinstance(sink, rr.GrpcSink)
         batches = rr.ChunkBatcherConfig.DEFAULT()
         batches.flush_tick = timedelta(seconds=batch_s)
         self._stream = rr.RecordingStream(
@@ -52,16 +52,18 @@ class Recording:
         self._stream.set_log_tick_enabled(False)
         self._stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
         self._drawing = MachineDrawing(machine, self._stream)
+        self._backlog = Backlog(self._stream) if isinstance(sink, rr.GrpcSink) else None
 
     def close(self) -> None:
         """Hand over what is left, and end.
 
         A viewer that takes nothing any more is left alone: rerun would wait for it without end.
         """
-        if not self._is_live:
+        if self._backlog is None:
             self._stream.flush()
             self._stream.disconnect()
             return
+        self._backlog.close()
         ending = threading.Thread(target=self._stream.disconnect, name="rerun", daemon=True)
         ending.start()
         ending.join(_CLOSING_S)
@@ -71,7 +73,9 @@ class Recording:
             logging.getLogger(__name__).warning(told, _CLOSING_S)
 
     def show(self, stamp_s: float, entity: str, value: object) -> None:
-        """Write a message at a time [s]."""
+        """Write a message at a time [s]; a viewer that hangs does not get it."""
+        if self._backlog is not None and self._backlog.drops():
+            return
         self._stream.set_time(TIMELINE, duration=stamp_s)
         if isinstance(value, BaseState):
             self._drawing.set_state(value)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from executive_plugins.viewing import live_viewer, recording
+from executive_plugins.viewing import backlog, live_viewer, recording
 from executive_plugins.viewing.live_viewer import LiveViewer
 from executive_plugins.viewing.none import NoViewer
 from executive_plugins.viewing.rerun import RerunViewer
@@ -99,6 +99,29 @@ def test_a_viewer_that_hangs_does_not_hold_the_end_of_the_mission_up(silent, mon
     assert time.monotonic() - began_s < 3.0
     assert unregistered.is_set()
     assert "does not show the end of the mission" in caplog.text
+
+
+def test_what_a_viewer_that_hangs_would_get_is_dropped_counted_and_told(monkeypatch, caplog):
+    class Stream:
+        takes = True
+
+        def flush(self, *, timeout_sec):
+            if not self.takes:
+                raise RuntimeError("Flush timed out")
+
+    monkeypatch.setattr(backlog, "_LOOK_S", 0.002)
+    stream = Stream()
+    waiting = backlog.Backlog(stream)
+    assert not waiting.drops()
+    for takes in (False, True):
+        stream.takes, limit_s = takes, time.monotonic() + 5.0
+        while waiting.is_full is takes and time.monotonic() < limit_s:
+            time.sleep(0.002)
+        assert waiting.drops() is not takes
+    waiting.close()
+    assert "the rerun viewer takes nothing (Flush timed out)" in caplog.text
+    assert "takes messages again" in caplog.text
+    assert "1 messages were not shown" in caplog.text
 
 
 def test_a_recording_has_few_chunks_of_many_rows(tmp_path):
