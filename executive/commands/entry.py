@@ -6,19 +6,32 @@ This file imports nothing heavy: the supervisor is forked from it before the exe
 import os
 import sys
 
-from executive.supervision.supervisor import supervised
+from executive.supervision.early_stop import end_at_signals, take_defaults
 
 _SUPERVISED = ("run", "resume")
 
 
 def main() -> None:
     """Run the command line; a verb that moves a machine is supervised."""
+    end_at_signals()
     _open_standard_files()
     words = sys.argv[1:]
     is_still = {"--help", "--dry"} & set(words)  # no machine moves
     if words and words[0] in _SUPERVISED and not is_still:
+        from executive.supervision.supervisor import supervised
+
         sys.exit(supervised(_status, lambda text: print(text, file=sys.stderr, flush=True)))
-    sys.exit(_status())
+    sys.exit(_status_of_a_tool())
+
+
+def _status_of_a_tool() -> int:
+    """Run a verb that moves no machine; Ctrl-C ends it, as it ends any program."""
+    take_defaults()
+    try:
+        return _status()
+    except KeyboardInterrupt:
+        print("stopped", file=sys.stderr)
+        return 1
 
 
 def _open_standard_files() -> None:

@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+from executive.supervision.early_stop import STOPPING, TOLD
 
 
 class Aborted(BaseException):
@@ -47,7 +47,7 @@ def stop_at_once(_number: int) -> None:
     Raises:
         Aborted: Always.
     """
-    raise Aborted("stopped while it was starting; nothing has moved")
+    raise Aborted(TOLD)
 
 
 def stop_after_report(number: int) -> None:

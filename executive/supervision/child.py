@@ -10,6 +10,7 @@ import traceback
 from collections.abc import Callable
 
 from executive.supervision.beacon import Beacon, inherit
+from executive.supervision.early_stop import STOPPING
 
 _SIGNAL_AT_DEATH_OF_PARENT = 1  # PR_SET_PDEATHSIG of prctl(2)
 
@@ -33,6 +34,8 @@ def live(page: Beacon, run: Callable[[], int]) -> None:
     except BaseException:  # the traceback goes to the terminal, as without a supervisor
         traceback.print_exc()
         status = 1
+    for number in STOPPING:  # the run is over: its status stands
+        signal.signal(number, signal.SIG_IGN)
     page.finish(status)
     os.unlink(stack.name)
     sys.exit(status)

@@ -13,6 +13,7 @@ from collections.abc import Callable
 
 from executive.supervision.beacon import Beacon
 from executive.supervision.cut_off import CutOff
+from executive.supervision.early_stop import end_at_signals
 from executive.supervision.link import MachineLink
 
 _LOOK_S = 0.01  # between two looks at the beacon
@@ -120,6 +121,7 @@ def supervised(run: Callable[[], int], say: Callable[[str], None]) -> int:
     child = os.fork()
     if child:
         return Supervisor(child, page, say).run()
+    end_at_signals(page.finish)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, waited)
     from executive.supervision.child import live
 
