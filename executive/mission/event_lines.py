@@ -4,8 +4,14 @@ from executive.events import control, fault, mission, site, stone, watch
 from executive.events.event import Event
 
 
-def line_of(event: Event) -> str:  # noqa: C901 - one line a kind of event
+def line_of(event: Event) -> str:
     """Return what a person is shown of an event; empty for what is not worth a line."""
+    lines = (of(event) for of in (_of_site, _of_stone, _of_mission, _of_faults_and_people))
+    return next(filter(None, lines), "")
+
+
+def _of_site(event: Event) -> str:
+    """Return what is found out about the site."""
     match event:
         case site.Localised():
             return f"localised ({event.status})"
@@ -20,6 +26,12 @@ def line_of(event: Event) -> str:  # noqa: C901 - one line a kind of event
             return f"{len(event.stones)} stones found"
         case site.SlotsFound():
             return f"{len(event.slots)} free places"
+    return ""
+
+
+def _of_stone(event: Event) -> str:
+    """Return what became of a stone."""
+    match event:
         case stone.AttemptStarted():
             return f"stone {event.stone}: moving to a grasp"
         case stone.StoneGrasped():
@@ -39,6 +51,12 @@ def line_of(event: Event) -> str:  # noqa: C901 - one line a kind of event
             return f"stone {event.stone}: {event.seen}, {event.reason}"
         case stone.StoneSetAside():
             return f"stone {event.stone}: set aside, {event.reason}"
+    return ""
+
+
+def _of_mission(event: Event) -> str:
+    """Return what became of the mission, its plugins and its time."""
+    match event:
         case mission.VerdictGiven():
             return f"{event.trouble}: {event.detail}"
         case mission.PluginFailed():
@@ -53,6 +71,14 @@ def line_of(event: Event) -> str:  # noqa: C901 - one line a kind of event
             return f"{' and '.join(event.parts)} at rest {event.after_s:.1f} s after a cancel"
         case mission.StopFailed():
             return f"warning: the stop failed: {event.reason}"
+        case mission.PhaseChanged():
+            return event.after + (f": {event.reason}" if event.reason else "")
+    return ""
+
+
+def _of_faults_and_people(event: Event) -> str:
+    """Return what is injected, refused, watched, or asked for by a person."""
+    match event:
         case fault.FaultInjected():
             return f"fault {event.number} on purpose: {event.target} {event.how}"
         case fault.FaultRemoved():
@@ -71,6 +97,4 @@ def line_of(event: Event) -> str:  # noqa: C901 - one line a kind of event
             done = "" if event.is_done else " is refused"
             words = " ".join(filter(None, (event.verb, event.argument, event.target)))
             return f"{event.user} asks: {words}{done}: {event.reply}"
-        case mission.PhaseChanged():
-            return event.after + (f": {event.reason}" if event.reason else "")
     return ""

@@ -5,7 +5,7 @@ mission (calls, keys that are read before they are written, what a leaf needs) i
 check`.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 from executive.config import Settings
@@ -16,6 +16,17 @@ from executive.registry import is_plural
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
 from executive.tree.instances import SINGLE, USE
 from executive.tree.loop_settings import LoopSettings
+from executive.tree.node_schema import (
+    CONDITION,
+    EXPRESSION,
+    PLUGIN_NAMES,
+    WORD,
+    Schema,
+    any_of,
+    as_tree,
+    node_kinds,
+    wires,
+)
 from executive.tree.region_reader import RegionShape
 from executive.tree.selection import ON_ERROR, ON_ERROR_WORDS
 from executive.tree.sources import API
@@ -29,28 +40,6 @@ from executive.watch.rules import (
     GeofenceRule,
     Rule,
 )
-
-Schema = dict[str, Any]
-_EXPRESSION: Schema = {
-    "type": "string",
-    "pattern": r"\{",
-    "description": "An expression on keys: {stone.mass} > 0.8 t",
-}
-_REFERENCE: Schema = {"type": "string", "pattern": r"^\{[A-Za-z_][A-Za-z0-9_]*\}$"}
-_DURATION: Schema = {
-    "type": ["number", "string"],
-    "description": "A duration: seconds, or with a unit: 30 s, 2 min.",
-}
-_NODE: Schema = {"$ref": "#/$defs/node"}
-_OTHERWISE: Schema = {"anyOf": [_NODE, {"const": "skip"}]}
-_CONDITION: Schema = {"$ref": "#/$defs/condition"}
-_NODES: Schema = {"type": "array", "items": _NODE, "minItems": 1}
-_USE: Schema = {
-    "type": ["string", "object"],
-    "description": "The name of a plugin, where the mission has several of a capability.",
-    "additionalProperties": {"type": "string"},
-}
-_WORD: Schema = {"type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*$"}
 
 
 def mission_schema(catalogue: Catalogue | None = None) -> Schema:
@@ -73,11 +62,11 @@ class _Builder:
 
     def mission(self) -> Schema:
         """Return the whole schema."""
-        kinds = [*_kinds(), *self._leaf_kinds()]
+        kinds = [*node_kinds(), *self._leaf_kinds()]
         self._defs |= {
-            "node": _any_of(kinds),
+            "node": any_of(kinds),
             "condition": self._condition(),
-            "tree": _any_of(map(_as_tree, kinds)),
+            "tree": any_of(map(as_tree, kinds)),
         }
         plugins = {
             capability: self._capability(capability)
@@ -85,7 +74,7 @@ class _Builder:
         }
         properties: Schema = {
             "api": {"const": API, "description": "Version of the mission language."},
-            "mission": _WORD,
+            "mission": WORD,
             "description": {"type": "string"},
             "extends": {
                 "type": "string",
@@ -153,7 +142,7 @@ class _Builder:
             "properties": {
                 "plugin": {"const": name},
                 ON_ERROR: {"enum": list(ON_ERROR_WORDS)},
-                USE: _USE,
+                USE: PLUGIN_NAMES,
                 **settings.get("properties", {}),
             },
             "required": ["plugin"],
@@ -200,145 +189,29 @@ class _Builder:
         properties = {
             key: {"const": name, "description": (leaf.__doc__ or "").strip().partition("\n")[0]},
             "with": {"$ref": f"#/$defs/{definition}"},
-            "in": _wires({port: spec.doc for port, spec in leaf.inputs.items()}, _EXPRESSION),
-            "out": _wires({port: spec.doc for port, spec in leaf.outputs.items()}),
-            USE: _USE,
+            "in": wires({port: spec.doc for port, spec in leaf.inputs.items()}, EXPRESSION),
+            "out": wires({port: spec.doc for port, spec in leaf.outputs.items()}),
+            USE: PLUGIN_NAMES,
         }
         return {"properties": properties, "required": [key, *(["with"] if is_needed else [])]}
 
     def _condition(self) -> Schema:
         checks = {name: leaf for name, leaf in self._leaves.items() if not issubclass(leaf, Action)}
-        parts = {"type": "array", "items": _CONDITION, "minItems": 1}
+        parts = {"type": "array", "items": CONDITION, "minItems": 1}
         forms: list[Schema] = [
-            {"properties": {"not": _CONDITION}, "required": ["not"]},
+            {"properties": {"not": CONDITION}, "required": ["not"]},
             {"properties": {"all": parts}, "required": ["all"]},
             {"properties": {"any": parts}, "required": ["any"]},
             *(self._leaf("check", name, leaf) for name, leaf in checks.items()),
         ]
         closed = [{"type": "object", **form, "additionalProperties": False} for form in forms]
-        return {"anyOf": [_EXPRESSION, {"type": "boolean"}, {"enum": sorted(checks)}, *closed]}
-
-
-def _any_of(kinds: Iterable[Schema]) -> Schema:
-    return {"type": "object", "anyOf": [_with_modifiers(kind) for kind in kinds]}
-
-
-def _as_tree(kind: Schema) -> Schema:
-    """Return a kind as the root of a tree, where `in` and `out` are the tree's ports."""
-    types = {
-        "type": "object",
-        "additionalProperties": {"type": "string", "description": "Stone, list[Stone], Stone?"},
-    }
-    return {**kind, "properties": {**kind["properties"], "in": types, "out": types}}
-
-
-def _kinds() -> Iterator[Schema]:
-    for kind in (
-        "sequence",
-        "fallback",
-        "reactive_sequence",
-        "reactive_fallback",
-        "persistent_sequence",
-    ):
-        yield {"properties": {kind: _NODES}, "required": [kind]}
-    count: Schema = {"type": "integer", "minimum": 1}
-    number = {"anyOf": [{"enum": ["all", "one"]}, count]}
-    thresholds = {"succeed": number, "fail": number, "wait_for_all": {"type": "boolean"}}
-    yield {"properties": {"parallel": _NODES, **thresholds}, "required": ["parallel"]}
-    for kind in ("not", "force_failure"):
-        yield {"properties": {kind: _NODE}, "required": [kind]}
-    yield {
-        "properties": {"if": _CONDITION, "then": _NODE, "else": _OTHERWISE},
-        "required": ["if", "then"],
-    }
-    yield {
-        "properties": {"while": _CONDITION, "do": _NODE, "else": _OTHERWISE},
-        "required": ["while", "do", "else"],
-    }
-    cases = {"type": "object", "additionalProperties": _NODE, "minProperties": 1}
-    yield {
-        "properties": {"switch": _REFERENCE, "cases": cases, "else": _OTHERWISE},
-        "required": ["switch", "cases"],
-    }
-    loop = {"until": _CONDITION, "max": count}
-    yield {
-        "properties": {
-            "loop": {"anyOf": [{"const": "forever"}, {**_closed(loop), "minProperties": 1}]},
-            "do": _NODE,
-        },
-        "required": ["loop", "do"],
-    }
-    each = {"item": _WORD, "in": {"anyOf": [_EXPRESSION, {"type": "array"}]}}
-    yield {
-        "properties": {"for_each": _closed(each, *each), "do": _NODE},
-        "required": ["for_each", "do"],
-    }
-    taken = {"item": _WORD, "from": _REFERENCE}
-    yield {
-        "properties": {"consume": _closed(taken, *taken), "do": _NODE},
-        "required": ["consume", "do"],
-    }
-    yield {"properties": {"do": _NODE}, "required": ["do"]}
-    expression = {"anyOf": [_EXPRESSION, {"type": "boolean"}]}
-    yield {"properties": {"check": expression}, "required": ["check"]}
-    yield {"properties": {"wait": _DURATION}, "required": ["wait"]}
-    yield {"properties": {"set": {"type": "object", "minProperties": 1}}, "required": ["set"]}
-    yield {
-        "properties": {
-            "ask": {"type": "string", "description": "The question; keys in braces are filled in."},
-            "choices": {"type": "array", "items": {"type": "string"}, "minItems": 2},
-            "default": {"type": ["boolean", "string"]},
-            "out": _wires({"answer": "The key that takes the choice."}),
-        },
-        "required": ["ask"],
-    }
-    out = {"type": "object", "additionalProperties": _REFERENCE}
-    yield {
-        "properties": {
-            "call": {"type": "string"},
-            "in": {"type": "object"},
-            "out": out,
-            USE: _USE,
-        },
-        "required": ["call"],
-    }
-
-
-def _with_modifiers(kind: Schema) -> Schema:
-    attempts: Schema = {"type": "integer", "minimum": 1, "description": "Attempts in all."}
-    modifiers: Schema = {
-        "if": _CONDITION,
-        "once": {"type": "boolean"},
-        "while": _CONDITION,
-        "timeout": _DURATION,
-        "retry": {
-            "anyOf": [attempts, _closed({"attempts": attempts, "pause": _DURATION}, "attempts")]
-        },
-        "on_failure": _NODE,
-        "optional": {"type": "boolean"},
-        "on_halt": _NODE,
-        "name": {"type": "string"},
-    }
-    return _closed({**kind["properties"], **modifiers}, *kind["required"])
-
-
-def _closed(properties: Mapping[str, Any], *required: str) -> Schema:
-    schema: Schema = {
-        "type": "object",
-        "properties": dict(properties),
-        "additionalProperties": False,
-    }
-    return {**schema, "required": list(required)} if required else schema
-
-
-def _wires(docs: Mapping[str, str], form: Schema = _REFERENCE) -> Schema:
-    return _closed({port: {**form, "description": doc} for port, doc in docs.items()})
+        return {"anyOf": [EXPRESSION, {"type": "boolean"}, {"enum": sorted(checks)}, *closed]}
 
 
 def _computable(settings: Schema) -> Schema:
     """Return the schema of a leaf's settings, each of which may be an expression."""
     properties = {
-        name: {"anyOf": [one, _EXPRESSION], **_described(one)}
+        name: {"anyOf": [one, EXPRESSION], **_described(one)}
         for name, one in settings.get("properties", {}).items()
     }
     return {**settings, "properties": properties} if properties else settings
