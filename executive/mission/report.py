@@ -100,6 +100,12 @@ def summary(report: Mapping[str, Any]) -> str:
             f" {counts['first_attempt']} at the first attempt ({counts['attempts']} attempts,"
             f" {counts['slips']} slips, {counts['drops']} drops, {counts['set_aside']} set aside)"
         )
+    if counts["picks"] and "unseen" in counts:  # reports of older runs do not tell
+        lines.append(
+            f"             {counts['placed'] - counts['unseen']} seen at their place,"
+            f" {counts['unseen']} not seen after the release, {counts['off']} off,"
+            f" {counts['untouched']} of {counts['known']} known ones untouched"
+        )
     if counts["registrations"]:
         lines.append(
             f"  drone map  {counts['registrations_accepted']} of "

@@ -137,6 +137,14 @@ def test_placed_is_what_was_seen():
     assert [account.counts()[name] for name in told] == [2, 1, 1, 1, 1]
 
 
+def test_stones_that_were_found_and_never_tried_are_told():
+    story = journal_of(
+        (5, SiteSegmented((1, 2, 3), (9, 9, 9))), (10, attempt(1)), (40, released(1))
+    )
+    counts = Account.of(story).counts()
+    assert (counts["known"], counts["untouched"], counts["unseen"]) == (3, 2, 1)
+
+
 def test_a_stone_that_is_moved_again_is_picked_again():
     again = journal_of(
         (10, attempt(1)),

@@ -50,6 +50,7 @@ class Account:
         self._trouble: Trouble | None = None  # of the present hold
         self.given_up: set[int] = set()  # stones that were set aside after a final failure
         self._is_final = False  # something was not tried again since the newest plan
+        self._known: set[int] = set()  # stones that were found on the site
         self._accepted = 0
         self._corrected = 0  # releases after which the stone was to be picked again
         self._failures: dict[str, tuple[int, str]] = {}  # by node: number of the entry, reason
@@ -82,6 +83,7 @@ class Account:
                 self._trouble = None
             case SiteSegmented():
                 self.stones_found = len(event.stones)
+                self._known |= set(event.stones)
             case SlotsFound():
                 self.slots |= {one.slot: one.position_map for one in event.slots}
             case SurveyRegistered(accepted=True):
@@ -149,6 +151,8 @@ class Account:
             "drops": troubles[Trouble.DROP],
             "empty": kinds[JawsClosedOnNothing],
             "set_aside": sum(bool(pick.set_aside) for pick in picks),
+            "known": len(self._known | {pick.stone for pick in picks}),
+            "untouched": len(self._known - {pick.stone for pick in picks if pick.tries}),
             "off": sum(pick.is_off for pick in picks),
             "unseen": sum(pick.is_unseen for pick in placed),
             "corrected": self._corrected,
