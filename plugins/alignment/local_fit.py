@@ -2,14 +2,14 @@
 
 import numpy as np
 import small_gicp
+from executive_plugins.alignment.closeness import Closeness, measure, weak_direction
 from executive_plugins.alignment.settings import AlignmentSettings
-from scipy.spatial import cKDTree
 
 from executive.arrays import Float
 from executive.clock import wall_s
 from executive.errors import DataError
 from executive.geometry.pose import inverse, transform
-from executive.messages.alignment import Alignment
+from executive.messages.alignment import Alignment, Uncertainty
 from executive.messages.cloud import Cloud
 
 _FARTHEST = 3  # largest travel of a point in reaches: a smooth surface may slide along itself
@@ -67,16 +67,21 @@ def fit(
     step = _optimise(kind, settings, near, moved, max_distance_m)
     T = inverse(T_centre) @ step @ T_centre @ T_guess
     fitted = transform(step, moved)
-    rmse_m, overlap = measure(near, fitted, settings)
-    accepted, reason = _judge(
-        settings,
-        rmse_m,
-        overlap,
-        float(np.linalg.norm(fitted - moved, axis=1).max()),
-        max_distance_m,
-    )
+    lies = measure(near, fitted, settings)
+    travel_m = float(np.linalg.norm(fitted - moved, axis=1).max())
+    accepted, reason = _judge(settings, lies, travel_m, max_distance_m)
+    doubt = lies.uncertainty() if accepted else None
+    if doubt is not None:
+        doubt = Uncertainty(doubt.covariance, doubt.centre + centre)
+        reason += weak_direction(doubt)
     return Alignment(
-        T, accepted, reason, rmse_m, overlap, timings_ms={"total": (wall_s() - begun_s) * 1e3}
+        T,
+        accepted,
+        reason,
+        lies.rmse_m,
+        lies.overlap,
+        timings_ms={"total": (wall_s() - begun_s) * 1e3},
+        uncertainty=doubt,
     )
 
 
@@ -118,23 +123,8 @@ def _optimise(
     return np.asarray(result.T_target_source, dtype=np.float64)
 
 
-def measure(target: Float, source: Float, settings: AlignmentSettings) -> tuple[float, float]:
-    """Return the RMSE [m] of thinned source points that have a target within the gate's distance,
-    and their share.
-    """
-    thinned = small_gicp.voxelgrid_sampling(source, settings.voxel_m, 1).points()[:, :3]
-    distances = cKDTree(target).query(thinned, distance_upper_bound=settings.gate_distance_m)[0]
-    inliers = distances[np.isfinite(distances)]
-    rmse_m = float(np.sqrt(np.mean(inliers**2))) if len(inliers) else settings.gate_distance_m
-    return rmse_m, len(inliers) / len(distances)
-
-
 def _judge(
-    settings: AlignmentSettings,
-    rmse_m: float,
-    overlap: float,
-    travel_m: float,
-    max_distance_m: float,
+    settings: AlignmentSettings, lies: Closeness, travel_m: float, max_distance_m: float
 ) -> tuple[bool, str]:
     faults = []
     if travel_m > _FARTHEST * max_distance_m:
@@ -142,8 +132,11 @@ def _judge(
             f"a point moved by {travel_m:.2f} m, more than {_FARTHEST} times the reach: "
             "it slid away"
         )
-    if overlap < settings.min_overlap:
-        faults.append(f"overlap {overlap:.2f} below {settings.min_overlap}")
-    if rmse_m > settings.max_rmse_m:
-        faults.append(f"rmse {rmse_m * 100:.1f} cm above {settings.max_rmse_m * 100:.1f} cm")
-    return not faults, "; ".join(faults) or f"rmse {rmse_m * 100:.1f} cm, overlap {overlap:.2f}"
+    if lies.overlap < settings.min_overlap:
+        faults.append(f"overlap {lies.overlap:.2f} below {settings.min_overlap}")
+    told = f"rmse {lies.rmse_m * 100:.1f} cm"
+    if lies.judged_m < 0.99 * lies.rmse_m:
+        told += f", {lies.judged_m * 100:.1f} cm without the target's gaps"
+    if lies.judged_m > settings.max_rmse_m:
+        faults.append(f"{told} above {settings.max_rmse_m * 100:.1f} cm")
+    return not faults, "; ".join(faults) or f"{told}, overlap {lies.overlap:.2f}"

@@ -18,6 +18,7 @@ from executive.messages.alignment import Rival
 _LEAST_STONES = 2  # that a rival brings to agreement: one stone fits any other place
 _MOST_WEIGHED = 4  # rivals whose likelihood is computed, those with the smallest misfit
 _MOST_POINTS = 2_000  # of the source at a candidate; five times as many at a refinement
+_MOST_GROUND = 13.8  # nats, a factor of 10⁶: ground is worked, and never decides alone
 _MOST_LOG_RATIO = 100.0  # a larger one is told as this
 _PROMISING = 3.0  # mean cost of an observation up to which a rival is refined to the end
 
@@ -75,7 +76,7 @@ class RivalSearch:
             logarithm -= against * (CAP - usual)
         if _ratio_of(logarithm) > limit:
             excess, count = evidence.relief_excess(best, self._on_ground(motion, fit.near))
-            logarithm -= excess * count
+            logarithm -= min(excess * count, _MOST_GROUND)
         return _ratio_of(logarithm)
 
     def _on_ground(self, motion: Similarity, near: Sequence[tuple[int, int]]) -> Similarity:

@@ -82,7 +82,7 @@ class SegmentSettings(PluginSettings):
         description="Standard deviation of a survey's smooth bends, for the covariance [m].",
     )
     max_rival_ratio: float = Field(
-        0.01,
+        1e-9,
         ge=0,
         le=1,
         description="Largest likelihood of another motion, in that of the best, at which the best "

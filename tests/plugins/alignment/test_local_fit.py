@@ -110,3 +110,50 @@ def test_a_bad_request_is_an_error(aligner: Aligner) -> None:
         aligner.align(cloud, cloud, np.eye(4), 0.0)
     with pytest.raises(DataError, match="no rigid pose"):
         aligner.align(cloud, cloud, 2 * np.eye(4), 0.3)
+
+
+def corridor(seed: int, gap_m: float) -> np.ndarray:
+    """Return a floor and two walls, the floor sampled in lines so far apart, without an end."""
+    rng = np.random.default_rng(seed)
+    y = np.arange(-2, 2, gap_m) + rng.uniform(0, gap_m)
+    x = rng.uniform(-4, 4, (len(y), 400))
+    floor = np.column_stack([x.ravel(), np.repeat(y, 400), np.zeros(x.size)])
+    z = np.arange(0.1, 1.5, gap_m) + rng.uniform(0, gap_m)
+    x = rng.uniform(-4, 4, (len(z), 400))
+    walls = [
+        np.column_stack([x.ravel(), np.full(x.size, side), np.repeat(z, 400)]) for side in (-2, 2)
+    ]
+    points = np.vstack([floor, *walls])
+    return points + rng.normal(0, 0.005, points.shape)
+
+
+def test_gaps_between_a_targets_lines_are_not_held_against_a_fit() -> None:
+    settings = GicpSettings(max_rmse_m=0.025)
+    found = Gicp(settings).align(
+        Cloud("map", corridor(1, 0.12)), Cloud("map", corridor(2, 0.12)), np.eye(4), 0.3
+    )
+    assert found.rmse_m > 0.03
+    assert found.accepted, found.reason
+    assert "without the target's gaps" in found.reason
+
+
+def test_another_surface_is_refused_by_its_distance_across() -> None:
+    settings = GicpSettings(max_rmse_m=0.025)
+    bent = corridor(2, 0.03)
+    bent[:, 2] += 0.05 * np.sin(4 * bent[:, 0])
+    found = Gicp(settings).align(
+        Cloud("map", corridor(1, 0.03)), Cloud("map", bent), np.eye(4), 0.3
+    )
+    assert not found.accepted
+    assert "above 2.5 cm" in found.reason
+
+
+def test_the_direction_that_nothing_determines_is_told() -> None:
+    found = GICP.align(
+        Cloud("map", corridor(1, 0.04)), Cloud("map", corridor(2, 0.04)), np.eye(4), 0.3
+    )
+    assert found.uncertainty is not None
+    variances, axes = np.linalg.eigh(found.uncertainty.covariance[3:, 3:])
+    assert abs(axes[0, -1]) > 0.98  # along the corridor
+    assert variances[-1] > 25 * variances[-2]
+    assert "weak: sliding along (1.00" in found.reason
