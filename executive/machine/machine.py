@@ -34,6 +34,11 @@ class Stance(Sourced):
     reach_m: float = Field(
         gt=0, description="Largest distance of the tips from the turning axis [m]."
     )
+    supports_m: tuple[tuple[float, float], ...] = Field(
+        (),
+        description="Points (x, y) of the base frame on which the machine stands [m]; tipping is "
+        "not computed without.",
+    )
     tracking_error: float = Field(
         0.1,
         gt=0,

@@ -142,7 +142,7 @@ def _time_lines(report: Mapping[str, Any]) -> list[str]:
 def _truth_lines(truth: Mapping[str, Any] | None) -> list[str]:
     if not truth:
         return []
-    lines = []
+    lines = [f"  physics    {truth['scenario']}"] if "scenario" in truth else []
     errors = [s["slot_error_m"] for s in truth["stones"] if s.get("slot_error_m") is not None]
     if errors:
         near = sum(error <= NEAR_M for error in errors)

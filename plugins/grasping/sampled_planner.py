@@ -66,6 +66,12 @@ class _Load:
     words: str
 
 
+class _Refused(Counter[str]):
+    """Numbers of refused hypotheses by reason, and the figures behind the first heavy one."""
+
+    detail = ""
+
+
 class SampledPlanner(GraspPlanner):
     """Samples grasps of a stone, orders them, and returns the first that are feasible.
 
@@ -117,13 +123,14 @@ class SampledPlanner(GraspPlanner):
             )
             return GraspPlan((), {"wider_than_opening": 1}, detail=detail)
         pool = self._sampler.pool(scene, rng)
-        refused = Counter(pool.refused)
+        refused = _Refused(pool.refused)
         grasps = (
             self._chosen(scene, pool, checked("T_map_base", T_map_base, 4, 4), load, refused)
             if len(pool)
             else ()
         )
-        return GraspPlan(grasps, {reason: n for reason, n in sorted(refused.items()) if n})
+        counts = {reason: n for reason, n in sorted(refused.items()) if n}
+        return GraspPlan(grasps, counts, detail=refused.detail)
 
     def _load(self, target: Stone, scene: PlanningCloud) -> _Load:
         """Return the weighed mass of a stone, or that of its hull."""
@@ -151,7 +158,7 @@ class SampledPlanner(GraspPlanner):
         pool: Pool,
         T_map_base: Float,
         load: _Load,
-        refused: Counter[str],
+        refused: _Refused,
     ) -> tuple[Grasp, ...]:
         """Simulate lifts of the first feasible grasps, and rank them by worth less slip.
 
@@ -196,7 +203,7 @@ class SampledPlanner(GraspPlanner):
         order: Iterable[int],
         T_map_base: Float,
         load: _Load,
-        refused: Counter[str],
+        refused: _Refused,
     ) -> Iterator[tuple[int, Float]]:
         """Yield index and T_map_gripper of the feasible grasps, in the given order.
 
@@ -214,6 +221,11 @@ class SampledPlanner(GraspPlanner):
                 refused["out_of_reach"] += 1
             elif not self._arm.holds(T_map_gripper, T_map_base, load.least_kg):
                 refused["too_heavy_at_radius"] += 1
+            elif self._settings.lift_capacity == "iso_10567" and (
+                told := self._arm.refusal(T_map_gripper, T_map_base, load.least_kg)
+            ):
+                refused["beyond_lift_capacity"] += 1
+                refused.detail = refused.detail or told
             elif not approach.is_free(scene.points, T_plan_gripper, up, approach_m, room_m):
                 refused["approach_blocked"] += 1
             elif not fcl_check.is_free(scene.points, T_plan_gripper):

@@ -17,6 +17,11 @@ class SampledPlannerSettings(SamplingSettings):
     overload: float = Field(
         1.15, ge=1, description="Refused ratio of mass to payload; above 1, as a hull is too large."
     )
+    lift_capacity: Literal["payload", "iso_10567"] = Field(
+        "payload",
+        description="What limits a lift: the payload and the efforts of the joints; or also the "
+        "rated lift capacity by radius and side, which tipping limits (ISO 10567).",
+    )
     keep_aligned: int = Field(
         40, ge=1, description="Number of grasps that pass the ranking by alignment (Sec. 5.4)."
     )

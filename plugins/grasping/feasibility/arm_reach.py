@@ -9,6 +9,7 @@ from executive.arrays import Float
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import about_axis
 from executive.interfaces.motion import MotionPlanner
+from executive.machine.lift_capacity import LiftCapacity
 from executive.machine.machine import Machine
 
 # Half a turn about the approach exchanges the jaws.
@@ -30,6 +31,18 @@ class ArmReach:
         """Return whether the arm reaches a pose and its joints can hold a stone of a mass there."""
         q = self._motion.reach(inverse(T_map_base) @ T_map_gripper, self._seed)
         return q is not None and self._load.can_hold(q, mass_kg)
+
+    @cached_property
+    def _capacity(self) -> LiftCapacity:
+        return LiftCapacity(self._machine)
+
+    def refusal(self, T_map_gripper: Float, T_map_base: Float, mass_kg: float) -> str:
+        """Return why a mass may not be lifted at a pose (ISO 10567); empty if it may.
+
+        The machine is taken to stand level.
+        """
+        q = self._motion.reach(inverse(T_map_base) @ T_map_gripper, self._seed)
+        return "out of reach" if q is None else self._capacity.at(q).refusal(mass_kg)
 
     def reached(self, T_map_gripper: Float, T_map_base: Float, above_m: float) -> Float | None:
         """Return the pose, or the pose half a turn about the approach if the wrist turns less.

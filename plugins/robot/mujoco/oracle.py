@@ -37,12 +37,12 @@ class MujocoOracle(Oracle):
         if not isinstance(robot, MujocoRobot):
             raise TypeError(f"the oracle of the simulated robot was given a {type(robot).__name__}")
         self._log = robot.truth_log
-        self._site = robot.world.site
+        self._site, self._scenario = robot.world.site, robot.world.scenario
         self._hand = {robot.world.machine.gripper_link, *robot.world.machine.gripper.links}
 
     def truth(self, view: MissionView) -> dict[str, Any]:
-        """Return `stones`, `grasps`, `collisions`, `ground_contacts`, `estimate`, `objects`,
-        `realignments`, `map`, `registration`.
+        """Return `scenario`, `stones`, `grasps`, `collisions`, `ground_contacts`, `estimate`,
+        `objects`, `realignments`, `map`, `registration`.
 
         `ground_contacts` counts contacts of gripper or jaws with the ground. They are not
         collisions, since the jaws close around a stone that lies on it.
@@ -50,6 +50,7 @@ class MujocoOracle(Oracle):
         targets = [(attempt.started_s, self._nearest(attempt)) for attempt in view.attempts]
         spans = self._log.spans()
         return {
+            "scenario": self._scenario,
             "stones": self._stones(view),
             "grasps": [
                 self._grasp(view.attempts, i, target) for i, (_, target) in enumerate(targets)

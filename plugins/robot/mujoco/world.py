@@ -32,6 +32,7 @@ class World:
     Attributes:
         machine: Description of the machine.
         site: Ground and stones.
+        scenario: Name of its physics.
         model: Compiled MuJoCo model; bodies and joints have the names of the description.
         data: State of the model.
         T_world_base: Pose of the base, which is fixed, shape (4, 4).
@@ -45,7 +46,7 @@ class World:
         scenario: Scenario = "kind",
     ) -> None:
         self.machine, self.site = machine, site
-        self._contact = contact_of(scenario, machine.gripper)
+        self.scenario, self._contact = scenario, contact_of(scenario, machine.gripper)
         self.T_world_base = pose(t=np.array([0.0, 0.0, machine.stance.base_height_m]))
         self._substeps = _substeps(settings)
         self.model = self._build(settings)

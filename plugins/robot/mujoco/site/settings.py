@@ -6,6 +6,8 @@ from pydantic import Field, model_validator
 
 from executive.config import Kilograms, KilogramsPerCubicMeter, Meters, Radians, Settings
 
+_VOLUME_M3 = (0.5, 1.0)  # of the stones of Mascaro 2020: 1.35 to 2.7 t
+
 
 class PlacementSettings(Settings):
     """Where stones lie: a sector of an annulus around the turning axis."""
@@ -41,8 +43,10 @@ class StoneSettings(Settings):
     density_kg_m3: KilogramsPerCubicMeter = Field(
         2700.0, ge=100, le=20000, description="Density [kg/m³]."
     )
-    volume_m3: tuple[float, float] = Field(
-        (0.5, 1.0), description="Least and largest generated volume [m³]."
+    volume_m3: tuple[float, float] | None = Field(
+        None,
+        description="Least and largest generated volume [m³]; if not given 0.5 to 1.0, or in "
+        "proportion less for a machine whose payload is less.",
     )
     max_mass_kg: Kilograms | None = Field(
         None,
@@ -61,12 +65,22 @@ class StoneSettings(Settings):
 
     @model_validator(mode="after")
     def _check_volume(self) -> "StoneSettings":
+        if self.volume_m3 is None:
+            return self
         least, most = self.volume_m3
         if not 0.001 <= least <= most <= 20:
             raise ValueError(
                 f"volume_m3 is [least, most] within 0.001 to 20 m³, got {list(self.volume_m3)}"
             )
         return self
+
+    def volumes_m3(self, most_kg: float) -> tuple[float, float]:
+        """Return the range of generated volumes for a machine that lifts a mass [kg]."""
+        if self.volume_m3 is not None:
+            return self.volume_m3
+        least, most = _VOLUME_M3
+        share = min(1.0, most_kg / (most * self.density_kg_m3))
+        return share * least, share * most
 
 
 class TerrainSettings(Settings):
@@ -97,3 +111,8 @@ class SiteSettings(Settings):
 
     terrain: TerrainSettings = Field(TerrainSettings(), description="Shape of the ground.")
     stones: StoneSettings = Field(StoneSettings(), description="Which stones lie on it.")
+    liftable: bool | None = Field(
+        None,
+        description="Whether stones lie only where the machine may lift them (ISO 10567); if not "
+        "given, in all scenarios but `kind`.",
+    )

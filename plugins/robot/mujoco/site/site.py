@@ -1,21 +1,30 @@
 """A site: rough ground, and stones that rest on it."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 from executive_plugins.physics.scenario import Scenario, contact_of
 from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
-from executive_plugins.robot.mujoco.site.settings import (
-    SiteSettings,
-)
+from executive_plugins.robot.mujoco.site.settings import SiteSettings, StoneSettings
 from executive_plugins.robot.mujoco.site.stone_model import StoneModel
-from executive_plugins.robot.mujoco.site.stone_placement import place
+from executive_plugins.robot.mujoco.site.stone_placement import Grounds, place
 from executive_plugins.robot.mujoco.site.stones import make_stones
 from executive_plugins.robot.mujoco.site.terrain import Terrain, make_terrain
 
 from executive.arrays import Float
+from executive.machine.lift_capacity import LiftCapacity
 from executive.machine.machine import Machine
+
+# Share by which the density of a stone differs from the mean at most. Granite, gneiss and limestone
+# of one quarry differ by some 4 %, a mixture of found stones by 15 % (2,300 to 3,100 kg/m³).
+_DENSITY_SPREAD: Mapping[Scenario, float] = {
+    "kind": 0.0,
+    "nominal": 0.04,
+    "wet": 0.04,
+    "harsh": 0.15,
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,15 +61,31 @@ def make_site(
     Raises:
         ConfigError: If its stones cannot be read or do not fit; the message says what to change.
     """
-    ground_rng, shape_rng, place_rng = rng.spawn(3)
+    ground_rng, shape_rng, place_rng, density_rng = rng.spawn(4)
     terrain = make_terrain(settings.terrain, ground_rng)
-    stones = make_stones(settings.stones, machine.payload_kg, shape_rng)
+    densities = _densities(scenario, settings.stones, density_rng)
+    stones = make_stones(settings.stones, machine.payload_kg, shape_rng, densities)
     if not stones:
         return Site(terrain, (), ())
+    is_liftable = scenario != "kind" if settings.liftable is None else settings.liftable
+    capacity = LiftCapacity(machine) if is_liftable else None
     contact = contact_of(scenario, machine.gripper)
-    where = settings.stones.placement
-    poses = place(stones, terrain, where, machine.reach_m, physics, contact, place_rng)
+    grounds = Grounds(terrain, settings.stones.placement, machine.reach_m, capacity)
+    poses = place(stones, grounds, physics, contact, place_rng)
     return Site(terrain, stones, poses)
+
+
+def _densities(
+    scenario: Scenario, settings: StoneSettings, rng: np.random.Generator
+) -> Sequence[float]:
+    """Draw the density of each stone [kg/m³]; none where all are alike."""
+    spread = _DENSITY_SPREAD[scenario]
+    if spread == 0.0:
+        return ()
+    return [
+        float(d)
+        for d in settings.density_kg_m3 * rng.uniform(1 - spread, 1 + spread, settings.count)
+    ]
 
 
 def add_daylight(spec: mujoco.MjSpec) -> None:

@@ -1,6 +1,7 @@
 """Poses of stones: drawn with gaps, dropped, and settled."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -17,6 +18,7 @@ from executive.arrays import Float
 from executive.errors import ConfigError
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import about_axis, exp_so3, from_quaternion
+from executive.machine.lift_capacity import LiftCapacity
 
 _TRIES = 200  # draws of the place of one stone before a new arrangement is begun
 _ARRANGEMENTS = 10
@@ -26,55 +28,76 @@ _ROLL_M = 0.15  # added to the gap, since stones roll slightly when they are dro
 _SETTLING_S = (0.5, 8.0)  # least and longest time for settling
 
 
+@dataclass(frozen=True, slots=True)
+class Grounds:
+    """Where stones may lie.
+
+    Attributes:
+        terrain: The ground.
+        settings: The sector, and the gaps.
+        reach_m: Reach of the machine, for radii that are not given.
+        capacity: What the machine may lift where; stones lie anywhere in the sector if None.
+    """
+
+    terrain: Terrain
+    settings: PlacementSettings
+    reach_m: float
+    capacity: LiftCapacity | None = None
+
+
 class _NoRoomError(Exception):
     """No room for the next stone in this arrangement; another one may have it."""
 
 
 def place(
     stones: Sequence[StoneModel],
-    terrain: Terrain,
-    settings: PlacementSettings,
-    reach_m: float,
+    grounds: Grounds,
     physics: PhysicsSettings,
     contact: ContactModel,
     rng: np.random.Generator,
 ) -> tuple[Float, ...]:
     """Return the poses of the stones at rest, T_world_stone each.
 
+    With a lift capacity, each stone lies where the machine may lift it. A stone that does keeps the
+    place that it has without.
+
     Raises:
         ConfigError: If there is no room for them, or one does not come to rest; the message says
             what to change.
     """
+    gap_m, capacity = grounds.settings.gap_m, grounds.capacity
     for _ in range(_ARRANGEMENTS):
         try:
-            drops = _arrangement(stones, terrain, settings, reach_m, rng)
+            drops = _arrangement(stones, grounds, rng)
         except _NoRoomError:
             continue
-        rest = _settle(stones, drops, terrain, physics, contact)
-        if rest and _gaps_hold(stones, rest, settings.gap_m):
+        rest = _settle(stones, drops, grounds.terrain, physics, contact)
+        if rest and _gaps_hold(stones, rest, gap_m):
             return rest
+    within = "" if capacity is None else " within the machine's lift capacity"
     raise ConfigError(
-        f"robot.site.stones: no room for {len(stones)} stones with {settings.gap_m} m "
-        "between them; "
+        f"robot.site.stones: no room for {len(stones)} stones with {gap_m} m "
+        f"between them{within}; "
         "lower count or gap_m, or widen placement.sector_width_rad or placement.max_radius_m"
     )
 
 
 def _arrangement(
     stones: Sequence[StoneModel],
-    terrain: Terrain,
-    settings: PlacementSettings,
-    reach_m: float,
+    grounds: Grounds,
     rng: np.random.Generator,
 ) -> tuple[Float, ...]:
     """Place the stones one by one with gaps (random sequential insertion)."""
+    elsewhere = rng.spawn(1)[0]
     placed: list[Float] = []
     outlines: list[Float] = []
     for stone in stones:
         for _ in range(_TRIES):
-            T = _draw(stone, terrain, settings, reach_m, rng)
+            T = _liftable(stone, grounds, rng, elsewhere)
             outline = footprint(transform(T, stone.hull))
-            if all(_is_clear(outline, other, settings.gap_m + _ROLL_M) for other in outlines):
+            if all(
+                _is_clear(outline, other, grounds.settings.gap_m + _ROLL_M) for other in outlines
+            ):
                 break
         else:
             raise _NoRoomError
@@ -83,17 +106,35 @@ def _arrangement(
     return tuple(placed)
 
 
+def _liftable(
+    stone: StoneModel,
+    grounds: Grounds,
+    rng: np.random.Generator,
+    elsewhere: np.random.Generator,
+) -> Float:
+    """Draw a pose; where the machine may not lift the stone, draw others from `elsewhere`."""
+    T = _draw(stone, grounds, rng)
+    for _ in range(_TRIES):
+        if grounds.capacity is None or _may_be_lifted(stone, T, grounds.capacity):
+            return T
+        T = _draw(stone, grounds, elsewhere)
+    raise ConfigError(
+        f"robot.site.stones: {stone.name} weighs {stone.mass_kg:.0f} kg, which the machine may "
+        "lift nowhere in the sector of the placement (ISO 10567); lower volume_m3, density_kg_m3 "
+        "or placement.min_radius_m"
+    )
+
+
 def _draw(
     stone: StoneModel,
-    terrain: Terrain,
-    settings: PlacementSettings,
-    reach_m: float,
+    grounds: Grounds,
     rng: np.random.Generator,
 ) -> Float:
     """Draw a pose above the ground.
 
     The shortest axis is up except for a tilt, as for stones that were unloaded.
     """
+    terrain, settings, reach_m = grounds.terrain, grounds.settings, grounds.reach_m
     least = 0.45 * reach_m if settings.min_radius_m is None else settings.min_radius_m
     most = 0.75 * reach_m if settings.max_radius_m is None else settings.max_radius_m
     if least > most:
@@ -107,6 +148,12 @@ def _draw(
     corners = stone.hull @ R.T + np.array([radius * np.cos(azimuth), radius * np.sin(azimuth), 0.0])
     height = (terrain.height_at(corners[:, :2]) - corners[:, 2]).max() + _CLEARANCE_M
     return pose(R, np.array([radius * np.cos(azimuth), radius * np.sin(azimuth), height]))
+
+
+def _may_be_lifted(stone: StoneModel, T_world_stone: Float, capacity: LiftCapacity) -> bool:
+    x, y = T_world_stone[:2, 3]
+    there = capacity.near(float(np.hypot(x, y)), float(np.arctan2(y, x)))
+    return there is not None and there.rated_kg >= stone.mass_kg
 
 
 def _flat(stone: StoneModel) -> Float:

@@ -1,5 +1,6 @@
 """The stones of a site: generated blocks, or scans from a folder."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,39 +15,71 @@ from executive.errors import ConfigError
 
 
 def make_stones(
-    settings: StoneSettings, payload_kg: float, rng: np.random.Generator
+    settings: StoneSettings,
+    payload_kg: float,
+    rng: np.random.Generator,
+    densities_kg_m3: Sequence[float] = (),
 ) -> tuple[StoneModel, ...]:
     """Draw the stones of a site, `stone_1` first.
+
+    Args:
+        settings: Which stones.
+        payload_kg: Largest mass of scans whose largest mass is not given, and of generated stones
+            whose volume is not given.
+        rng: Random generator of shapes.
+        densities_kg_m3: Density of each stone; that of the settings if empty.
 
     Raises:
         ConfigError: If the folder has too few meshes that can be lifted, or an unusable file.
     """
-    if settings.folder is None or settings.count == 0:
-        return tuple(_generated(f"stone_{i + 1}", settings, rng) for i in range(settings.count))
-    return _scanned(settings, settings.folder, settings.max_mass_kg or payload_kg, rng)
+    densities = densities_kg_m3 or [settings.density_kg_m3] * settings.count
+    if settings.count == 0:
+        return ()
+    if settings.folder is None:
+        volumes_m3 = settings.volumes_m3(payload_kg * settings.density_kg_m3 / max(densities))
+        return tuple(
+            _generated(f"stone_{i + 1}", settings, volumes_m3, density, rng)
+            for i, density in enumerate(densities)
+        )
+    most_kg = settings.max_mass_kg or payload_kg
+    return _scanned(settings, settings.folder, most_kg, densities, rng)
 
 
-def _generated(name: str, settings: StoneSettings, rng: np.random.Generator) -> StoneModel:
+def _generated(
+    name: str,
+    settings: StoneSettings,
+    volumes_m3: tuple[float, float],
+    density_kg_m3: float,
+    rng: np.random.Generator,
+) -> StoneModel:
     """Return a block with a smooth contact hull and a bumpy skin, both of the drawn volume."""
-    volume_m3 = rng.uniform(*settings.volume_m3)
+    volume_m3 = rng.uniform(*volumes_m3)
     corners = block(volume_m3, rng)
     vertices, triangles = rough_skin(corners, settings.roughness_m, settings.edge_m, rng)
     rough_m3, _ = volume_and_centroid(vertices, triangles)
     vertices *= np.cbrt(volume_m3 / rough_m3)  # bumps change the volume by a few per mille
-    return StoneModel.from_skin(name, (vertices, triangles), settings.density_kg_m3, hull=corners)
+    return StoneModel.from_skin(name, (vertices, triangles), density_kg_m3, hull=corners)
 
 
 def _scanned(
-    settings: StoneSettings, folder: Path, max_mass_kg: float, rng: np.random.Generator
+    settings: StoneSettings,
+    folder: Path,
+    max_mass_kg: float,
+    densities_kg_m3: Sequence[float],
+    rng: np.random.Generator,
 ) -> tuple[StoneModel, ...]:
-    """Draw meshes in random order without repetition; those that are too heavy are skipped."""
+    """Draw meshes in random order without repetition; those that are too heavy are skipped.
+
+    All meshes are read, so that one that is unusable is refused whatever the seed.
+    """
     files = mesh_files(folder)
+    skins = [read_skin(file, settings.scale) for file in files]
     chosen: list[StoneModel] = []
     for i in rng.permutation(len(files)):
         if len(chosen) == settings.count:
             break
-        skin = read_skin(files[i], settings.scale)
-        stone = StoneModel.from_skin(f"stone_{len(chosen) + 1}", skin, settings.density_kg_m3)
+        name, density_kg_m3 = f"stone_{len(chosen) + 1}", densities_kg_m3[len(chosen)]
+        stone = StoneModel.from_skin(name, skins[i], density_kg_m3)
         if stone.mass_kg <= max_mass_kg:
             chosen.append(stone)
     if len(chosen) < settings.count:

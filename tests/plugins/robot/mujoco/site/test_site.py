@@ -6,13 +6,18 @@ import pytest
 from executive_plugins.physics.scenario import contact_of
 from executive_plugins.robot.mujoco.physics import apply_physics
 from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
-from executive_plugins.robot.mujoco.site.settings import SiteSettings, TerrainSettings
+from executive_plugins.robot.mujoco.site.settings import (
+    SiteSettings,
+    StoneSettings,
+    TerrainSettings,
+)
 from executive_plugins.robot.mujoco.site.site import Site, make_site
 from executive_plugins.robot.mujoco.site.stone_placement import footprint, gap
 from executive_plugins.robot.mujoco.site.terrain import TERRAIN, make_terrain
 
 from executive.errors import ConfigError
 from executive.geometry.pose import transform
+from executive.machine.lift_capacity import LiftCapacity
 from executive.machine.machine import load_machine
 
 MACHINE = load_machine("m545")
@@ -140,3 +145,38 @@ def test_gap_of_outlines_is_their_distance() -> None:
     assert gap(square, square + np.array([2.0, 2.0])) == pytest.approx(np.sqrt(2))
     assert gap(square, square + np.array([0.5, 0.5])) == 0.0
     assert gap(square, 0.2 * square + 0.4) == 0.0  # one inside the other
+
+
+def masses_beyond_capacity(site: Site) -> list[float]:
+    capacity, heavy = LiftCapacity(MACHINE), []
+    for stone, T in zip(site.stones, site.T_world_stones, strict=True):
+        x, y = T[:2, 3]
+        there = capacity.near(float(np.hypot(x, y)), float(np.arctan2(y, x)))
+        # Stones roll by some centimetres when they are dropped, hence 5 %.
+        if there is None or stone.mass_kg > 1.05 * there.rated_kg:
+            heavy.append(stone.mass_kg)
+    return heavy
+
+
+def test_stones_lie_where_the_machine_may_lift_them() -> None:
+    physics, few = PhysicsSettings(), StoneSettings(count=4)
+    for scenario, is_liftable, has_heavy in (
+        ("kind", None, True),
+        ("nominal", None, False),
+        ("kind", True, False),
+    ):
+        settings = SiteSettings(stones=few, liftable=is_liftable)
+        drawn = make_site(settings, MACHINE, physics, np.random.default_rng(6), scenario)
+        assert bool(masses_beyond_capacity(drawn)) is has_heavy, scenario
+
+
+def test_a_stone_that_the_machine_may_lift_nowhere_is_refused() -> None:
+    stones = StoneSettings(count=1, volume_m3=(2.0, 2.0))
+    with pytest.raises(ConfigError, match=r"stone_1 weighs 5\d+ kg, which the machine may lift"):
+        make_site(
+            SiteSettings(stones=stones),
+            MACHINE,
+            PhysicsSettings(),
+            np.random.default_rng(1),
+            "nominal",
+        )

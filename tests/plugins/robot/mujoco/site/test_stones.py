@@ -157,3 +157,30 @@ def test_real_scans_at_scale_10_are_stones_of_half_a_cubic_metre() -> None:
     volumes = [stone.volume_m3 for stone in make_stones(settings, 3000.0, np.random.default_rng(0))]
     assert 0.4 < np.median(volumes) < 0.7
     assert max(volumes) <= 3000 / 2700
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_mesh_with_a_hole_is_refused_whether_it_would_be_drawn_or_not(
+    tmp_path: Path, seed: int
+) -> None:
+    for i in range(3):
+        o3d.io.write_triangle_mesh(tmp_path / f"{i}.ply", box(0.5, 0.5, 0.5))
+    holed = box(1, 1, 1)
+    holed.triangles = o3d.utility.Vector3iVector(np.asarray(holed.triangles)[1:])
+    o3d.io.write_triangle_mesh(tmp_path / "holed.ply", holed)
+    with pytest.raises(ConfigError, match=r"holed\.ply: the mesh is not closed"):
+        make_stones(StoneSettings(count=1, folder=tmp_path), 3e3, np.random.default_rng(seed))
+
+
+def test_generated_stones_fit_a_machine_that_carries_less() -> None:
+    stones = make_stones(StoneSettings(count=9), 1000.0, np.random.default_rng(1))
+    assert all(500.0 <= stone.mass_kg <= 1000.0 for stone in stones)
+    given = StoneSettings(count=9, volume_m3=(0.9, 1.0))
+    heavy = make_stones(given, 1000.0, np.random.default_rng(1))  # what is asked for is drawn
+    assert all(stone.mass_kg >= 0.9 * 2700.0 for stone in heavy)
+
+
+def test_each_stone_may_have_a_density_of_its_own() -> None:
+    densities = [2300.0, 2700.0, 3100.0]
+    stones = make_stones(StoneSettings(count=3), 9e3, np.random.default_rng(1), densities)
+    assert [stone.mass_kg / stone.volume_m3 for stone in stones] == pytest.approx(densities)
