@@ -47,7 +47,8 @@ def parse_quantity(value: Any, dimension: str) -> float:
             message lists the units.
     """
     if isinstance(value, bool) or value is None:
-        raise ValueError(f"expected {_expected(dimension)}, got {value!r}")
+        got = "nothing" if value is None else str(value).lower()
+        raise ValueError(f"expected {_expected(dimension)}, got {got}")
     if isinstance(value, int | float):
         return float(value)
     match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None

@@ -86,9 +86,12 @@ class NodeReader:
             self._reading.problems.error(table.entries["else"].key_mark, ELSE_GOES_WITH)
         shown = _shown_kind(kind, table)
         article = "an" if shown[0] in "aeiou" else "a"
-        self._reading.known_keys(
-            without(table, ["else"]), _ALLOWED[kind], f"{article} '{shown}' node"
-        )
+        what = f"{article} '{shown}' node"
+        if "with" in table.entries and "with" not in _ALLOWED[kind]:
+            told = f"'with' gives settings to a leaf, 'run' or 'check'; {what} has none"
+            self._reading.problems.error(table.entries["with"].key_mark, told)
+        beside = without(table, ["else", "with", kind])
+        self._reading.known_keys(beside, _ALLOWED[kind] - {kind}, what)
 
     def _node_table(self, value: Value) -> Table | None:
         if isinstance(value, Table):

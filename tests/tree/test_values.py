@@ -274,7 +274,7 @@ def test_what_cannot_be_computed_fails_with_its_reason(run: Any) -> None:
         ),
         (
             "{largest.§mass_kg}",
-            ": a condition needs true or false, and {largest.mass_kg} is a mass",
+            ": it needs true or false, and {largest.mass_kg} is a mass",
         ),
         ("{largest.mass_kg} §> 'a'", ": '>' cannot compare a mass and a text"),
         (

@@ -120,7 +120,7 @@ MISTAKES = (
             "optional: true", "'do:'", below=-1),
     Mistake("name: a pause", "name: a pause", "run: Localise", "into a 'sequence'"),
     Mistake("name: a pause", "name: a pause", "else: {wait: 1 s}", "'else' goes with"),
-    Mistake("name: a pause", "name: a pause", "with: {a: 1}", "Did you mean"),
+    Mistake("name: a pause", "name: a pause", "with: {a: 1}", "gives settings to a leaf"),
     # keys and their order
     Mistake('check: "{count} > 2"', "{count}", "{coutn}", "Did you mean 'count'?"),
     Mistake("- run: SurveySite", "run: SurveySite", "wait: 1 s", "before it is written", below=1),

@@ -91,7 +91,7 @@ class Typing:
 
     def truth(self, one: Expression) -> Types:
         """Return the types of an expression that must be true or false."""
-        return self._truth(one, "a condition")
+        return self._truth(one, "it")
 
     # --- keys and what is in them
 
