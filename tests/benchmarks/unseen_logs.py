@@ -13,6 +13,7 @@ from bounds import add_seeds, command_line, count, refused, seeds_of, verdict
 USAGE = """
 python tests/benchmarks/unseen_logs.py 1000:1299
 python tests/benchmarks/unseen_logs.py 5:8 --estimators gnss_imu_filter plain_smoother --each
+python tests/benchmarks/unseen_logs.py 5:8 --estimators gnss_imu_filter plain_smoother --outage 10
 """
 ESTIMATORS = ("gnss_imu_filter", "error_state_ekf", "dual_graph", "plain_smoother")
 
@@ -30,6 +31,9 @@ def main(words: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--held", choices=ESTIMATORS, default="gnss_imu_filter", metavar="NAME")
     parser.add_argument("--duration", type=count, default=90, help="length of a log [s]")
+    parser.add_argument(
+        "--outage", type=count, metavar="S", help="no fixes for so long from second 30 on [s]"
+    )
     parser.add_argument("--each", action="store_true", help="print a line for each log")
     given = parser.parse_args(words)
     if given.held not in given.estimators:
@@ -38,7 +42,9 @@ def main(words: Sequence[str] | None = None) -> int:
     from trials.unseen_logs import columns, figures, table
 
     with refused(parser):
-        found = columns(seeds_of(given), given.estimators, given.duration, given.each)
+        found = columns(
+            seeds_of(given), given.estimators, given.duration, given.outage or 0, given.each
+        )
     print(table(found))
     return verdict(figures(found, given.held))
 

@@ -12,6 +12,7 @@ from executive_plugins.estimation.start.chassis_level import ChassisLevel
 from executive_plugins.estimation.start.found import ClockOffset, Found
 from executive_plugins.estimation.start.rest_bias import RestBias
 from executive_plugins.estimation.start.settings import RestSettings, WindowStartSettings
+from executive_plugins.estimation.start.wide_heading import heading_std
 from executive_plugins.estimation.start.window_start import WindowStart
 
 from executive.arrays import Float
@@ -44,10 +45,11 @@ class FirstState:
         self._rest = RestInitialisation(rest, antennas_imu, noise, chassis)
         self._rest_bias = RestBias(rest.duration_s)
         self._window = WindowStart(window, noise, clock_std_s)
-        self._clock_std_s = clock_std_s
+        self._max_heading_std_rad, self._clock_std_s = window.max_heading_std_rad, clock_std_s
         self._antennas_imu = antennas_imu
         self._tried_s = -math.inf
         self._moves = False  # by the last attempt to find rest
+        self._is_vague = False  # a rest was found, but the fixes do not tell the heading
         self.waits_for = ""
 
     def add_fix(
@@ -82,13 +84,13 @@ class FirstState:
         self._rest.add_sample(sample)
         self._window.add_sample(sample)
         at_rest = self._at_rest(sample, turn_rate_rad_s)
-        if self._has_heading:
-            if at_rest is not None:
-                return Found(*at_rest, True, ClockOffset(std_s=self._clock_std_s))
-            if not self._is_given_up(sample.stamp_s):
-                return None
-        elif at_rest is not None:
+        if at_rest is not None and heading_std(*at_rest) <= self._max_heading_std_rad:
+            return Found(*at_rest, True, ClockOffset(std_s=self._clock_std_s))
+        if at_rest is not None:
             self._take_rest(*at_rest)
+            self._is_vague = True
+        if self._has_heading and not self._is_given_up(sample.stamp_s):
+            return None
         found = self._window.state()
         if self._window.waits_for:
             self.waits_for = self._window.waits_for
@@ -121,6 +123,6 @@ class FirstState:
         """Return whether a state from rest is not to be waited for.
 
         It is the more accurate one, and comes within seconds; but not to a body that moves, nor
-        where an antenna is silent or slow.
+        where an antenna is silent or slow, or the fixes are too coarse for their distance.
         """
-        return self._moves or now_s - self._first_s > _PATIENCE * self._rest_s
+        return self._moves or self._is_vague or now_s - self._first_s > _PATIENCE * self._rest_s

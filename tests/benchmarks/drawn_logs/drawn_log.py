@@ -1,6 +1,6 @@
 """A log whose body, motion and sensors are drawn from a seed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -54,13 +54,22 @@ class DrawnLog:
         )
 
 
-def draw_log(seed: int, duration_s: float = 90.0) -> DrawnLog:
-    """Draw a log; half of the bodies move from the first sample on."""
+def draw_log(seed: int, duration_s: float = 90.0, is_sound: bool = False) -> DrawnLog:
+    """Draw a log; half of the bodies move from the first sample on.
+
+    Args:
+        seed: What it is drawn from.
+        duration_s: Length [s].
+        is_sound: Whether the receiver errs as it declares and its clock agrees, and the body has
+            odometry; what else is drawn is the same.
+    """
     rng = np.random.default_rng(seed)
     kind = KINDS[seed % len(KINDS)]
     rests_s = 0.0 if rng.random() < 0.5 else rng.uniform(1.0, 15.0)
     imu, gnss = ImuSheet.draw(rng), GnssSheet.draw(rng)
-    odometry = OdometrySheet.draw(rng) if rng.random() < 0.5 else None
+    odometry = OdometrySheet.draw(rng) if rng.random() < 0.5 or is_sound else None
+    if is_sound:
+        gnss = replace(gnss, truth=1.0, offset_s=0.0)
     motion = draw_motion(kind, rng, duration_s, imu.rate_hz, rests_s)
     arrivals = [*inertial(motion, imu, rng), *satellite(motion, gnss, DATUM, rng)]
     if odometry is not None:

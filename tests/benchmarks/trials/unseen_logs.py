@@ -9,6 +9,8 @@ from drawn_logs.drawn_log import DrawnLog, draw_log
 from drawn_logs.estimators import PEER, replayed
 from drawn_logs.judge import Verdict, judge
 
+from executive.estimate.drop import Drop
+
 _START_S = 10.0  # after the motion begins
 _SETTLED_S = 30.0  # errors are judged from then on
 _STARTS = Bound(0.99, 1.0, is_least=True)
@@ -25,6 +27,7 @@ class Outcome:
     verdict: Verdict | None
     said: str
     error: str
+    outage_s: float = 0.0
 
     @property
     def median_m(self) -> float:
@@ -34,30 +37,42 @@ class Outcome:
         late = self.verdict.stamps_s >= _SETTLED_S
         return float(np.median(self.verdict.error_m[late])) if late.any() else float("inf")
 
+    @property
+    def outage_m(self) -> float:
+        """Distance from the truth at the end of the outage [m]; inf if there is no such state."""
+        if self.verdict is None or not self.outage_s:
+            return float("inf")
+        return self.verdict.near(_SETTLED_S + self.outage_s)
+
 
 def columns(
-    seeds: Sequence[int], names: Sequence[str], duration_s: float, is_told: bool
+    seeds: Sequence[int],
+    names: Sequence[str],
+    duration_s: float,
+    outage_s: float,
+    is_told: bool,
 ) -> Mapping[str, list[Outcome]]:
     """Return the outcomes of each estimator, in order of the seeds."""
     found: dict[str, list[Outcome]] = {name: [] for name in names}
     for seed in seeds:
         log = draw_log(seed, duration_s)
         for name in names:
-            outcome = _outcome(name, log)
+            outcome = _outcome(name, log, outage_s)
             found[name].append(outcome)
             if is_told:
                 print(_line(name, outcome), flush=True)
     return found
 
 
-def _outcome(name: str, log: DrawnLog) -> Outcome:
+def _outcome(name: str, log: DrawnLog, outage_s: float) -> Outcome:
+    drops = [Drop("gnss", _SETTLED_S, _SETTLED_S + outage_s)] if outage_s else []
     try:
-        replay, said = replayed(name, log)
+        replay, said = replayed(name, log, drops)
     except Exception as error:  # an estimator that raises is counted as one that fails
         return Outcome(log.words, False, None, "", f"{type(error).__name__}: {error}"[:120])
     verdict = judge(replay.states, log.motion)
     starts = verdict.started_s <= max(log.motion.moves_from_s, 0.0) + _START_S
-    return Outcome(log.words, starts, verdict, said, "")
+    return Outcome(log.words, starts, verdict, said, "", outage_s)
 
 
 def _line(name: str, outcome: Outcome) -> str:
@@ -67,6 +82,7 @@ def _line(name: str, outcome: Outcome) -> str:
     return (
         f"{outcome.log} | {name}: from {verdict.started_s:.1f} s, median {outcome.median_m:.3f} m, "
         f"{100 * verdict.inside:.0f} % inside"
+        + (f", {outcome.outage_m:.2f} m after the outage" if outcome.outage_s else "")
     )
 
 
@@ -80,13 +96,9 @@ def _inside(outcomes: Sequence[Outcome]) -> float:
     return float(np.median(shares)) if shares else float("nan")
 
 
-def _ratio(outcomes: Sequence[Outcome], peer: Sequence[Outcome]) -> float:
+def _ratio(mine: Sequence[float], peer: Sequence[float]) -> float:
     """Return the median ratio of errors to the peer's, where the peer has states."""
-    ratios = [
-        mine.median_m / his.median_m
-        for mine, his in zip(outcomes, peer, strict=True)
-        if np.isfinite(his.median_m)
-    ]
+    ratios = [own / his for own, his in zip(mine, peer, strict=True) if np.isfinite(his)]
     return float(np.median(ratios)) if ratios else float("nan")
 
 
@@ -131,6 +143,11 @@ def figures(found: Mapping[str, list[Outcome]], name: str) -> list[Figure]:
         held(f"{name}: share of time inside the 95 % bound", _inside(mine), _INSIDE),
     ]
     if PEER in found and name != PEER:
-        ratio = _ratio(mine, found[PEER])
-        answer.append(held(f"{name}: error over that of {PEER}, median", ratio, _RATIO))
+        pairs = {"error": [[one.median_m for one in o] for o in (mine, found[PEER])]}
+        if mine and mine[0].outage_s:
+            ends = [[one.outage_m for one in o] for o in (mine, found[PEER])]
+            pairs[f"error after an outage of {mine[0].outage_s:.0f} s"] = ends
+        for what, (own, peer) in pairs.items():
+            ratio = _ratio(own, peer)
+            answer.append(held(f"{name}: {what} over that of {PEER}, median", ratio, _RATIO))
     return answer

@@ -1,0 +1,160 @@
+"""An estimator on drawn logs of which one sensor falls sick."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from bounds import Bound, Figure, held
+from drawn_logs.drawn_log import DrawnLog, draw_log
+from drawn_logs.estimators import replayed
+from drawn_logs.judge import Verdict, judge
+from drawn_logs.sickness import SICKNESSES, Sickness
+from scipy.stats import chi2
+
+from executive.arrays import Bool
+from executive.messages.odometry import LidarIncrement
+
+_FROM_S, _AFTER_S = 25.0, 12.0  # begin of the fault; what is seen after its end
+_BEYOND = float(chi2.ppf(0.9973, 3))  # three standard deviations
+_LONGEST_S, _RECOVERED_S = 3.0, 2.0
+_NONE = Bound(0.0)
+_RECOVERS = Bound(_RECOVERED_S, 1.0)
+_EXACT = Bound(1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """What came of one fault on one log.
+
+    Attributes:
+        name: Of the fault.
+        log: What was drawn.
+        wrong_s: Longest time with the status GLOBAL beyond three standard deviations, from the
+            fault on [s].
+        recovered_s: From the end of the fault until the position is within them for good [s].
+        largest_m: Largest error from the fault on [m].
+        allowed_m: Three standard deviations of a fixed RTK fix and 2 cm; inf for other fixes.
+        error: Text of an exception; empty if there was none.
+    """
+
+    name: str
+    log: str
+    wrong_s: float
+    recovered_s: float
+    largest_m: float
+    allowed_m: float
+    error: str = ""
+
+
+def kinds(text: str) -> Mapping[str, Sickness]:
+    """Return the faults whose name begins with a text."""
+    return {name: one for name, one in SICKNESSES.items() if name.startswith(text)}
+
+
+def run(
+    chosen: Mapping[str, Sickness], seeds: Sequence[int], estimator: str, is_told: bool
+) -> list[Trial]:
+    """Return the outcome of every fault on every seed's log."""
+    trials = []
+    for seed in seeds:
+        for name, sickness in chosen.items():
+            duration_s = _FROM_S + sickness.lasts_s + _AFTER_S
+            log = draw_log(seed, duration_s, is_sound=True)
+            trials.append(_trial(name, sickness, log, estimator))
+            if is_told:
+                print(_line(trials[-1]), flush=True)
+    return trials
+
+
+def _trial(name: str, sickness: Sickness, log: DrawnLog, estimator: str) -> Trial:
+    gnss, rng = log.gnss, np.random.default_rng(log.seed)
+    sick = replace(log, arrivals=sickness.of(log.arrivals, log.datum, _FROM_S, rng))
+    allowed_m = float("inf")
+    if gnss.is_rtk_fixed and sickness.kind is LidarIncrement:
+        allowed_m = 3 * float(np.hypot(np.sqrt(2) * gnss.horizontal_m, gnss.vertical_m)) + 0.02
+    try:
+        replay, _ = replayed(estimator, sick)
+    except Exception as error:  # an estimator that raises is counted as one that fails
+        inf = float("inf")
+        said = f"{type(error).__name__}: {error}"[:120]
+        return Trial(name, log.words, inf, inf, inf, allowed_m, said)
+    judged = judge(replay.states, log.motion)
+    return Trial(
+        name,
+        log.words,
+        _longest(judged),
+        _recovered(judged, _FROM_S + sickness.lasts_s),
+        float(judged.error_m[judged.stamps_s >= _FROM_S].max(initial=0.0)),
+        allowed_m,
+    )
+
+
+def _is_beyond(judged: Verdict) -> Bool:
+    return np.asarray(judged.position_nees > _BEYOND)
+
+
+def _longest(judged: Verdict) -> float:
+    """Return the longest time of a wrong claim, from the fault on [s]."""
+    wrong = _is_beyond(judged) & (judged.is_global > 0) & (judged.stamps_s >= _FROM_S)
+    longest_s, since_s = 0.0, np.inf
+    for at_s, is_wrong in zip(judged.stamps_s, wrong, strict=True):
+        since_s = min(since_s, at_s) if is_wrong else np.inf
+        longest_s = max(longest_s, at_s - since_s)
+    return float(longest_s)
+
+
+def _recovered(judged: Verdict, end_s: float) -> float:
+    """Return how long after the fault's end the position is outside [s]; inf if to the end."""
+    late = judged.stamps_s >= end_s
+    if not late.any():
+        return float("inf")
+    # The last seconds of one percent of sound states are outside by chance: two in a row count.
+    beyond = _is_beyond(judged)[late]
+    twice = np.flatnonzero(beyond[1:] & beyond[:-1]) + 1
+    if not len(twice):
+        return 0.0
+    stamps_s = judged.stamps_s[late]
+    is_at_end = twice[-1] >= len(stamps_s) - 2
+    return float("inf") if is_at_end else float(stamps_s[twice[-1]] - end_s)
+
+
+def _line(trial: Trial) -> str:
+    return (
+        f"{trial.name} | {trial.log} | {trial.error or f'beyond for {trial.wrong_s:.1f} s'}, "
+        f"recovered after {trial.recovered_s:.1f} s, at most {trial.largest_m:.2f} m off"
+    )
+
+
+def figures(trials: Sequence[Trial]) -> list[Figure]:
+    """Return the figures with their bounds, and which kinds miss."""
+    wrong = [one for one in trials if not one.wrong_s <= _LONGEST_S]
+    late = np.array([one.recovered_s for one in trials])
+    answer = [
+        held(
+            "trials that say GLOBAL beyond three standard deviations for longer than 3 s",
+            float(len(wrong)),
+            _NONE,
+            f"{len(wrong)} of {len(trials)}",
+        ),
+        held(
+            "recovery after the fault, 95 % of the trials [s]",
+            float(np.percentile(late, 95, method="higher")),
+            _RECOVERS,
+        ),
+        Figure("trials that recover within 2 s", f"{(late <= _RECOVERED_S).sum()} of {len(late)}"),
+    ]
+    exact = [one.largest_m / one.allowed_m for one in trials if np.isfinite(one.allowed_m)]
+    if exact:
+        words = f"{max(exact):.2f} (n = {len(exact)})"
+        what = "RTK with sick odometry: error over three of its deviations and 2 cm, largest"
+        answer.append(held(what, max(exact), _EXACT, words))
+    answer += _worst(wrong)
+    return answer
+
+
+def _worst(wrong: Sequence[Trial]) -> Iterator[Figure]:
+    """Yield a line for each kind of fault that was missed."""
+    for name in dict.fromkeys(one.name for one in wrong):
+        mine = [one for one in wrong if one.name == name]
+        longest_s = max(one.wrong_s for one in mine)
+        yield Figure(f"missed at: {name}", f"{len(mine)} logs, at most {longest_s:.1f} s")
