@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
 from executive_plugins.estimation.filters.settings import GnssImuSettings
+from executive_plugins.estimation.gate.innovation_bias import InnovationBias
 from executive_plugins.estimation.gate.innovation_scale import InnovationScale
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.measurement_models import (
@@ -25,8 +26,9 @@ from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.odometry import LidarIncrement
 
-GLOBAL, FALLBACK = "GLOBAL", "FALLBACK"
+GLOBAL, SUSPECT, FALLBACK = "GLOBAL", "SUSPECT", "FALLBACK"
 _TRUSTED = 3  # fixes in a row within the gate that end a doubt about the state
+_FADING = 4.0  # largest factor on the covariance at one fix, if the prediction is wrong
 _DOUBT_S = 2.0  # time after a motion of the chassis during which standstill is ignored
 
 
@@ -58,6 +60,7 @@ class GnssImuFilter(CabinEstimator):
         self._trailing: TrailingFilter | None = None
         self._used_fix_s = -np.inf
         self._scales: dict[str, InnovationScale] = {}
+        self._biases: dict[str, InnovationBias] = {}
         self._doubt: WindowStart | None = None
         self._doubted_s, self._used_in_row = np.inf, 0
         self._moving_s = -np.inf
@@ -68,6 +71,7 @@ class GnssImuFilter(CabinEstimator):
         )
         self._used_fix_s = found.state.stamp_s
         self._scales = {name: InnovationScale(3, found.fix_scale) for name in self._antennas_imu}
+        self._biases = {name: InnovationBias(3) for name in self._antennas_imu}
 
     def _make_filter(self, found: Found) -> ErrorStateFilter:
         return ErrorStateFilter(found.state, found.covariance, self._noise, found.clock)
@@ -111,9 +115,8 @@ class GnssImuFilter(CabinEstimator):
         """Correct by a fix at the time by which the clock was thought to be late."""
         antenna = fix.antenna
         residual, H, by_clock, noise = fix_residual(kalman, fix, late_s)
-        scale = self._scales[antenna]
-        scale.add(residual, kalman.predicted(H, by_clock), noise)
-        if kalman.correct(residual, H, scale.factor() * noise, self._settings.gate, by_clock):
+        noise = self._judged(kalman, antenna, residual, (H, by_clock), noise)
+        if kalman.correct(residual, H, noise, self._settings.gate, by_clock):
             self._used_fix_s = max(self._used_fix_s, kalman.state.stamp_s)
             self._used_in_row += 1
             if self._used_in_row >= _TRUSTED:
@@ -126,6 +129,29 @@ class GnssImuFilter(CabinEstimator):
                 self._settings.window_start, self._noise, self._settings.clock_std_s
             )
             self._doubted_s = kalman.state.stamp_s
+
+    def _judged(
+        self,
+        kalman: ErrorStateFilter,
+        antenna: str,
+        residual: Float,
+        derivatives: tuple[Float, Float | None],
+        noise: Float,
+    ) -> Float:
+        """Return the covariance of a fix that the newest innovations explain, shape (3, 3).
+
+        If they show that the prediction is wrong instead, its covariance grows (fading memory,
+        Fagin 1964) and the fix counts as declared.
+        """
+        predicted = kalman.predicted(*derivatives)
+        scale, bias = self._scales[antenna], self._biases[antenna]
+        bias.add(residual, predicted + noise)
+        if not bias.is_biased:
+            scale.add(residual, predicted, noise)
+            return scale.factor() * noise
+        distance2 = float(residual @ np.linalg.solve(predicted + noise, residual))
+        kalman.fade(float(np.clip(distance2 / len(residual), 1.0, _FADING)))
+        return noise
 
     def _begin_trust(self) -> None:
         self._doubt, self._doubted_s = None, np.inf
@@ -166,8 +192,7 @@ class GnssImuFilter(CabinEstimator):
             kalman.correct(residual, H, settings.rate_std_rad_s**2 * np.eye(3), gate)
 
     def _status(self) -> str:
-        return (
-            GLOBAL
-            if self._propagator.stamp_s - self._used_fix_s <= self._settings.fallback_after_s
-            else FALLBACK
-        )
+        if self._propagator.stamp_s - self._used_fix_s > self._settings.fallback_after_s:
+            return FALLBACK
+        is_biased = any(bias.is_biased for bias in self._biases.values())
+        return SUSPECT if is_biased or self._doubt is not None else GLOBAL

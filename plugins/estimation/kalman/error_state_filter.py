@@ -159,6 +159,11 @@ class ErrorStateFilter:
         if self._clocks:
             self.clock_s += float(error[0])
 
+    def fade(self, factor: float) -> None:
+        """Multiply the covariance of the state, not of its companions, by a factor."""
+        self.covariance = factor * self.covariance
+        self._cross = np.sqrt(factor) * self._cross
+
     def inflate(self, position_m: float, velocity_m_s: float, rotation_rad: float) -> None:
         """Add variance to the state: standard deviations of position, velocity and rotation."""
         for block, std in (

@@ -29,8 +29,8 @@ class Trial:
     Attributes:
         name: Of the fault.
         log: What was drawn.
-        wrong_s: Longest time with the status GLOBAL beyond three standard deviations, from the
-            fault on [s].
+        wrong_s: Longest time with the status GLOBAL in one stay beyond three standard deviations,
+            from the fault on [s].
         recovered_s: From the end of the fault until the position is within them for good [s].
         largest_m: Largest error from the fault on [m].
         allowed_m: Three standard deviations of a fixed RTK fix and 2 cm; inf for other fixes.
@@ -94,12 +94,13 @@ def _is_beyond(judged: Verdict) -> Bool:
 
 
 def _longest(judged: Verdict) -> float:
-    """Return the longest time of a wrong claim, from the fault on [s]."""
-    wrong = _is_beyond(judged) & (judged.is_global > 0) & (judged.stamps_s >= _FROM_S)
-    longest_s, since_s = 0.0, np.inf
-    for at_s, is_wrong in zip(judged.stamps_s, wrong, strict=True):
-        since_s = min(since_s, at_s) if is_wrong else np.inf
-        longest_s = max(longest_s, at_s - since_s)
+    """Return the longest time of wrong claims until the state is right, from the fault on [s]."""
+    beyond = _is_beyond(judged) & (judged.stamps_s >= _FROM_S)
+    steps_s = np.diff(judged.stamps_s, append=judged.stamps_s[-1:])
+    longest_s = claimed_s = 0.0
+    for step_s, is_beyond, is_claimed in zip(steps_s, beyond, judged.is_global > 0, strict=True):
+        claimed_s = claimed_s + step_s * is_claimed if is_beyond else 0.0
+        longest_s = max(longest_s, claimed_s)
     return float(longest_s)
 
 
@@ -108,7 +109,7 @@ def _recovered(judged: Verdict, end_s: float) -> float:
     late = judged.stamps_s >= end_s
     if not late.any():
         return float("inf")
-    # The last seconds of one percent of sound states are outside by chance: two in a row count.
+    # Few sound states are outside by chance: two in a row count.
     beyond = _is_beyond(judged)[late]
     twice = np.flatnonzero(beyond[1:] & beyond[:-1]) + 1
     if not len(twice):
