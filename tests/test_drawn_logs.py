@@ -98,3 +98,29 @@ def test_the_peer_finds_the_heading_of_a_body_that_moves_from_the_start(drawn) -
     late = verdict.stamps_s > 10
     assert np.median(verdict.error_rad[late]) < 0.2
     assert np.median(verdict.error_m[late]) < 0.3
+
+
+def test_a_sick_sensor_is_sick_for_its_time_and_the_others_are_sound(drawn) -> None:
+    sicknesses = importlib.import_module("drawn_logs.sickness").SICKNESSES
+    log, rng = drawn.draw_log(1, 8.0, is_sound=True), np.random.default_rng(1)
+    sick = sicknesses["fixes: silent 3 s"].of(log.arrivals, log.datum, 2.0, rng)
+    gone = [a for a in log.arrivals if not any(a is b for b in sick)]
+    assert gone
+    assert all(isinstance(a.observation, GnssFix) and 2.0 <= a.arrival_s < 5.0 for a in gone)
+    assert len(sicknesses) >= 60
+    for sickness in sicknesses.values():
+        changed = sickness.of(log.arrivals, log.datum, 2.0, rng)
+        before = [a for a in log.arrivals if a.arrival_s < 2.0]
+        assert all(a is b for a, b in zip(before, changed, strict=False))
+
+
+def test_a_wrong_claim_misses_its_bound_and_an_unknown_kind_ends_with_2(drawn, capsys) -> None:
+    trials = importlib.import_module("trials.sick_sensors")
+    bounds = importlib.import_module("bounds")
+    sound = trials.Trial("fixes: jump 1.0 m", "log", 0.2, 0.5, 0.1, float("inf"))
+    assert bounds.verdict(trials.figures([sound])) == 0
+    assert bounds.verdict(trials.figures([sound, replace(sound, wrong_s=3.4)])) == 1
+    assert "missed at: fixes: jump 1.0 m" in capsys.readouterr().out
+    with pytest.raises(SystemExit) as ended:
+        importlib.import_module("sick_sensors").main(["1", "--kinds", "sonar"])
+    assert ended.value.code == 2

@@ -145,11 +145,13 @@ class GnssImuFilter(CabinEstimator):
         """
         predicted = kalman.predicted(*derivatives)
         scale, bias = self._scales[antenna], self._biases[antenna]
-        bias.add(residual, predicted + noise)
-        if not bias.is_biased:
+        distance2 = float(residual @ np.linalg.solve(predicted + noise, residual))
+        is_near = distance2 <= self._settings.gate  # outliers say nothing of the prediction
+        if is_near:
+            bias.add(residual, predicted + noise)
+        if not is_near or not bias.is_biased:
             scale.add(residual, predicted, noise)
             return scale.factor() * noise
-        distance2 = float(residual @ np.linalg.solve(predicted + noise, residual))
         kalman.fade(float(np.clip(distance2 / len(residual), 1.0, _FADING)))
         return noise
 

@@ -13,7 +13,8 @@ from executive_plugins.estimation.inertial.state import (
     Inertial,
 )
 from executive_plugins.estimation.start.at_rest import RestInitialisation
-from executive_plugins.estimation.start.settings import RestSettings
+from executive_plugins.estimation.start.first_state import FirstState
+from executive_plugins.estimation.start.settings import RestSettings, WindowStartSettings
 
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.rotation import log_so3
@@ -152,3 +153,23 @@ def test_a_machine_that_drives_evenly_is_not_taken_as_standing(cabin, begin) -> 
     state = estimator.state()
     assert state.is_ready
     assert state.v_map_cabin == pytest.approx([0.3, 0.0, 0.0], abs=0.1)
+
+
+def test_coarse_fixes_of_two_antennas_at_rest_give_no_heading() -> None:
+    def headings(std_m: float) -> list[bool]:
+        rng = np.random.default_rng(3)
+        first = FirstState(RestSettings(), WindowStartSettings(), ARMS, NOISE, None)
+        found = []
+        for k in range(300):
+            for name, arm in ARMS.items() if k % 20 == 0 else ():
+                fix = arm + rng.normal(0, std_m, 3)
+                first.add_fix(k / 100, name, fix, std_m**2 * np.eye(3))
+            force = np.array([0.0, 0.0, 9.81]) + rng.normal(0, 0.02, 3)
+            one = first.add_sample(Inertial(k / 100, rng.normal(0, 1e-4, 3), force, 0.01), 0.0)
+            found += [] if one is None else [one.has_heading]
+            if any(found):
+                break
+        return found
+
+    assert headings(0.01)[-1]
+    assert not any(headings(0.7))
