@@ -221,7 +221,8 @@ def test_a_reference_is_smoothed_from_the_whole_log(run, tmp_path):
     estimated = with_reference(material, online, "batch_graph")
     reference, report = estimated.reference, estimated.report["reference"]
     u = np.maximum(reference.stamps_s - 5.0, 0)
-    np.testing.assert_allclose(reference.T_map_base[:, 0, 3], 0.5 * u**2 - 0.5, atol=0.03)
+    # The smoother finds the receiver's clock; 8 m/s times the 4 ms that this motion leaves open.
+    np.testing.assert_allclose(reference.T_map_base[:, 0, 3], 0.5 * u**2 - 0.5, atol=0.05)
     assert report["fixes_m"]["std"] < 0.01
     assert report["position_m"]["n"] == len(online.track.stamps_s)
     assert report["position_m"]["max"] > 0.1  # where the estimator had no fix
