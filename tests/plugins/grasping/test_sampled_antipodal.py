@@ -211,3 +211,17 @@ def test_a_stone_that_was_weighed_is_judged_by_its_weight_and_the_message_has_it
     assert f"weighed: 3300 ± 50 kg, and the gripper lifts {limit}" in plan.detail
     light = replace(stone, weight=Weight(machine.payload_kg - 300.0, 50.0))
     assert planner.plan(light, cloud, np.eye(4), np.random.default_rng(0)).grasps
+
+
+@pytest.mark.parametrize("rule", ["payload", "iso_10567"])
+def test_a_lift_that_would_tip_the_machine_is_refused_on_request(
+    machine: Machine, free_motion: MotionPlanner, scene: tuple, rule: str
+) -> None:
+    narrow = ((0.5, 0.3), (0.5, -0.3), (-0.5, 0.3), (-0.5, -0.3))
+    stance = machine.stance.model_copy(update={"supports_m": narrow})
+    settings = SampledAntipodalSettings(samples=10, rehearsed=0, lift_capacity=rule)
+    planner = SampledAntipodal(settings, machine.model_copy(update={"stance": stance}), free_motion)
+    answer = plan(planner, scene)
+    assert bool(answer.grasps) == (rule == "payload")
+    assert ("beyond_lift_capacity" in answer.refused) == (rule == "iso_10567")
+    assert ("that tip the machine, ISO 10567" in answer.detail) == (rule == "iso_10567")
