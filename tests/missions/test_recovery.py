@@ -73,7 +73,8 @@ class WetStone(Fault):
         self._geoms = range(first, first + int(stone.geomnum[0]))
         self._dry = world.model.geom_friction[self._geoms].copy()
         self._held_m = self._opening_m(world)
-        world.model.geom_priority[self._geoms] = 1  # else the rougher of two surfaces decides
+        # Else the numbers of steel decide.
+        world.model.geom_priority[self._geoms] = world.model.geom_priority.max() + 1
         world.model.geom_friction[self._geoms, :2] = WET
 
     def go_on(self, world):

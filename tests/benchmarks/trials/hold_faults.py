@@ -92,7 +92,8 @@ class Watched(Monitor):
         elif fault == "wet":
             stone = world.model.body(world.site.stones[i].name)
             geoms = range(int(stone.geomadr[0]), int(stone.geomadr[0]) + int(stone.geomnum[0]))
-            world.model.geom_priority[geoms] = 1  # else the rougher of two surfaces decides
+            # Else the numbers of steel decide.
+            world.model.geom_priority[geoms] = world.model.geom_priority.max() + 1
             world.model.geom_friction[geoms, :2] = WET
 
 
