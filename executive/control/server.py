@@ -20,7 +20,8 @@ from executive.control.request import MOST_BYTES, Person, Reply, Request, Verb
 from executive.errors import DataError
 
 _MOST_CLIENTS = 16  # the one that has been silent for longest goes when another comes
-_MOST_WAITING = 64  # requests for the loop; replies for a client that does not read
+_MOST_EACH = 4  # requests of one client that wait, so that none keeps the others out
+_MOST_WAITING = _MOST_CLIENTS * _MOST_EACH  # for the loop; replies for a client that does not read
 _CREDENTIALS = struct.Struct("3i")  # of SO_PEERCRED: pid, uid, gid
 
 
@@ -33,12 +34,16 @@ class Client:
         person: Who is at its other end.
         read: What has come of a line that is not whole.
         unsent: Replies, and the rest of one that the socket did not take at once.
+        taken: Number of its requests that were put before the loop, written by the thread.
+        answered: Number of these that were replied to, written by the loop.
     """
 
     socket: socket.socket
     person: Person
     read: bytes = b""
     unsent: deque[bytes] = field(default_factory=deque)
+    taken: int = 0
+    answered: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +96,7 @@ class ControlServer:
     def reply(self, asked: Asked, reply: Reply) -> None:
         """Answer a request; called by the loop."""
         asked.client.unsent.append(reply.line())
+        asked.client.answered += 1
         self._nudge()
 
     def close(self) -> None:
@@ -171,9 +177,11 @@ class ControlServer:
             client.unsent.append(Reply(False, str(error)).line())
             return
         waiting = self.looks if request.verb is Verb.STATUS else self.asked
-        if len(waiting) >= _MOST_WAITING:
+        is_busy = client.taken - client.answered >= _MOST_EACH
+        if is_busy or len(waiting) >= _MOST_WAITING:
             client.unsent.append(Reply(False, "too many requests wait; ask again").line())
             return
+        client.taken += 1
         waiting.append(Asked(request, client))
         self._wake()
 
