@@ -23,6 +23,12 @@ class AlignmentSettings(PluginSettings):
     max_rmse_m: Meters = Field(
         0.04, gt=0, description="Largest accepted distance of overlapping points [m]."
     )
+    discount_gaps: bool = Field(
+        False,
+        description="Whether distances along the surface count towards max_rmse_m only as far as a "
+        "target as dense as the grid would have them. Sites seen sparsely are accepted then; a "
+        "stone that is half seen is, too, although it lies a few degrees off.",
+    )
     min_overlap: float = Field(
         0.4, ge=0, le=1, description="Smallest accepted share of source points that overlap."
     )

@@ -127,18 +127,20 @@ def corridor(seed: int, gap_m: float) -> np.ndarray:
     return points + rng.normal(0, 0.005, points.shape)
 
 
-def test_gaps_between_a_targets_lines_are_not_held_against_a_fit() -> None:
-    settings = GicpSettings(max_rmse_m=0.025)
+@pytest.mark.parametrize("discount", [True, False])
+def test_gaps_between_a_targets_lines_are_not_held_against_a_fit_on_request(discount: bool) -> None:
+    settings = GicpSettings(max_rmse_m=0.025, discount_gaps=discount)
     found = Gicp(settings).align(
         Cloud("map", corridor(1, 0.12)), Cloud("map", corridor(2, 0.12)), np.eye(4), 0.3
     )
     assert found.rmse_m > 0.03
-    assert found.accepted, found.reason
+    assert found.accepted == discount, found.reason
     assert "without the target's gaps" in found.reason
+    assert ("discount_gaps" in found.reason) != discount
 
 
 def test_another_surface_is_refused_by_its_distance_across() -> None:
-    settings = GicpSettings(max_rmse_m=0.025)
+    settings = GicpSettings(max_rmse_m=0.025, discount_gaps=True)
     bent = corridor(2, 0.03)
     bent[:, 2] += 0.05 * np.sin(4 * bent[:, 0])
     found = Gicp(settings).align(
