@@ -20,7 +20,6 @@ class MissingExtraError(ConfigError):
         )
 
 
-@cache
 def missing_packages(extra: str, distribution: str = "executive") -> tuple[str, ...]:
     """Return the packages of an extra that are not installed, sorted by name.
 
@@ -28,6 +27,12 @@ def missing_packages(extra: str, distribution: str = "executive") -> tuple[str, 
         extra: Name of the extra, such as `learning`.
         distribution: The package that defines it.
     """
+    return tuple(name for name in _packages(extra, distribution) if not _is_installed(name))
+
+
+@cache
+def _packages(extra: str, distribution: str) -> tuple[str, ...]:
+    """Return the packages of an extra, sorted by name."""
     try:
         listed = metadata.requires(distribution) or ()
     except metadata.PackageNotFoundError:
@@ -38,7 +43,7 @@ def missing_packages(extra: str, distribution: str = "executive") -> tuple[str, 
         if one.marker and one.marker.evaluate({"extra": extra})
         if not one.marker.evaluate({"extra": ""})
     )
-    return tuple(sorted({one.name for one in wanted if not _is_installed(one.name)}))
+    return tuple(sorted({one.name for one in wanted}))
 
 
 def require_extra(who: str, extra: str, distribution: str = "executive") -> None:
