@@ -26,7 +26,7 @@ def site_warnings(
         rng: The only source of chance.
     """
     found = []
-    some = points[:: max(len(points) // _SAMPLE, 1)]
+    some = np.ascontiguousarray(points[:: max(len(points) // _SAMPLE, 1)])
     on_ground = int((np.abs(plane_heights(some, plane)) < margin_m).sum())
     planes = planes_through(some, rng.integers(len(some), size=(3, _PLANES)))
     counts = counts_near(some, planes, margin_m)
