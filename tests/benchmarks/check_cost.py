@@ -29,7 +29,9 @@ def main(words: Sequence[str] | None = None) -> int:
 
     from trials.check_cost import commands, trees
 
-    return verdict([*trees(given.nodes), *commands()])
+    # The commands first: the memory of a child counts that of the process that it is made from.
+    told = commands()
+    return verdict([*trees(given.nodes), *told])
 
 
 if __name__ == "__main__":

@@ -97,7 +97,7 @@ def test_a_name_that_is_nearly_right_is_proposed(tmp_path):
         ("{chosen.mass} > 0.8 t", ""),
         ("{chosen.volume} > 300 l and {chosen.length} < 2 m", ""),
         ("{chosen.mass} > 0.8 m", "cannot compare a mass and a length"),
-        ("{chosen.weight} > 1", "Stone has no field 'weight'"),
+        ("{chosen.colour} > 1", "Stone has no field 'colour'"),
     ],
 )
 def test_fields_of_a_chosen_stone_are_compared_with_units(tmp_path, asked, told):

@@ -23,7 +23,9 @@ def segment(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find the objects on the ground of a cloud, and say what else rises from it.
+    """Find the objects on the ground of a cloud.
+
+    What else rises from the ground is told with the reason why it is no stone.
 
     Exit status 1 says that there is none.
 
