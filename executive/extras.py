@@ -27,11 +27,11 @@ def missing_packages(extra: str, distribution: str = "executive") -> tuple[str, 
         extra: Name of the extra, such as `learning`.
         distribution: The package that defines it.
     """
-    return tuple(name for name in _packages(extra, distribution) if not _is_installed(name))
+    return tuple(name for name in packages_of(extra, distribution) if not _is_installed(name))
 
 
 @cache
-def _packages(extra: str, distribution: str) -> tuple[str, ...]:
+def packages_of(extra: str, distribution: str) -> tuple[str, ...]:
     """Return the packages of an extra, sorted by name."""
     try:
         listed = metadata.requires(distribution) or ()

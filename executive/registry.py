@@ -13,7 +13,7 @@ from typing import Any
 
 from executive.config import Settings
 from executive.errors import ConfigError, UnknownPluginError
-from executive.extras import MissingExtraError, missing_packages
+from executive.extras import MissingExtraError, missing_packages, packages_of
 from executive.interfaces.declaration import (
     Declared,
     PluginSettings,
@@ -122,7 +122,7 @@ def is_plural(capability: str) -> bool:
 
 def reread() -> None:
     """Forget what was found: packages that were installed since then are seen from now on."""
-    for found in (_groups, _entry_points, _name, installed, missing_packages):
+    for found in (_groups, _entry_points, _name, installed, packages_of):
         found.cache_clear()
 
 
