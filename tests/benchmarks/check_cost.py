@@ -30,7 +30,7 @@ def main(words: Sequence[str] | None = None) -> int:
     from trials.check_cost import commands, trees
 
     # The commands first: the memory of a child counts that of the process that it is made from.
-    told = commands()
+    told = list(commands())
     return verdict([*trees(given.nodes), *told])
 
 
