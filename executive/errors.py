@@ -31,10 +31,14 @@ class UnknownPluginError(ConfigError):
         super().__init__(f"no {capability} plugin '{name}'{did_you_mean(name, known)}")
 
 
+def nearest(word: str, known: Iterable[str]) -> str:
+    """Return the known word that was probably meant, or an empty text."""
+    return next(iter(get_close_matches(word, sorted(known), n=1, cutoff=0.6)), "")
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return the end of an error message: the nearest known word, or all known words."""
     known = sorted(known)
-    near = get_close_matches(word, known, n=1, cutoff=0.6)
-    if near:
-        return f". Did you mean '{near[0]}'?"
+    if near := nearest(word, known):
+        return f". Did you mean '{near}'?"
     return f"; there is: {', '.join(known)}" if known else "; there is none"

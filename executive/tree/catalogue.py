@@ -1,7 +1,8 @@
 """The plugins and behaviours that a mission can use: the installed ones, or a table of them."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
 from executive import registry
@@ -65,6 +66,12 @@ class Catalogue(ABC):
                 f"behaviour '{name}' ({leaf.__qualname__}) is neither an Action nor a Condition"
             )
         return leaf
+
+    def behaviours(self) -> Iterator[tuple[str, type[Leaf[Any]]]]:
+        """Import all behaviours, those left out that cannot be imported; for rare messages."""
+        for name in self.behaviour_names():
+            with suppress(ConfigError):
+                yield name, self.behaviour(name)
 
 
 class InstalledCatalogue(Catalogue):

@@ -89,7 +89,7 @@ def _load(
     if not is_broken and not reading.problems.is_partial:
         plugins.check_needs(selected, plugin_table, _uses(trees))
     if check_expansion(trees, reading.problems):
-        Dataflow(trees, reading.problems).check()
+        Dataflow(trees, reading).check()
         ClaimCheck(trees, reading.problems).check()
         InstanceCheck(trees, reading.instances, reading.problems).check()
     faults, watch = read_faults_and_watch(found, placed, trees, selected, reading)

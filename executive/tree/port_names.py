@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from executive.errors import ConfigError, did_you_mean
+from executive.errors import did_you_mean
 from executive.leaf.action import Leaf
 from executive.tree.expressions.dimension import NAMED
 from executive.tree.expressions.kinds import bare, fields_of, item_of, members, sort_of
@@ -26,7 +26,7 @@ def check_port_types(trees: Mapping[str, Tree], reading: Reading) -> dict[str, T
     if not {_item(port) for port in ports} <= known:
         known |= _names_of(use.leaf for tree in trees.values() for use in _uses(tree))
     if not {_item(port) for port in ports} <= known:
-        known |= _names_of(_behaviours(reading))
+        known |= _names_of(leaf for _, leaf in reading.catalogue.behaviours())
     unknown = {port for port in ports if _item(port) not in known}
     for port in unknown:
         told = f"no leaf gives or takes the type '{_item(port)}'{did_you_mean(_item(port), known)}"
@@ -49,14 +49,6 @@ def _item(port: TypeName) -> str:
 def _uses(tree: Tree) -> Iterator[Any]:
     for node in tree.root.walk():
         yield from uses_of(node)
-
-
-def _behaviours(reading: Reading) -> Iterator[type[Leaf[Any]]]:
-    for name in reading.catalogue.behaviour_names():
-        try:
-            yield reading.catalogue.behaviour(name)
-        except ConfigError:  # it cannot be imported, and no tree uses it
-            continue
 
 
 def _names_of(leaves: Iterable[type[Leaf[Any]]]) -> set[str]:

@@ -40,8 +40,8 @@ def test_a_recovery_may_read_what_failed_may_have_written_and_not_what_comes_lat
     assert problems(load, "- run: Scan\n  on_failure: {run: FindStones}") == []
     told = problems(load, "- wait: 1 s\n  on_failure: {run: FindStones}\n- run: Scan")
     assert told == [
-        "input 'cloud' of FindStones reads key 'cloud' before it is written; it is "
-        "written only later"
+        "input 'cloud' of FindStones reads key 'cloud' before it is written; 'Scan' at "
+        "line 9 writes it, and never before this"
     ]
 
 
@@ -53,8 +53,8 @@ def test_a_node_behind_if_or_optional_may_have_written(load: Any) -> None:
 def test_a_condition_is_asked_before_its_node(load: Any) -> None:
     told = problems(load, "- run: Scan\n  if: HasStones\n- run: FindStones")
     assert told == [
-        "input 'stones' of HasStones reads key 'stones' before it is written; it is "
-        "written only later"
+        "input 'stones' of HasStones reads key 'stones' before it is written; 'FindStones' at "
+        "line 9 writes it, and never before this"
     ]
 
 
@@ -64,8 +64,8 @@ def test_a_loops_body_may_have_written_after_the_loop_and_its_condition_is_asked
     assert problems(load, "- loop: {until: Calm}\n  do: {run: Scan}\n- run: FindStones") == []
     told = problems(load, "- run: Scan\n- loop: {until: HasStones}\n  do: {run: FindStones}")
     assert told == [
-        "input 'stones' of HasStones reads key 'stones' before it is written; it is "
-        "written only later"
+        "input 'stones' of HasStones reads key 'stones' before it is written; 'FindStones' at "
+        "line 9 writes it, and never before this"
     ]
 
 
@@ -133,6 +133,13 @@ def test_what_a_tree_gives_out_is_known_to_its_caller(load: Any) -> None:
         == []
     )
     assert "before it is written" in problems(load, "- call: look\n- run: FindStones", trees)[0]
+
+
+def test_an_action_is_named_that_could_write_what_no_node_writes(load: Any) -> None:
+    assert problems(load, "- wait: 1 s\n- run: FindStones") == [
+        "input 'cloud' of FindStones reads key 'cloud' before it is written; Scan writes it: put "
+        "that before"
+    ]
 
 
 def test_an_output_of_another_type_than_a_tree_promises_is_refused(load: Any) -> None:

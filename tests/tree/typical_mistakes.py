@@ -123,9 +123,9 @@ MISTAKES = (
     Mistake("name: a pause", "name: a pause", "with: {a: 1}", "gives settings to a leaf"),
     # keys and their order
     Mistake('check: "{count} > 2"', "{count}", "{coutn}", "Did you mean 'count'?"),
-    Mistake("- run: SurveySite", "run: SurveySite", "wait: 1 s", "before it is written", below=1),
-    Mistake('in: "{slots}"', "{slots}", "{slot}", "only later"),
-    Mistake("- run: Localise", "run: Localise", 'check: "{count} > 1"', "only later"),
+    Mistake("- run: SurveySite", "run: SurveySite", "wait: 1 s", "SurveySite writes it", below=1),
+    Mistake('in: "{slots}"', "{slots}", "{slot}", "never before this"),
+    Mistake("- run: Localise", "run: Localise", 'check: "{count} > 1"', "never before this"),
     Mistake('in: "{slots}"', "{slots}", "{count}", "a list"),
     # expressions
     Mistake('check: "{count} > 2"', "{count} > 2", "{count} = 2", "compare with '=='"),

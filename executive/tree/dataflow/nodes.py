@@ -7,11 +7,12 @@ A subtree is followed once for each combination of types that it is called with,
 not be declared with types to be checked.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from executive.tree.dataflow.keys import ANYTHING, TEXT, UNKNOWN, Keys, Types
 from executive.tree.dataflow.wires import Wires, mark_of, shown_source
+from executive.tree.dataflow.writers import Writers
 from executive.tree.expressions.dimension import PLAIN
 from executive.tree.expressions.kinds import bare, dimension_of, known_value, number
 from executive.tree.key_source import Ref
@@ -36,17 +37,19 @@ from executive.tree.node_kinds import (
 )
 from executive.tree.port_types import fits_name, item_type, names
 from executive.tree.problem import Mark, Problems
+from executive.tree.reading import Reading
 from executive.tree.traversal import uses_of
 
 
 class Dataflow:
     """Checks the keys of all trees of a mission."""
 
-    def __init__(self, trees: Mapping[str, Tree], problems: Problems) -> None:
+    def __init__(self, trees: Mapping[str, Tree], reading: Reading) -> None:
         self._trees = trees
-        self._problems = problems
+        self._problems = reading.problems
+        self._catalogue = reading.catalogue
         self._done: dict[tuple[str, frozenset[tuple[str, Types]]], dict[str, Types]] = {}
-        self._written_in: dict[str, frozenset[str]] = {}
+        self._written_in: dict[str, Mapping[str, Node]] = {}
 
     def check(self) -> None:
         """Follow `main`, and then every tree that nothing calls."""
@@ -66,15 +69,15 @@ class Dataflow:
         if signature not in self._done:
             self._done[signature] = {}  # a tree that calls itself has been refused before
             keys = Keys(given)
-            later = self._all_written(tree) | given.keys()
-            wires = Wires(keys, frozenset(tree.inputs), later, self._problems)
+            writers = Writers(frozenset(tree.inputs), self._all_written(tree), self._catalogue)
+            wires = Wires(keys, writers, self._problems)
             _TreeFlow(self, self._trees, wires, self._problems).follow(tree)
             self._promised(tree, keys)
             found = {key: keys[key] for key in (*tree.outputs, ANYTHING) if key in keys}
             self._done[signature] = found
         return self._done[signature]
 
-    def _all_written(self, tree: Tree) -> frozenset[str]:
+    def _all_written(self, tree: Tree) -> Mapping[str, Node]:
         if tree.name not in self._written_in:
             self._written_in[tree.name] = _written_in(tree)
         return self._written_in[tree.name]
@@ -280,16 +283,24 @@ def _of_any_value(kind: Any) -> Any:
     return bare(kind) if dimension in (None, PLAIN) else number(dimension, bare(kind))
 
 
-def _written_in(tree: Tree) -> frozenset[str]:
-    keys: set[str] = set()
+def _written_in(tree: Tree) -> dict[str, Node]:
+    """Return every key that a tree writes, with the first node that does."""
+    writers: dict[str, Node] = {}
     for node in tree.root.walk():
-        keys.update(ref.key for use in uses_of(node) for ref in use.outputs.values())
-        if isinstance(node.kind, Call):
-            keys.update(ref.key for ref in node.kind.outputs.values())
-        elif isinstance(node.kind, Set):
-            keys.update(node.kind.values)
-        elif isinstance(node.kind, ForEach | Consume):
-            keys.add(node.kind.item)
-        elif isinstance(node.kind, Ask) and node.kind.answer:
-            keys.add(node.kind.answer.key)
-    return frozenset(keys)
+        for key in _written_by(node):
+            writers.setdefault(key, node)
+    return writers
+
+
+def _written_by(node: Node) -> Iterator[str]:
+    for use in uses_of(node):
+        yield from (ref.key for ref in use.outputs.values())
+    match node.kind:
+        case Call(outputs=outputs):
+            yield from (ref.key for ref in outputs.values())
+        case Set(values=values):
+            yield from values
+        case ForEach(item=item) | Consume(item=item):
+            yield item
+        case Ask(answer=Ref(key=key)):
+            yield key

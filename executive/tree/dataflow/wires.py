@@ -2,9 +2,9 @@
 
 from typing import Annotated, Any
 
-from executive.errors import did_you_mean
 from executive.leaf.store import Store
 from executive.tree.dataflow.keys import ANYTHING, UNKNOWN, Keys, Types
+from executive.tree.dataflow.writers import Writers
 from executive.tree.expressions.checking import Typing
 from executive.tree.expressions.evaluation import evaluate
 from executive.tree.expressions.functions import shown
@@ -22,20 +22,16 @@ from executive.tree.setting_types import field_type, refusal, setting_name, suit
 class Wires:
     """Checks what the nodes of one tree read, in the order of execution."""
 
-    def __init__(
-        self, keys: Keys, inputs: frozenset[str], later: frozenset[str], problems: Problems
-    ) -> None:
+    def __init__(self, keys: Keys, writers: Writers, problems: Problems) -> None:
         """Begin with the keys of a tree.
 
         Args:
             keys: What may be read now; changed by what is written.
-            inputs: The tree's own inputs.
-            later: Every key that the tree writes anywhere.
+            writers: What writes a key anywhere in the tree.
             problems: Takes the mistakes.
         """
         self.keys = keys
-        self._inputs = inputs
-        self._later = later
+        self._writers = writers
         self._problems = problems
 
     def condition(self, condition: Condition) -> None:
@@ -115,7 +111,7 @@ class Wires:
     def input(self, port: str, source: Source, is_optional: bool, owner: str) -> Types | None:
         """Return the types that an input port is given, or None if an optional one is left out."""
         if is_optional and isinstance(source, Ref) and source.key not in self.keys:
-            is_left_out = not source.is_listed or source.key in self._later
+            is_left_out = not source.is_listed or self._writers.has_node(source.key)
             return None if is_left_out else self.types(source, f"input '{port}' of {owner}")
         return self.types(source, f"input '{port}' of {owner}")
 
@@ -137,25 +133,16 @@ class Wires:
             return frozenset({str})
         if source.key in self.keys or ANYTHING in self.keys:
             return self.keys.get(source.key, UNKNOWN)
-        self._problems.error(source.mark, self._unwritten(source.key, reader))
+        told = f"{reader} reads key '{source.key}' before it is written"
+        self._problems.error(source.mark, told + self._writers.advice(source.key, self.keys))
         return frozenset()
-
-    def _unwritten(self, key: str, reader: str) -> str:
-        told = f"{reader} reads key '{key}' before it is written"
-        if key in self._inputs:
-            return f"{told}; a call leaves this input out: ask 'has({{{key}}})' before"
-        if key in self._later:
-            return f"{told}; it is written only later"
-        return told + (
-            did_you_mean(key, self.keys) if self.keys else "; nothing is written before it"
-        )
 
     def _typing(self, place: Place, reader: str) -> Typing:
         """Return what finds the types of an expression with the present keys."""
 
         def types_of(key: Key, may_miss: bool) -> Types:
             is_absent = key.name not in self.keys and ANYTHING not in self.keys
-            if may_miss and is_absent and (key.name in self._later or key.name in self._inputs):
+            if may_miss and is_absent and key.name in self._writers:
                 return UNKNOWN
             if not is_absent:
                 return self.keys.get(key.name, UNKNOWN)
