@@ -16,6 +16,7 @@ DURATION: Schema = {
     "type": ["number", "string"],
     "description": "A duration: seconds, or with a unit: 30 s, 2 min.",
 }
+COUNT: Schema = {"type": "integer", "minimum": 1}
 NODE: Schema = {"$ref": "#/$defs/node"}
 OTHERWISE: Schema = {"anyOf": [NODE, {"const": "skip"}]}
 CONDITION: Schema = {"$ref": "#/$defs/condition"}
@@ -44,6 +45,13 @@ def as_tree(kind: Schema) -> Schema:
 
 def node_kinds() -> Iterator[Schema]:
     """Yield the schema of each kind that is no leaf."""
+    yield from _of_children()
+    yield from _choices()
+    yield from _repeating()
+    yield from _small()
+
+
+def _of_children() -> Iterator[Schema]:
     for kind in (
         "sequence",
         "fallback",
@@ -52,12 +60,14 @@ def node_kinds() -> Iterator[Schema]:
         "persistent_sequence",
     ):
         yield {"properties": {kind: NODES}, "required": [kind]}
-    count: Schema = {"type": "integer", "minimum": 1}
-    number = {"anyOf": [{"enum": ["all", "one"]}, count]}
+    number = {"anyOf": [{"enum": ["all", "one"]}, COUNT]}
     thresholds = {"succeed": number, "fail": number, "wait_for_all": {"type": "boolean"}}
     yield {"properties": {"parallel": NODES, **thresholds}, "required": ["parallel"]}
     for kind in ("not", "force_failure"):
         yield {"properties": {kind: NODE}, "required": [kind]}
+
+
+def _choices() -> Iterator[Schema]:
     yield {
         "properties": {"if": CONDITION, "then": NODE, "else": OTHERWISE},
         "required": ["if", "then"],
@@ -71,7 +81,10 @@ def node_kinds() -> Iterator[Schema]:
         "properties": {"switch": REFERENCE, "cases": cases, "else": OTHERWISE},
         "required": ["switch", "cases"],
     }
-    loop = {"until": CONDITION, "max": count}
+
+
+def _repeating() -> Iterator[Schema]:
+    loop = {"until": CONDITION, "max": COUNT}
     yield {
         "properties": {
             "loop": {"anyOf": [{"const": "forever"}, {**closed(loop), "minProperties": 1}]},
@@ -89,6 +102,9 @@ def node_kinds() -> Iterator[Schema]:
         "properties": {"consume": closed(taken, *taken), "do": NODE},
         "required": ["consume", "do"],
     }
+
+
+def _small() -> Iterator[Schema]:
     yield {"properties": {"do": NODE}, "required": ["do"]}
     expression = {"anyOf": [EXPRESSION, {"type": "boolean"}]}
     yield {"properties": {"check": expression}, "required": ["check"]}

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from executive import registry
+from executive.commands.plugins.doctor import diagnose
 from executive.mission.options import Options
 from executive.mission.run import Run
 from executive.testing.run import Trial, hold_to_contract
@@ -109,9 +110,7 @@ def test_the_capability_stands_behind_the_shipped_ones() -> None:
     assert registry.capabilities() == (*registry.CAPABILITIES, "drill")
     assert registry.interface("drill").__name__ == "Drill"
     assert "drill" in mission_schema()["properties"]["plugins"]["properties"]
-    assert not [
-        one for one in registry.diagnose() if one["name"] in ("auger", "drill") and one["problem"]
-    ]
+    assert not [one for one in diagnose() if one["name"] in ("auger", "drill") and one["problem"]]
 
 
 @pytest.mark.usefixtures("drill")

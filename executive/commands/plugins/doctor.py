@@ -4,8 +4,21 @@ from collections.abc import Mapping
 
 import typer
 
+from executive import registry
 from executive.commands.console import answer
 from executive.commands.options import JsonOption
+from executive.extras import MissingExtraError
+
+# All groups whose entries are imported; settings and extras are read with their plugins.
+_GROUPS = (
+    registry.SMOOTHERS,
+    registry.BEHAVIOURS,
+    registry.ORACLES,
+    registry.EXERCISES,
+    registry.WORKS,
+    registry.METRICS,
+    registry.VERBS,
+)
 
 
 def doctor(as_json: JsonOption = False) -> None:
@@ -16,8 +29,6 @@ def doctor(as_json: JsonOption = False) -> None:
 
     Example: executive plugins doctor
     """
-    from executive.registry import diagnose
-
     findings = diagnose()
     broken = [one for one in findings if one["problem"] and not one["missing_extra"]]
     if as_json:
@@ -29,6 +40,36 @@ def doctor(as_json: JsonOption = False) -> None:
             if one["problem"]:
                 print(f"warning: {one['problem']}")
     raise typer.Exit(1 if broken else 0)
+
+
+def diagnose() -> list[dict[str, str]]:
+    """Import every installed plugin, behaviour and verb, and return which are broken, and why."""
+    groups = (registry.INTERFACES, *registry.capabilities(), *_GROUPS)
+    return [
+        {
+            "capability": group,
+            "name": one.name,
+            "target": one.target,
+            "problem": _problem(group, one.name),
+            "missing_extra": one.missing_extra,
+        }
+        for group in groups
+        for one in registry.installed(group)
+    ]
+
+
+def _problem(group: str, name: str) -> str:
+    """Return why one of a group cannot be imported, or an empty text."""
+    loads = {registry.VERBS: registry.load_verb, registry.INTERFACES: registry.interface}
+    try:
+        if group in loads:
+            loads[group](name)
+        else:
+            registry.load(group, name)
+        registry.require_extras(group, name)
+    except (registry.BrokenPluginError, MissingExtraError) as error:
+        return str(error)
+    return ""
 
 
 def _state(finding: Mapping[str, str]) -> str:

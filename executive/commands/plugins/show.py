@@ -1,6 +1,7 @@
 """`executive plugins show`: one plugin."""
 
-from typing import Annotated
+import inspect
+from typing import Annotated, Any
 
 import typer
 
@@ -17,9 +18,7 @@ def show_plugin(
 
     Example: executive plugins show registration segment_shot
     """
-    from executive.registry import describe
-
-    described = describe(capability, name)
+    described = _described(capability, name)
     if as_json:
         answer(described)
         return
@@ -28,3 +27,32 @@ def show_plugin(
     print(f"  needs: {', '.join(described['needs']) or 'nothing'}")
     for setting in described["settings"]:
         print(f"  {setting['name']:24} {setting['default']!s:16} {setting['description']}")
+
+
+def _described(capability: str, name: str) -> dict[str, Any]:
+    """Return the description of one plugin; imports it."""
+    from executive import registry
+
+    plugin = registry.load(capability, name)
+    brought = next(one for one in registry.installed(capability) if one.name == name)
+    return {
+        "capability": capability,
+        "name": name,
+        "target": brought.target,
+        "distribution": brought.distribution,
+        "summary": (inspect.getdoc(plugin) or "").partition("\n")[0],
+        "needs": list(registry.dependencies_of(plugin)),
+        "settings": [
+            {"name": key, "default": _default(field), "description": field.description or ""}
+            for key, field in plugin.Settings.model_fields.items()
+        ],
+    }
+
+
+def _default(field: Any) -> Any:
+    from executive.config import Settings
+
+    if field.is_required():
+        return "(required)"
+    default = field.get_default(call_default_factory=True)
+    return default.model_dump(mode="json") if isinstance(default, Settings) else str(default)
