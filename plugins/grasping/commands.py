@@ -1,9 +1,10 @@
 """The commands that grasping adds to the command line; heavy imports are deferred to a call."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, get_args
 
 import typer
+from executive_plugins.physics.scenario import Scenario
 
 from executive.commands.bulk import Where, spread
 from executive.commands.console import answer, one_of, say
@@ -14,7 +15,7 @@ _Seed = Annotated[
 ]
 
 
-def grasp_data(
+def grasp_data(  # noqa: PLR0913 - the options of the command line, each a parameter to typer
     folder: Annotated[Path, typer.Argument(help="Folder of the labels; existing ones are kept.")],
     stones: Annotated[
         int, typer.Option(min=1, help="Number of stones, existing ones included.")
@@ -24,6 +25,9 @@ def grasp_data(
     machine: Annotated[
         str, typer.Option(help="Machine whose gripper lifts: name or folder.")
     ] = "m545",
+    physics: Annotated[
+        str, typer.Option(help="Contacts of the lifts: kind, nominal, wet or harsh.")
+    ] = "kind",
     workers: Annotated[int, typer.Option(min=1, help="Number of parallel processes.")] = 1,
     scheduler: Annotated[
         str | None,
@@ -39,7 +43,10 @@ def grasp_data(
     """
     from executive_plugins.grasping.learning.labels import LabelSettings, claim, stone_file
 
-    settings = LabelSettings(machine=machine, seed=seed, grasps_per_stone=grasps)
+    one_of("--physics", physics, get_args(Scenario))
+    settings = LabelSettings.model_validate(
+        {"machine": machine, "seed": seed, "grasps_per_stone": grasps, "physics": physics}
+    )
     claim(folder, settings)
     missing = [index for index in range(stones) if not stone_file(folder, index).exists()]
     done = stones - len(missing)

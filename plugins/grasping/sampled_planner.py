@@ -15,6 +15,8 @@ from executive_plugins.grasping.sampling.pool import Pool, Sampler
 from executive_plugins.grasping.sampling.ranking import Costs, ranked_rounds, spread
 from executive_plugins.grasping.settings import SampledPlannerSettings
 from executive_plugins.grasping.simulated_lift import FALLEN_M, Lifted, SimulatedLift
+from executive_plugins.physics.belief import Belief, belief_of
+from executive_plugins.physics.surface import ContactModel
 
 from executive.arrays import Float, checked
 from executive.errors import DataError
@@ -28,9 +30,9 @@ from executive.messages.stone import Stone
 
 _ROOM_IN_CLOUD_M = 0.01  # a point deeper than this in the open gripper is a collision
 _FEW_POINTS = 20  # with fewer points the shape of a stone is unknown
-# Friction of steel on stone, and offset in the gripper frame [m] of each simulated lift: nominal,
-# then two with a position error.
-_VARIANTS = ((0.45, (0.0, 0.0, 0.0)), (0.55, (-0.03, 0.0, 0.04)), (0.55, (-0.03, 0.0, -0.04)))
+# Offset in the gripper frame [m] of the simulated lifts after the first, which has none but the
+# least friction; these have the middle one.
+_OFFSETS_M = ((-0.03, 0.0, 0.04), (-0.03, 0.0, -0.04))
 _PUSH_WEIGHT = 0.2  # weight of the motion by the closing jaws relative to the slip
 # Stop simulating once this many grasps have at most this cost: one for each attempt of a mission
 # that tries a stone three times, and one whose path is blocked.
@@ -88,6 +90,9 @@ class SampledPlanner(GraspPlanner):
         self._machine = machine
         self._arm = ArmReach(machine, motion)
         self._sampler = Sampler(settings, machine.gripper)
+        self._variants = _variants(
+            belief_of(settings.physics, machine.gripper, settings.steel_friction)
+        )
 
     def start(self) -> None:
         """Tabulate the gripper and compile the loops that plans need."""
@@ -243,10 +248,8 @@ class SampledPlanner(GraspPlanner):
         if not self._settings.rehearsed:
             return {}
         lifts: list[Lifted] = []
-        for friction, offset in _VARIANTS:
-            lifts.append(
-                simulated_lift.lift(T_plan_gripper @ pose(t=np.array(offset)), jaw_rad, friction)
-            )
+        for T_off, contact in self._variants:
+            lifts.append(simulated_lift.lift(T_plan_gripper @ T_off, jaw_rad, contact))
             if lifts[0].slip_m >= FALLEN_M:
                 break  # the stone falls even in the nominal lift
         slip_m, push_m = (
@@ -254,3 +257,10 @@ class SampledPlanner(GraspPlanner):
             for values in zip(*((x.slip_m, x.drag_m) for x in lifts), strict=True)
         )
         return {"slip_m": slip_m, "push_m": push_m}
+
+
+def _variants(belief: Belief) -> list[tuple[Float, ContactModel]]:
+    """Return the offset, shape (4, 4), and the contacts of each simulated lift of a grasp."""
+    first = (np.eye(4), belief.contact(belief.least))
+    middle = belief.contact(belief.middle)
+    return [first, *((pose(t=np.array(offset)), middle) for offset in _OFFSETS_M)]

@@ -3,7 +3,8 @@
 from typing import ClassVar, Literal
 
 from executive_plugins.grasping.sampling.settings import SamplingSettings
-from pydantic import Field, model_validator
+from executive_plugins.physics.scenario import Scenario
+from pydantic import Field, field_validator, model_validator
 
 from executive.config import Meters
 
@@ -35,6 +36,16 @@ class SampledPlannerSettings(SamplingSettings):
         description="Largest number of grasps that are lifted in simulation; with 0 none is, and "
         "the order is kept.",
     )
+    physics: Scenario = Field(
+        "kind",
+        description="Contacts that simulated lifts assume: those of a scenario of the simulator, "
+        "whatever the world has.",
+    )
+    steel_friction: tuple[float, float] | None = Field(
+        None,
+        description="Least and largest friction of steel on stone that simulated lifts assume; by "
+        "`physics` if not given.",
+    )
     max_slip_m: Meters = Field(
         0.3,
         gt=0,
@@ -42,6 +53,13 @@ class SampledPlannerSettings(SamplingSettings):
         "which a grasp is refused [m]. A fallen stone counts 0.5 m: from there on none is.",
     )
     max_grasps: int = Field(8, ge=1, description="Largest number of grasps returned.")
+
+    @field_validator("steel_friction")
+    @classmethod
+    def _check_friction(cls, given: tuple[float, float] | None) -> tuple[float, float] | None:
+        if given is not None and not 0.05 <= given[0] <= given[1] <= 2:
+            raise ValueError(f"expected [least, largest] within 0.05 to 2, got {list(given)}")
+        return given
 
     @model_validator(mode="after")
     def _check_scale(self) -> "SampledPlannerSettings":

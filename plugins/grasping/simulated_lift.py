@@ -11,14 +11,13 @@ import mujoco
 import numpy as np
 from executive_plugins.physics.contact import apply_contact
 from executive_plugins.physics.gravity import GRAVITY_M_S2
-from executive_plugins.physics.surface import Surface, uniform
+from executive_plugins.physics.surface import ContactModel
 
 from executive.arrays import Float
 from executive.geometry.rotation import angle_between, quaternion_wxyz
 from executive.machine.gripper import SIDES, Gripper
 
 _TIMESTEP_S = 0.004
-_TORSIONAL_FRICTION_M = 0.05
 _CLOSE_S, _LIFT_S, _HOLD_S = 1.0, 1.0, 0.3
 _LIFT_M = 0.4
 _SLACK_RAD = 0.04  # the jaws start this much wider than the given angle
@@ -71,15 +70,15 @@ class SimulatedLift:
         self._gripper, self._hull, self._up = gripper, hull, ground_normal
         self._mass_kg = mass_kg
 
-    def lift(self, T_plan_gripper: Float, jaw_rad: float, friction: float) -> Lifted:
+    def lift(self, T_plan_gripper: Float, jaw_rad: float, contact: ContactModel) -> Lifted:
         """Close the jaws, lift, and return how the stone moved in the jaws.
 
         Args:
             T_plan_gripper: Pose of the gripper at the grasp, shape (4, 4).
             jaw_rad: Jaw angle just outside the stone, from which the jaws close [rad].
-            friction: Coulomb friction coefficient of all surfaces.
+            contact: The contacts that are assumed.
         """
-        model = self._world(T_plan_gripper, friction)
+        model = self._world(T_plan_gripper, contact)
         data = mujoco.MjData(model)
         opened = min(jaw_rad + _SLACK_RAD, self._gripper.open_rad)
         for name in SIDES:
@@ -104,13 +103,13 @@ class SimulatedLift:
             if step > 25 and abs(data.joint("jaw_left").qvel[0]) < _STILL_RAD_S:
                 return
 
-    def _world(self, T_plan_gripper: Float, friction: float) -> mujoco.MjModel:
+    def _world(self, T_plan_gripper: Float, contact: ContactModel) -> mujoco.MjModel:
         spec = mujoco.MjSpec()
         spec.option.timestep = _TIMESTEP_S
         spec.option.gravity = [0.0, 0.0, -GRAVITY_M_S2]
         self._add_stone(spec)
         self._add_gripper(spec, T_plan_gripper)
-        apply_contact(spec, uniform(Surface(friction, _TORSIONAL_FRICTION_M)))
+        apply_contact(spec, contact)
         return spec.compile()
 
     def _add_stone(self, spec: mujoco.MjSpec) -> None:

@@ -24,6 +24,7 @@ from executive_plugins.grasping.sampling.ranking import ranked_rounds
 from executive_plugins.grasping.sampling.settings import SamplingSettings
 from executive_plugins.physics.quarried_block import block
 from executive_plugins.physics.rounded_stone import rounded_stone
+from executive_plugins.physics.scenario import Scenario
 from numpy.typing import NDArray
 from pydantic import Field
 
@@ -59,6 +60,9 @@ class LabelSettings(Settings):
     )
     rounded: float = Field(
         0.5, ge=0, le=1, description="Share of rounded stones; the others are quarried blocks."
+    )
+    physics: Scenario = Field(
+        "kind", description="Contacts of the lifts: those of a scenario of the simulator."
     )
 
 
@@ -98,10 +102,15 @@ def claim(folder: Path, settings: LabelSettings) -> None:
     path, wanted = folder / _DESCRIPTION, settings.model_dump(mode="json")
     if not path.exists():
         path.write_text(json.dumps(wanted, indent=2) + "\n")
-    elif json.loads(path.read_text()) != wanted:
+    elif _defaults() | json.loads(path.read_text()) != wanted:
         raise ConfigError(
             f"{path}: the folder holds labels with settings other than {wanted}; use another folder"
         )
+
+
+def _defaults() -> dict[str, Any]:
+    """Return the settings of labels that were made before a setting existed."""
+    return LabelSettings().model_dump(mode="json")
 
 
 def read_labels(folder: Path) -> Labels:
@@ -157,7 +166,7 @@ def label_stone(folder: Path, settings: LabelSettings, index: int) -> None:
     scene = sampler.scene(view.stone, view.cloud, rng)
     pool = sampler.pool(scene, rng)
     chosen = chosen_for_lifts(pool, settings.grasps_per_stone, rng)
-    trials = LiftTrials(gripper, hull)
+    trials = LiftTrials(gripper, hull, settings.physics)
     slip_m = [
         trials.lift(scene.T_map_plan @ pose(pool.R[i], pool.position[i]), pool.jaw_rad[i], rng)
         for i in chosen

@@ -10,6 +10,7 @@ from executive_plugins.grasping.feasibility.fcl_check import FclCheck
 from executive_plugins.grasping.sampled_cnn import SampledCnn
 from executive_plugins.grasping.settings import SampledCnnSettings
 from executive_plugins.grasping.simulated_lift import FALLEN_M, Lifted, SimulatedLift
+from executive_plugins.physics.surface import ContactModel
 from pydantic import ValidationError
 
 from executive.arrays import Float
@@ -86,6 +87,30 @@ def test_every_grasp_is_rehearsed_also_those_for_later_attempts(plan: Callable) 
     grasps = plan().grasps
     assert len(grasps) >= 4
     assert all("slip_m" in grasp.costs for grasp in grasps)
+
+
+def test_rehearsals_have_the_contacts_that_the_settings_assume(
+    plan: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    frictions: list[float] = []
+
+    def lift(_: object, __: Float, ___: float, contact: ContactModel) -> Lifted:
+        frictions.append(round(contact.steel.friction, 3))
+        return Lifted(0.0, 0.0, 0.0)
+
+    monkeypatch.setattr(SimulatedLift, "lift", lift)
+    plan(), plan(physics="wet"), plan(physics="wet", steel_friction=(0.2, 0.4))
+    assert frictions[:: len(frictions) // 3] == [0.45, 0.25, 0.2]
+    assert set(frictions) == {0.45, 0.55, 0.25, 0.3, 0.2}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [({"physics": "icy"}, "nominal"), ({"steel_friction": (0.5, 0.3)}, "least, largest")],
+)
+def test_contacts_that_do_not_exist_are_refused(wrong: dict[str, object], told: str) -> None:
+    with pytest.raises(ValidationError, match=told):
+        SampledCnnSettings.model_validate(wrong)
 
 
 def test_a_grasp_that_falls_when_rehearsed_is_refused(

@@ -1,5 +1,6 @@
 """Labels: the same from a seed however they are made, split by stone, and worth learning from."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -75,6 +76,14 @@ def test_a_machine_of_ones_own_is_an_input(tmp_path: Path) -> None:
 def test_labels_of_other_settings_do_not_mix(folder: Path) -> None:
     with pytest.raises(ConfigError, match="settings other than"):
         claim(folder, LabelSettings(grasps_per_stone=4, seed=2))
+
+
+def test_labels_from_before_a_setting_existed_have_its_default(tmp_path: Path) -> None:
+    described = FEW.model_dump(mode="json", exclude={"physics"})
+    (tmp_path / "labels.json").write_text(json.dumps(described))
+    claim(tmp_path, FEW)
+    with pytest.raises(ConfigError, match="settings other than"):
+        claim(tmp_path, FEW.model_copy(update={"physics": "wet"}))
 
 
 def test_a_folder_without_labels_is_refused_with_the_cure(tmp_path: Path) -> None:

@@ -33,6 +33,7 @@ from executive_plugins.grasping.learning.training_scene import (
 from executive_plugins.grasping.sampling.pool import Sampler
 from executive_plugins.grasping.sampling.settings import SamplingSettings
 from executive_plugins.grasping.simulated_lift import SimulatedLift
+from executive_plugins.physics.belief import belief_of
 
 from executive.geometry.pose import pose
 from executive.geometry.rotation import exp_so3, from_rpy
@@ -114,7 +115,7 @@ def test_lifts(recorded, gripper, friction) -> None:
     for normal, mass_kg in ((UP, 900.0), (np.array([0.1, 0.0, 0.99498743710662]), 500.0)):
         lift = SimulatedLift(gripper, block(), normal, mass_kg)
         T = pose(exp_so3(np.array([0, 0, 0.3])) @ DOWN, np.array([0.02, 0.0, 1.55]))
-        lifted = lift.lift(T, 0.7, friction)
+        lifted = lift.lift(T, 0.7, belief_of("kind", gripper).contact(friction))
         told.append((lifted, lifted.slip_m))
     recorded(told, relative=SOLVED)
 
