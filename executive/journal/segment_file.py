@@ -7,12 +7,12 @@ then `journal.0001.jsonl.gz`, which takes about a fifteenth of the room.
 import gzip
 import os
 import re
-import shutil
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 SEGMENT_BYTES = 8 * 2**20
+_PART_BYTES = 2**17  # compressed in a few milliseconds
 _SYNC_PERIOD_S = 0.5  # what is lost at most when the power fails, but for irreversible steps
 
 
@@ -29,6 +29,7 @@ class SegmentFile:
         self._size = os.fstat(self._file).st_size
         self._number = max((number for number, _ in closed_segments(path)), default=0)
         self._written = self._secured = 0  # lines
+        self._full: list[int] = []  # files that were closed to lines, and are not on the disk yet
         self._error: OSError | None = None
         self._is_closing = False
         self._changed = threading.Condition()
@@ -76,12 +77,11 @@ class SegmentFile:
         os.close(self._file)
 
     def _rotate(self) -> None:
-        """Begin a new file; the old one is complete and on the disk first."""
-        os.fdatasync(self._file)
+        """Begin a new file; the thread puts the old one on the disk: that can take seconds."""
         self._number += 1
         with self._changed:  # not while the thread uses the file
             self._path.rename(self._path.with_name(f"{self._path.stem}.{self._number:04d}.jsonl"))
-            os.close(self._file)
+            self._full.append(self._file)
             flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC
             self._file = os.open(self._path, flags, 0o644)
         self._size = 0
@@ -89,23 +89,31 @@ class SegmentFile:
     def _serve(self) -> None:
         while not self._is_closing:
             self._wanted.wait(_SYNC_PERIOD_S)
-            self._wanted.clear()
-            self._sync()
+            self._wanted.set()
+            self._attend()
             self._compress()
         self._sync()
+
+    def _attend(self) -> None:
+        """Put on the disk what somebody waits for."""
+        if self._wanted.is_set():
+            self._wanted.clear()
+            self._sync()
 
     def _sync(self) -> None:
         written = self._written
         if written == self._secured:
             return
         with self._changed:
-            own = os.dup(self._file)  # the tick may rotate meanwhile
-        try:
-            os.fdatasync(own)
-        except OSError as error:
-            self._error = error
-        finally:
-            os.close(own)
+            files = [*self._full, os.dup(self._file)]  # the tick may rotate meanwhile
+            self._full.clear()
+        for file in files:
+            try:
+                os.fdatasync(file)
+            except OSError as error:
+                self._error = error
+            finally:
+                os.close(file)
         with self._changed:
             self._secured = written
             self._changed.notify_all()
@@ -114,18 +122,25 @@ class SegmentFile:
         for _, segment in closed_segments(self._path):
             if segment.suffix == ".jsonl":
                 try:
-                    compress(segment)
+                    compress(segment, self._attend)
                 except OSError as error:  # the segment stays as it is, and is tried again
                     self._error = self._error or error
 
 
-def compress(segment: Path) -> Path:
-    """Replace a file by its compressed form, whole or not at all; equal files give equal bytes."""
+def compress(segment: Path, between: Callable[[], None] = lambda: None) -> Path:
+    """Replace a file by its compressed form, whole or not at all; equal files give equal bytes.
+
+    Args:
+        segment: The file.
+        between: Called again and again while it is compressed, which takes tenths of a second.
+    """
     whole = segment.with_name(segment.name + ".gz")
     partial = whole.with_suffix(".partial")
     with segment.open("rb") as source, partial.open("wb") as target:
         with gzip.GzipFile("", "wb", 6, target, mtime=0) as packed:
-            shutil.copyfileobj(source, packed)
+            while part := source.read(_PART_BYTES):
+                packed.write(part)
+                between()
         target.flush()
         os.fsync(target.fileno())
     partial.replace(whole)

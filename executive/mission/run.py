@@ -15,6 +15,7 @@ from executive.journal.value_folder import ValueFolder
 from executive.logs.recorder import Recorder
 from executive.mission.control.listening import controlled
 from executive.mission.fault import fault_of
+from executive.mission.garbage import left_alone
 from executive.mission.groot.watching import publisher_at, shown_to_groot
 from executive.mission.guard import GuardSettings
 from executive.mission.interrupts import stop_on_interrupt
@@ -163,6 +164,7 @@ class Run:
                 if self._setup.recorder is not None:
                     self._setup.recorder.close()
                 self._close_after_error()
+                self._setup.keeper.close()
                 self._journal.close()
                 self.folder.release()
         return Result(report, self.folder, ending.exit_status)
@@ -198,6 +200,7 @@ class Run:
                 stop_on_interrupt(self._mission),
                 controlled(self._mission, self.folder.path.absolute()),
                 shown_to_groot(self._description, self._mission, self._groot),
+                left_alone(self._options.real_time),
             ):
                 return self._mission.run(after_tick)
         except DataError as error:

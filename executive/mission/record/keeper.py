@@ -8,6 +8,7 @@ from typing import Any
 from executive.errors import DataError
 from executive.events.mission import Fault
 from executive.interfaces.plugin import Plugin
+from executive.journal.newest_file import NewestFile, newest_in
 from executive.journal.value_file import from_bytes, to_bytes
 from executive.mission.assembly import selected_plugins
 
@@ -40,8 +41,8 @@ class Keeper:
     """Writes what plugins `keep`, each into a file of its own, whole or not at all.
 
     The robot's is written at each tick, because a simulated world lives in this process; the time
-    is beside it. The others' are written when a leaf has ended that may have changed them, and
-    every few seconds.
+    is beside it. A robot that keeps nothing, because it lives elsewhere, has the time alone. The
+    others' are written when a leaf has ended that may have changed them, and every few seconds.
     """
 
     def __init__(self, folder: Path, plugins: Mapping[str, Any]) -> None:
@@ -57,6 +58,7 @@ class Keeper:
             for capability, _, plugin in selected_plugins(plugins)
             if not plugin.is_stateless and type(plugin).keep is Plugin.keep
         ]
+        self._machine: NewestFile | None = None
         self._written = dict.fromkeys((name for name, _ in self._others), 0)
         self._written_s = 0.0
         self.failure: OSError | None = None
@@ -66,7 +68,7 @@ class Keeper:
         if self.failure is not None:
             return
         try:
-            self._write(_MACHINE, {"at": instant, "state": self._robot.keep()})
+            self._keep_machine({"at": instant, "state": self._robot.keep()})
             if leaf_ended or instant.machine_s - self._written_s >= _PERIOD_S:
                 self._written_s = instant.machine_s
                 self._keep_others()
@@ -87,13 +89,24 @@ class Keeper:
             if kept is not None:
                 plugin.restore(kept)
             (lost if kept is None else restored).append(name.partition("-")[0])
-        machine = self._read(_MACHINE)
+        machine = _value_of(newest_in(self._folder / _MACHINE))
         if machine is None:
             return None, tuple(restored), ("robot", *lost)
         if machine["state"]:
             self._robot.restore(machine["state"])
             restored.insert(0, "robot")
         return machine["at"], tuple(restored), tuple(lost)
+
+    def close(self) -> None:
+        """Close the file of the robot's state."""
+        if self._machine is not None:
+            self._machine.close()
+
+    def _keep_machine(self, value: Any) -> None:
+        if self._machine is None:
+            self._folder.mkdir(exist_ok=True)
+            self._machine = NewestFile(self._folder / _MACHINE)
+        self._machine.write(to_bytes(value))
 
     def _keep_others(self) -> None:
         for name, plugin in self._others:
@@ -111,6 +124,14 @@ class Keeper:
 
     def _read(self, name: str) -> Any:
         try:
-            return from_bytes((self._folder / name).read_bytes())
-        except (OSError, DataError):
+            return _value_of((self._folder / name).read_bytes())
+        except OSError:
             return None
+
+
+def _value_of(data: bytes | None) -> Any:
+    """Return a value from its bytes; None if there are none, or they are damaged."""
+    try:
+        return None if data is None else from_bytes(data)
+    except DataError:
+        return None

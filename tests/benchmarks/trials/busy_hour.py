@@ -1,5 +1,6 @@
 """A busy mission on the wall clock: what its ticks, its memory and its files do over an hour."""
 
+import gc
 import multiprocessing as mp
 import os
 import tempfile
@@ -49,12 +50,45 @@ GROWTH_MB = Bound(2.0)
 FILES_MB = Bound(50.0)
 
 
+class Waits:
+    """What this process's main thread did: the time on a core, and waiting for one [ms]."""
+
+    def __init__(self) -> None:
+        self._file = os.open("/proc/thread-self/schedstat", os.O_RDONLY)
+        self._last = self._read()
+        self._collects_s = self._began_s = 0.0
+        gc.callbacks.append(self._collect)
+
+    def _read(self) -> tuple[float, float]:
+        on_core, waited, _ = os.pread(self._file, 100, 0).split()
+        return 1e-6 * int(on_core), 1e-6 * int(waited)
+
+    def _collect(self, phase: str, _info: object) -> None:
+        if phase == "start":
+            self._began_s = wall_s()
+        else:
+            self._collects_s += wall_s() - self._began_s
+
+    def told(self) -> str:
+        """Say where the time since the last call went."""
+        now, last, collects_ms = self._read(), self._last, 1e3 * self._collects_s
+        self._last, self._collects_s = now, 0.0
+        return (
+            f"{now[0] - last[0]:.0f} ms on a core, {now[1] - last[1]:.0f} ms waiting for one, "
+            f"{collects_ms:.0f} ms in the garbage collector"
+        )
+
+
 class Minutes:
-    """Notes the interval of each tick, and memory and files each minute; ends the run."""
+    """Notes the interval of each tick, and memory and files each minute; ends the run.
+
+    Of a tick that is too late, it tells where its time went.
+    """
 
     def __init__(self, minutes: int, folder: Path) -> None:
         self._minutes, self._folder = minutes, folder
         self._begun_s = self._last_s = 0.0
+        self._waits: Waits | None = None
         self.intervals_ms = np.empty(int(minutes * 60e3 / TICK_MS * 1.1), dtype=np.float32)
         self.count = 0
         self.memory_mb: list[float] = []
@@ -62,10 +96,13 @@ class Minutes:
 
     def __call__(self, mission: Mission) -> None:
         now_s = wall_s()
-        if self._begun_s == 0.0:
-            self._begun_s = now_s
+        if self._waits is None:
+            self._waits, self._begun_s = Waits(), now_s
         elif self.count < len(self.intervals_ms):
             self.intervals_ms[self.count] = 1e3 * (now_s - self._last_s)
+            told = self._waits.told()
+            if self.intervals_ms[self.count] > WORST_MS.must:
+                print(f"a tick of {self.intervals_ms[self.count]:.0f} ms: {told}", flush=True)
             self.count += 1
         self._last_s = now_s
         minute = int((now_s - self._begun_s) / 60.0)
