@@ -14,7 +14,7 @@ from executive_plugins.motion.obstacles import Obstacles
 from executive_plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
 from executive_plugins.motion.settings import HermiteSettings
 from executive_plugins.motion.sweep import sweep
-from executive_plugins.motion.timing import Limits, time_path
+from executive_plugins.motion.timing import Limits
 from executive_plugins.motion.waypoints import Waypoints
 
 from executive.arrays import Float, checked
@@ -68,12 +68,10 @@ class Hermite(MotionPlanner):
         arrive = move.arrive(goal, leave.nodes[-1], self._normal(obstacles, goal), request.arrive_m)
         if isinstance(arrive, NoPath):
             return _refused(arrive.reason)
-        path = move.travel(leave, arrive)
-        if isinstance(path, NoPath):
-            return _refused(path.reason)
-        return self._planned(
-            time_path(self._machine.arm_names, path, move.limits), request.T_map_base
-        )
+        trajectory = move.travel(leave, arrive)
+        if isinstance(trajectory, NoPath):
+            return _refused(trajectory.reason)
+        return self._planned(trajectory, request.T_map_base)
 
     def swing(self, start: Float, angle_rad: float, duration_s: float) -> MotionPlan:
         start, turn = self._checked(start), self._machine.arm_names.index(self._machine.turn_joint)
@@ -107,12 +105,10 @@ class Hermite(MotionPlanner):
         for what, posture in (("start", start), ("goal", goal)):
             if (hit := move.check.machine_hit(posture[None])) is not None:
                 return _refused(f"{what}: collision of {hit.what}")
-        path = move.between(start, goal)
-        if isinstance(path, NoPath):
-            return _refused(path.reason)
-        return self._planned(
-            time_path(self._machine.arm_names, path, move.limits), request.T_map_base
-        )
+        trajectory = move.between(start, goal)
+        if isinstance(trajectory, NoPath):
+            return _refused(trajectory.reason)
+        return self._planned(trajectory, request.T_map_base)
 
     def _move(self, request: MoveRequest | PostureRequest, obstacles: Obstacles) -> Move:
         settings = self._settings

@@ -9,14 +9,14 @@ from executive_plugins.motion.forward_kinematics import link_frames
 from executive_plugins.motion.inverse_kinematics import InverseKinematics
 from executive_plugins.motion.obstacles import Obstacles
 from executive_plugins.motion.path import HermitePath, path_through
-from executive_plugins.motion.timing import Limits
+from executive_plugins.motion.timing import Limits, time_path
 from executive_plugins.motion.waypoints import Line, Waypoints, join, reach_below_m
 
 from executive.arrays import Float
 from executive.geometry.pose import pose
 from executive.machine.machine import Machine
+from executive.messages.trajectory import JointTrajectory
 
-_FINE = 0.02  # step of the path parameter at which motion is measured
 # Between checked postures the motion of the palm over the first and of the joints over the second
 # add up to at most 1.
 _CHECK_M = 0.12
@@ -89,22 +89,23 @@ class Move:
                 first = first or refusal
         return first or NoPath("goal out of reach")
 
-    def travel(self, leave: Line, arrive: Line) -> HermitePath | NoPath:
+    def travel(self, leave: Line, arrive: Line) -> JointTrajectory | NoPath:
         """Connect the two tops, with the least height and the shorter turn first."""
         first: NoPath | None = None
         for path in self._paths(leave, arrive):
-            dense = self._dense(path)
+            timed = self._timed(path)
+            dense = self._dense(timed)
             hit = self.check.first_hit(dense)
             if hit is None:
-                return path
+                return timed
             share = hit.posture / (len(dense) - 1)
             first = first or NoPath(f"travelling: collision of {hit.what} at fraction {share:.2f}")
         return first or NoPath("travelling: no path")
 
-    def between(self, start: Float, goal: Float) -> HermitePath | NoPath:
+    def between(self, start: Float, goal: Float) -> JointTrajectory | NoPath:
         """Connect two postures: all joints at once where that is free, else over the obstacles."""
         leave, arrive = Line(start[None], 0.0), Line(goal[None], 0.0)
-        direct = self._path(leave, [], arrive)
+        direct = self._timed(self._path(leave, [], arrive))
         if self.check.first_hit(self._dense(direct)) is None:
             return direct
         return self.travel(leave, arrive)
@@ -184,10 +185,15 @@ class Move:
         above = line.length_m * hit.posture / len(line.nodes)
         return NoPath(f"arriving: collision of {hit.what}, {above:.2f} m above the goal")
 
-    def _dense(self, path: HermitePath) -> Float:
-        """Return postures along a path, dense enough for the collision check, shape (K, n)."""
-        u = np.linspace(0.0, path.length, max(2, int(np.ceil(path.length / _FINE)) + 1))
-        q = path.position(u)
+    def _timed(self, path: HermitePath) -> JointTrajectory:
+        return time_path(self.machine.arm_names, path, self.limits)
+
+    def _dense(self, trajectory: JointTrajectory) -> Float:
+        """Return postures of a trajectory, dense enough for the collision check, shape (K, n).
+
+        Between its samples the joints move evenly, to 0.1 mrad.
+        """
+        q = trajectory.position
         palm = link_frames(self.machine, q, 0.0)[self.machine.gripper_link][:, :3, 3]
         steps = (
             np.linalg.norm(np.diff(palm, axis=0), axis=1) / _CHECK_M
@@ -195,7 +201,7 @@ class Move:
         )
         passed = np.concatenate([[0.0], np.cumsum(steps)])
         wanted = np.linspace(0.0, passed[-1], max(2, int(np.ceil(passed[-1])) + 1))
-        return path.position(np.interp(wanted, passed, u))
+        return np.stack([np.interp(wanted, passed, joint) for joint in q.T], axis=1)
 
     def _frame(self, q: Float) -> Float:
         frames = link_frames(self.machine, q[None], 0.0)

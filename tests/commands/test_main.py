@@ -19,7 +19,6 @@ HEAVY = (
     "gtsam",
     "scipy",
     "numba",
-    "ruckig",
     "fcl",
     "mcap",
     "matplotlib",
