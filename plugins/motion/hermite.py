@@ -11,6 +11,7 @@ from executive_plugins.motion.ground import ground_normal
 from executive_plugins.motion.inverse_kinematics import InverseKinematics
 from executive_plugins.motion.move import Move, NoPath
 from executive_plugins.motion.obstacles import Obstacles
+from executive_plugins.motion.path_speeds import compile_speeds
 from executive_plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
 from executive_plugins.motion.settings import HermiteSettings
 from executive_plugins.motion.sweep import sweep
@@ -48,6 +49,7 @@ class Hermite(MotionPlanner):
         self._waypoints = Waypoints(machine, self._kinematics, self._ik)
         self._bodies = machine_bodies(machine)
         self._machine_check = SelfCollision(machine, self._bodies, settings.machine_clearance)
+        compile_speeds(len(machine.joints))
 
     def reach(self, T_base_gripper: Float, seed: Float) -> Float | None:
         T_base_gripper = checked("T_base_gripper", T_base_gripper, 4, 4)

@@ -43,6 +43,12 @@ def path_speeds(
     return u, _fastest(_controllable(caps, du, of_a, of_b, limit), du, of_a, of_b, limit)
 
 
+def compile_speeds(joints: int) -> None:
+    """Compile the loops, which takes seconds on the first run after an installation."""
+    limit = np.ones(joints)
+    path_speeds(HermitePath(np.zeros((2, joints)), np.array([0.0, 1.0])), limit, limit)
+
+
 def _grid(nodes: Float) -> Float:
     # From rest to rest takes two steps.
     counts = np.maximum(2, np.ceil(np.diff(nodes) / _GRID)).astype(np.int64)
