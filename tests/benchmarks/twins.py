@@ -6,12 +6,11 @@ accepted unless it is right. Then 99 stones, right and wrong, once.
 Milliseconds are processor time of one thread. Ten seconds of processor time a seed.
 """
 
-import argparse
 import secrets
 import sys
 from collections.abc import Sequence
 
-from bounds import command_line, verdict
+from bounds import command_line, count, verdict
 
 USAGE = """
 OMP_NUM_THREADS=1 python tests/benchmarks/twins.py --seeds 20               seeds drawn now
@@ -21,7 +20,7 @@ OMP_NUM_THREADS=1 python tests/benchmarks/twins.py --seeds 5 --first 4242   seed
 
 def main(words: Sequence[str] | None = None) -> int:
     parser = command_line(__doc__, USAGE)
-    parser.add_argument("--seeds", type=_least_one, default=10, help="how many; default: 10")
+    parser.add_argument("--seeds", type=count, default=10, help="how many; default: 10")
     parser.add_argument("--first", type=int, help="the first seed; drawn if it is not given")
     given = parser.parse_args(words)
     first = secrets.randbelow(10**8) if given.first is None else given.first
@@ -30,12 +29,6 @@ def main(words: Sequence[str] | None = None) -> int:
 
     print(f"seeds {first} to {first + given.seeds - 1}", file=sys.stderr, flush=True)
     return verdict(figures(measured(range(first, first + given.seeds))))
-
-
-def _least_one(text: str) -> int:
-    if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"'{text}' is no positive number")
-    return int(text)
 
 
 if __name__ == "__main__":

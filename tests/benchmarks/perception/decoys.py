@@ -27,7 +27,7 @@ def other_stones(scenes: ModuleType, seed: int, rays: int) -> Pair:
     """Put other stones into the same places: their constellation fits, their surfaces do not."""
     scene = scenes.scene_of(seed, rays=rays)
     rng = np.random.default_rng(seed + 60_000)
-    site, _ = scenes._world(rng, 0, 0.0, 1.0)
+    site, _ = scenes._world(rng, 0, 0.0, 1.0, scenes._stone)
     for x, y, _ in scene.stones:
         corners = scenes._stone(rng)
         corners += [x, y, -corners[:, 2].min() - 0.05]

@@ -131,7 +131,7 @@ def piles_of(seed: int, gap_m: tuple[float, float], shape: str, scenes: ModuleTy
     """Return the scene of a seed, its gap drawn between two [m], with stones of one of `SHAPES`."""
     rng = np.random.default_rng(seed)
     gap = float(rng.uniform(*gap_m))
-    site, _ = scenes._world(rng, 0, 0.0, 1.0)
+    site, _ = scenes._world(rng, 0, 0.0, 1.0, scenes._stone)
     spots: list[Float] = []
     while len(spots) < len(PILES):
         angle, distance = rng.uniform(-1.9, 1.9), rng.uniform(3.5, 6.5)

@@ -37,7 +37,7 @@ def counted(sites: int) -> Counter[str]:
     counts: Counter[str] = Counter()
     for seed in range(FIRST_SEED, FIRST_SEED + sites):
         rng = np.random.default_rng(seed)
-        scene, stones = scenes._world(rng, 7, 3.2, 7.5)
+        scene, stones = scenes._world(rng, 7, 3.2, 7.5, scenes._stone)
         first = scenes._swept(scene, rng, 120_000)
         anew = scenes._swept(scene, rng, int(rng.choice([60_000, 120_000, 200_000])))
         survey = scenes._surveyed(scene, rng, 120_000, np.array([*stones[:, :2].mean(axis=0), 0.3]))

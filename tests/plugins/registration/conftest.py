@@ -143,7 +143,9 @@ def _thin(points: Float, voxel_m: float) -> Float:
     return np.asarray(cloud.voxel_down_sample(voxel_m).points)
 
 
-def _swept(scene: o3d.t.geometry.RaycastingScene, rng: np.random.Generator, rays: int) -> Float:
+def _swept(
+    scene: o3d.t.geometry.RaycastingScene, rng: np.random.Generator, rays: int, noise: float = 1.0
+) -> Float:
     """Return what two lidars on a swinging cabin's roof see: from one side only."""
     swing = rng.uniform(-1.9, 1.9, rays)
     side = rng.choice([-0.6, 0.6], rays)
@@ -162,12 +164,16 @@ def _swept(scene: o3d.t.geometry.RaycastingScene, rng: np.random.Generator, rays
             np.sin(elevation),
         ]
     )
-    points = _thin(_seen(scene, origins, directions, rng.normal(0, 0.012, rays)), 0.03)
+    points = _thin(_seen(scene, origins, directions, rng.normal(0, 0.012 * noise, rays)), 0.03)
     return points[np.linalg.norm(points[:, :2], axis=1) < 10]
 
 
 def _surveyed(
-    scene: o3d.t.geometry.RaycastingScene, rng: np.random.Generator, rays: int, centre: Float
+    scene: o3d.t.geometry.RaycastingScene,
+    rng: np.random.Generator,
+    rays: int,
+    centre: Float,
+    noise: float = 1.0,
 ) -> Float:
     """Return what a drone sees from twenty places around, warped smoothly by a
     centimetre or two.
@@ -176,7 +182,7 @@ def _surveyed(
     origins = centre + np.column_stack([7 * np.cos(around), 7 * np.sin(around), np.full(rays, 6.0)])
     aims = centre + np.column_stack([rng.uniform(-5.5, 5.5, (rays, 2)), np.zeros(rays)])
     directions = (aims - origins) / np.linalg.norm(aims - origins, axis=1)[:, None]
-    points = _thin(_seen(scene, origins, directions, rng.normal(0, 0.015, rays)), 0.025)
+    points = _thin(_seen(scene, origins, directions, rng.normal(0, 0.015 * noise, rays)), 0.025)
     warp = 0.012 * np.sin(points[:, [1, 2, 0]] * rng.uniform(0.3, 0.8, 3) + rng.uniform(0, 6.28, 3))
     return points + warp
 
@@ -188,6 +194,7 @@ def scene_of(
     survey_seed: int | None = None,
     stretch: float | None = None,
     stone: StoneMaker = _stone,
+    noise: float = 1.0,
 ) -> Scene:
     """Return the scene of a seed.
 
@@ -198,15 +205,16 @@ def scene_of(
         survey_seed: If given, the drone flew over another site, the one of this seed.
         stretch: Factor by which the survey is too large; drawn from 0.99 to 1.01 if not given.
         stone: Draws the corners of one stone.
+        noise: Factor on the noise of both sensors, 12 and 15 mm.
     """
     rng = np.random.default_rng(seed)
     scene, stones = _world(rng, count, 3.2, 7.5, stone)
     centre = np.array([*stones[:, :2].mean(axis=0), 0.3])
-    target = _swept(scene, rng, rays)
+    target = _swept(scene, rng, rays, noise)
     if survey_seed is not None:
         scene, stones = _world(np.random.default_rng(survey_seed), count, 3.2, 7.5, stone)
         centre = np.array([*stones[:, :2].mean(axis=0), 0.3])
-    survey = _surveyed(scene, rng, rays, centre)
+    survey = _surveyed(scene, rng, rays, centre, noise)
     drawn = float(rng.uniform(0.99, 1.01))
     stretch = drawn if stretch is None else stretch
     R = exp_so3(np.array([0, 0, rng.uniform(-np.pi, np.pi)])) @ exp_so3(rng.normal(0, 0.03, 3))
