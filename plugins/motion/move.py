@@ -9,6 +9,7 @@ from executive_plugins.motion.forward_kinematics import link_frames
 from executive_plugins.motion.inverse_kinematics import InverseKinematics
 from executive_plugins.motion.obstacles import Obstacles
 from executive_plugins.motion.path import HermitePath, path_through
+from executive_plugins.motion.straight import time_line
 from executive_plugins.motion.timing import Limits, time_path
 from executive_plugins.motion.waypoints import Line, Waypoints, join, reach_below_m
 
@@ -104,11 +105,10 @@ class Move:
 
     def between(self, start: Float, goal: Float) -> JointTrajectory | NoPath:
         """Connect two postures: all joints at once where that is free, else over the obstacles."""
-        leave, arrive = Line(start[None], 0.0), Line(goal[None], 0.0)
-        direct = self._timed(self._path(leave, [], arrive))
+        direct = time_line(self.machine.arm_names, start, goal, self.limits)
         if self.check.first_hit(self._dense(direct)) is None:
             return direct
-        return self.travel(leave, arrive)
+        return self.travel(Line(start[None], 0.0), Line(goal[None], 0.0))
 
     def _paths(self, leave: Line, arrive: Line) -> Iterator[HermitePath]:
         a, b = leave.nodes[-1], arrive.nodes[-1]

@@ -2,6 +2,7 @@
 
 import numpy as np
 from executive_plugins.motion.path import path_through
+from executive_plugins.motion.straight import time_line
 from executive_plugins.motion.timing import Limits, time_path
 
 from executive.arrays import Float
@@ -59,6 +60,8 @@ def slowed(trajectory: JointTrajectory, factor: float) -> JointTrajectory:
 
 
 def _leg(machine: Machine, limits: Limits, nodes: list[Float]) -> JointTrajectory:
+    if len(nodes) == 2:
+        return time_line(machine.arm_names, nodes[0], nodes[1], limits)
     path = path_through(
         np.array(nodes), np.zeros(len(nodes) - 1, dtype=bool), limits.velocity, limits.acceleration
     )

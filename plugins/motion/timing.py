@@ -9,7 +9,7 @@ from executive_plugins.motion.path_speeds import path_speeds
 from executive.arrays import Float
 from executive.messages.trajectory import JointTrajectory
 
-_PERIOD_S = 0.03  # between samples of the trajectory
+PERIOD_S = 0.03  # between samples of the trajectory
 _AT_REST = 2  # further control points before and after: three equal ones are a spline at rest
 
 
@@ -49,10 +49,10 @@ def time_path(names: tuple[str, ...], path: HermitePath, limits: Limits) -> Join
     ends = (_AT_REST, _AT_REST)
     points = np.pad(points, (ends, (0, 0)), mode="edge")
     position = (points[:-2] + 4 * points[1:-1] + points[2:]) / 6
-    velocity = (points[2:] - points[:-2]) / (2 * _PERIOD_S)
+    velocity = (points[2:] - points[:-2]) / (2 * PERIOD_S)
     position[[0, -1]] = points[[0, -1]]
     factor = _excess(points, limits)
-    times_s = np.linspace(0.0, (len(position) - 1) * _PERIOD_S * factor, len(position))
+    times_s = np.linspace(0.0, (len(position) - 1) * PERIOD_S * factor, len(position))
     return JointTrajectory(names, times_s, position, velocity / factor)
 
 
@@ -61,7 +61,7 @@ def _samples(path: HermitePath, limits: Limits) -> Float:
     u, squares = path_speeds(path, limits.velocity, limits.acceleration)
     speeds = np.sqrt(squares)
     times = np.concatenate([[0.0], np.cumsum(2 * np.diff(u) / (speeds[1:] + speeds[:-1]))])
-    count = max(1, int(np.ceil(times[-1] / _PERIOD_S)))
+    count = max(1, int(np.ceil(times[-1] / PERIOD_S)))
     at = np.linspace(0.0, times[-1], count + 1)
     i = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(u) - 2)
     gain = np.diff(squares) / (2 * np.diff(u))
@@ -73,12 +73,12 @@ def _samples(path: HermitePath, limits: Limits) -> Float:
 
 def _window(samples: Float, limits: Limits) -> int:
     """Return over how many samples to average, so that all jerk limits hold."""
-    longest = int(np.ceil(2 * (limits.acceleration / limits.jerk).max() / _PERIOD_S)) + 1
+    longest = int(np.ceil(2 * (limits.acceleration / limits.jerk).max() / PERIOD_S)) + 1
     around = np.pad(samples, ((longest + 1, longest + 1), (0, 0)), mode="edge")
-    acceleration = np.diff(around, 2, axis=0) / _PERIOD_S**2
+    acceleration = np.diff(around, 2, axis=0) / PERIOD_S**2
     for window in range(1, longest):
         change = np.abs(acceleration[window:] - acceleration[:-window])
-        if (change <= limits.jerk * window * _PERIOD_S).all():
+        if (change <= limits.jerk * window * PERIOD_S).all():
             return window
     return longest
 
@@ -95,7 +95,7 @@ def _averaged(samples: Float, window: int) -> Float:
 def _excess(points: Float, limits: Limits) -> float:
     """Return the factor on time, at least 1, that removes what rounding leaves above a limit."""
     above = [
-        (np.abs(np.diff(points, order, axis=0)) / _PERIOD_S**order / limit).max() ** (1 / order)
+        (np.abs(np.diff(points, order, axis=0)) / PERIOD_S**order / limit).max() ** (1 / order)
         for order, limit in enumerate((limits.velocity, limits.acceleration, limits.jerk), start=1)
     ]
     return float(max(1.0, *above))

@@ -19,6 +19,7 @@ HEAVY = (
     "gtsam",
     "scipy",
     "numba",
+    "ruckig",
     "fcl",
     "mcap",
     "matplotlib",
