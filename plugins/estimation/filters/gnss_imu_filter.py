@@ -5,8 +5,11 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
 from executive_plugins.estimation.filters.settings import GnssImuSettings
+from executive_plugins.estimation.gate.fix_period import FixPeriod
+from executive_plugins.estimation.gate.frozen_samples import FrozenSamples
+from executive_plugins.estimation.gate.innovation_alarm import InnovationAlarm
 from executive_plugins.estimation.gate.innovation_bias import InnovationBias
-from executive_plugins.estimation.gate.innovation_scale import InnovationScale
+from executive_plugins.estimation.gate.innovation_scale import LARGEST_SCALE, InnovationScale
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.measurement_models import (
     rate_residual,
@@ -61,9 +64,12 @@ class GnssImuFilter(CabinEstimator):
         self._used_fix_s = -np.inf
         self._scales: dict[str, InnovationScale] = {}
         self._biases: dict[str, InnovationBias] = {}
+        self._alarms: dict[str, InnovationAlarm] = {}
+        self._periods: dict[str, FixPeriod] = {}
         self._doubt: WindowStart | None = None
         self._doubted_s, self._used_in_row = np.inf, 0
         self._moving_s = -np.inf
+        self._frozen = FrozenSamples()
 
     def _start_at(self, found: Found) -> None:
         self._trailing = TrailingFilter(
@@ -72,6 +78,7 @@ class GnssImuFilter(CabinEstimator):
         self._used_fix_s = found.state.stamp_s
         self._scales = {name: InnovationScale(3, found.fix_scale) for name in self._antennas_imu}
         self._biases = {name: InnovationBias(3) for name in self._antennas_imu}
+        self._alarms = {name: InnovationAlarm(3) for name in self._antennas_imu}
 
     def _make_filter(self, found: Found) -> ErrorStateFilter:
         return ErrorStateFilter(found.state, found.covariance, self._noise, found.clock)
@@ -79,7 +86,8 @@ class GnssImuFilter(CabinEstimator):
     def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
         if self._trailing is not None:
             rate, force = sample.angular_velocity_rad_s, sample.specific_force_m_s2
-            inertial = Inertial(sample.stamp_s, rate, force, since_last_s)
+            unknown_s = max(since_last_s, self._frozen.lasts_s(sample))
+            inertial = Inertial(sample.stamp_s, rate, force, unknown_s)
             self._trailing.add_sample(inertial)
             self._follow_doubt(inertial)
 
@@ -88,6 +96,7 @@ class GnssImuFilter(CabinEstimator):
 
     def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
         antenna, stamp_s = fix.antenna, fix.stamp_s
+        self._periods.setdefault(antenna, FixPeriod()).add(stamp_s)
         position = Fix(stamp_s, antenna, self._antennas_imu[antenna], p_map_antenna, noise)
         if self._doubt is not None:
             self._doubt.add_fix(position)
@@ -145,6 +154,9 @@ class GnssImuFilter(CabinEstimator):
         """
         predicted = kalman.predicted(*derivatives)
         scale, bias = self._scales[antenna], self._biases[antenna]
+        scaled = predicted + scale.factor() * noise
+        period_s = self._periods[antenna].period_s / len(self._periods)
+        self._alarms[antenna].add(residual, scaled, self._settings.gate, period_s)
         distance2 = float(residual @ np.linalg.solve(predicted + noise, residual))
         is_near = distance2 <= self._settings.gate  # outliers say nothing of the prediction
         if is_near:
@@ -170,10 +182,18 @@ class GnssImuFilter(CabinEstimator):
         if sample.stamp_s - self._doubted_s < self._settings.reacquire_after_s:
             return
         found = self._doubt.state()
-        if found is not None and found.has_heading:
+        if found is not None and found.has_heading and self._explains(found):
             self._start_at(found)
             self._begin_trust()
             self._moving_s = sample.stamp_s  # a wide state would accept any standstill
+
+    def _explains(self, found: Found) -> bool:
+        """Return whether the window of a doubt refutes the filter.
+
+        It does not if the filter agrees with the newest fix again, nor if its own fit is so bad
+        that the window holds good and wrong fixes.
+        """
+        return self._used_in_row == 0 and found.fix_scale < LARGEST_SCALE
 
     def _correct_by_standing(self, kalman: ErrorStateFilter, rate_cabin: Float) -> None:
         """Correct by a chassis at rest, unless the filter contradicts that it is at rest.
@@ -194,7 +214,15 @@ class GnssImuFilter(CabinEstimator):
             kalman.correct(residual, H, settings.rate_std_rad_s**2 * np.eye(3), gate)
 
     def _status(self) -> str:
-        if self._propagator.stamp_s - self._used_fix_s > self._settings.fallback_after_s:
+        if self._propagator.stamp_s - self._used_fix_s > self._missing_after_s():
             return FALLBACK
+        is_contradicted = self._doubt is not None or any(
+            one.is_raised for one in self._alarms.values()
+        )
         is_biased = any(bias.is_biased for bias in self._biases.values())
-        return SUSPECT if is_biased or self._doubt is not None else GLOBAL
+        return SUSPECT if is_contradicted or is_biased else GLOBAL
+
+    def _missing_after_s(self) -> float:
+        """Return the time without a used fix after which fixes are missing [s]."""
+        usual_s = min((one.missing_after_s for one in self._periods.values()), default=0.0)
+        return max(self._settings.fallback_after_s, usual_s)

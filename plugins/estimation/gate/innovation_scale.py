@@ -9,7 +9,7 @@ from executive.arrays import Float
 
 _COUNT = 21  # innovations; their median is off by 30 % (one standard deviation)
 _ENOUGH = 5
-_LARGEST = 25.0  # a sensor whose errors are more than five times the declared ones is wrong
+LARGEST_SCALE = 25.0  # a sensor whose errors are more than five times the declared ones is wrong
 
 
 class InnovationScale:
@@ -34,7 +34,7 @@ class InnovationScale:
         """Return the factor on the variance, from 1 to 25; 1 until there are enough innovations."""
         if len(self._squares) < _ENOUGH:
             return 1.0
-        return float(np.clip(np.median(self._squares) / self._median, 1.0, _LARGEST))
+        return float(np.clip(np.median(self._squares) / self._median, 1.0, LARGEST_SCALE))
 
     def add(self, innovation: Float, predicted: Float, declared: Float) -> None:
         """Take an innovation.

@@ -1,0 +1,36 @@
+"""The usual time between two fixes of an antenna, as it is seen."""
+
+from collections import deque
+
+import numpy as np
+
+_COUNT = 5  # intervals; one long gap among them does not change their median
+_MISSED = 2.5  # periods without a fix: two did not come, whatever their jitter
+
+
+class FixPeriod:
+    """The median of the newest intervals between stamps that increase.
+
+    Attributes:
+        period_s: The usual time between two fixes [s]; 0 until there are two.
+    """
+
+    def __init__(self) -> None:
+        self.period_s = 0.0
+        self._newest_s = -np.inf
+        self._intervals: deque[float] = deque(maxlen=_COUNT)
+
+    def add(self, stamp_s: float) -> None:
+        """Take a stamp [s]; one that is not newer than the newest is ignored."""
+        since_s = stamp_s - self._newest_s
+        if not since_s > 0:
+            return
+        self._newest_s = stamp_s
+        if np.isfinite(since_s):
+            self._intervals.append(since_s)
+            self.period_s = float(np.median(self._intervals))
+
+    @property
+    def missing_after_s(self) -> float:
+        """Time without a fix after which some are missing [s]; 0 until a period is known."""
+        return _MISSED * self.period_s
