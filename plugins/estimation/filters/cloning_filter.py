@@ -1,5 +1,7 @@
 """An error-state filter with a clone of one earlier pose, for relative measurements."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from executive_plugins.estimation.inertial.state import (
     DIMENSION,
@@ -13,6 +15,23 @@ from executive.arrays import Float
 from executive.geometry.rotation import log_so3, skew
 
 _POSE = np.r_[ROTATION, POSITION]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class IncrementInnovation:
+    """A measured motion beside the predicted one, as rotation [rad] and translation [m].
+
+    Attributes:
+        residual: Measured minus predicted, shape (6,).
+        H: Its derivative by the errors of state and companions, shape (6, 15 + k).
+        noise: Covariance of the measurement, shape (6, 6).
+        predicted: Covariance of the prediction, shape (6, 6).
+    """
+
+    residual: Float
+    H: Float
+    noise: Float
+    predicted: Float
 
 
 class CloningFilter(ErrorStateFilter):
@@ -40,22 +59,22 @@ class CloningFilter(ErrorStateFilter):
         """Return whether the clone is of a time [s]."""
         return abs(self._clone_s - stamp_s) < 1e-6
 
-    def correct_by_increment(self, T_from_to: Float, covariance: Float, gate: float) -> bool:
-        """Correct by the measured motion of the IMU since the clone.
+    def increment(self, T_from_to: Float, covariance: Float) -> IncrementInnovation:
+        """Compare the measured motion of the IMU since the clone with the predicted one.
 
         Args:
             T_from_to: The IMU now in the IMU at the clone, shape (4, 4).
             covariance: As (rotation, translation) in the later frame, shape (6, 6).
-            gate: Largest squared Mahalanobis distance that is accepted.
-
-        Returns:
-            Whether the measurement was within the gate and was used.
         """
         residual, H, R_from_to = self._increment_residual(T_from_to)
         J = np.eye(6)
         J[3:, 3:] = R_from_to
-        noise = J @ covariance @ J.T
-        return self._correct_jointly(residual, H, noise, gate)
+        predicted = H @ self._joint_covariance() @ H.T
+        return IncrementInnovation(residual, H, J @ covariance @ J.T, predicted)
+
+    def correct_by_increment(self, innovation: IncrementInnovation, gate: float) -> bool:
+        """Correct by a motion; return whether it was within a gate and was used."""
+        return self._correct_jointly(innovation.residual, innovation.H, innovation.noise, gate)
 
     def _move_companions(self, error: Float) -> None:
         super()._move_companions(error)

@@ -5,12 +5,12 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
 from executive_plugins.estimation.filters.settings import GnssImuSettings
-from executive_plugins.estimation.gate.fix_period import FixPeriod
 from executive_plugins.estimation.gate.frozen_samples import FrozenSamples
 from executive_plugins.estimation.gate.innovation_alarm import InnovationAlarm
 from executive_plugins.estimation.gate.innovation_bias import InnovationBias
 from executive_plugins.estimation.gate.innovation_scale import LARGEST_SCALE, InnovationScale
 from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.gate.stream_period import StreamPeriod
 from executive_plugins.estimation.inertial.measurement_models import (
     rate_residual,
     standstill_residual,
@@ -65,7 +65,7 @@ class GnssImuFilter(CabinEstimator):
         self._scales: dict[str, InnovationScale] = {}
         self._biases: dict[str, InnovationBias] = {}
         self._alarms: dict[str, InnovationAlarm] = {}
-        self._periods: dict[str, FixPeriod] = {}
+        self._periods: dict[str, StreamPeriod] = {}
         self._doubt: WindowStart | None = None
         self._doubted_s, self._used_in_row = np.inf, 0
         self._moving_s = -np.inf
@@ -96,7 +96,7 @@ class GnssImuFilter(CabinEstimator):
 
     def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
         antenna, stamp_s = fix.antenna, fix.stamp_s
-        self._periods.setdefault(antenna, FixPeriod()).add(stamp_s)
+        self._periods.setdefault(antenna, StreamPeriod()).add(stamp_s)
         position = Fix(stamp_s, antenna, self._antennas_imu[antenna], p_map_antenna, noise)
         if self._doubt is not None:
             self._doubt.add_fix(position)
@@ -216,11 +216,9 @@ class GnssImuFilter(CabinEstimator):
     def _status(self) -> str:
         if self._propagator.stamp_s - self._used_fix_s > self._missing_after_s():
             return FALLBACK
-        is_contradicted = self._doubt is not None or any(
-            one.is_raised for one in self._alarms.values()
-        )
+        is_alarmed = any(alarm.is_raised for alarm in self._alarms.values())
         is_biased = any(bias.is_biased for bias in self._biases.values())
-        return SUSPECT if is_contradicted or is_biased else GLOBAL
+        return SUSPECT if is_alarmed or is_biased or self._doubt is not None else GLOBAL
 
     def _missing_after_s(self) -> float:
         """Return the time without a used fix after which fixes are missing [s]."""

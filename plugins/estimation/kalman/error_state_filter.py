@@ -1,5 +1,7 @@
 """An error-state Kalman filter over a strapdown state."""
 
+from dataclasses import replace
+
 import numpy as np
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import (
@@ -71,10 +73,21 @@ class ErrorStateFilter:
             self._own[0, 0] += dt_s * _CLOCK_WALK_S**2
         self.covariance = self.covariance_after(dt_s)
         if sample.since_last_s > _LONG_GAP_S:
-            # Only a share of the gap's variance: the gap may be integrated in several parts.
-            share_s = float(np.sqrt(sample.since_last_s * dt_s))
-            self.inflate(0.0, _GAP_ACCELERATION_M_S2 * share_s, _GAP_RATE_RAD_S * share_s)
+            self._inflate_by_gap(sample.since_last_s, dt_s)
+            sample = self._at_constant_velocity(sample)
         self.state = propagate(self.state, sample, self._noise.gravity_m_s2)
+
+    def _inflate_by_gap(self, since_last_s: float, dt_s: float) -> None:
+        """Add a share of a gap's variance, since the gap may be integrated in several parts."""
+        share_s = float(np.sqrt(since_last_s * dt_s))
+        velocity_m_s = _GAP_ACCELERATION_M_S2 * share_s
+        self.inflate(0.5 * since_last_s * velocity_m_s, velocity_m_s, _GAP_RATE_RAD_S * share_s)
+
+    def _at_constant_velocity(self, sample: Inertial) -> Inertial:
+        """Return a sample of unaccelerated motion: one after a gap does not tell of the gap."""
+        state = self.state
+        weight = state.R_map_imu.T @ [0.0, 0.0, self._noise.gravity_m_s2]
+        return replace(sample, rate=state.gyro_bias, force=state.accel_bias + weight)
 
     def acceleration(self) -> Float:
         """Return the acceleration at the newest sample, map axes [m/s²], shape (3,)."""

@@ -100,7 +100,7 @@ def test_an_exact_increment_fixes_the_relative_pose(kalman):
     )
     T = T @ pose(exp_so3(np.array([0.002, 0, -0.001])), np.array([0.003, -0.002, 0.001]))
     before = np.linalg.eigvalsh(kalman.covariance)
-    assert kalman.correct_by_increment(T, 1e-12 * np.eye(6), 1e9)
+    assert kalman.correct_by_increment(kalman.increment(T, 1e-12 * np.eye(6)), 1e9)
     D = inverse(pose(kalman._R, kalman._p)) @ pose(kalman.state.R_map_imu, kalman.state.p_map_imu)
     # One step of a linearised filter over 4 mm and 2 mrad: what is left is of second order.
     np.testing.assert_allclose(D[:3, 3], T[:3, 3], atol=1e-4)

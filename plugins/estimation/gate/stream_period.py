@@ -1,18 +1,18 @@
-"""The usual time between two fixes of an antenna, as it is seen."""
+"""The usual time between two measurements of a stream, as it is seen."""
 
 from collections import deque
 
 import numpy as np
 
 _COUNT = 5  # intervals; one long gap among them does not change their median
-_MISSED = 2.5  # periods without a fix: two did not come, whatever their jitter
+_MISSED = 2.5  # periods without a measurement: two did not come, whatever their jitter
 
 
-class FixPeriod:
+class StreamPeriod:
     """The median of the newest intervals between stamps that increase.
 
     Attributes:
-        period_s: The usual time between two fixes [s]; 0 until there are two.
+        period_s: The usual time between two measurements [s]; 0 until there are two.
     """
 
     def __init__(self) -> None:
@@ -32,5 +32,5 @@ class FixPeriod:
 
     @property
     def missing_after_s(self) -> float:
-        """Time without a fix after which some are missing [s]; 0 until a period is known."""
+        """Time without a measurement after which some are missing [s]; 0 if that is not known."""
         return _MISSED * self.period_s
