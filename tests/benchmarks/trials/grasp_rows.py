@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from bounds import Bound, Figure, held
 from executive_plugins.grasping.sampled_cnn import weights_file
-from executive_plugins.robot.mujoco.site.mass_properties import volume_and_centroid
 from executive_plugins.robot.mujoco.site.stone_meshes import mesh_files, read_skin
 
+from executive.geometry.solid import volume_and_centroid
 from executive.machine.machine import load_machine
 
 A_SITE, FIRST_SEED, DENSITY, FLAT, TRIES = 7, 1000, 2700.0, 0.5, 3

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import open3d as o3d
-from executive_plugins.robot.mujoco.site.mass_properties import volume_and_centroid
 from executive_plugins.robot.mujoco.site.ray_mesh import Mesh
 
 from executive.arrays import Float
 from executive.clouds.meshes.reader import SUFFIXES, read_mesh
 from executive.errors import ConfigError, DataError
+from executive.geometry.solid import volume_and_centroid
 
 _EXTENT_M = (0.1, 5.0)  # plausible extents of a stone; others indicate a wrong unit
 _SETTING = "robot.site.stones"

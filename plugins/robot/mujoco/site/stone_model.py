@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from executive_plugins.physics.hull_mesh import hull_mesh
-from executive_plugins.robot.mujoco.site.mass_properties import (
+
+from executive.arrays import Float, Int, checked
+from executive.geometry.solid import (
     inertia_about_origin,
     volume_and_centroid,
 )
-
-from executive.arrays import Float, Int, checked
 
 SEEN_GROUP = 2  # geometry group that MuJoCo draws by default
 TOUCHED_GROUP = 3  # geometry group that is hidden by default

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 from executive_plugins.physics.quarried_block import block
-from executive_plugins.robot.mujoco.site.mass_properties import volume_and_centroid
 from executive_plugins.robot.mujoco.site.rough_skin import rough_skin
 from executive_plugins.robot.mujoco.site.settings import StoneSettings
 from executive_plugins.robot.mujoco.site.stone_meshes import mesh_files, read_skin
 from executive_plugins.robot.mujoco.site.stone_model import StoneModel
 
 from executive.errors import ConfigError
+from executive.geometry.solid import volume_and_centroid
 
 
 def make_stones(

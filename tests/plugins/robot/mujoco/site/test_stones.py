@@ -6,10 +6,6 @@ import numpy as np
 import open3d as o3d
 import pytest
 from executive_plugins.physics.quarried_block import block
-from executive_plugins.robot.mujoco.site.mass_properties import (
-    inertia_about_origin,
-    volume_and_centroid,
-)
 from executive_plugins.robot.mujoco.site.settings import StoneSettings
 from executive_plugins.robot.mujoco.site.stone_meshes import read_skin
 from executive_plugins.robot.mujoco.site.stones import make_stones
@@ -17,6 +13,10 @@ from pydantic import ValidationError
 from scipy.spatial import ConvexHull
 
 from executive.errors import ConfigError
+from executive.geometry.solid import (
+    inertia_about_origin,
+    volume_and_centroid,
+)
 
 SCANS = Path(__file__).parents[5] / "shared" / "data" / "stones"
 

@@ -24,3 +24,14 @@ def inertia_about_origin(vertices: Float, triangles: Int, density_kg_m3: float) 
         np.einsum("n,nia,ij,njb->ab", np.linalg.det(corners), corners, _UNIT_MOMENTS, corners) / 120
     )
     return density_kg_m3 * np.asarray(np.trace(moments) * np.eye(3) - moments)
+
+
+def is_closed(triangles: Int) -> bool:
+    """Return whether each edge joins two triangles (F, 3) that run along it in opposite directions.
+
+    Such a mesh bounds a volume, and all of its triangles face to the same side of the surface.
+    """
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    code = np.array([edges.max() + 1, 1])
+    along, back = edges @ code, edges[:, ::-1] @ code
+    return len(np.unique(along)) == len(along) and bool(np.isin(along, back).all())

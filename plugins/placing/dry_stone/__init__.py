@@ -1,0 +1,1 @@
+"""Dry-stone building: found stones, stacked without mortar."""

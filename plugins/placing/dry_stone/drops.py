@@ -1,0 +1,157 @@
+"""Every place for a stone in one orientation: where it comes to lie, and what it finds there.
+
+The stone goes straight down until its underside touches the top of the structure. That is all of
+the collision check: height maps do not see undercuts, so that no place below one is proposed.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from executive_plugins.placing.dry_stone.rasters import StoneRaster, WallTop
+from numba import njit
+
+from executive.arrays import Float, Int
+
+# Columns of what is measured at a place.
+HEIGHT, CONTACT, VOID, MARGIN, SHARE, OUTSIDE, DEPTH, TOP, BESIDE = range(9)
+_COLUMNS = 9
+_DIRECTIONS = 8  # in which the support margin is measured
+_BESIDE = 0.35  # share of the stone's height up to which a neighbour must reach to be beside it
+
+
+@dataclass(frozen=True, slots=True)
+class DropRules:
+    """What counts as touching and as being in the envelope.
+
+    Attributes:
+        touch_m: Gap up to which stone and support count as touching [m].
+        tan_left: Lean of the left face, as a tangent.
+        tan_right: Lean of the right face, as a tangent.
+        stride: Places are this many nodes apart.
+    """
+
+    touch_m: float
+    tan_left: float
+    tan_right: float
+    stride: int
+
+
+def drops(wall: WallTop, stone: StoneRaster, rules: DropRules) -> tuple[Int, Float]:
+    """Return the places whose origin is over the foot of the envelope, and what is found there.
+
+    Returns:
+        Node of the stone's origin relative to the wall's corner, shape (P, 2), and its
+        measurements, shape (P, 9): height of the origin, share of the underside that touches, mean
+        gap below it, distance by which the centre of mass is within its support, largest share of
+        the contact that belongs to one stone (1 on the ground), share outside the envelope, least
+        depth in it, height of the top above the ground, share of the rim with a neighbour beside.
+    """
+    inside = (wall.room > 0).all(axis=0)
+    places = np.argwhere(inside)
+    on_grid = (places % rules.stride == 0).all(axis=1)
+    places = places[on_grid]
+    last = np.array(wall.top.shape) - stone.under.shape
+    first = places + stone.first
+    places = places[(first >= 1).all(axis=1) & (first < last - 1).all(axis=1)]
+    found = np.empty((len(places), _COLUMNS))
+    if len(places):
+        _measure(
+            wall.top,
+            wall.owner,
+            wall.ground,
+            wall.room,
+            wall.cell_m,
+            stone.under,
+            stone.over,
+            stone.first,
+            places,
+            np.array([rules.touch_m, rules.tan_left, rules.tan_right]),
+            found,
+        )
+    return places, found
+
+
+@njit(cache=True)
+def _measure(top, owner, ground, room, cell, under, over, first, places, rules, found):  # type: ignore[no-untyped-def]  # noqa: PLR0913 - compiled: no classes
+    count = np.zeros(int(owner.max()) + 2)
+    reach = np.zeros(_DIRECTIONS)
+    for p in range(len(places)):
+        x, y = places[p, 0] + first[0], places[p, 1] + first[1]
+        z = _rest(top, under, x, y)
+        count[:], reach[:] = 0.0, -np.inf
+        cells, touching, gaps, outside = 0, 0, 0.0, 0
+        depth, tallest = np.inf, -np.inf
+        for i in range(under.shape[0]):
+            for j in range(under.shape[1]):
+                if under[i, j] == np.inf:
+                    continue
+                cells += 1
+                gap = z + under[i, j] - top[x + i, y + j]
+                gaps += gap
+                if gap <= rules[0]:
+                    touching += 1
+                    count[owner[x + i, y + j] + 1] += 1.0
+                    _reach(reach, (i + first[0]) * cell, (j + first[1]) * cell)
+                base = ground[x + i, y + j]
+                above = max(0.0, z + 0.5 * (under[i, j] + over[i, j]) - base)
+                left = room[0, x + i, y + j] - rules[1] * above
+                right = room[1, x + i, y + j] - rules[2] * above
+                inner = min(left, right, room[2, x + i, y + j])
+                depth = min(depth, inner)
+                outside += inner < 0
+                tallest = max(tallest, z + over[i, j] - base)
+        on_stones = count[1:].sum()
+        found[p, HEIGHT], found[p, CONTACT] = z, touching / cells
+        found[p, VOID], found[p, MARGIN] = gaps / cells, reach.min()
+        found[p, SHARE] = 1.0 if on_stones < count[0] else count[1:].max() / on_stones
+        found[p, OUTSIDE], found[p, DEPTH], found[p, TOP] = outside / cells, depth, tallest
+        found[p, BESIDE] = _beside(top, under, over, x, y, z)
+
+
+@njit(cache=True)
+def _rest(top, under, x, y):  # type: ignore[no-untyped-def]
+    """Return the height of the origin at which the underside first touches."""
+    z = -np.inf
+    for i in range(under.shape[0]):
+        for j in range(under.shape[1]):
+            if under[i, j] < np.inf:
+                z = max(z, top[x + i, y + j] - under[i, j])
+    return z
+
+
+@njit(cache=True)
+def _reach(reach, dx, dy):  # type: ignore[no-untyped-def]
+    """Raise how far the contact reaches in each direction from below the centre of mass."""
+    for d in range(_DIRECTIONS):
+        angle = 2 * np.pi * d / _DIRECTIONS
+        reach[d] = max(reach[d], dx * np.cos(angle) + dy * np.sin(angle))
+
+
+@njit(cache=True)
+def _beside(top, under, over, x, y, z):  # type: ignore[no-untyped-def]
+    """Return the share of the nodes just off the stone where something stands beside it."""
+    low, high = np.inf, -np.inf
+    for i in range(under.shape[0]):
+        for j in range(under.shape[1]):
+            if under[i, j] < np.inf:
+                low, high = min(low, under[i, j]), max(high, over[i, j])
+    level = z + low + _BESIDE * (high - low)
+    rim, beside = 0, 0
+    for i in range(-1, under.shape[0] + 1):
+        for j in range(-1, under.shape[1] + 1):
+            if _is_on(under, i, j):
+                continue
+            if (
+                _is_on(under, i - 1, j)
+                or _is_on(under, i + 1, j)
+                or _is_on(under, i, j - 1)
+                or _is_on(under, i, j + 1)
+            ):
+                rim += 1
+                beside += top[x + i, y + j] > level
+    return beside / max(1, rim)
+
+
+@njit(cache=True)
+def _is_on(under, i, j):  # type: ignore[no-untyped-def]
+    return 0 <= i < under.shape[0] and 0 <= j < under.shape[1] and under[i, j] < np.inf

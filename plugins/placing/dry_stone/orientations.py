@@ -1,0 +1,64 @@
+"""Orientations that are worth a try: a stone on each of its broad sides, turned about the vertical.
+
+A stone comes to rest on a face of its convex hull that its centre of mass is above; the share of
+directions that lead there, by Goldberg 1999, is close to the solid angle of the face. Dry-stone
+builders lay a stone on its broadest side, too.
+"""
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from executive.arrays import Float
+from executive.geometry.rotation import about_axis
+
+_ALIKE_RAD = 0.35  # two sides whose normals are closer are one
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+def orientations(vertices: Float, sides: int, turns: int, first_rad: float) -> list[Float]:
+    """Return rotations (3, 3) that lay a stone on its broadest sides, broadest first.
+
+    Args:
+        vertices: The surface about the centre of mass [m], shape (V, 3).
+        sides: Number of sides.
+        turns: Number of turns about the vertical, even over a circle.
+        first_rad: Heading of the stone's longer side from above at the first turn [rad].
+    """
+    found = []
+    for down in _broad_sides(vertices, sides):
+        R = _turned_down(down)
+        xy = (vertices @ R.T)[:, :2]
+        longest = np.linalg.svd(xy - xy.mean(axis=0), full_matrices=False)[2][0]
+        level = about_axis(_UP, first_rad - float(np.arctan2(longest[1], longest[0])))
+        found += [about_axis(_UP, 2 * np.pi * k / turns) @ level @ R for k in range(turns)]
+    return found
+
+
+def _broad_sides(vertices: Float, count: int) -> list[Float]:
+    """Return the outward normals of the sides of largest area, faces alike taken together."""
+    hull = ConvexHull(vertices)
+    corners = vertices[hull.simplices]
+    areas = np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    normals = hull.equations[:, :3]
+    # The area that faces within the angle of each normal, nearer ones counting more.
+    near = np.clip((normals @ normals.T - np.cos(_ALIKE_RAD)) / (1 - np.cos(_ALIKE_RAD)), 0, 1)
+    breadth = near @ areas
+    chosen: list[Float] = []
+    for number in np.argsort(-breadth, kind="stable"):
+        if all(normals[number] @ other < np.cos(_ALIKE_RAD) for other in chosen):
+            mean = (near[number] * areas) @ normals
+            chosen.append(mean / np.linalg.norm(mean))
+        if len(chosen) == count:
+            break
+    return chosen
+
+
+def _turned_down(normal: Float) -> Float:
+    """Return the smallest rotation that turns a direction straight down."""
+    axis = np.cross(normal, -_UP)
+    sine = float(np.linalg.norm(axis))
+    if sine < 1e-9:
+        return np.eye(3) if normal[2] < 0 else about_axis(np.array([1.0, 0.0, 0.0]), np.pi)
+    return about_axis(axis / sine, float(np.arctan2(sine, -normal[2])))

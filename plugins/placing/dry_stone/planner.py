@@ -1,0 +1,216 @@
+"""Places found stones on one another: height maps propose, a score ranks, checks decide."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from executive_plugins.placing.dry_stone.height_maps import HeightMaps
+from executive_plugins.placing.dry_stone.parts import (
+    Generator,
+    Place,
+    Places,
+    Scorer,
+    Stability,
+    StabilityCheck,
+    part_of,
+)
+from executive_plugins.placing.dry_stone.settings import DryStoneSettings
+from executive_plugins.placing.dry_stone.stability import (
+    Checks,
+    Equilibrium,
+    Settling,
+    Unchecked,
+)
+from executive_plugins.placing.dry_stone.weighted import Weighted
+
+from executive.arrays import Float
+from executive.config import Settings
+from executive.errors import DataError
+from executive.geometry.pose import pose
+from executive.interfaces.building import MayGoOn, StructurePlanner
+from executive.messages.building import AsBuilt, BuildPlan, BuildTarget, NoTarget
+from executive.messages.solid_stone import SolidStone
+
+_GENERATORS: Mapping[str, Any] = {"height_maps": HeightMaps}
+_SCORERS: Mapping[str, Any] = {"weighted": Weighted}
+_CHECKS: Mapping[str, Any] = {
+    "both": Checks,
+    "equilibrium": Equilibrium,
+    "settling": Settling,
+    "none": Unchecked,
+}
+_DOWN = np.array([0.0, 0.0, -1.0])
+_APART_M = 0.25  # of two places of one stone that are worth a check each
+
+
+class DryStone(StructurePlanner):
+    """Propose the next stone by what it would rest on (after Furrer 2017, Johns 2020)."""
+
+    Settings: ClassVar[type[Settings]] = DryStoneSettings
+    latency_s: ClassVar[dict[str, float]] = {"propose": 15.0}
+    limit_s: ClassVar[dict[str, float]] = {"propose": 120.0}
+    is_stateless: ClassVar[bool] = True
+
+    def __init__(self, settings: DryStoneSettings) -> None:
+        s = self._settings = settings
+        parts = s.generator, s.scorer, s.check
+        self._generator: Generator = part_of(parts[0].part, "generator", _GENERATORS, parts[0])
+        self._scorer: Scorer = part_of(parts[1].part, "scorer", _SCORERS, parts[1])
+        self._check: StabilityCheck = part_of(parts[2].part, "check", _CHECKS, parts[2])
+
+    def propose(
+        self,
+        built: AsBuilt,
+        inventory: Sequence[SolidStone],
+        rng: np.random.Generator,
+        may_go_on: MayGoOn = lambda: True,
+    ) -> BuildPlan:
+        """Return the best stone and place that every check holds, within `may_go_on`."""
+        _check_names(inventory)
+        refused: Counter[str] = Counter()
+        usable = self._usable(inventory, refused)
+        if reason := _why_none(inventory, usable, refused):
+            return BuildPlan((), reason, dict(refused), self._detail(reason))
+        targets: list[BuildTarget] = []
+        stones, count = self._tried_first(usable, rng), self._settings.generator.stones
+        # One lot of stones after the other: too few candidates look like a full structure.
+        for first in range(0, len(stones), count):
+            lot = stones[first : first + count]
+            ranked = self._ranked(built, lot, usable, rng, may_go_on, refused)
+            targets += self._held(ranked, built, rng, may_go_on, refused)
+            if targets or not may_go_on():
+                break
+        if not targets and not may_go_on():
+            refused["out_of_time"] += 1
+        return _plan(targets, refused, len(usable))
+
+    def _held(
+        self,
+        ranked: Sequence[Place],
+        built: AsBuilt,
+        rng: np.random.Generator,
+        may_go_on: MayGoOn,
+        refused: Counter[str],
+    ) -> list[BuildTarget]:
+        """Return the first places that the check holds."""
+        targets: list[BuildTarget] = []
+        for place in ranked[: self._settings.check.tries]:
+            if not may_go_on() or len(targets) >= self._settings.targets:
+                break
+            found = self._check.check(place, built, rng, may_go_on)
+            if found.refusal:
+                refused[found.refusal] += 1
+            else:
+                targets.append(self._target(place, found))
+        return targets
+
+    def _usable(self, inventory: Sequence[SolidStone], refused: Counter[str]) -> list[SolidStone]:
+        usable = []
+        for stone in inventory:
+            longest, _, thinnest = stone.extents_m
+            if stone.mass_kg > self._settings.max_mass:
+                refused["too_heavy"] += 1
+            elif longest > self._settings.slenderest * thinnest:
+                refused["needle_or_slab"] += 1
+            else:
+                usable.append(stone)
+        return usable
+
+    def _tried_first(
+        self, usable: Sequence[SolidStone], rng: np.random.Generator
+    ) -> list[SolidStone]:
+        """Return all stones in the order of the search: half of the first lot are the largest."""
+        order = rng.permutation(len(usable))
+        if self._settings.fills == "largest":
+            by_size = np.argsort([-stone.volume_m3 for stone in usable], kind="stable")
+            first = by_size[: (self._settings.generator.stones + 1) // 2]
+            order = np.concatenate([first, order[~np.isin(order, first)]])
+        return [usable[n] for n in order]
+
+    def _ranked(
+        self,
+        built: AsBuilt,
+        stones: Sequence[SolidStone],
+        usable: Sequence[SolidStone],
+        rng: np.random.Generator,
+        may_go_on: MayGoOn,
+        refused: Counter[str],
+    ) -> list[Place]:
+        """Return the best places of each stone, best first."""
+        kept: list[Place] = []
+        for places in self._generator.places(built, stones, rng, may_go_on):
+            if not any(len(one.origins_map) for one in places):
+                refused["no_place"] += 1
+            kept += self._best(places, built, usable)
+        return sorted(kept, key=lambda one: -one.score)
+
+    def _best(
+        self, found: Sequence[Places], built: AsBuilt, stones: Sequence[SolidStone]
+    ) -> list[Place]:
+        """Return the best places of one stone that are apart, best first."""
+        rows = []
+        for number, places in enumerate(found):
+            terms = self._scorer.score(places, built, stones)
+            total = np.sum([np.asarray(term) for term in terms.values()], axis=0)
+            first = np.argsort(-total, kind="stable")[: 4 * self._settings.generator.kept]
+            rows += [(float(total[n]), number, int(n), terms) for n in first]
+        best: list[Place] = []
+        for score, number, n, terms in sorted(rows, key=lambda row: -row[0]):
+            at = found[number].origins_map[n]
+            if all(_far(at, other.T_map_stone[:3, 3]) for other in best):
+                values = {name: float(term[n]) for name, term in terms.items()}
+                best.append(Place(found[number].stone, pose(found[number].R, at), score, values))
+            if len(best) == self._settings.generator.kept:
+                break
+        return best
+
+    def _target(self, place: Place, found: Stability) -> BuildTarget:
+        lift = np.array([0.0, 0.0, self._settings.release_height])
+        settled = found.T_map_settled
+        return BuildTarget(
+            place.stone.name,
+            pose(settled[:3, :3], settled[:3, 3] + lift),
+            settled,
+            _DOWN.copy(),
+            self._settings.release_height,
+            found.worst_m,
+            found.worst_rad,
+            place.score,
+            {**place.terms, **found.terms},
+        )
+
+    def _detail(self, reason: NoTarget) -> str:
+        if reason == "all_too_heavy":
+            return f"every stone is heavier than building.max_mass, {self._settings.max_mass:g} kg"
+        if reason == "all_unsuitable":
+            return "every stone is too heavy, or a needle or slab by building.slenderest"
+        return ""
+
+
+def _far(a: Float, b: Float) -> bool:
+    return float(np.linalg.norm(a - b)) > _APART_M
+
+
+def _check_names(inventory: Sequence[SolidStone]) -> None:
+    twice = [name for name, n in Counter(stone.name for stone in inventory).items() if n > 1]
+    if twice:
+        raise DataError(f"two stones of the inventory are called '{twice[0]}'; rename one")
+
+
+def _why_none(
+    inventory: Sequence[SolidStone], usable: Sequence[SolidStone], refused: Mapping[str, int]
+) -> NoTarget | None:
+    if not inventory:
+        return "no_stones"
+    if usable:
+        return None
+    return "all_too_heavy" if refused["too_heavy"] == len(inventory) else "all_unsuitable"
+
+
+def _plan(targets: Sequence[BuildTarget], refused: Mapping[str, int], tried: int) -> BuildPlan:
+    if targets:
+        return BuildPlan(tuple(targets), None, dict(refused))
+    if "out_of_time" in refused:
+        return BuildPlan((), "out_of_time", dict(refused), "no place held in the time given")
+    return BuildPlan((), "nothing_fits", dict(refused), f"no place holds any of {tried} stones")

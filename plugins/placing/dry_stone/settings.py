@@ -1,0 +1,89 @@
+"""Settings of the dry-stone planner: which parts it is made of, and their numbers."""
+
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from executive.config import Kilograms, Meters, Radians, Settings
+from executive.interfaces.declaration import PluginSettings
+
+
+class Weights(Settings):
+    """Weights of the named terms of a place's score; each term is about 0 to 1, more is better."""
+
+    volume: float = Field(1.0, description="Volume over that of the inventory's largest stone.")
+    contact: float = Field(1.0, description="Share of the underside that touches.")
+    void: float = Field(1.0, description="1 at no gap below, 0 at a mean gap of 0.2 m.")
+    height: float = Field(1.5, description="1 at the foot of the structure, 0 at its top.")
+    face: float = Field(0.6, description="1 flush with a face, 0 at 0.3 m behind it.")
+    interlock: float = Field(0.6, description="Share of the contact not on one stone alone.")
+    margin: float = Field(1.0, description="Support around the centre of mass, over 0.2 m.")
+    beside: float = Field(0.5, description="Share of the rim with a neighbour beside it.")
+
+
+class GeneratorSettings(Settings):
+    """How places are generated."""
+
+    part: str = Field("height_maps", description="`height_maps`, or `package.module:Class`.")
+    cell: Meters = Field(0.05, gt=0.01, le=0.2, description="Distance of nodes of height maps [m].")
+    stride: int = Field(2, ge=1, le=10, description="Places are so many nodes apart.")
+    sides: int = Field(6, ge=1, le=20, description="Broad sides of each stone that are tried.")
+    turns: int = Field(10, ge=1, le=36, description="Turns about the vertical of each side.")
+    touch: Meters = Field(0.03, gt=0, le=0.2, description="Gap that counts as touching [m].")
+    most_outside: float = Field(
+        0.12, ge=0, le=1, description="Largest share of the stone, from above, off the envelope."
+    )
+    over_top: Meters = Field(
+        0.10, ge=0, le=1, description="How far a stone may stand above the envelope [m]."
+    )
+    stones: int = Field(10, ge=1, description="Stones of the inventory that are tried at a time.")
+    kept: int = Field(5, ge=1, description="Places of each stone that are kept.")
+
+
+class ScorerSettings(Settings):
+    """How places are ranked."""
+
+    part: str = Field("weighted", description="`weighted`, or `package.module:Class`.")
+    weights: Weights = Weights()
+
+
+class CheckSettings(Settings):
+    """How the stability of a place is checked."""
+
+    part: str = Field("both", description=(
+        "`equilibrium` (a convex program), `settling` (physics under noise), `both`, `none`, "
+        "or `package.module:Class`."))  # fmt: skip
+    noise: Meters = Field(0.03, ge=0, le=0.5, description=(
+        "Standard deviation of a release along each axis of the ground [m]."))  # fmt: skip
+    tilt_noise: Radians = Field(0.035, ge=0, le=0.5, description=(
+        "Standard deviation of its rotation about each axis [rad]."))  # fmt: skip
+    samples: int = Field(8, ge=1, le=100, description="Releases under noise that are tried.")
+    worst: Meters = Field(0.08, gt=0, description="Largest distance from the plan of any [m].")
+    worst_tilt: Radians = Field(0.14, gt=0, description="Largest rotation from it [rad].")
+    moved: Meters = Field(0.06, gt=0, description="Largest motion of any other stone [m].")
+    friction: float = Field(0.6, gt=0, le=2, description="Coefficient of friction.")
+    load: float = Field(0.03, ge=0, le=1, description=(
+        "Horizontal load that the stone must bear, over its weight; 0.03 is a tilt of 2°."
+    ))  # fmt: skip
+    step_s: float = Field(0.005, gt=0, le=0.02, description="Time step of the physics [s].")
+    pieces: int = Field(10, ge=1, le=100, description="Convex pieces of each stone.")
+    tries: int = Field(24, ge=1, description="Places of each lot of stones that are checked.")
+
+
+class DryStoneSettings(PluginSettings):
+    """Settings of `dry_stone`."""
+
+    needs: ClassVar[tuple[str, ...]] = ()
+
+    generator: GeneratorSettings = GeneratorSettings()
+    scorer: ScorerSettings = ScorerSettings()
+    check: CheckSettings = CheckSettings()
+    max_mass: Kilograms = Field(2500.0, gt=0, description="Heaviest stone that is used [kg].")
+    slenderest: float = Field(3.5, ge=1, description=(
+        "Length over thickness from which a stone is a needle or a slab."))  # fmt: skip
+    release_height: Meters = Field(
+        0.02, ge=0, le=0.5, description="Height above its place at which a stone is let go [m]."
+    )
+    targets: int = Field(1, ge=1, le=10, description="Targets after which the search ends.")
+    fills: Literal["largest", "any"] = Field("largest", description=(
+        "Which stones are tried first: the largest that are left, or any."))  # fmt: skip

@@ -1,0 +1,119 @@
+"""The shipped checks of a place: settling under noise in physics, and a convex program."""
+
+import numpy as np
+from executive_plugins.physics.equilibrium import largest_load
+from executive_plugins.physics.stone_world import WorldRules
+from executive_plugins.physics.trial import Outcome, Trial, apart, disturbed
+from executive_plugins.placing.dry_stone.parts import Place, Stability
+from executive_plugins.placing.dry_stone.settings import CheckSettings
+
+from executive.arrays import Float
+from executive.interfaces.building import MayGoOn
+from executive.messages.building import AsBuilt
+
+_DIRECTIONS = 8  # of the horizontal load
+_FAR_M, _FAR_RAD = 0.25, 0.45  # a stone that settles farther from its place is somewhere else
+_RELEASE_M = 0.02
+
+
+class Unchecked:
+    """No check at all: the place is taken as it is."""
+
+    def __init__(self, settings: CheckSettings) -> None:
+        del settings
+
+    def check(
+        self, place: Place, built: AsBuilt, rng: np.random.Generator, may_go_on: MayGoOn
+    ) -> Stability:
+        """Return the place itself."""
+        return Stability("", place.T_map_stone, 0.0, 0.0, {})
+
+
+class Checks:
+    """Nominal settling, then the balance of forces at rest, then settling under noise."""
+
+    _has_equilibrium, _has_settling = True, True
+
+    def __init__(self, settings: CheckSettings) -> None:
+        self._settings = settings
+
+    def check(
+        self, place: Place, built: AsBuilt, rng: np.random.Generator, may_go_on: MayGoOn
+    ) -> Stability:
+        """Return where the stone comes to rest, or why it does not hold."""
+        s = self._settings
+        rules = WorldRules(step_s=s.step_s, friction=s.friction, pieces=s.pieces)
+        trial = Trial(built, place.stone, rules)
+        nominal = trial.release(place.T_map_stone, _RELEASE_M)
+        refusal = self._refusal(nominal, place.T_map_stone, _FAR_M, _FAR_RAD)
+        terms: dict[str, float] = {}
+        if not refusal and self._has_equilibrium:
+            load = self._load(trial, nominal.T_map_settled, place.stone.mass_kg)
+            terms["bears_load"] = load if load is not None else 0.0
+            if load is None or load < s.load:
+                refusal = "bears_no_load"
+        if refusal or not self._has_settling:
+            return Stability(refusal, nominal.T_map_settled, *self._apart(nominal), terms)
+        return self._under_noise(trial, nominal, rng, may_go_on, terms)
+
+    def _under_noise(
+        self,
+        trial: Trial,
+        nominal: Outcome,
+        rng: np.random.Generator,
+        may_go_on: MayGoOn,
+        terms: dict[str, float],
+    ) -> Stability:
+        s, worst_m, worst_rad = self._settings, 0.0, 0.0
+        T = nominal.T_map_settled
+        for _ in range(s.samples):
+            if not may_go_on():
+                return Stability("out_of_time", T, worst_m, worst_rad, terms)
+            # The stone is let go where it is expected to rest: from there noise leads least far.
+            tried = trial.release(disturbed(T, s.noise, s.tilt_noise, rng), _RELEASE_M)
+            far_m, far_rad = apart(T, tried.T_map_settled)
+            worst_m, worst_rad = max(worst_m, far_m), max(worst_rad, far_rad)
+            if refusal := self._refusal(tried, T, s.worst, s.worst_tilt):
+                return Stability(f"{refusal}_under_noise", T, worst_m, worst_rad, terms)
+        return Stability("", T, worst_m, worst_rad, terms)
+
+    def _refusal(self, found: Outcome, T: Float, far_m: float, far_rad: float) -> str:
+        distance_m, angle_rad = apart(T, found.T_map_settled)
+        if not found.is_at_rest:
+            return "comes_to_no_rest"
+        if distance_m > far_m:
+            return "slides_away"
+        if angle_rad > far_rad:
+            return "topples"
+        return "moves_others" if found.moved_m > self._settings.moved else ""
+
+    def _apart(self, found: Outcome) -> tuple[float, float]:
+        return apart(found.T_map_release, found.T_map_settled)
+
+    def _load(self, trial: Trial, T: Float, mass_kg: float) -> float | None:
+        touches, least = trial.touches(), np.inf
+        for k in range(_DIRECTIONS):
+            angle = 2 * np.pi * k / _DIRECTIONS
+            load = largest_load(
+                touches,
+                T[None, :3, 3],
+                np.array([mass_kg]),
+                self._settings.friction,
+                np.array([np.cos(angle), np.sin(angle), 0.0]),
+            )
+            if load is None:
+                return None
+            least = min(least, load)
+        return float(least)
+
+
+class Equilibrium(Checks):
+    """One nominal settling, and the balance of forces where it ends."""
+
+    _has_settling = False
+
+
+class Settling(Checks):
+    """Settling alone, nominal and under noise."""
+
+    _has_equilibrium = False

@@ -1,0 +1,39 @@
+"""The shipped scorer: named terms of about 0 to 1, times their weights."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from executive_plugins.placing.dry_stone.parts import Places
+from executive_plugins.placing.dry_stone.settings import ScorerSettings
+
+from executive.arrays import Float
+from executive.messages.building import AsBuilt
+from executive.messages.solid_stone import SolidStone
+
+# Lengths at which a term has reached the end of its scale.
+_GAP_M, _FACE_M, _MARGIN_M = 0.2, 0.3, 0.2
+
+
+class Weighted:
+    """Terms that dry-stone builders name: one on two, flush with the face, no void, low first."""
+
+    def __init__(self, settings: ScorerSettings) -> None:
+        self._weights = settings.weights.model_dump()
+
+    def score(
+        self, places: Places, built: AsBuilt, inventory: Sequence[SolidStone]
+    ) -> Mapping[str, Float]:
+        """Return the weighted terms of places, shape (P,) each."""
+        m = places.measured
+        largest = max(stone.volume_m3 for stone in inventory)
+        terms = {
+            "volume": np.full(len(places.origins_map), places.stone.volume_m3 / largest),
+            "contact": m["contact_share"],
+            "void": 1 - np.minimum(1.0, m["mean_gap_m"] / _GAP_M),
+            "height": 1 - m["top_m"] / built.structure.height_m,
+            "face": 1 - np.clip(m["depth_m"] / _FACE_M, 0.0, 1.0),
+            "interlock": 1 - m["largest_support_share"],
+            "margin": np.minimum(1.0, m["support_margin_m"] / _MARGIN_M),
+            "beside": m["beside_share"],
+        }
+        return {name: self._weights[name] * value for name, value in terms.items()}
