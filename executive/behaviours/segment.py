@@ -1,8 +1,9 @@
 """Find the stones in the map and enter them into the database."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from executive.events.site import SiteSegmented
+from executive.events.site import PartLeftOut, SiteSegmented
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.segmentation import Segmenter
@@ -56,8 +57,7 @@ class SegmentMap(Action):
         stones = self.context.use(ObjectDatabase).observe(
             segmentation.segments, self.context.now_s(), drone_map is not None
         )
-        ids = tuple(stone.id for stone in stones)
-        self.context.record(SiteSegmented(ids, tuple(len(s.points_map) for s in stones)))
+        self.context.record(_event(segmentation, stones))
         self.context.show("segments", segmentation)
         for stone in stones:
             self.context.show(f"stones/{stone.id}", stone)
@@ -69,3 +69,16 @@ class SegmentMap(Action):
         """Return the part of the survey that the arm can reach and the lidar map can confirm."""
         base = self.context.state().T_map_base[:2, 3]
         return drone_map.near(base, self.context.machine().reach_m + _BEYOND_REACH_M)
+
+
+def _event(segmentation: Segmentation, stones: Sequence[Stone]) -> SiteSegmented:
+    return SiteSegmented(
+        stones=tuple(stone.id for stone in stones),
+        points=tuple(len(stone.points_map) for stone in stones),
+        left_out=tuple(
+            PartLeftOut(str(one.kind), one.reason, one.points, one.centroid)
+            for one in segmentation.left_out
+        ),
+        scattered_points=segmentation.scattered_points,
+        warnings=segmentation.warnings,
+    )

@@ -75,11 +75,39 @@ class SurveyRegistered(Event):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class PartLeftOut:
+    """A part that rises from the ground and is no stone.
+
+    Attributes:
+        kind: What it is taken for, such as `stack` or `structure`.
+        reason: What was measured, and the limit.
+        points: Number of its points.
+        centroid_map: Their mean [m], shape (3,).
+    """
+
+    kind: str
+    reason: str
+    points: int
+    centroid_map: Float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class SiteSegmented(Event):
-    """The map was segmented: the ids of the stones seen, and the points of each model."""
+    """The map was segmented.
+
+    Attributes:
+        stones: Ids of the stones seen.
+        points: Points of each one's model.
+        left_out: What rises from the ground and is no stone, the part of most points first.
+        scattered_points: Points above the ground in clusters too small to be named.
+        warnings: What speaks against the map being a site in metres with z up.
+    """
 
     stones: tuple[int, ...]
     points: tuple[int, ...]
+    left_out: tuple[PartLeftOut, ...] = ()
+    scattered_points: int = 0
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -23,7 +23,8 @@ def _of_site(event: Event) -> str:
             verdict = "registered" if event.accepted else "refused"
             return f"drone map {verdict}: {event.reason}"
         case site.SiteSegmented():
-            return f"{len(event.stones)} stones found"
+            others = f", {len(event.left_out)} other things left out" if event.left_out else ""
+            return "; ".join([f"{len(event.stones)} stones found{others}", *event.warnings])
         case site.SlotsFound():
             return f"{len(event.slots)} free places"
     return ""

@@ -34,8 +34,8 @@ from executive.messages.command import Follow, SwitchLidars
 from executive.messages.placement import Slot
 from executive.messages.region import Region
 from executive.messages.request import MotionPlan
+from executive.messages.segment import LeftOut, PartKind, Segmentation
 from executive.messages.segment import Segment as Part
-from executive.messages.segment import Segmentation
 from executive.messages.trajectory import JointTrajectory
 
 SURVEY = Cloud("survey", np.random.default_rng(0).uniform(-2, 2, (30, 3)))
@@ -218,6 +218,24 @@ def test_the_merged_map_is_segmented_and_the_stones_are_entered(stage, database,
     assert asked["cloud"].points[:, 0].max() < 20.0
     assert database.stone(1).seen_from_above == has_drone_map
     assert [event.stones for event in ended.events if isinstance(event, SiteSegmented)] == [(1, 3)]
+
+
+def test_what_is_no_stone_is_recorded_with_its_reason(stage, database):
+    wall = LeftOut(PartKind.STRUCTURE, "24.0 m wide", 900, np.array([9.0, 1, 1]), np.ones(3))
+    found = replace(
+        segmentation(stage.block((5.0, 0.0, 0.3))),
+        left_out=(wall,),
+        scattered_points=7,
+        warnings=("is z down?",),
+    )
+    segmenter = stage.Scripted(Segmenter, segment=found, merge=merged)
+    mapper = stage.PointMap(stage.block((5.0, 0.0, 0.3)))
+    ended = stage.Stage(mapping=mapper, segmentation=segmenter, objects=database).tick(SegmentMap)
+    (event,) = [event for event in ended.events if isinstance(event, SiteSegmented)]
+    (part,) = event.left_out
+    assert (part.kind, part.reason, part.points) == ("structure", "24.0 m wide", 900)
+    assert part.centroid_map.tolist() == [9.0, 1.0, 1.0]
+    assert (event.scattered_points, event.warnings) == (7, ("is z down?",))
 
 
 def test_a_site_without_stones_is_a_failure(stage, database):
