@@ -1,6 +1,7 @@
 """Files that `executive estimate` writes: trajectories (TUM), report (JSON), plot (PNG)."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,13 +11,17 @@ from executive.arrays import Float
 from executive.errors import ConfigError
 from executive.estimate.estimator_run import Estimated
 from executive.estimate.material import Material
+from executive.estimate.odometry_file import write_states
 from executive.estimate.plot import plot
 
 
-def write_files(out: Path, material: Material, estimated: Estimated) -> tuple[Path, ...]:
+def write_files(
+    out: Path, material: Material, estimated: Estimated, exports: Sequence[Path] = ()
+) -> tuple[Path, ...]:
     """Write the chassis' poses in the map to `out`, and further files beside it.
 
-    These are the poses in the odometry frame, the report, the plot and the reference trajectory.
+    These are the poses in the odometry frame, the report, the plot and the reference trajectory,
+    and `exports`, which hold velocity and covariance too.
 
     Returns:
         The paths of the files.
@@ -38,6 +43,8 @@ def write_files(out: Path, material: Material, estimated: Estimated) -> tuple[Pa
     try:
         _write_tum(paths[0], origin_s + track.stamps_s, track.T_map_base)
         _write_tum(paths[1], origin_s + track.stamps_s, track.T_odom_base)
+        for path in exports:
+            write_states(path, estimated.replay.states, origin_s, material.rig.cabin_link)
         paths[2].write_text(json.dumps(estimated.report, indent=2) + "\n", encoding="utf-8")
         plot(paths[3], estimated, material.drops)
         if estimated.reference is not None:
@@ -47,7 +54,7 @@ def write_files(out: Path, material: Material, estimated: Estimated) -> tuple[Pa
             )
     except OSError as error:
         raise ConfigError(f"{error.filename} cannot be written: {error.strerror}") from error
-    return paths
+    return (*paths, *exports)
 
 
 def _write_tum(path: Path, stamps_s: Float, poses: Float) -> None:

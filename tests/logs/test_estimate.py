@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from executive.clock import WallClock
+from executive.commands.logs.estimate import estimate as command
 from executive.errors import ConfigError, DataError
 from executive.estimate.compare import compare, table
 from executive.estimate.drop import Drop
@@ -17,6 +18,7 @@ from executive.estimate.material import Material
 from executive.estimate.options import EstimateOptions, log_choices
 from executive.estimate.reference import with_reference
 from executive.estimate.replay import Replayer
+from executive.estimate.trajectory import read_trajectory
 from executive.interfaces.estimation import Estimator
 from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
@@ -258,3 +260,30 @@ def test_a_setting_of_the_user_takes_precedence_over_what_the_log_asks_for(car_l
     assert given.datum is None
     assert given._settings.rest.duration_s == 1.5
     assert given._settings.rest.max_rate_std_rad_s == asked._settings.rest.max_rate_std_rad_s
+
+
+def test_exported_states_are_a_reference_for_the_score(car_log, tmp_path, capsys):
+    exports = [tmp_path / "way.csv", tmp_path / "way.mcap"]
+    command(car_log, out=tmp_path / "way.tum", export=exports)
+    rows = np.genfromtxt(exports[0], delimiter=",", names=True, dtype=None, encoding="utf-8")
+    assert rows["status"][-1] == "GLOBAL"
+    assert 0 < rows["cov_x_x"][-1] < 1.0
+    assert rows["vx_m_s"][-1] == pytest.approx(9.0, abs=0.5)
+    written, exported = (read_trajectory(path, None) for path in (tmp_path / "way.tum", exports[1]))
+    np.testing.assert_allclose(written.p, exported.p, atol=1e-5)
+    command(car_log, out=tmp_path / "again.tum", score=exports[1], as_json=True)
+    score = json.loads(capsys.readouterr().out)["score"]
+    assert score["ape_m"]["max"] < 1e-3
+    assert score["alignment"] == "none"
+    assert score["nees"]["inside_95"] == 1.0
+
+
+def test_a_reference_of_another_day_and_an_unknown_export_end_with_one_sentence(car_log, tmp_path):
+    reference = tmp_path / "ref.tum"
+    reference.write_text("1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n")
+    with pytest.raises(DataError, match="0 times in common"):
+        command(car_log, out=tmp_path / "way.tum", score=reference)
+    with pytest.raises(ConfigError, match=r"must end with \.csv or \.mcap"):
+        command(car_log, out=tmp_path / "way.tum", export=[tmp_path / "way.txt"])
+    with pytest.raises(ConfigError, match="--align: 'yawn' is unknown"):
+        command(car_log, out=tmp_path / "way.tum", score=reference, align="yawn")

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from executive.commands.console import answer, say
+from executive.commands.console import answer, one_of, say
 from executive.commands.logs.options import (
     ODOMETRY,
     DropOption,
@@ -40,22 +40,52 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
         bool,
         typer.Option("--batch", help="Also smooth the whole log at once, as a reference."),
     ] = False,
+    score: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="REFERENCE",
+            help="Compare with a reference: a TUM file, or a log that holds poses.",
+        ),
+    ] = None,
+    align: Annotated[
+        str,
+        typer.Option(help="How the reference is laid over the estimate: none, yaw or se3."),
+    ] = "none",
+    score_topic: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Topic of the poses in a reference log.")
+    ] = None,
+    export: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="FILE",
+            help="Also write states with velocity and covariance: .csv, or .mcap (nav_msgs).",
+        ),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Run an estimator over a recorded log.
 
-    It writes the trajectory, a report and a plot.
+    It writes the trajectory, a report and a plot. With --score the report holds absolute and
+    relative errors against a reference of the cabin (or the only body), and how far the covariance
+    is kept.
 
-    Example: executive estimate run.mcap --out run.tum --set estimation.plugin=dual_graph
+    Example: executive estimate run.mcap --out run.tum --score truth.tum --align yaw
     """
     require_extra("executive estimate", "logs")
 
     from executive.estimate.estimator_run import estimate as run_estimator
     from executive.estimate.files import write_files
     from executive.estimate.material import Material
+    from executive.estimate.odometry_file import check_format
     from executive.estimate.options import EstimateOptions, log_choices
     from executive.estimate.reference import with_reference
+    from executive.estimate.score import ALIGNMENTS, summary, with_score
+    from executive.estimate.trajectory import read_trajectory
 
+    one_of("--align", align, ALIGNMENTS)
+    for path in export or ():
+        check_format(path)
+    reference = None if score is None else read_trajectory(score, score_topic)
     wanted = settings(set_, estimation=estimator, odometry=odometry)
     plugins = log_choices(wanted, odometry=ODOMETRY)
     options = EstimateOptions(
@@ -66,8 +96,12 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
     estimated = run_estimator(material, name, options)
     if batch:
         estimated = with_reference(material, estimated, _SMOOTHER)
-    paths = write_files(out, material, estimated)
+    if reference is not None:
+        estimated = with_score(material, estimated, reference, align)
+    paths = write_files(out, material, estimated, export or ())
     states = len(estimated.track.stamps_s)
     say(f"{name} on {log}: {states} states, {', '.join(map(str, paths))}")
+    if reference is not None:
+        say(summary(estimated.report["score"]))
     if as_json:
         answer(estimated.report)

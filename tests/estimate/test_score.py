@@ -1,0 +1,96 @@
+"""A score is what evo would print, and a reference that does not fit gives one sentence."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from executive.errors import ConfigError, DataError
+from executive.estimate.score import report, scored
+from executive.estimate.trajectory import Trajectory, read_trajectory
+from executive.messages.base_state import BaseState
+
+ORIGIN_S = 1000.0
+STD_M = 0.1
+
+
+def states(n=200, seed=1):
+    """A circle, with errors of the declared covariance."""
+    rng = np.random.default_rng(seed)
+    truth, found = [], []
+    for k in range(n):
+        t = 0.1 * k
+        R = Rotation.from_euler("z", 0.2 * t).as_matrix()
+        p = np.array([10 * np.cos(0.2 * t), 10 * np.sin(0.2 * t), 0.0])
+        T = np.eye(4)
+        T[:3, :3] = R @ Rotation.from_rotvec(rng.normal(0, 0.01, 3)).as_matrix()
+        T[:3, 3] = p + rng.normal(0, STD_M, 3)
+        P = np.diag(np.repeat([0.01**2, STD_M**2], 3))
+        found.append(BaseState(t, T, T, T, np.zeros(3), np.zeros(3), P, "GLOBAL"))
+        truth.append((ORIGIN_S + t, p, R))
+    return found, Trajectory(*(np.array(column) for column in zip(*truth, strict=True)))
+
+
+def moved(one, yaw=0.0, roll=0.0, shift=(0.0, 0.0, 0.0)):
+    R = Rotation.from_euler("xz", [roll, yaw]).as_matrix()
+    return Trajectory(one.stamps_s, one.p @ R.T + shift, R @ one.R)
+
+
+@pytest.mark.parametrize(
+    ("alignment", "move"),
+    [
+        ("none", {}),
+        ("yaw", {"yaw": 1.0, "shift": (5.0, 0.0, 2.0)}),
+        ("se3", {"yaw": 1.0, "roll": 0.5, "shift": (5.0, 0.0, 2.0)}),
+    ],
+)
+def test_errors_are_those_that_were_made_whatever_the_alignment_takes_away(alignment, move):
+    found, truth = states()
+    pair = scored(found, ORIGIN_S, moved(truth, **move), alignment)
+    figures = report(pair, alignment, [(ORIGIN_S + 5, ORIGIN_S + 8)])
+    assert figures["ape_m"]["rms"] == pytest.approx(np.sqrt(3) * STD_M, rel=0.1)
+    assert figures["ape_rad"]["rms"] == pytest.approx(np.sqrt(3) * 0.01, rel=0.2)
+    assert figures["rpe"]["1 s"]["m"]["rms"] == pytest.approx(np.sqrt(6) * STD_M, rel=0.1)
+    assert figures["nees"]["inside_95"] > 0.9
+    (outage,) = figures["outages"]
+    assert outage["way_m"] == pytest.approx(6.0, abs=0.3)
+    assert outage["status_at_end"] == "GLOBAL"
+
+
+def test_without_alignment_a_shift_of_the_reference_counts():
+    found, truth = states()
+    pair = scored(found, ORIGIN_S, moved(truth, shift=(5.0, 0.0, 0.0)), "none")
+    figures = report(pair, "none", [])
+    assert figures["ape_m"]["median"] == pytest.approx(5.0, abs=0.1)
+    assert figures["nees"]["inside_95"] == 0.0
+
+
+def test_positions_alone_are_scored_without_orientation():
+    found, truth = states()
+    bare = Trajectory(truth.stamps_s, truth.p, np.tile(np.eye(3), (len(truth.p), 1, 1)))
+    figures = report(scored(found, ORIGIN_S, bare, "none"), "none", [])
+    assert figures["ape_rad"] is None
+    assert figures["nees"]["degrees"] == 3
+
+
+def test_a_reference_of_another_time_is_refused_with_both_times():
+    found, truth = states()
+    with pytest.raises(DataError, match=r"0 times in common; the reference is of 10000\.000 to"):
+        scored(found, ORIGIN_S - 9000, Trajectory(truth.stamps_s + 9000, truth.p, truth.R), "none")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("1 2 3\n", r"ref.tum:1: expected eight numbers"),
+        ("# only this\n", "0 poses; a reference needs two"),
+        ("1 0 0 0 0 0 0 9\n", "quaternion of length 9"),
+        ("1 0 0 0 0 0 0 x\n", "expected eight numbers"),
+    ],
+)
+def test_a_file_that_is_no_trajectory_is_refused_with_its_line(text, says, tmp_path):
+    path = tmp_path / "ref.tum"
+    path.write_text(text)
+    with pytest.raises(DataError, match=says):
+        read_trajectory(path, None)
+    with pytest.raises(ConfigError, match="is no log"):
+        read_trajectory(path, "/pose")
