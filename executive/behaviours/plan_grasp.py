@@ -11,6 +11,7 @@ from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.surroundings import surroundings
 from executive.messages.grasp import Grasp
+from executive.messages.stone import StoneState
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +38,8 @@ class PlanGrasp(Action):
             stone: Id of the stone.
         """
         known = self.context.use(ObjectDatabase).stone(stone)
+        if known.state is StoneState.LOST:
+            return failed(f"stone {stone} is lost: nobody knows where to grasp it")
         plan = yield from self.context.job(
             self.context.use(GraspPlanner).plan,
             known,

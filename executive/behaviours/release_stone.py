@@ -14,6 +14,7 @@ from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
 from executive.leaf.jaws import drive_jaws
+from executive.leaf.lost import mark_lost
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
@@ -21,6 +22,7 @@ from executive.leaf.surroundings import held_surface, surroundings
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement
 from executive.messages.stone import Stone, StoneState
+from executive.messages.verdict import Trouble
 
 
 class ReleaseStoneSettings(Settings):
@@ -38,7 +40,8 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
     The jaws open only a little, because jaws that open wide beside another stone push it away.
     Source: Mascaro et al. 2020, Eq. 3. Deviation from the paper: the model of a stone that is
     released without a placement is lowered to the ground below, because nothing holds it in the
-    air; a stone that has slid out of the jaws did not rise with them.
+    air; a stone that has slid out of the jaws did not rise with them. A stone of which a monitor
+    reported the fall is lost: it lies somewhere on the way behind.
     """
 
     needs = (Robot, ObjectDatabase, Mapper, Monitor)
@@ -73,12 +76,16 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
         return succeeded()
 
     def _released(self, hold: Hold, T_map_gripper: Float, placement: Placement | None) -> Stone:
+        fall = next((v for v in self.context.verdicts() if v.trouble is not Trouble.SLIP), None)
         state = StoneState.ON_GROUND if placement is None else StoneState.PLACED
         if placement is None:
             T_map_gripper[2, 3] -= self._fall_m(hold, T_map_gripper)
-        return self.context.use(ObjectDatabase).release(
-            hold.stone_id, T_map_gripper, self.context.now_s(), state
-        )
+        objects, now_s = self.context.use(ObjectDatabase), self.context.now_s()
+        released = objects.release(hold.stone_id, T_map_gripper, now_s, state)
+        if placement is not None or fall is None:
+            return released
+        mark_lost(self.context, released.id, f"it fell: {fall.detail}")
+        return objects.stone(released.id)
 
     def _record(self, stone: Stone, placement: Placement | None) -> None:
         if placement is None:

@@ -20,7 +20,10 @@ class SetAsideSettings(Settings):
 
 
 class SetAside(Condition[SetAsideSettings]):
-    """Leave a stone where it is and report it: it is not attempted again."""
+    """Leave a stone where it is and report it: it is not attempted again.
+
+    A stone that is lost stays lost, because nobody knows where it is.
+    """
 
     needs = (ObjectDatabase,)
     on_resume = OnResume.REDO
@@ -31,9 +34,9 @@ class SetAside(Condition[SetAsideSettings]):
         Args:
             stone: Id of the stone.
         """
-        self.context.use(ObjectDatabase).set_state(
-            stone, StoneState.SET_ASIDE, self.context.now_s()
-        )
+        objects = self.context.use(ObjectDatabase)
+        if objects.stone(stone).state is not StoneState.LOST:
+            objects.set_state(stone, StoneState.SET_ASIDE, self.context.now_s())
         cause = self.context.last_failure()
         reason = f"{self.settings.reason}: {cause}" if cause else self.settings.reason
         self.context.record(StoneSetAside(stone, reason))

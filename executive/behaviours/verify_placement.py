@@ -12,11 +12,13 @@ from executive.geometry.pose import inverse, transform
 from executive.interfaces.monitoring import Monitor
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
+from executive.leaf.lost import mark_lost
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.placement import Placement
 from executive.messages.stone import Stone, StoneState
 
+_SIGHTINGS = {"realign", "seen", "moved", "replaced"}  # kinds of events after a stone was seen
 _HANGS = 0.5  # share of the stone's weight above which it is still in the jaws
 
 
@@ -34,7 +36,7 @@ class VerifyPlacementSettings(Settings):
         "correct",
         description="What a stone that is off becomes. correct: it lies on the ground, to be "
         "picked again, and this fails; keep: it stays as it stands; set_aside: it is not attempted "
-        "again.",
+        "again. One that was not seen is lost by each rule; with correct this fails.",
     )
 
 
@@ -50,9 +52,10 @@ class _Found:
 class VerifyPlacement(Condition[VerifyPlacementSettings]):
     """Compare a stone's pose, as it was seen after the release, with the plan.
 
-    It needs a scan and `RelocateAndRealign` before. A stone that was not recognised there counts as
-    unseen, which is recorded, and passes: nothing is known against it. A stone whose weight is
-    still on the arm hangs in the jaws, and is off.
+    It needs a scan and `RelocateAndRealign` or `FindAgain` before. A stone that was not recognised
+    is unseen: it is not placed but lost, whatever the gripper's motion says. A stone whose weight
+    is still on the arm hangs in the jaws, and is off; so is one that was seen there with another
+    surface than its own, because it has turned.
     """
 
     needs = (ObjectDatabase, Monitor)
@@ -67,15 +70,16 @@ class VerifyPlacement(Condition[VerifyPlacementSettings]):
         """
         objects = self.context.use(ObjectDatabase)
         known = objects.stone(stone)
-        hanging_kg = self._hanging_kg()
-        if hanging_kg is None and not self._was_seen(stone):
-            self._record(known, placement, "unseen", None)
-            return succeeded(reason=f"stone {stone} was not recognised where it was set down")
-        found = self._compared(known, placement, hanging_kg)
+        hanging_kg, seen = self._hanging_kg(), self._seen(stone)
+        if hanging_kg is None and not seen:
+            return self._unseen(known, placement)
+        found = self._compared(known, placement, hanging_kg, "replaced" in seen)
         self._record(known, placement, "off" if found.reason else "placed", found)
-        if not found.reason:
-            return succeeded(reason=f"{found.off_m:.2f} m off, tilted by {found.tilt_rad:.2f} rad")
-        return self._decided(known, f"stone {stone} {found.reason}")
+        if found.reason:
+            return self._decided(known, f"stone {stone} {found.reason}")
+        if known.state is not StoneState.PLACED:  # it was lost, and found at its place
+            objects.set_state(stone, StoneState.PLACED, self.context.now_s())
+        return succeeded(reason=f"{found.off_m:.2f} m off, tilted by {found.tilt_rad:.2f} rad")
 
     def _hanging_kg(self) -> float | None:
         """Return the mass in the jaws if it is most of the weighed stone's, else None."""
@@ -84,13 +88,24 @@ class VerifyPlacement(Condition[VerifyPlacementSettings]):
             return None
         return mass_kg
 
-    def _was_seen(self, stone: int) -> bool:
-        """Return whether the pose was corrected since the last release."""
+    def _seen(self, stone: int) -> set[str]:
+        """Return the kinds of sightings since the last release, as the database names them."""
         kinds = [event.kind for event in self.context.use(ObjectDatabase).history(stone)]
         since = len(kinds) - kinds[::-1].index("release") if "release" in kinds else 0
-        return "realign" in kinds[since:]
+        return set(kinds[since:]) & _SIGHTINGS
 
-    def _compared(self, stone: Stone, placement: Placement, hanging_kg: float | None) -> _Found:
+    def _unseen(self, stone: Stone, placement: Placement) -> Outcome[None]:
+        """Mark a stone that no look has shown since its release."""
+        self._record(stone, placement, "unseen", None)
+        reason = f"stone {stone.id} was not seen where it was set down"
+        mark_lost(self.context, stone.id, reason)
+        if self.settings.otherwise == "correct":
+            return failed(reason)
+        return succeeded(reason=f"{reason}; it is lost")
+
+    def _compared(
+        self, stone: Stone, placement: Placement, hanging_kg: float | None, has_turned: bool
+    ) -> _Found:
         T_planned_now = stone.T_map_object @ inverse(placement.T_map_object)
         planned = transform(inverse(T_planned_now), stone.centroid_map[None])[0]
         off_m = float(np.linalg.norm(stone.centroid_map - planned))
@@ -102,6 +117,8 @@ class VerifyPlacement(Condition[VerifyPlacementSettings]):
             wrong.append(f"is {off_m:.2f} m off its place")
         if tilt_rad > self.settings.tilt:
             wrong.append(f"is tilted by {np.degrees(tilt_rad):.0f}°")
+        if has_turned:
+            wrong.append("shows another surface than its own: it has turned")
         return _Found(off_m, tilt_rad, " and ".join(wrong))
 
     def _decided(self, stone: Stone, reason: str) -> Outcome[None]:
@@ -124,7 +141,7 @@ class VerifyPlacement(Condition[VerifyPlacementSettings]):
                 seen=seen,
                 off_m=None if found is None else found.off_m,
                 tilt_rad=None if found is None else found.tilt_rad,
-                rule=self.settings.otherwise if seen == "off" else "",
+                rule="" if seen == "placed" else self.settings.otherwise,
                 reason=found.reason if found is not None else "not recognised after the release",
             )
         )

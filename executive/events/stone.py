@@ -132,7 +132,8 @@ class PlacementVerified(Event):
             `unseen` if it was not recognised.
         off_m: Distance of its centre from the plan [m]; None if it is unseen.
         tilt_rad: Tilt against the plan [rad]; None if it is unseen.
-        rule: What the mission does with a stone that is off: correct, keep, set_aside; else empty.
+        rule: What the mission does with a stone that is off or unseen: correct, keep, set_aside;
+            empty if it is placed.
         reason: What is wrong; empty if it is placed.
     """
 
@@ -199,6 +200,19 @@ class StoneSoughtAgain(Event):
     stone: int
     seen: tuple[int, ...]
     method: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StoneLost(Event):
+    """A stone is not where it was believed to be: it fell, or a look did not show it.
+
+    Attributes:
+        stone: Id of the stone.
+        reason: What is known of it.
+    """
+
+    stone: int
     reason: str
 
 

@@ -43,6 +43,14 @@ def _of_stone(event: Event) -> str:
             return f"stone {event.stone}: set down on slot {event.slot}"
         case stone.StoneLetGo():
             return f"stone {event.stone}: released where it was"
+        case stone.StoneSetAside():
+            return f"stone {event.stone}: set aside, {event.reason}"
+    return _of_sighting(event)
+
+
+def _of_sighting(event: Event) -> str:
+    """Return what a look at a stone, or its weight, showed."""
+    match event:
         case stone.StoneRealigned():
             result = "realigned" if event.accepted else f"not realigned: {event.reason}"
             return f"stone {event.stone}: {result}"
@@ -50,8 +58,8 @@ def _of_stone(event: Event) -> str:
             return f"stone {event.stone}: weighs {event.mass_kg:.0f} ± {event.std_kg:.0f} kg"
         case stone.PlacementVerified() if event.seen != "placed":
             return f"stone {event.stone}: {event.seen}, {event.reason}"
-        case stone.StoneSetAside():
-            return f"stone {event.stone}: set aside, {event.reason}"
+        case stone.StoneLost():
+            return f"stone {event.stone}: lost, {event.reason}"
     return ""
 
 

@@ -11,6 +11,7 @@ from executive.events.stone import (
     GraspRecord,
     JawsClosedOnNothing,
     PlacementVerified,
+    StoneLost,
     StoneRealigned,
     StoneReleased,
     StoneSetAside,
@@ -47,6 +48,7 @@ class Pick:
     set_aside: str = ""
     verified: PlacementVerified | None = None  # of the newest release
     weighed: StoneWeighed | None = None
+    lost: str = ""  # why the stone is not where it was set down
 
     @property
     def is_over(self) -> bool:
@@ -55,8 +57,12 @@ class Pick:
 
     @property
     def is_placed(self) -> bool:
-        """Whether it was set down on a slot, and not seen elsewhere since."""
-        return self.released is not None and not self.is_off
+        """Whether it was set down on a slot, and a look after the release has shown it there.
+
+        A mission that does not look (no `VerifyPlacement`) has nothing but the release to go by.
+        """
+        is_missing = self.verified is not None and self.verified.seen == "unseen"
+        return self.released is not None and not (self.is_off or is_missing or self.lost)
 
     @property
     def is_off(self) -> bool:
@@ -119,10 +125,11 @@ class Picks:
                 self._take_verdict(time_s, event)
             case StoneReleased():
                 self._end(time_s, "placed", "")
-                self._pick_released(event).released = event
+                pick = self._pick_released(event)
+                pick.released, pick.lost = event, ""
             case StoneSetAside():
                 self._pick_of(event.stone).set_aside = event.reason
-            case StoneRealigned() | StoneWeighed() | PlacementVerified():
+            case StoneRealigned() | StoneWeighed() | PlacementVerified() | StoneLost():
                 self._learn(event)
             case StonesTakenUpAgain():
                 for stone in event.stones:  # the pick goes on, and its tries before that count
@@ -148,7 +155,7 @@ class Picks:
             self.all.append(pick)
         return pick
 
-    def _learn(self, event: StoneRealigned | StoneWeighed | PlacementVerified) -> None:
+    def _learn(self, event: StoneRealigned | StoneWeighed | PlacementVerified | StoneLost) -> None:
         """Take what became known of a released stone."""
         pick = self._newest.get(event.stone)
         match event:
@@ -158,15 +165,19 @@ class Picks:
                 pick.estimated_pose = event.estimated_pose
             case StoneWeighed():
                 pick.weighed = event
+            case StoneLost():
+                pick.lost = event.reason
             case PlacementVerified():
                 self._verify(pick, event)
 
     def _verify(self, pick: Pick, event: PlacementVerified) -> None:
         """Take what was seen of a release: a stone that is to be corrected is not placed."""
         pick.verified = event
+        if event.seen == "placed":
+            pick.lost = ""
         if event.rule == "correct" and pick.tries:
             pick.released = None
-            pick.tries[-1].outcome, pick.tries[-1].reason = "off", event.reason
+            pick.tries[-1].outcome, pick.tries[-1].reason = event.seen, event.reason
 
     def _take_verdict(self, time_s: float, event: VerdictGiven) -> None:
         current = self._current

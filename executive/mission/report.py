@@ -103,7 +103,8 @@ def summary(report: Mapping[str, Any]) -> str:
     if counts["picks"] and "unseen" in counts:  # reports of older runs do not tell
         lines.append(
             f"             {counts['placed'] - counts['unseen']} seen at their place,"
-            f" {counts['unseen']} not seen after the release, {counts['off']} off,"
+            f" {counts['unseen']} not looked at after the release, {counts['off']} off,"
+            f" {counts.get('lost', 0)} lost,"
             f" {counts['untouched']} of {counts['known']} known ones untouched"
         )
     if counts["registrations"]:

@@ -7,7 +7,8 @@ from executive_plugins.objects.surface import box_centre, diagonal_m
 from scipy.optimize import linear_sum_assignment
 
 from executive.messages.segment import Segment
-from executive.messages.stone import Stone
+from executive.messages.stone import Stone, StoneState
+from executive.messages.stone_event import StoneEvent
 
 _FORBIDDEN = 1e6  # cost of an impossible pair [m]
 
@@ -46,6 +47,43 @@ def associate(
         if costs[i, j] < _FORBIDDEN:
             partners[i] = int(j)
     return partners
+
+
+def associate_known_first(
+    segments: Sequence[Segment],
+    stones: Sequence[Stone],
+    reaches_m: Sequence[float],
+    max_ratio: float,
+) -> list[int]:
+    """Assign segments as `associate` does, and to lost stones only what no other stone explains.
+
+    A lost stone may be far from its stored position, so a segment beside a stone that is not lost
+    is not that of a lost one.
+    """
+    partners = [-1] * len(segments)
+    for is_lost in (False, True):
+        rows = [j for j, one in enumerate(stones) if (one.state is StoneState.LOST) is is_lost]
+        left = [i for i, partner in enumerate(partners) if partner < 0]
+        found = associate(
+            [segments[i] for i in left],
+            [stones[j] for j in rows],
+            [reaches_m[j] for j in rows],
+            max_ratio,
+        )
+        for i, row in zip(left, found, strict=True):
+            partners[i] = rows[row] if row >= 0 else -1
+    return partners
+
+
+def carried_m(history: Sequence[StoneEvent]) -> float:
+    """Return how far a stone was carried to its last release [m]: it may have fallen on that way.
+
+    Zero for a stone that was seen since.
+    """
+    poses = [event for event in history if event.kind != "state"]
+    if len(poses) < 2 or poses[-1].kind != "release":
+        return 0.0
+    return float(np.linalg.norm((poses[-1].T_map_object - poses[-2].T_map_object)[:3, 3]))
 
 
 def _distance_m(segment: Segment, stone: Stone) -> float:

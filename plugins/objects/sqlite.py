@@ -7,7 +7,7 @@ import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 
-from executive_plugins.objects.association import associate
+from executive_plugins.objects.association import associate_known_first, carried_m
 from executive_plugins.objects.database_file import open_file, transaction
 from executive_plugins.objects.growth import Fit, fit_of, icp_shift, merged, shifts_of
 from executive_plugins.objects.scene import surface_within, surroundings, unexplained
@@ -68,13 +68,14 @@ class SqliteObjects(ObjectDatabase):
         that does not pass shows that the stone has moved. If it passes after a shift, the stone was
         pushed. Otherwise it was turned: the seen surface replaces the known one and the frame
         follows the centroid, while the rotation is unknown. A stone that was released and not seen
-        since may have rolled away. A lost stone that is seen again is on the ground.
+        since may have rolled away; one that is lost may lie anywhere on the way that it was carried
+        last. A lost stone that is seen again is on the ground.
         """
         if any(not len(segment.points) for segment in segments):
             raise DataError("a segment without points is no stone")
         known = [stone for stone in self.stones() if stone.state is not StoneState.HELD]
         reaches_m = [self._reach_m(stone) for stone in known]
-        partners = associate(segments, known, reaches_m, self._settings.max_growth)
+        partners = associate_known_first(segments, known, reaches_m, self._settings.max_growth)
         with self._transaction() as db:
             ids = [
                 self._add(db, segment, stamp_s, seen_from_above)
@@ -251,14 +252,12 @@ class SqliteObjects(ObjectDatabase):
 
     def _reach_m(self, stone: Stone) -> float:
         """Return how far a stone may be from its stored position [m]."""
-        query = (
-            "SELECT kind FROM events WHERE stone_id = ? AND kind != 'state' ORDER BY id "
-            "DESC LIMIT 1"
-        )
-        newest = self._connection().execute(query, (stone.id,)).fetchone()["kind"]
-        was_released = stone.state is StoneState.ON_GROUND and newest == "release"
-        is_uncertain = was_released or stone.state is StoneState.LOST
-        return self._settings.max_roll_m if is_uncertain else self._settings.max_distance_m
+        s = self._settings
+        if stone.state is StoneState.LOST:
+            return s.max_roll_m + carried_m(self.history(stone.id))
+        newest = next(one for one in reversed(self.history(stone.id)) if one.kind != "state")
+        was_released = stone.state is StoneState.ON_GROUND and newest.kind == "release"
+        return s.max_roll_m if was_released else s.max_distance_m
 
     def _update(
         self,

@@ -119,7 +119,7 @@ def test_what_both_refuse_changes_nothing_and_says_why(fakes):
         fakes, answer(T_NEAR, False, "no overlap"), answer(T_FAR, False, "too small")
     )
     outcome = fakes.finish(RelocateAndRealign(RelocateAndRealignSettings(), context), stone=1)
-    assert outcome.success
+    assert not outcome.success
     assert context.plugins["objects"].moves == []
     assert "no overlap; registration: too small" in outcome.reason
 

@@ -17,7 +17,9 @@ from executive.events.stone import (
     JawsClosedOnNothing,
     PlacementVerified,
     StoneGrasped,
+    StoneLost,
     StoneSetAside,
+    StoneSoughtAgain,
 )
 from executive.journal import Entry
 from executive.messages.verdict import Trouble
@@ -51,6 +53,7 @@ class Account:
         self.given_up: set[int] = set()  # stones that were set aside after a final failure
         self._is_final = False  # something was not tried again since the newest plan
         self._known: set[int] = set()  # stones that were found on the site
+        self._lost: set[int] = set()  # stones that were lost and not seen since
         self._accepted = 0
         self._corrected = 0  # releases after which the stone was to be picked again
         self._failures: dict[str, tuple[int, str]] = {}  # by node: number of the entry, reason
@@ -70,6 +73,7 @@ class Account:
         self._picks.add(entry.time_s, event)
         self.findings.add(entry)
         self._follow_final(event)
+        self._follow_sightings(event)
         match event:
             case NodeEnded(status=NodeResult.FAILURE):
                 self._failures[entry.node] = entry.sequence, event.reason
@@ -83,12 +87,20 @@ class Account:
                 self._trouble = None
             case SiteSegmented():
                 self.stones_found = len(event.stones)
-                self._known |= set(event.stones)
             case SlotsFound():
                 self.slots |= {one.slot: one.position_map for one in event.slots}
             case SurveyRegistered(accepted=True):
                 self._accepted += 1
                 self.registered = event
+
+    def _follow_sightings(self, event: Event) -> None:
+        """Note which stones were seen, and which were lost since."""
+        match event:
+            case StoneLost():
+                self._lost.add(event.stone)
+            case SiteSegmented(stones=seen) | StoneSoughtAgain(seen=seen):
+                self._known |= set(seen)
+                self._lost -= set(seen)
 
     def _follow_final(self, event: Event) -> None:
         """Note stones that are set aside for a cause that repetition cannot change."""
@@ -155,6 +167,7 @@ class Account:
             "untouched": len(self._known - {pick.stone for pick in picks if pick.tries}),
             "off": sum(pick.is_off for pick in picks),
             "unseen": sum(pick.is_unseen for pick in placed),
+            "lost": len(self._lost),
             "corrected": self._corrected,
             "registrations": kinds[SurveyRegistered],
             "registrations_accepted": self._accepted,

@@ -1,0 +1,93 @@
+"""Search the map for a stone: the step that the leaves which look for stones share."""
+
+from collections.abc import Generator
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from executive.events.stone import StoneSoughtAgain
+from executive.interfaces.mapping import Mapper
+from executive.interfaces.objects import ObjectDatabase
+from executive.interfaces.registration import Registrar
+from executive.interfaces.segmentation import Segmenter
+from executive.leaf.context import Context
+from executive.leaf.lost import mark_lost
+from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.surroundings import unexplained
+from executive.messages.cloud import Cloud
+from executive.messages.segment import Segment, Segmentation
+from executive.messages.stone import Stone, StoneState
+
+_NEAR_M = 0.10  # a map point this near to a stone's model is of that stone
+_SHOWN = 0.4  # share of a model's points that a look at the stone shows, as in an alignment's gate
+_SAME_PLACE_M = 0.6  # a segment this near to a stone that is done is that stone
+
+
+def search(context: Context, stone_id: int, radius_m: float) -> Generator[Any, Any, Outcome[None]]:
+    """Look for a stone in the newest map, and update the database; one that is gone is lost.
+
+    The stone's whole model is registered first, in any orientation and beside whatever it leans
+    on, so that model and rotation are kept. If registration refuses, the map is segmented, and the
+    segment that is found there may replace the model. What neither finds is still where it was if
+    the map shows it there.
+
+    Args:
+        context: The leaf's view of the mission; it needs mapping, segmentation, registration and
+            objects.
+        stone_id: Id of the stone.
+        radius_m: Horizontal distance from its last place that is searched [m].
+    """
+    objects = context.use(ObjectDatabase)
+    known = objects.stone(stone_id)
+    near = context.use(Mapper).cloud().near(known.centroid_map, radius_m)
+    if not len(near):
+        return failed(f"the map shows nothing around stone {stone_id}")
+    around = unexplained(context, stone_id, radius_m)
+    model = Cloud("map", known.points_map)
+    found = yield from context.job(context.use(Registrar).find, around, model)
+    if found.accepted:
+        note = f"registration, {found.reason}"
+        objects.realign(stone_id, found.T_target_source, context.now_s(), note)
+        if known.state is StoneState.LOST:
+            objects.set_state(stone_id, StoneState.ON_GROUND, context.now_s())
+        context.record(StoneSoughtAgain(stone_id, (stone_id,), "registration", note))
+        return succeeded(reason=note)
+    segmentation = yield from context.job(context.use(Segmenter).segment, near)
+    others = _not_done(segmentation, context, stone_id)
+    seen = objects.observe(others, context.now_s(), False)
+    ids = tuple(one.id for one in seen)
+    context.record(StoneSoughtAgain(stone_id, ids, "segmentation", found.reason))
+    if stone_id in ids or _is_shown(known, around):
+        return succeeded()
+    reason = f"stone {stone_id} was not found within {radius_m:.1f} m of its last place"
+    mark_lost(context, stone_id, reason)
+    return failed(reason)
+
+
+def _is_shown(stone: Stone, around: Cloud) -> bool:
+    """Return whether the map shows a stone that is not lost where it was.
+
+    The lowest part of its model does not count: the ground alone would show it.
+    """
+    low_m = stone.points_map[:, 2].min() + 2 * _NEAR_M
+    upper = stone.points_map[stone.points_map[:, 2] > low_m]
+    if stone.state is StoneState.LOST or not len(around) or not len(upper):
+        return False
+    reached = cKDTree(around.points).query(upper, distance_upper_bound=_NEAR_M)[0]
+    return bool(np.isfinite(reached).mean() >= _SHOWN)
+
+
+def _not_done(segmentation: Segmentation, context: Context, stone_id: int) -> list[Segment]:
+    """Leave out segments of other stones that are in their slots: those are not looked for."""
+    done = (StoneState.PLACED, StoneState.SET_ASIDE)
+    places = [
+        stone.centroid_map[:2]
+        for stone in context.use(ObjectDatabase).stones()
+        if stone.state in done and stone.id != stone_id
+    ]
+    return [
+        segment
+        for segment in segmentation.segments
+        if all(np.hypot(*(segment.centroid[:2] - place)) > _SAME_PLACE_M for place in places)
+    ]
