@@ -38,12 +38,15 @@ class HasArrived(Condition[HasArrivedSettings]):
         Args:
             placement: The placement that was to be carried out.
         """
-        if any(verdict.trouble is not Trouble.SLIP for verdict in self.context.verdicts()):
-            return failed("the stone was dropped")
+        verdicts = self.context.verdicts()
+        fall = next((one for one in verdicts if one.trouble is not Trouble.SLIP), None)
+        if fall is not None:
+            return failed(f"the stone was dropped: {fall.detail}")
         gap = self.context.gripper()[:3, 3] - placement.T_map_gripper[:3, 3]
         aside_m, above_m = float(np.hypot(gap[0], gap[1])), float(gap[2])
         where = f"{above_m:.2f} m above and {aside_m:.2f} m beside the placement"
         if aside_m > self.settings.aside or above_m > self.settings.above:
-            return failed(where)
+            slip = f", after a slip: {verdicts[0].detail}" if verdicts else ""
+            return failed(f"{where}{slip}")
         self.context.record(ArrivedEarly(aside_m, above_m))
         return succeeded(reason=where)

@@ -31,13 +31,17 @@ class SetAside(Condition[SetAsideSettings]):
     def check(self, stone: int) -> Outcome[None]:
         """Mark the stone, with the failure of the node before this one as the cause.
 
+        Of several attempts, the cause of the first is named, too: those after it often fail for
+        what it did.
+
         Args:
             stone: Id of the stone.
         """
         objects = self.context.use(ObjectDatabase)
         if objects.stone(stone).state is not StoneState.LOST:
             objects.set_state(stone, StoneState.SET_ASIDE, self.context.now_s())
-        cause = self.context.last_failure()
-        reason = f"{self.settings.reason}: {cause}" if cause else self.settings.reason
+        first, last = self.context.first_failure(), self.context.last_failure()
+        causes = f"first, {first}; last, {last}" if first and first not in last else last
+        reason = f"{self.settings.reason}: {causes}" if causes else self.settings.reason
         self.context.record(StoneSetAside(stone, reason))
         return succeeded(reason=f"stone {stone} is set aside")

@@ -135,6 +135,12 @@ class Context(ABC):
     def last_failure(self) -> str:
         """Return why the node before this one under the same parent failed; empty if it did not."""
 
+    def first_failure(self) -> str:
+        """Return why the first attempt failed, if the node before this one made several under a
+        `retry`; empty if it did not.
+        """
+        return ""
+
     @abstractmethod
     def record(self, event: Event) -> None:
         """Write an event into the journal, under this node."""

@@ -158,6 +158,9 @@ class NodeContext(Context):
     def last_failure(self) -> str:
         return self._services.account.last_failure(self._node.rpartition("/")[0])
 
+    def first_failure(self) -> str:
+        return self._services.account.first_failure(self._node.rpartition("/")[0])
+
     def record(self, event: Event) -> None:
         self._services.record(self._node, event)
 

@@ -97,7 +97,10 @@ class _Builder:
             built = OptionalNode("optional", f"{path}@optional", runtime, built)
         if m.on_failure:
             recovery = self._child(m.on_failure, 0, f"{path}@on_failure", scope)
-            built = OnFailureNode("on_failure", f"{path}@on_failure", runtime, built, recovery)
+            place, is_retried = f"{path}@on_failure", m.retry is not None
+            built = OnFailureNode(
+                "on_failure", place, runtime, built, recovery, is_retried=is_retried
+            )
         if m.retry:
             name = f"retry {m.retry.count}"
             built = RetryNode(name, f"{path}@retry", runtime, built, m.retry, self._rounds)

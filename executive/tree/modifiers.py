@@ -183,16 +183,28 @@ class RetryNode(Modifier):
 
 
 class OnFailureNode(Controller):
-    """Ticks a recovery when its child has failed; the node fails whatever the recovery returns."""
+    """Ticks a recovery when its child has failed; the node fails whatever the recovery returns.
+
+    Beside `retry` it prepares the next attempt, and so it is left out after a failure that is final
+    and has none.
+    """
 
     is_journalled = False
 
     def __init__(
-        self, name: str, path: str, runtime: Runtime, child: Behaviour, recovery: Behaviour
+        self,
+        name: str,
+        path: str,
+        runtime: Runtime,
+        child: Behaviour,
+        recovery: Behaviour,
+        *,
+        is_retried: bool,
     ) -> None:
         super().__init__(name, path, runtime, [child, recovery])
         self._child = child
         self._recovery = recovery
+        self._is_retried = is_retried
         self._is_recovering = False
 
     def begin(self) -> None:
@@ -202,7 +214,7 @@ class OnFailureNode(Controller):
         if not self._is_recovering:
             yield from self._child.tick()
             status = self.adopt(self._child)
-            if status is not Status.FAILURE:
+            if status is not Status.FAILURE or (self._is_retried and self.is_final):
                 return status
             self._is_recovering = True
         yield from self._recovery.tick()

@@ -53,6 +53,7 @@ NO_WAY = MotionPlan(None, "the boom would hit stone 2", NO_PATH)
 SLIP = Verdict(3.0, "jaw_slip", Trouble.SLIP, "jaws 0.5 m open, 0.6 m before")
 DROP = Verdict(4.0, "payload_drop", Trouble.DROP, "12 kg left of 900 kg")
 EMPTY = Verdict(4.0, "jaw_slip", Trouble.EMPTY, "jaws 0.02 m open")
+SLIPPED = ", after a slip: jaws 0.5 m open, 0.6 m before"
 SLOTS = [Slot(1, np.array([4.0, -3.0, 0.0])), Slot(2, np.array([5.0, -4.0, 0.0]))]
 
 
@@ -159,9 +160,9 @@ def test_a_stone_that_met_the_ground_early_has_arrived(world):
 @pytest.mark.parametrize(
     ("offset_m", "troubles", "reason"),
     [
-        ((0.0, 0.2, 0.0), [SLIP], "0.00 m above and 0.20 m beside the placement"),
-        ((0.0, 0.0, 0.4), [SLIP], "0.40 m above and 0.00 m beside the placement"),
-        ((0.0, 0.0, 0.0), [SLIP, DROP], "the stone was dropped"),
+        ((0.0, 0.2, 0.0), [SLIP], f"0.00 m above and 0.20 m beside the placement{SLIPPED}"),
+        ((0.0, 0.0, 0.4), [SLIP], f"0.40 m above and 0.00 m beside the placement{SLIPPED}"),
+        ((0.0, 0.0, 0.0), [SLIP, DROP], "the stone was dropped: 12 kg left of 900 kg"),
     ],
 )
 def test_a_stone_that_is_elsewhere_or_fell_has_not_arrived(world, offset_m, troubles, reason):
@@ -503,7 +504,10 @@ def test_no_grasp_is_planned_for_a_lost_stone(stage, search, database):
 
 def test_a_lost_stone_that_is_set_aside_stays_lost(world, database):
     database.release(1, world.hold.T_map_gripper, 5.0, StoneState.LOST)
-    assert world.tick(SetAside, stone=1).status == "SUCCESS"
+    world.leaf_context.first_failure = lambda: "a slip"
+    ended = world.tick(SetAside, stone=1)
+    assert ended.status == "SUCCESS"
+    assert ended.events[0].reason == "every attempt failed: first, a slip; last, no way there"
     assert database.stone(1).state is StoneState.LOST
 
 

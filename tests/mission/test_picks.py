@@ -4,7 +4,7 @@ import numpy as np
 
 from executive.events.event import plain
 from executive.events.mission import MissionEnded, VerdictGiven
-from executive.events.node import NodeNotRetried
+from executive.events.node import NodeNotRetried, NodeRetried, NodeStarted
 from executive.events.site import SiteSegmented
 from executive.events.stone import (
     AttemptStarted,
@@ -13,9 +13,11 @@ from executive.events.stone import (
     JawsClosedOnNothing,
     PlacementVerified,
     StoneGrasped,
+    StoneLost,
     StoneRealigned,
     StoneReleased,
     StoneSetAside,
+    StoneSoughtAgain,
     StonesTakenUpAgain,
 )
 from executive.journal import Journal
@@ -126,15 +128,46 @@ def test_placed_is_what_was_seen():
         (10, attempt(1)), (40, released(1)), (50, looked_at(1, "off", "correct")),
         (60, attempt(1)), (90, released(1)), (95, looked_at(1, "placed")),
         (100, attempt(2)), (140, released(2)), (150, looked_at(2, "off", "keep")),
-        (160, attempt(3)), (190, released(3)), (195, looked_at(3, "unseen")),
+        (160, attempt(3)), (190, released(3)), (195, looked_at(3, "unseen", "correct")),
+        (195, StoneLost(3, "nowhere")),
     )  # fmt: skip
     account = Account.of(story)
     first, second, third = (pick.as_report() for pick in account.picks())
     assert [t["outcome"] for t in first["attempts"]] == ["off", "placed"]
-    assert [pick["placed"] for pick in (first, second, third)] == [True, False, True]
+    assert [pick["placed"] for pick in (first, second, third)] == [True, False, False]
     assert [pick["seen"] for pick in (first, second, third)] == ["placed", "off", "unseen"]
-    told = ("placed", "off", "unseen", "corrected", "first_attempt")
-    assert [account.counts()[name] for name in told] == [2, 1, 1, 1, 1]
+    told = ("placed", "off", "unseen", "lost", "corrected", "first_attempt")
+    assert [account.counts()[name] for name in told] == [1, 1, 0, 1, 2, 0]
+
+
+def test_a_placed_stone_that_is_lost_later_is_not_placed_until_it_is_again():
+    story = [
+        (10, attempt(1)), (40, released(1)), (50, looked_at(1, "placed")),
+        (60, StoneLost(1, "is not seen at its place")),
+    ]  # fmt: skip
+    counts = Account.of(journal_of(*story)).counts()
+    assert (counts["placed"], counts["lost"]) == (0, 1)
+    story += [
+        (65, StoneSoughtAgain(1, (1,), "registration", "")),
+        (70, attempt(1)), (90, released(1, slot=5)), (95, looked_at(1, "placed")),
+    ]  # fmt: skip
+    counts = Account.of(journal_of(*story)).counts()
+    assert (counts["placed"], counts["lost"]) == (1, 0)
+
+
+def test_the_first_cause_of_a_stone_that_is_given_up_is_known():
+    journal, under = Journal(), "main/0:fallback"
+    for node, event in [
+        (under, NodeStarted()),
+        (f"{under}/0:move/1:x@retry", NodeRetried(1, 2, "the jaws closed on nothing")),
+        (f"{under}/0:move@on_failure/0:x@retry", NodeRetried(1, 3, "no path up")),
+        (f"{under}/0:move@retry", NodeRetried(1, 3, "slip: jaws 0.5 m open")),
+        (f"{under}/0:move@retry", NodeRetried(2, 3, "no grasp is left")),
+    ]:
+        journal.append(0, 0.0, node, event)
+    assert Account.of(journal.newest).first_failure(under) == "slip: jaws 0.5 m open"
+    journal.append(0, 0.0, under, NodeStarted())  # another stone, tried once
+    assert Account.of(journal.newest).first_failure(under) == ""
 
 
 def test_stones_that_were_found_and_never_tried_are_told():

@@ -9,7 +9,13 @@ from collections.abc import Iterable
 from executive.arrays import Float
 from executive.events.event import Event
 from executive.events.mission import MissionEnded, PluginFailed, VerdictGiven
-from executive.events.node import NodeEnded, NodeNotRetried, NodeResult
+from executive.events.node import (
+    NodeEnded,
+    NodeNotRetried,
+    NodeResult,
+    NodeRetried,
+    NodeStarted,
+)
 from executive.events.site import SiteScanned, SiteSegmented, SlotsFound, SurveyRegistered
 from executive.events.stone import (
     AttemptStarted,
@@ -57,6 +63,8 @@ class Account:
         self._accepted = 0
         self._corrected = 0  # releases after which the stone was to be picked again
         self._failures: dict[str, tuple[int, str]] = {}  # by node: number of the entry, reason
+        self._begun: dict[str, int] = {}  # by node: number of the entry of its newest start
+        self._first: dict[str, tuple[int, str]] = {}  # why first attempts failed, as `_failures`
 
     @classmethod
     def of(cls, entries: Iterable[Entry]) -> "Account":
@@ -74,9 +82,8 @@ class Account:
         self.findings.add(entry)
         self._follow_final(event)
         self._follow_sightings(event)
+        self._follow_failures(entry)
         match event:
-            case NodeEnded(status=NodeResult.FAILURE):
-                self._failures[entry.node] = entry.sequence, event.reason
             case MissionEnded():
                 self.has_ended = True
             case PlacementVerified(rule="correct"):
@@ -92,6 +99,16 @@ class Account:
             case SurveyRegistered(accepted=True):
                 self._accepted += 1
                 self.registered = event
+
+    def _follow_failures(self, entry: Entry) -> None:
+        """Note starts, failures, and first attempts that failed."""
+        match entry.event:
+            case NodeStarted():
+                self._begun[entry.node] = entry.sequence
+            case NodeEnded(status=NodeResult.FAILURE, reason=reason):
+                self._failures[entry.node] = entry.sequence, reason
+            case NodeRetried(attempt=1, reason=reason):
+                self._first[entry.node] = entry.sequence, reason
 
     def _follow_sightings(self, event: Event) -> None:
         """Note which stones were seen, and which were lost since."""
@@ -149,6 +166,21 @@ class Account:
             if node.startswith(below) and "@on_failure" not in node[len(below) :]
         ]
         return max(found)[1] if found else ""
+
+    def first_failure(self, parent: str) -> str:
+        """Return why the first attempt of the outermost `retry` under a path failed.
+
+        Empty if there was only one attempt since the node of that path began.
+        """
+        begun, below = self._begun.get(parent, 0), f"{parent}/"
+        found = [
+            (node.count("/"), reason)
+            for node, (sequence, reason) in self._first.items()
+            if node.startswith(below)
+            and sequence > begun
+            and "@on_failure" not in node[len(below) :]
+        ]
+        return min(found)[1] if found else ""
 
     def counts(self) -> dict[str, int]:
         """Return the counts of the report."""

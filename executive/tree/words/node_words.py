@@ -155,7 +155,9 @@ _MODIFIERS: dict[str, _NodeText] = {
     ),
     "on_failure": _NodeText(
         ("on_failure: node",),
-        "a recovery, run after each failed attempt; the failure stands",
+        "a recovery, run after each failed attempt; the failure stands. Beside `retry` it prepares "
+        "the next attempt, and is left out after a failure that is final; what has to run after "
+        "that one, too, is the `on_failure` of a node within",
         "run: ExecuteTrajectory\non_failure: {run: OpenGripper}",
     ),
     "optional": _NodeText(
