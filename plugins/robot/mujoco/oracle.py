@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from executive_plugins.robot.mujoco.machine.legs import Legs
 from executive_plugins.robot.mujoco.robot import MujocoRobot
 from executive_plugins.robot.mujoco.site.terrain import TERRAIN
 from executive_plugins.robot.mujoco.truth.contact_log import Span
@@ -38,11 +39,12 @@ class MujocoOracle(Oracle):
             raise TypeError(f"the oracle of the simulated robot was given a {type(robot).__name__}")
         self._log = robot.truth_log
         self._site, self._scenario = robot.world.site, robot.world.scenario
+        self._legs = robot.world.legs
         self._hand = {robot.world.machine.gripper_link, *robot.world.machine.gripper.links}
 
     def truth(self, view: MissionView) -> dict[str, Any]:
-        """Return `scenario`, `stones`, `grasps`, `collisions`, `ground_contacts`, `estimate`,
-        `objects`, `realignments`, `map`, `registration`.
+        """Return `scenario`, `stance`, `stones`, `grasps`, `collisions`, `ground_contacts`,
+        `estimate`, `objects`, `realignments`, `map`, `registration`.
 
         `ground_contacts` counts contacts of gripper or jaws with the ground. They are not
         collisions, since the jaws close around a stone that lies on it.
@@ -51,6 +53,7 @@ class MujocoOracle(Oracle):
         spans = self._log.spans()
         return {
             "scenario": self._scenario,
+            "stance": _stance(self._legs),
             "stones": self._stones(view),
             "grasps": [
                 self._grasp(view.attempts, i, target) for i, (_, target) in enumerate(targets)
@@ -173,6 +176,13 @@ class MujocoOracle(Oracle):
             return True
         begun = [target for started_s, target in targets if started_s <= span.to_s]
         return not begun or self._log.stones[begun[-1]] != span.other
+
+
+def _stance(legs: Legs | None) -> dict[str, float]:
+    """Return how near a machine on its legs came to tipping; empty of one that is welded."""
+    if legs is None:
+        return {}
+    return {"most_tilt_rad": legs.most_tilt_rad, "least_margin_m": legs.least_margin_m}
 
 
 def _match(log: TruthLog, first: Stone) -> tuple[int, float] | None:

@@ -3,7 +3,7 @@
 from executive_plugins.physics.contact_settings import ContactSettings
 from pydantic import Field
 
-from executive.config import Newtons, Seconds
+from executive.config import Newtons, Seconds, Settings
 
 
 class PhysicsSettings(ContactSettings):
@@ -18,4 +18,19 @@ class PhysicsSettings(ContactSettings):
     )
     grip_force_n: Newtons = Field(
         35000.0, gt=0, description="Tip force before the first command [N]."
+    )
+
+
+class LegSettings(Settings):
+    """How far the legs of a machine yield that is not welded to the ground."""
+
+    stiffness_n_m: float = Field(
+        2.0e6,
+        ge=1e5,
+        le=1e8,
+        description="Stiffness of one leg [N/m]: a guess for a leg on its foot; a tyre of this "
+        "class has 0.33 to 0.65 MN/m.",
+    )
+    damping_ratio: float = Field(
+        0.1, ge=0, le=2, description="Damping of the machine on its legs over the critical one."
     )

@@ -47,7 +47,8 @@ class MujocoRobot(Robot, Scene, Photographer, Breakable):
         site_rng, sensor_rng = self._rng.spawn(2)
         physics, scenario = self.settings.physics, self.settings.scenario
         site = make_site(self.settings.site, self._machine, physics, site_rng, scenario)
-        self._world = World(self._machine, site, physics, scenario)
+        legs = self.settings.legs if self.settings.base == "on_legs" else None
+        self._world = World(self._machine, site, physics, scenario, legs)
         self._sensors = SensorSuite(
             self._machine, site, self.settings.sensors, self._world.model, sensor_rng
         )

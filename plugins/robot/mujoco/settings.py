@@ -1,10 +1,10 @@
 """Settings of the robot plugins, apart from them: reading a mission imports no algorithm."""
 
 from collections.abc import Iterator
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from executive_plugins.physics.scenario import Scenario
-from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
+from executive_plugins.robot.mujoco.physics_settings import LegSettings, PhysicsSettings
 from executive_plugins.robot.mujoco.sensors.settings import SensorSettings
 from executive_plugins.robot.mujoco.site.settings import SiteSettings
 from pydantic import Field
@@ -24,6 +24,12 @@ class MujocoSettings(RobotSettings):
     scenario: Scenario = Field(
         "kind", description="Physics of the world, from kind to harsh; see docs/simulator.md."
     )
+    base: Literal["welded", "on_legs"] = Field(
+        "welded",
+        description="Whether the chassis is fixed to the ground, or stands on its legs: it sways, "
+        "and may tip.",
+    )
+    legs: LegSettings = Field(LegSettings(), description="How the legs yield, with `on_legs`.")
     site: SiteSettings = Field(SiteSettings(), description="Ground and stones.")
     physics: PhysicsSettings = Field(PhysicsSettings(), description="Integration and contacts.")
     sensors: SensorSettings = Field(
@@ -36,6 +42,9 @@ class MujocoSettings(RobotSettings):
                 near = did_you_mean(dropout.sensor, machine.sensors)
                 told = f"{machine.name} has no sensor '{dropout.sensor}'{near}"
                 yield Refusal(("sensors", "dropouts", i, "sensor"), told)
+        if self.base == "on_legs" and len(machine.stance.supports_m) < 3:
+            told = f"{machine.name} has no points of support (stance.supports_m of its robot.yaml)"
+            yield Refusal(("base",), told)
         folder = self.site.stones.folder
         if folder is not None and not folder.is_dir():
             told = f"'{folder}' is no folder; give one with OBJ, PLY or STL meshes"

@@ -8,8 +8,9 @@ import numpy as np
 from executive_plugins.physics.scenario import Scenario, contact_of
 from executive_plugins.robot.mujoco.machine.arm_servos import ArmServos, make_servos
 from executive_plugins.robot.mujoco.machine.jaw_drive import JawDrive, make_jaw_drive
+from executive_plugins.robot.mujoco.machine.legs import Legs, set_footing, set_on_legs
 from executive_plugins.robot.mujoco.physics import apply_physics
-from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
+from executive_plugins.robot.mujoco.physics_settings import LegSettings, PhysicsSettings
 from executive_plugins.robot.mujoco.site.site import Site
 from executive_plugins.robot.trajectory_follower import Follower
 
@@ -23,6 +24,7 @@ from executive.messages.command import Follow, MoveJaws
 CONTROL_STEP_S = 0.01  # period of the controllers, of the fastest sensors, and of observers
 
 _START_POSTURE = "scan"
+_STAND_S = 3.0  # in which the machine comes to rest on its legs, before time begins
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
@@ -35,7 +37,8 @@ class World:
         scenario: Name of its physics.
         model: Compiled MuJoCo model; bodies and joints have the names of the description.
         data: State of the model.
-        T_world_base: Pose of the base, which is fixed, shape (4, 4).
+        legs: The legs that the machine stands on, or None if its base is welded to the ground.
+        T_world_base: Pose of the base at the start, shape (4, 4).
     """
 
     def __init__(
@@ -44,12 +47,13 @@ class World:
         site: Site,
         settings: PhysicsSettings,
         scenario: Scenario = "kind",
+        legs: LegSettings | None = None,
     ) -> None:
         self.machine, self.site = machine, site
         self.scenario, self._contact = scenario, contact_of(scenario, machine.gripper)
         self.T_world_base = pose(t=np.array([0.0, 0.0, machine.stance.base_height_m]))
         self._substeps = _substeps(settings)
-        self.model = self._build(settings)
+        self.model = self._build(settings, legs)
         self.data = mujoco.MjData(self.model)
         self._set_arm(machine.posture(_START_POSTURE))
         self.arm = ArmServos(self.model, self.data, machine)
@@ -57,6 +61,8 @@ class World:
         self._follower = Follower(machine, self.arm.position())
         self._control_steps = 0
         self._observers: list[Callable[[World], None]] = []
+        self.legs = None if legs is None else Legs(self.model, self.data, machine)
+        self._stand()
 
     @property
     def time_s(self) -> float:
@@ -129,13 +135,11 @@ class World:
         """Advance by one control step.
 
         Raises:
-            RobotError: If the integration diverged.
+            RobotError: If the integration diverged, or the machine has tipped over.
         """
         dt_s = float(self.model.opt.timestep)
         for _ in range(self._substeps):
-            self.arm.drive(*self._follower.advance(dt_s))
-            self.jaws.drive()
-            mujoco.mj_step(self.model, self.data)
+            self._substep(*self._follower.advance(dt_s))
         # mj_step leaves the poses one substep behind the positions.
         mujoco.mj_kinematics(self.model, self.data)
         self._control_steps += 1
@@ -147,8 +151,29 @@ class World:
                 f"the simulated world diverged at {self.time_s:.2f} s; use a smaller "
                 "physics.timestep_s"
             )
+        if self.legs is not None:
+            self.legs.watch()
         for observer in self._observers:
             observer(self)
+
+    def _substep(self, position: Float, velocity: Float) -> None:
+        """Advance by one integration step, with references of the arm, shape (n,) each."""
+        self.arm.drive(position, velocity)
+        self.jaws.drive()
+        if self.legs is not None:
+            self.legs.weigh()
+        mujoco.mj_step(self.model, self.data)
+
+    def _stand(self) -> None:
+        """Level the legs and let the machine come to rest on them, before time begins."""
+        if self.legs is None:
+            return
+        self.legs.level()
+        position = self.arm.position()
+        for _ in range(round(_STAND_S / float(self.model.opt.timestep))):
+            self._substep(position, np.zeros(len(position)))
+        self.data.time = 0.0
+        self.T_world_base = self.T_world_body(self.machine.base_link)
 
     def keep(self) -> Mapping[str, Any]:
         """Return the state of the simulation and of what drives it; the site follows from the seed.
@@ -178,13 +203,17 @@ class World:
         body = self.data.body(name)
         return pose(body.xmat.reshape(3, 3).copy(), body.xpos.copy())
 
-    def _build(self, settings: PhysicsSettings) -> mujoco.MjModel:
+    def _build(self, settings: PhysicsSettings, legs: LegSettings | None) -> mujoco.MjModel:
         spec = machine_spec(self.machine)
         spec.body(self.machine.base_link).pos = self.T_world_base[:3, 3]
         make_servos(spec, self.machine, settings)
         make_jaw_drive(spec, self.machine)
+        if legs is not None:
+            set_on_legs(spec, self.machine, legs)
         self.site.add_to(spec)
         apply_physics(spec, settings, self._contact)
+        if legs is not None:
+            set_footing(spec, self.machine, settings.replaced(self._contact).soil)
         return spec.compile()
 
     def _set_arm(self, position: Float) -> None:

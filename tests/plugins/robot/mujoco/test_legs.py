@@ -1,0 +1,147 @@
+"""The machine on its legs: it stands level, sways, is felt by its sensors, and tips."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from executive_plugins.robot.mujoco.physics_settings import LegSettings, PhysicsSettings
+from executive_plugins.robot.mujoco.robot import MujocoRobot
+from executive_plugins.robot.mujoco.settings import MujocoSettings
+from executive_plugins.robot.mujoco.site.settings import (
+    SiteSettings,
+    StoneSettings,
+    TerrainSettings,
+)
+from executive_plugins.robot.mujoco.site.site import Site
+from executive_plugins.robot.mujoco.site.terrain import make_terrain
+from executive_plugins.robot.mujoco.world import World
+
+from executive.errors import ConfigError, RobotError
+from executive.machine.lift_capacity import Capacity, LiftCapacity
+from executive.machine.machine import Machine, load_machine
+from executive.messages.command import Follow
+from executive.messages.imu import ImuSample
+from executive.messages.observation import Observation
+from executive.messages.trajectory import JointTrajectory
+
+GRAVITY_M_S2 = 9.81
+# The gripper hangs at 6 m, its tips above the ground.
+FAR = {"J_BOOM": 0.75, "J_DIPPER": 0.3, "J_TELE": 1.2, "J_EE_PITCH": -1.19}
+
+
+def on_legs(machine: Machine, legs: LegSettings | None = None) -> World:
+    terrain = make_terrain(TerrainSettings(undulation_m=0, roughness_m=0), np.random.default_rng(0))
+    return World(
+        machine, Site(terrain, (), ()), PhysicsSettings(), "nominal", legs or LegSettings()
+    )
+
+
+def path(machine: Machine, start: np.ndarray, goal: np.ndarray) -> JointTrajectory:
+    u, duration_s = np.linspace(0, 1, 80), 6.0
+    share, slope = 10 * u**3 - 15 * u**4 + 6 * u**5, (30 * u**2 - 60 * u**3 + 30 * u**4)
+    return JointTrajectory(
+        machine.arm_names,
+        u * duration_s,
+        start + np.outer(share, goal - start),
+        np.outer(slope, goal - start) / duration_s,
+    )
+
+
+def sideways(machine: Machine) -> np.ndarray:
+    """Return a posture with the gripper at the left."""
+    posture = dict(zip(machine.arm_names, machine.posture("carry"), strict=True)) | FAR
+    return np.array([*(posture | {machine.turn_joint: np.pi / 2}).values()])
+
+
+@pytest.mark.parametrize("name", ["m545", "mini"])
+def test_a_machine_stands_level_on_its_legs_which_bear_its_weight(name: str) -> None:
+    machine = load_machine(name)
+    world = on_legs(machine)
+    for _ in range(50):
+        world.step()
+    weight_n = GRAVITY_M_S2 * sum(link.mass_kg for link in machine.links.values())
+    assert world.legs is not None
+    assert world.legs.tilt_rad() < np.radians(0.05)
+    assert world.legs.loads_n().sum() == pytest.approx(weight_n, rel=0.03)  # the feet's own apart
+    assert world.T_world_base[2, 3] == pytest.approx(machine.stance.base_height_m, abs=0.005)
+    np.testing.assert_allclose(world.arm.position(), machine.posture("scan"), atol=1e-3)
+
+
+@pytest.fixture(scope="module")
+def reached() -> tuple[World, Capacity, dict]:
+    """A machine that has swung to its side, the lift capacity there, and its state."""
+    machine = load_machine("m545")
+    world = on_legs(machine)
+    world.follow(Follow(path(machine, world.arm.position(), sideways(machine))))
+    for _ in range(800):
+        world.step()
+    return world, LiftCapacity(machine).at(world.arm.position()), dict(world.keep())
+
+
+def hang(world: World, mass_kg: float) -> None:
+    """Let a load pull at the grasp centre, ever heavier for 2 s, then for 4 s more."""
+    gripper = world.data.body(world.machine.gripper_link)
+    for step in range(600):
+        at = gripper.xpos + gripper.xmat.reshape(3, 3) @ world.machine.gripper.grasp_centre
+        weight = np.array([0.0, 0.0, -GRAVITY_M_S2 * mass_kg * min(1.0, step / 200)])
+        gripper.xfrc_applied[:3] = weight
+        gripper.xfrc_applied[3:] = np.cross(at - gripper.xipos, weight)
+        world.step()
+
+
+def test_it_carries_its_rated_load_at_the_side_and_leans(reached: tuple) -> None:
+    world, capacity, kept = reached
+    world.restore(kept)
+    before_rad = world.legs.tilt_rad()
+    hang(world, capacity.rated_kg)
+    assert capacity.radius_m == pytest.approx(6.0, abs=0.3)
+    assert world.legs.tilt_rad() > before_rad + np.radians(0.1)
+    assert 0.0 < world.legs.margin_m() < 0.5
+
+
+def test_it_tips_with_a_little_more_than_balances_it(reached: tuple) -> None:
+    """1.3 t at 6 m; the capacity, which the planners refuse it by, is computed without the
+    simulator.
+    """
+    world, capacity, kept = reached
+    world.restore(kept)
+    assert capacity.refusal(1300.0)
+    with pytest.raises(RobotError, match="tipped over"):
+        hang(world, 1.08 * capacity.tipping_kg)
+    assert world.legs.most_tilt_rad > np.radians(5.0)
+    assert world.legs.least_margin_m < 0.05
+
+
+def test_the_chassis_inertial_sensor_feels_how_far_the_machine_leans() -> None:
+    machine = load_machine("m545")
+    empty = SiteSettings(stones=StoneSettings(count=0))
+    settings = MujocoSettings(base="on_legs", site=empty)
+    robot = MujocoRobot(settings, machine, np.random.default_rng(3))
+    robot.start()
+    level = chassis_up(robot.read(0.5))
+    goal = sideways(machine)
+    robot.command(Follow(path(machine, robot.world.arm.position(), goal)))
+    robot.read(7.5)
+    leaning = chassis_up(robot.read(8.0))
+    assert robot.world.legs is not None
+    tilt_rad = robot.world.legs.tilt_rad()
+    assert tilt_rad > np.radians(0.4)
+    assert np.arccos(level @ leaning) == pytest.approx(tilt_rad, abs=np.radians(0.1))
+
+
+def chassis_up(seen: Sequence[Observation]) -> np.ndarray:
+    """Return the mean direction of the specific force at the chassis, shape (3,)."""
+    forces = [o.specific_force_m_s2 for o in seen if isinstance(o, ImuSample)]
+    frames = [o.frame for o in seen if isinstance(o, ImuSample)]
+    mean = np.mean([f for f, name in zip(forces, frames, strict=True) if name == "imu_base"], 0)
+    return np.asarray(mean / np.linalg.norm(mean))
+
+
+def test_a_machine_without_points_of_support_is_refused_with_the_cure() -> None:
+    machine = load_machine("m545")
+    stance = machine.stance.model_copy(update={"supports_m": ()})
+    bare = machine.model_copy(update={"stance": stance})
+    with pytest.raises(ConfigError, match="supports_m"):
+        on_legs(bare)
+    refusals = list(MujocoSettings(base="on_legs").refusals(bare))
+    assert [refusal.setting for refusal in refusals] == [("base",)]
