@@ -1,7 +1,7 @@
 """Kill a mission with signal 9 at random points, resume it, and count what became of the stones.
 
 No stone may be lost, doubled, dropped or misplaced. The machine is one without physics. A kill
-takes about ten seconds of one core; an hour for 200.
+takes about three seconds of one core, with its share of the missions; ten minutes for 200.
 """
 
 import sys
