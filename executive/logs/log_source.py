@@ -12,6 +12,7 @@ from mcap.exceptions import McapError
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.rosbag1 import ReaderError as Bag1Error
 from rosbags.rosbag2 import ReaderError as Bag2Error
+from rosbags.rosbag2 import storage_sqlite3
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.base import TypesysError
@@ -22,6 +23,9 @@ from executive.logs.mcap_contents import Contents, Cut, read_contents
 from executive.logs.mcap_messages import in_order
 from executive.logs.mcap_records import BrokenRecordError
 from executive.logs.topics import TYPES
+
+# Newer releases of rosbags read the database of a bag by apsw, older ones by sqlite3.
+_database: Any = getattr(storage_sqlite3, "apsw", sqlite3)
 
 # The readers pass on the errors of their decoders on a damaged file. These occurred in tests with
 # flipped bytes.
@@ -34,7 +38,7 @@ _DAMAGED = (
     TypesysError,
     ZstdError,
     struct.error,
-    sqlite3.Error,
+    _database.Error,
     OSError,
     EOFError,
     ValueError,

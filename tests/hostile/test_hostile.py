@@ -14,16 +14,18 @@ from tests.hostile.trial import Answer, attempt, damaged_content
 _COUNTS = {"mission": 3, "campaign": 1, "bag": 3, "mcap": 4}
 _COUNT = 12
 _SEED = 7
+_ONCE_MISSED = {"bag": [(77, 22)]}  # seed and number of files that ended in a traceback
 
 
 @pytest.mark.parametrize("name", FORMATS)
 def test_a_damaged_file_is_read_or_refused_by_name(name: str, tmp_path: Path) -> None:
+    numbered = [(_SEED, number) for number in range(_COUNTS.get(name, _COUNT))]
     kind = FORMATS[name]
     samples = list(kind.make(tmp_path))
     good = [sample.file.read_bytes() for sample in samples]
-    for number in range(_COUNTS.get(name, _COUNT)):
+    for seed, number in [*numbered, *_ONCE_MISSED.get(name, ())]:
         which = number % len(samples)
-        content = damaged_content(kind, good[which], (_SEED, number))
+        content = damaged_content(kind, good[which], (seed, number))
         answer = attempt(kind, samples[which], content)
         samples[which].file.write_bytes(good[which])
         assert not answer.misses(), f"{name} {number}: {answer.text}"
