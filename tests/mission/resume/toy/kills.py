@@ -55,8 +55,11 @@ class Killer:
             os.kill(os.getpid(), signal.SIGKILL)
 
     def watch(self, run: Run) -> None:
-        """Count the lines of a run and the changes of its database."""
-        run._journal.follow(lambda entry: self.pass_by("line"))
+        """Count the lines of a run and the changes of its database.
+
+        A run that has written its end record has ended, and is not resumed.
+        """
+        run._journal.follow(lambda entry: entry.kind == "mission_ended" or self.pass_by("line"))
         for verb in ("grasp", "release", "set_state", "observe"):
             self._count(verb)
 
