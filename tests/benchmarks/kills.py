@@ -12,6 +12,7 @@ from bounds import command_line, count, verdict
 USAGE = """
 python tests/benchmarks/kills.py --kills 200
 python tests/benchmarks/kills.py --kills 10 --seed 7
+python tests/benchmarks/kills.py --kills 20 --simulated 7404
 """
 
 
@@ -19,10 +20,18 @@ def main(words: Sequence[str] | None = None) -> int:
     parser = command_line(__doc__, USAGE)
     parser.add_argument("--kills", type=count, default=200, help="number of kills (default: 200)")
     parser.add_argument("--seed", type=int, default=1, help="of the points (default: 1)")
+    parser.add_argument(
+        "--simulated",
+        type=count,
+        metavar="SEED",
+        help="kill a carry in the simulated world, of this seed, instead",
+    )
     given = parser.parse_args(words)
 
-    from trials.kills import measured
+    from trials.kills import in_simulation, measured
 
+    if given.simulated is not None:
+        return verdict(in_simulation(given.kills, given.seed, given.simulated))
     return verdict(measured(given.kills, given.seed))
 
 

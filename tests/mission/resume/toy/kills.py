@@ -25,6 +25,8 @@ from executive.mission.run import Run
 from executive.tree.load import load_mission
 
 KINDS = ("line", "change", "tick")
+# From the robot, the stones of the database and the report to what is wrong.
+Judge = Callable[[Any, Any, Any], list[str]]
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,7 @@ def in_process(work: Callable[[], dict[str, Any]], answer: Path) -> dict[str, An
     return json.loads(answer.read_text())
 
 
-def execute(run: Run, kill: Kill | None) -> dict[str, Any]:
+def execute(run: Run, kill: Kill | None, judge: Judge) -> dict[str, Any]:
     """Run to the end, or to the kill; return what is wrong with the stones."""
     killer, judged = Killer(kill), []
     killer.watch(run)
@@ -110,20 +112,26 @@ def execute(run: Run, kill: Kill | None) -> dict[str, Any]:
     run._close = judge_and_close
     result = run.execute(lambda mission: killer.pass_by("tick"))
     (robot, stones), report = judged[0], result.report
-    return {"complaints": toy_site.complaints(robot, stones, report), "counts": killer.counts}
+    return {"complaints": judge(robot, stones, report), "counts": killer.counts}
 
 
-def trial(mission: Path, folder: Path, kills: list[Kill]) -> dict[str, Any]:
+def trial(
+    mission: Path,
+    folder: Path,
+    kills: list[Kill],
+    seed: int = 1,
+    judge: Judge = toy_site.complaints,
+) -> dict[str, Any]:
     """Run a mission that is killed and resumed, and then goes on to its end."""
     shutil.rmtree(folder, ignore_errors=True)
     answer = folder.with_suffix(".json")
-    options = Options(run_dir=folder)
+    options = Options(run_dir=folder, seed=seed)
     for number, kill in enumerate([*kills, None]):
         is_first = number == 0 or not (folder / "journal.jsonl").exists()
 
         def work(kill: Kill | None = kill, is_first: bool = is_first) -> dict[str, Any]:
             made = Run(load_mission(str(mission)), options) if is_first else resumed_run(folder)
-            return execute(made, kill)
+            return execute(made, kill, judge)
 
         found = in_process(work, answer)
         if found is not None:  # it came to its end before the kill

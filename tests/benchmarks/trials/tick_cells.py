@@ -1,0 +1,140 @@
+"""Plugins that fail in the tick of a mission that drives a machine, and how soon it is told."""
+
+import json
+import os
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from bounds import Bound, Figure, held
+
+from executive.faults import injector
+from executive.mission.options import Options
+from executive.mission.run import Run
+from executive.supervision.supervisor import supervised
+from executive.tree.load import load_mission
+from trials.supervisor import _FORK, machine, wait_for
+
+MISSION = """
+api: 1
+mission: swing
+plugins:
+  robot: {{plugin: wire, model: m545, address: "{address}"}}
+  estimation: gnss_imu_filter
+  odometry: scan_to_submap
+  mapping: voxel_map
+  objects: sqlite
+  motion: hermite
+  monitoring: jaw_slip
+watch:  # what a busy computer does not break by itself
+  encoders: {{do: stop, after: 1 s}}
+  estimate: {{do: stop, after: 50 ms}}
+loop: {{late_ticks: 1000}}
+faults: [{{plugin: {plugin}, verb: {verb}, how: {how}, node: ScanSwing, after: 1 s}}]
+trees:
+  main:
+    sequence:
+      - {{run: Localise, timeout: 30 s}}
+      - reactive_sequence:
+          - {{optional: true, do: {{check: NoStoneLeft}}}}
+          - {{run: ScanSwing, with: {{angle: 40 deg, duration: 4 s}}}}
+"""
+HARMLESS = ("late", "nan", "wrong_type")  # where nothing uses the answer
+LONGEST_S = 60.0  # of a mission
+
+
+def measured(verbs: Sequence[str], hows: Sequence[str], runners: Sequence[str]) -> list[Figure]:
+    """Try all cells; return how many came out wrong, and the longest time of each fault."""
+    longest, wrong, count = dict.fromkeys(hows, 0.0), 0, 0
+    for verb in verbs:
+        for how in hows:
+            found = [trial(*verb.split("."), how, runner) for runner in runners]
+            for took_ms, why in found:
+                is_well = took_ms is not None or (how in HARMLESS and why == "success: ")
+                took_ms = took_ms or 0.0
+                longest[how] = max(longest[how], took_ms)
+                wrong += not (is_well and took_ms <= bound_of(how).must)
+            count += len(found)
+            told = "; ".join(f"{'' if ms is None else f'{ms:.0f} ms '}{why}" for ms, why in found)
+            print(f"{verb} {how}: {told}", flush=True)
+    return [
+        held("cells that came out wrong", wrong, Bound(0), f"{wrong} of {count}"),
+        *(
+            held(f"{how}: until the machine is told, longest [ms]", ms, bound_of(how))
+            for how, ms in longest.items()
+        ),
+    ]
+
+
+def bound_of(how: str) -> Bound:
+    """Return the bound on the time until the machine is told [ms]; the supervisor has its own."""
+    return Bound(300.0 if how in ("hang", "late") else 200.0)
+
+
+def trial(plugin: str, verb: str, how: str, runner: str) -> tuple[float | None, str]:
+    """Return after how long the machine was told [ms], and why; None if it never was."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        acted, told, ended = folder / "acted", folder / "told", folder / "ended"
+        address = f"unix:{name}/m"
+        serving = _FORK.Process(target=machine, args=(address, 0.3, told))
+        serving.start()
+        wait_for(folder / "m")
+        mission = folder / "mission.yaml"
+        text = MISSION.format(address=address, plugin=plugin, verb=verb, how=how)
+        mission.write_text(text, encoding="utf-8")
+        driving = _FORK.Process(target=drive, args=(mission, runner, acted, ended))
+        driving.start()
+        try:
+            wait_for_one(told, ended)
+            if told.exists() and "connection ended" in told.read_text(encoding="utf-8"):
+                driving.join(LONGEST_S)  # it has died, or the mission is over
+        finally:
+            with suppress(ProcessLookupError):  # it has ended
+                os.killpg(driving.pid, signal.SIGKILL)
+            driving.join()
+            serving.terminate()
+            serving.join()
+        if ended.exists() and ended.read_text(encoding="utf-8").startswith("success"):
+            return None, ended.read_text(encoding="utf-8")
+        found: dict[str, Any] = json.loads(told.read_text(encoding="utf-8"))
+        since_s = float(acted.read_text(encoding="utf-8")) if acted.exists() else float("nan")
+        return 1e3 * (found["told_s"] - since_s), found["reason"][:60]
+
+
+def wait_for_one(*paths: Path) -> None:
+    """Wait until one of some files is there."""
+    limit_s = time.monotonic() + LONGEST_S
+    while not any(path.exists() for path in paths):
+        if time.monotonic() > limit_s:
+            raise TimeoutError(f"none of {[path.name for path in paths]}")
+        time.sleep(0.005)
+
+
+def drive(mission: Path, runner: str, acted: Path, ended: Path) -> None:
+    """Run the mission under a supervisor, in a process group of their own."""
+    os.setpgid(0, 0)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+    sys.exit(supervised(lambda: run(mission, runner, acted, ended), lambda _: None))
+
+
+def run(mission: Path, runner: str, acted: Path, ended: Path) -> int:
+    """Run the mission; note when its fault acts, and how the mission ends."""
+    own = injector.misbehave
+
+    def noted(how: str, delay_s: float, call: Callable[[], Any]) -> Any:
+        if not acted.exists():
+            acted.write_text(str(time.monotonic()), encoding="utf-8")
+        return own(how, delay_s, call)
+
+    injector.misbehave = noted
+    options = Options(run_dir=mission.with_suffix(""), real_time=True, runner=runner)
+    result = Run(load_mission(str(mission)), options).execute(lambda _: None)
+    ended.with_suffix(".part").write_text(f"{result.report['outcome']}: {result.report['reason']}")
+    ended.with_suffix(".part").rename(ended)
+    return result.exit_status
