@@ -6,7 +6,7 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.interfaces.plugin import Plugin
-from executive.messages.request import MotionPlan, MoveRequest, PostureRequest
+from executive.messages.request import Around, MotionPlan, MoveRequest, PostureRequest
 
 
 class MotionPlanner(Plugin, ABC):
@@ -31,8 +31,21 @@ class MotionPlanner(Plugin, ABC):
         """
 
     @abstractmethod
-    def swing(self, start: Float, angle_rad: float, duration_s: float) -> MotionPlan:
-        """Plan a sweep of the cabin to +angle/2, −angle/2 and back with the arm folded."""
+    def swing(
+        self, start: Float, angle_rad: float, duration_s: float, around: Around | None = None
+    ) -> MotionPlan:
+        """Plan a sweep of the cabin to +angle/2, −angle/2 and back with the arm folded.
+
+        Args:
+            start: Present positions of the arm's joints, shape (n,).
+            angle_rad: Total angle of the sweep.
+            duration_s: Least duration of the sweep [s].
+            around: What must not be touched; None if nothing is known.
+
+        Returns:
+            A trajectory of all arm joints within their limits, or None with the reason, such as a
+            wall within the sweep.
+        """
 
     def move_joints(self, request: PostureRequest) -> MotionPlan:
         """Plan a motion of the joints from rest to rest; deterministic. It may be slow: a job.

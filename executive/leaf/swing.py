@@ -15,6 +15,7 @@ from executive.leaf.follow import follow
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.messages.command import SwitchLidars
+from executive.messages.request import Around
 
 
 class SwingSettings(Settings):
@@ -25,12 +26,19 @@ class SwingSettings(Settings):
 def swing(context: Context, settings: SwingSettings) -> Generator[Any, Any, Outcome[None]]:
     """Fold the arm and swing the cabin about its present heading; the lidars are off afterwards.
 
+    The swing must be free in the map as it is: a first swing meets what no scan has shown yet.
+
     Source: Mascaro et al. 2020, Sec. 6.2.
     """
     if moving := (yield from come_to_rest(context)):
         return failed(moving)
+    around = Around(
+        T_map_base=context.state().T_map_base,
+        obstacles=context.use(Mapper).cloud(),
+        jaw_rad=context.joints().of(context.machine().jaw.name)[0],
+    )
     plan = yield from context.job(
-        context.use(MotionPlanner).swing, context.arm(), settings.angle, settings.duration
+        context.use(MotionPlanner).swing, context.arm(), settings.angle, settings.duration, around
     )
     if plan.trajectory is None:
         return failed(f"no swing: {plan.reason}")

@@ -76,6 +76,24 @@ class PostureRequest:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Around:
+    """What surrounds the machine while it sweeps.
+
+    Attributes:
+        T_map_base: Pose of the chassis, shape (4, 4).
+        obstacles: Ground and stones that must not be touched, in the map.
+        jaw_rad: Opening of the jaws during the motion [rad].
+    """
+
+    T_map_base: Float
+    obstacles: Cloud
+    jaw_rad: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "T_map_base", checked("T_map_base", self.T_map_base, 4, 4))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class MotionPlan:
     """A trajectory, or the reason why there is none.
 

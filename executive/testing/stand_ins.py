@@ -12,7 +12,7 @@ from executive.interfaces.plugin import Plugin
 from executive.interfaces.robot import Robot
 from executive.messages.command import Command
 from executive.messages.observation import Observation
-from executive.messages.request import MotionPlan, MoveRequest
+from executive.messages.request import Around, MotionPlan, MoveRequest
 
 BOULDERS = np.array([[5.0, 1.0, 0.2, 0.6], [3.0, -3.0, 0.2, 0.5], [7.0, -1.0, 0.2, 0.55]])
 
@@ -26,7 +26,9 @@ class FreeMotion(MotionPlanner):
     def move(self, request: MoveRequest) -> MotionPlan:
         return MotionPlan(None, "the stand-in plans no paths", np.empty((0, 3)))
 
-    def swing(self, start: Float, angle_rad: float, duration_s: float) -> MotionPlan:
+    def swing(
+        self, start: Float, angle_rad: float, duration_s: float, around: Around | None = None
+    ) -> MotionPlan:
         return MotionPlan(None, "the stand-in plans no paths", np.empty((0, 3)))
 
 

@@ -12,8 +12,13 @@ from scipy.spatial import cKDTree
 
 from executive.arrays import Bool, Float, Int
 from executive.geometry.pose import inverse, transform
+from executive.messages.trajectory import JointTrajectory
 
 _THIN = 0.5  # share of a thin body's depth at which a point in it counts as a collision
+# Between checked postures the motion of the palm over the first and of the joints over the second
+# add up to at most 1.
+_CHECK_M = 0.12
+_CHECK = 0.1  # [rad] or [m]
 _NOISE_M = 0.02  # allowance for noise of the ground at the start
 
 
@@ -28,10 +33,10 @@ class Hit:
 class CollisionCheck:
     """Collision check for one jaw angle, one held stone or none, and one set of obstacles.
 
-    Chassis and cabin are not checked against the surroundings: the chassis is in contact with them
-    and the cabin turns above them. A body may penetrate stones and ground by a tolerance, since
-    maps are noisy and a stone rests on the ground. Points that are inside a body in the first
-    posture (`start`) are ignored, since the machine is there already.
+    The chassis is not checked against the surroundings, since it is in contact with them. A body
+    may penetrate stones and ground by a tolerance, since maps are noisy and a stone rests on the
+    ground. Points that are inside a body in the first posture (`start`) are ignored, since the
+    machine is there already.
     """
 
     def __init__(
@@ -47,8 +52,9 @@ class CollisionCheck:
         self._obstacles = obstacles
         self._jaw_rad = jaw_rad
         self._tolerance_m = tolerance_m
-        fixed = {self._machine.base_link, self._machine.cabin_link}
-        self._bodies = [body for body in machine_check.bodies if body.link not in fixed]
+        self._bodies = [
+            body for body in machine_check.bodies if body.link != self._machine.base_link
+        ]
         frames = link_frames(self._machine, start[None], jaw_rad)
         low, sunk_m = self._survey(frames)
         self._excused = self._inside(frames, low)
@@ -62,6 +68,12 @@ class CollisionCheck:
             return Hit(inside[0], f"{inside[1]} with {inside[2]}")
         return outside
 
+    def first_hit_along(self, trajectory: JointTrajectory) -> tuple[float, str] | None:
+        """Return the first collision: the share of the trajectory before it, and what collides."""
+        q = self._dense(trajectory)
+        hit = self.first_hit(q)
+        return None if hit is None else (hit.posture / (len(q) - 1), hit.what)
+
     def machine_hit(self, q: Float) -> Hit | None:
         """Return the first collision of the machine with itself or its load, or None.
 
@@ -70,6 +82,21 @@ class CollisionCheck:
         """
         hit = self._machine_check.first_hit(link_frames(self._machine, q, self._jaw_rad))
         return None if hit is None else Hit(hit[0], f"{hit[1]} with {hit[2]}")
+
+    def _dense(self, trajectory: JointTrajectory) -> Float:
+        """Return postures of a trajectory that are close enough to each other, shape (K, n).
+
+        Between its samples the joints move evenly, to 0.1 mrad.
+        """
+        q = trajectory.position
+        palm = link_frames(self._machine, q, 0.0)[self._machine.gripper_link][:, :3, 3]
+        steps = (
+            np.linalg.norm(np.diff(palm, axis=0), axis=1) / _CHECK_M
+            + np.abs(np.diff(q, axis=0)).max(axis=1) / _CHECK
+        )
+        passed = np.concatenate([[0.0], np.cumsum(steps)])
+        wanted = np.linspace(0.0, passed[-1], max(2, int(np.ceil(passed[-1])) + 1))
+        return np.stack([np.interp(wanted, passed, joint) for joint in q.T], axis=1)
 
     def _surroundings_hit(self, frames: dict[str, Float]) -> Hit | None:
         low, sunk_m = self._survey(frames)

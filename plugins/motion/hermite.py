@@ -14,7 +14,7 @@ from executive_plugins.motion.obstacles import Obstacles
 from executive_plugins.motion.path_speeds import compile_speeds
 from executive_plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
 from executive_plugins.motion.settings import HermiteSettings
-from executive_plugins.motion.sweep import sweep
+from executive_plugins.motion.sweep import folding_sweep, sweep
 from executive_plugins.motion.timing import Limits
 from executive_plugins.motion.waypoints import Waypoints
 
@@ -24,10 +24,11 @@ from executive.interfaces.motion import MotionPlanner
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
-from executive.messages.request import MotionPlan, MoveRequest, PostureRequest
+from executive.messages.request import Around, MotionPlan, MoveRequest, PostureRequest
 from executive.messages.trajectory import JointTrajectory
 
 _BEYOND_REACH_M = 2.0  # obstacles farther beyond the reach are ignored
+_NOTHING = Cloud("map", np.zeros((0, 3)))
 _PATH_POINTS = 100  # number of points of the path that is displayed
 
 
@@ -75,7 +76,9 @@ class Hermite(MotionPlanner):
             return _refused(trajectory.reason)
         return self._planned(trajectory, request.T_map_base)
 
-    def swing(self, start: Float, angle_rad: float, duration_s: float) -> MotionPlan:
+    def swing(
+        self, start: Float, angle_rad: float, duration_s: float, around: Around | None = None
+    ) -> MotionPlan:
         start, turn = self._checked(start), self._machine.arm_names.index(self._machine.turn_joint)
         lower, upper = self._machine.lower[turn], self._machine.upper[turn]
         if not lower <= start[turn] - angle_rad / 2 <= start[turn] + angle_rad / 2 <= upper:
@@ -83,18 +86,9 @@ class Hermite(MotionPlanner):
                 f"sweeping: the range of {self._machine.turn_joint} is {lower:.2f} to "
                 f"{upper:.2f} rad"
             )
-        trajectory = sweep(
-            self._machine, self._limits(False), self._fold(start), angle_rad, duration_s
-        )
-        hit = self._machine_check.first_hit(
-            link_frames(self._machine, trajectory.position, self._machine.gripper.open_rad)
-        )
-        if hit is not None:
-            share = hit[0] / (len(trajectory.times_s) - 1)
-            return _refused(
-                f"sweeping: collision of {hit[1]} with {hit[2]} at fraction {share:.2f}"
-            )
-        return self._planned(trajectory, np.eye(4))
+        if around is None:
+            around = Around(np.eye(4), _NOTHING, self._machine.gripper.open_rad)
+        return self._free_sweep(start, angle_rad, duration_s, around)
 
     def move_joints(self, request: PostureRequest) -> MotionPlan:
         start = self._checked(request.start)
@@ -111,6 +105,26 @@ class Hermite(MotionPlanner):
         if isinstance(trajectory, NoPath):
             return _refused(trajectory.reason)
         return self._planned(trajectory, request.T_map_base)
+
+    def _free_sweep(
+        self, start: Float, angle_rad: float, duration_s: float, around: Around
+    ) -> MotionPlan:
+        check = CollisionCheck(
+            self._machine_check,
+            self._obstacles(around.obstacles, around.T_map_base),
+            start,
+            around.jaw_rad,
+            self._settings.contact_tolerance,
+        )
+        limits, fold, reason = self._limits(False), self._fold(start), ""
+        # Unseen ground is not taken for free: on an empty map the arm folds first.
+        for way in (folding_sweep, sweep) if len(around.obstacles.points) else (sweep,):
+            trajectory = way(self._machine, limits, fold, angle_rad, duration_s)
+            hit = check.first_hit_along(trajectory)
+            if hit is None:
+                return self._planned(trajectory, around.T_map_base)
+            reason = f"sweeping: collision of {hit[1]} at fraction {hit[0]:.2f}"
+        return _refused(reason)
 
     def _move(self, request: MoveRequest | PostureRequest, obstacles: Obstacles) -> Move:
         settings = self._settings

@@ -18,10 +18,6 @@ from executive.geometry.pose import pose
 from executive.machine.machine import Machine
 from executive.messages.trajectory import JointTrajectory
 
-# Between checked postures the motion of the palm over the first and of the joints over the second
-# add up to at most 1.
-_CHECK_M = 0.12
-_CHECK = 0.1  # [rad] or [m]
 _HIGHER_M = (0.0, 0.6, 1.2)  # added to the travelling height while the path is not free
 _BESIDE_EACH_OTHER_M = 0.6  # tops closer than this need no lift between them
 _BESIDE_M = 1.5  # margin of the cleared sector beyond the radii of the gripper
@@ -95,18 +91,16 @@ class Move:
         first: NoPath | None = None
         for path in self._paths(leave, arrive):
             timed = self._timed(path)
-            dense = self._dense(timed)
-            hit = self.check.first_hit(dense)
+            hit = self.check.first_hit_along(timed)
             if hit is None:
                 return timed
-            share = hit.posture / (len(dense) - 1)
-            first = first or NoPath(f"travelling: collision of {hit.what} at fraction {share:.2f}")
+            first = first or NoPath(f"travelling: collision of {hit[1]} at fraction {hit[0]:.2f}")
         return first or NoPath("travelling: no path")
 
     def between(self, start: Float, goal: Float) -> JointTrajectory | NoPath:
         """Connect two postures: all joints at once where that is free, else over the obstacles."""
         direct = time_line(self.machine.arm_names, start, goal, self.limits)
-        if self.check.first_hit(self._dense(direct)) is None:
+        if self.check.first_hit_along(direct) is None:
             return direct
         return self.travel(Line(start[None], 0.0), Line(goal[None], 0.0))
 
@@ -187,21 +181,6 @@ class Move:
 
     def _timed(self, path: HermitePath) -> JointTrajectory:
         return time_path(self.machine.arm_names, path, self.limits)
-
-    def _dense(self, trajectory: JointTrajectory) -> Float:
-        """Return postures of a trajectory, dense enough for the collision check, shape (K, n).
-
-        Between its samples the joints move evenly, to 0.1 mrad.
-        """
-        q = trajectory.position
-        palm = link_frames(self.machine, q, 0.0)[self.machine.gripper_link][:, :3, 3]
-        steps = (
-            np.linalg.norm(np.diff(palm, axis=0), axis=1) / _CHECK_M
-            + np.abs(np.diff(q, axis=0)).max(axis=1) / _CHECK
-        )
-        passed = np.concatenate([[0.0], np.cumsum(steps)])
-        wanted = np.linspace(0.0, passed[-1], max(2, int(np.ceil(passed[-1])) + 1))
-        return np.stack([np.interp(wanted, passed, joint) for joint in q.T], axis=1)
 
     def _frame(self, q: Float) -> Float:
         frames = link_frames(self.machine, q[None], 0.0)

@@ -9,6 +9,7 @@ from executive.arrays import Float
 from executive.machine.machine import Machine
 from executive.messages.trajectory import JointTrajectory
 
+_ROUNDED = 3  # times that the ends are moved outwards: timing rounds a reversal by some 5 mrad
 _STILL = 1e-3  # smaller motions are left out [rad] or [m]
 
 
@@ -26,15 +27,22 @@ def sweep(
         angle_rad: Total angle of the sweep.
         duration_s: Wanted duration of the sweep [s].
     """
-    turn = np.zeros(len(machine.joints))
-    turn[machine.arm_names.index(machine.turn_joint)] = angle_rad / 2
-    folded = fold[-1]
-    legs = [(folded, folded + turn), (folded + turn, folded - turn), (folded - turn, folded)]
-    turning = chain([_leg(machine, limits, list(leg)) for leg in legs])
-    turning = slowed(turning, max(1.0, duration_s / turning.duration_s))
+    turning = _sweeping(machine, limits, [fold[-1]], angle_rad, duration_s)
     if np.abs(fold[-1] - fold[0]).max() < _STILL:
         return turning
-    return chain([_leg(machine, limits, fold), turning])
+    return chain([_through(machine, limits, fold), turning])
+
+
+def folding_sweep(
+    machine: Machine, limits: Limits, fold: list[Float], angle_rad: float, duration_s: float
+) -> JointTrajectory:
+    """Fold the arm while the cabin turns to +angle/2, then turn to −angle/2 and back.
+
+    The arm is folded from +angle/2 on, so that all directions are seen past the folded arm. The
+    whole motion takes the given duration, or longer where the limits require it. Arguments as for
+    `sweep`.
+    """
+    return _sweeping(machine, limits, fold, angle_rad, duration_s)
 
 
 def chain(parts: list[JointTrajectory]) -> JointTrajectory:
@@ -59,7 +67,25 @@ def slowed(trajectory: JointTrajectory, factor: float) -> JointTrajectory:
     return JointTrajectory(t.names, t.times_s * factor, t.position, t.velocity / factor)
 
 
-def _leg(machine: Machine, limits: Limits, nodes: list[Float]) -> JointTrajectory:
+def _sweeping(
+    machine: Machine, limits: Limits, fold: list[Float], angle_rad: float, duration_s: float
+) -> JointTrajectory:
+    """Return a motion from the first posture of a fold to both sides and back, without a stop."""
+    joint = machine.arm_names.index(machine.turn_joint)
+    shares = np.linspace(0.0, 1.0, max(2, len(fold)))[:, None]
+    postures = np.array(fold if len(fold) > 1 else [fold[0], fold[0]])
+    wanted = fold[-1][joint] + angle_rad / 2 * np.array([1.0, -1.0])
+    turn = np.eye(len(machine.joints))[joint]
+    ends = angle_rad / 2 * np.array([1.0, -1.0])
+    for _ in range(_ROUNDED):
+        nodes = [*(postures + shares * ends[0] * turn), fold[-1] + ends[1] * turn, fold[-1]]
+        whole = _through(machine, limits, nodes)
+        reached = whole.position[:, joint]
+        ends = ends + wanted - [reached.max(), reached.min()]
+    return slowed(whole, max(1.0, duration_s / whole.duration_s))
+
+
+def _through(machine: Machine, limits: Limits, nodes: list[Float]) -> JointTrajectory:
     if len(nodes) == 2:
         return time_line(machine.arm_names, nodes[0], nodes[1], limits)
     path = path_through(

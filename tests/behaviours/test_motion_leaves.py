@@ -111,7 +111,7 @@ class Planner:
     def __init__(self, context=None, reason=""):
         self.context, self.reason = context, reason
 
-    def swing(self, start, angle_rad, duration_s):
+    def swing(self, start, angle_rad, duration_s, around=None):
         trajectory = None if self.reason else turn_by(self.context, 0.0, duration_s)
         return MotionPlan(trajectory, self.reason, np.zeros((0, 3)))
 

@@ -43,7 +43,7 @@ class Follows:
     def move_joints(self, request):
         return self.plan(request.goal)
 
-    def swing(self, start, angle_rad, duration_s):
+    def swing(self, start, angle_rad, duration_s, around=None):
         return self.plan(start)
 
 

@@ -66,7 +66,7 @@ class Planner:
         self.starts.append(request.start)
         return MotionPlan(None, "not asked here", np.zeros((0, 3)))
 
-    def swing(self, start, angle_rad, duration_s):
+    def swing(self, start, angle_rad, duration_s, around=None):
         self.starts.append(start)
         return MotionPlan(None, "not asked here", np.zeros((0, 3)))
 

@@ -120,6 +120,7 @@ def test_the_lidars_are_on_while_the_cabin_swings(stage):
     assert commands[1].trajectory is trajectory
     (asked,) = motion.calls("swing")
     assert (asked["angle_rad"], asked["duration_s"]) == (1.5, 2.0)
+    assert len(asked["around"].obstacles) == 7
     assert [event.points for event in ended.events if isinstance(event, SiteScanned)] == [7]
 
 

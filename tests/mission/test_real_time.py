@@ -42,7 +42,7 @@ def run(tmp_path, text, after_tick=lambda mission: None, **options):
 def test_a_timeout_ends_a_verb_that_runs(tmp_path, monkeypatch):
     over = threading.Event()
 
-    def swing(self, start, angle_rad, duration_s):
+    def swing(self, start, angle_rad, duration_s, around=None):
         over.wait(SLOW_S)
         raise RuntimeError("nobody waits for this")
 

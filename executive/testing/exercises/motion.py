@@ -12,7 +12,7 @@ from executive.interfaces.motion import MotionPlanner
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
-from executive.messages.request import MoveRequest
+from executive.messages.request import Around, MoveRequest
 from executive.testing.digest import locked
 from executive.testing.exercise import Exercise
 from executive.testing.exercises.useless_clouds import with_each_cloud
@@ -69,6 +69,9 @@ class MotionExercise(Exercise[MotionPlanner]):
             "a sweep from a start of another length": lambda p: p.swing(np.zeros(1), 1.0, 5.0),
             "a sweep from a start that is not finite": lambda p: p.swing(
                 np.full(len(carry), np.nan), 1.0, 5.0
+            ),
+            **with_each_cloud(
+                lambda p, c: p.swing(carry, 1.0, 5.0, Around(np.eye(4), c, 0.3)), "around a sweep"
             ),
             "a sweep of no angle": lambda p: p.swing(carry, 0.0, 5.0),
         }

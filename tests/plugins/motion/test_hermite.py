@@ -12,7 +12,7 @@ from executive.geometry.rotation import angle_between, from_rpy
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine, load_machine
 from executive.messages.cloud import Cloud
-from executive.messages.request import MotionPlan, MoveRequest
+from executive.messages.request import Around, MotionPlan, MoveRequest
 from executive.messages.trajectory import JointTrajectory
 
 NOTHING = Cloud("map", np.zeros((0, 3)))
@@ -315,3 +315,59 @@ def test_obstacles_are_taken_where_the_base_stands(make_planner, make_site) -> N
     np.testing.assert_allclose(
         transform(inverse(moved), there.path_map)[-1], here.path_map[-1], atol=1e-6
     )
+
+
+def level_ground(machine: Machine, *more: Float) -> Cloud:
+    xy = np.random.default_rng(0).uniform(-9, 9, (30000, 2))
+    return Cloud("map", np.vstack([np.c_[xy, np.full(len(xy), -0.9)], *more]))
+
+
+def boulder(x: float, y: float, radius: float) -> Float:
+    directions = np.random.default_rng(1).normal(size=(1500, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    return np.array([x, y, -0.9 + radius]) + radius * directions
+
+
+def sweep_at(make_planner, start: Float, *obstacles: Float) -> MotionPlan:
+    machine = load_machine("m545")
+    moved = pose(from_rpy(0.0, 0.0, 1.0), np.array([20.0, -5.0, 0.3]))
+    cloud = level_ground(machine, *obstacles)
+    around = Around(moved, Cloud("map", transform(moved, cloud.points)), 0.9)
+    return make_planner("m545").swing(start, 1.4, 6.0, around)
+
+
+def test_a_sweep_over_free_ground_folds_the_arm_while_the_cabin_turns(make_planner) -> None:
+    machine = load_machine("m545")
+    plan = sweep_at(make_planner, machine.posture("carry"))
+    first = make_planner("m545").swing(machine.posture("carry"), 1.4, 6.0)
+    assert plan.trajectory is not None, plan.reason
+    assert first.trajectory is not None, first.reason
+    assert plan.trajectory.duration_s < first.trajectory.duration_s - 1.5
+    turns = plan.trajectory.position[:, machine.arm_names.index(machine.turn_joint)]
+    assert (turns.max(), turns.min(), turns[-1]) == pytest.approx((0.7, -0.7, 0.0), abs=1e-6)
+    assert_keeps_limits(machine, plan.trajectory, is_loaded=False)
+
+
+def test_a_sweep_folds_first_where_the_arm_would_hit_a_stone_beside_it(make_planner) -> None:
+    machine, planner = load_machine("m545"), make_planner("m545")
+    start = planner.reach(at_carry(machine, 5.5, 0.0, 0.3), machine.posture("carry"))
+    beside = boulder(5.2, 2.3, 0.9)
+    free, avoided = sweep_at(make_planner, start), sweep_at(make_planner, start, beside)
+    assert free.trajectory is not None, free.reason
+    assert avoided.trajectory is not None, avoided.reason
+    assert avoided.trajectory.duration_s > free.trajectory.duration_s + 1.0
+
+
+@pytest.mark.parametrize(
+    ("obstacle", "words"),
+    [
+        (wall(0.5), "sweeping: collision of"),  # a wall
+        (np.c_[boulder(3.2, 1.5, 0.2)[:, :2], np.linspace(-0.9, 5.0, 1500)], "sweeping: collision"),
+        (boulder(-1.4, -1.4, 1.2), "sweeping: collision of cabin with the surroundings"),
+    ],
+    ids=["a wall", "a tree", "a parked machine behind the tail"],
+)
+def test_a_sweep_into_what_the_map_shows_is_refused(make_planner, obstacle, words) -> None:
+    plan = sweep_at(make_planner, load_machine("m545").posture("scan"), obstacle)
+    assert plan.trajectory is None
+    assert plan.reason.startswith(words), plan.reason
