@@ -63,17 +63,18 @@ def _local_planes(low: _Lowest, weight: Float, width_cells: float) -> Float:
     It is NaN where the support is too small.
     """
 
-    def mean(values: Float) -> Float:
-        return np.asarray(
-            gaussian_filter(weight * values, width_cells, mode="constant", truncate=3.0) / support
-        )
+    def blurred(values: Float) -> Float:
+        """Return the fields, shape (..., n, n), each blurred by itself."""
+        widths = (0.0,) * (values.ndim - 2) + (width_cells,) * 2
+        return np.asarray(gaussian_filter(values, widths, mode="constant", truncate=3.0))
 
-    support = np.asarray(gaussian_filter(weight, width_cells, mode="constant", truncate=3.0))
+    support = blurred(weight)
     is_known = support >= _LEAST_SUPPORT
     support = np.where(is_known, support, np.nan)
-    x, y, z = mean(low.x), mean(low.y), mean(low.z)
-    xx, yy, xy = mean(low.x**2) - x**2, mean(low.y**2) - y**2, mean(low.x * low.y) - x * y
-    xz, yz = mean(low.x * low.z) - x * z, mean(low.y * low.z) - y * z
+    x, y, z = low.x, low.y, low.z
+    fields = np.stack([x, y, z, x * x, y * y, x * y, x * z, y * z])
+    x, y, z, xx, yy, xy, xz, yz = blurred(weight * fields) / support
+    xx, yy, xy, xz, yz = xx - x**2, yy - y**2, xy - x * y, xz - x * z, yz - y * z
     xx, yy = xx + _LEAST_SPREAD_M**2, yy + _LEAST_SPREAD_M**2
     determinant = xx * yy - xy**2
     slope_x, slope_y = (yy * xz - xy * yz) / determinant, (xx * yz - xy * xz) / determinant

@@ -9,6 +9,8 @@ from scipy.ndimage import maximum_filter, minimum_filter
 from executive.arrays import Bool, Float, Int
 
 _CELL_M = 0.1
+_BLOCK = 5  # edge of a block of cells, for quick answers
+NEAR_M = 2.0  # beyond the radius of the largest link
 _GROUND_CELLS = 5  # window of the lowest point, half a metre
 _ROUGH_M = 0.06  # largest height of that point above the ground farther around, if it is ground
 _GROUND_M = 0.12  # points up to this height above the ground belong to the ground
@@ -36,6 +38,21 @@ class Obstacles:
         """Return heights of points (..., 3) above the highest obstacle nearby [m], shape (...)."""
         column, row = np.moveaxis(self._index(points_base[..., :2]), -1, 0)
         return np.asarray(points_base[..., 2] - self._wide[column, row])
+
+    def highest_near(self, points_base: Float) -> Float:
+        """Return heights that no obstacle within `NEAR_M` of points (K, 3) exceeds [m], (K,)."""
+        column, row = np.moveaxis(self._index(points_base[:, :2]), -1, 0) // _BLOCK
+        return np.asarray(self._blocks[column, row])
+
+    @cached_property
+    def _blocks(self) -> Float:
+        """Highest obstacles of blocks of cells and of the blocks within `NEAR_M` around them."""
+        short = -self._cells % _BLOCK
+        padded = np.pad(self._wide, ((0, short), (0, short)), constant_values=_FREE)
+        count = len(padded) // _BLOCK
+        blocks = padded.reshape(count, _BLOCK, count, _BLOCK).max(axis=(1, 3))
+        around = int(np.ceil(NEAR_M / (_BLOCK * _CELL_M)))
+        return np.asarray(maximum_filter(blocks, size=2 * around + 1, mode="nearest"))
 
     def depths_in_ground(self, points_base: Float) -> Float:
         """Return depths of points (..., 3) below the ground [m], negative above it, shape (...).
