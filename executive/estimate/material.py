@@ -1,5 +1,6 @@
 """A log that was read once, for any number of estimators to be run on."""
 
+import logging
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,6 +27,8 @@ from executive.messages.observation import Observation
 from executive.messages.odometry import LidarIncrement
 from executive.tree.choices import Choices
 
+_log = logging.getLogger(__name__)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Material:
@@ -35,8 +38,8 @@ class Material:
         log: The log.
         rig: The machine or body that carried the sensors.
         arrivals: The measurements in order of arrival; lidar scans are replaced by increments.
-        datum: The first fix with a fixed RTK solution: latitude [deg], longitude [deg],
-            altitude [m], shape (3,).
+        datum: The first fix with a fixed RTK solution, of any kind if there is none: latitude
+            [deg], longitude [deg], altitude [m], shape (3,).
         drops: Outages to simulate.
     """
 
@@ -51,7 +54,7 @@ class Material:
         """Read a log.
 
         Raises:
-            DataError: If the log is damaged or has no fix that the map can be anchored to.
+            DataError: If the log is damaged or has no fix.
             ConfigError: If an option is wrong.
         """
         log = Log(path, read_topics(options.topics))
@@ -79,14 +82,21 @@ class Material:
 
 
 def _first_fix(path: Path, rig: Rig, arrivals: Sequence[Arrival]) -> GnssFix:
-    """Return the first fix with a fixed RTK solution."""
+    """Return the first fix with a fixed RTK solution; the first of any kind if there is none."""
     fixes = [a.observation for a in arrivals if isinstance(a.observation, GnssFix)]
+    if not fixes:
+        raise DataError(
+            f"{path}: the receiver has no fix in the whole log, so that the map has no origin; "
+            "record under an open sky"
+        )
     first = next((fix for fix in fixes if fix.is_rtk_fixed), None)
     if first is None:
-        raise DataError(
-            f"{path}: none of {len(fixes)} fixes has a fixed RTK solution (status 2), "
-            "so that the map has no origin; record with RTK corrections"
-        )
+        first = fixes[0]
+        _log.warning(
+            "%s: none of %d fixes has a fixed RTK solution (status 2): the map's origin is the "
+            "first fix, and there are no errors against fixes; --score compares with a reference",
+            path, len(fixes),
+        )  # fmt: skip
     strangers = sorted({fix.antenna for fix in fixes} - set(rig.sensors))
     if strangers:
         raise DataError(

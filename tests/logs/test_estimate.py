@@ -287,3 +287,30 @@ def test_a_reference_of_another_day_and_an_unknown_export_end_with_one_sentence(
         command(car_log, out=tmp_path / "way.tum", export=[tmp_path / "way.txt"])
     with pytest.raises(ConfigError, match="--align: 'yawn' is unknown"):
         command(car_log, out=tmp_path / "way.tum", score=reference, align="yawn")
+
+
+def test_a_log_without_rtk_has_a_trajectory_and_no_errors_against_fixes(
+    car, ros2, write_mcap, tmp_path, caplog
+):
+    def degraded():
+        for t_s, topic, message in car(ros2, 10.0):
+            if topic == "/gnss/fix":
+                message.status.status = 0
+            yield t_s, topic, message
+
+    log = write_mcap(tmp_path / "float.mcap", ros2, degraded())
+    material = Material.read(log, EstimateOptions())
+    estimated = estimate(material, NAME, EstimateOptions())
+    assert estimated.report["posterior_m"] == {"n": 0}
+    assert "the map's origin is the first fix" in caplog.text
+    write_files(tmp_path / "way.tum", material, estimated)
+    nothing = write_mcap(tmp_path / "none.mcap", ros2, _without_fixes(car(ros2, 1.0)))
+    with pytest.raises(DataError, match="no fix in the whole log"):
+        Material.read(nothing, EstimateOptions())
+
+
+def _without_fixes(messages):
+    for t_s, topic, message in messages:
+        if topic == "/gnss/fix":
+            message.status.status = -1
+        yield t_s, topic, message
