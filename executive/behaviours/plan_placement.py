@@ -2,7 +2,7 @@
 
 from collections.abc import Generator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -17,16 +17,23 @@ from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_surface, surroundings
+from executive.machine.lift_capacity import LiftCapacity
 from executive.messages.cloud import Cloud
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement, Slot
 from executive.messages.request import MotionPlan, MoveRequest
+from executive.messages.stone import Stone
 from executive.messages.trajectory import JointTrajectory
 
 
 class PlanPlacementSettings(Settings):
     leave: Meters = Field(1.0, ge=0, le=5, description="Straight lift before travelling [m].")
     arrive: Meters = Field(1.0, ge=0, le=5, description="Straight way down to the place [m].")
+    lift_capacity: Literal["payload", "iso_10567"] = Field(
+        "payload",
+        description="What limits the way: nothing more than at the grasp; or also the rated lift "
+        "capacity by radius and side on the whole way to the slot (ISO 10567).",
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,13 +77,21 @@ class PlanPlacement(Action[PlanPlacementSettings]):
                 reasons.append(f"no placement on slot {slot.id} is in reach")
             for placement in placements:
                 plan = yield from self._path_to(placement, hold, cloud)
-                if plan.trajectory is not None:
+                too_heavy = self._too_heavy(stone, plan)
+                if plan.trajectory is not None and not too_heavy:
                     self.context.show("path", plan)
                     found = PlacementPlanned(placement, plan.trajectory)
                     return succeeded(found, f"slot {slot.id}")
-                reasons.append(f"slot {slot.id}: {plan.reason}")
+                reasons.append(f"slot {slot.id}: {too_heavy or plan.reason}")
         causes = "; ".join(dict.fromkeys(reasons))
         return failed(f"no path to any of {len(free_slots)} slots: {causes}")
+
+    def _too_heavy(self, stone: Stone, plan: MotionPlan) -> str:
+        """Return why the machine may not carry a stone along a path; empty if it may."""
+        if plan.trajectory is None or self.settings.lift_capacity == "payload":
+            return ""
+        capacity = LiftCapacity(self.context.machine()).along(plan.trajectory.position)
+        return capacity.refusal(stone.mass_kg)
 
     def _path_to(
         self, placement: Placement, hold: Hold, cloud: Cloud

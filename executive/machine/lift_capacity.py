@@ -21,6 +21,7 @@ TIPPING_SHARE, HYDRAULIC_SHARE = 0.75, 0.87  # ISO 10567:2007, rated lift capaci
 _GRAVITY_M_S2 = 9.81
 _STEP = 1e-4  # of the central difference [rad] or [m]
 _HANGS_M, _HANGS = 0.05, 0.3  # largest distance and tilt of the gripper at which it still counts
+_LOOKS = 40  # postures of a path whose capacities are compared
 _PULL = 0.01  # towards the carrying posture, which resolves redundant freedom
 
 
@@ -98,6 +99,14 @@ class LiftCapacity:
             hydraulic_kg=self._hydraulic_kg(q),
             payload_kg=self._machine.payload_kg,
         )
+
+    def along(self, positions: Float) -> Capacity:
+        """Return the least capacity on a path of the arm, shape (m, n).
+
+        At most 40 postures are looked at, evenly from the first to the last.
+        """
+        few = np.unique(np.linspace(0, len(positions) - 1, _LOOKS).round().astype(int))
+        return min((self.at(q) for q in positions[few]), key=lambda found: found.rated_kg)
 
     def near(self, radius_m: float, azimuth_rad: float) -> Capacity | None:
         """Return the capacity at a place on the ground, the gripper hanging; None out of reach.

@@ -106,6 +106,24 @@ def test_the_first_placement_with_a_path_is_taken(stage, world, database):
     assert {request.jaw_rad for request in requests} == {0.6}
 
 
+@pytest.mark.parametrize(("mass_kg", "status"), [(900.0, "SUCCESS"), (2900.0, "FAILURE")])
+def test_a_way_beyond_the_lift_capacity_is_no_way(stage, world, database, mass_kg, status):
+    """The arm swings out to 6 m at the side, where the machine carries 1 t."""
+    machine = world.leaf_context.machine()
+    far = dict(zip(machine.arm_names, machine.posture("carry"), strict=True))
+    far |= {"J_TURN": 1.57, "J_BOOM": 0.75, "J_DIPPER": 0.3, "J_TELE": 1.2, "J_EE_PITCH": -1.19}
+    position = np.stack([machine.posture("carry"), [*far.values()]])
+    way = JointTrajectory(machine.arm_names, np.array([0.0, 9.0]), position, 0 * position)
+    planner = stage.Scripted(PlacementPlanner, plan=[(placement(SLOTS[0]),)])
+    motion = stage.Scripted(MotionPlanner, move=[MotionPlan(way, "", NO_PATH)])
+    plugins(world).update(placing=planner, motion=motion)
+    database.weigh(1, Weight(mass_kg, 20.0), 3.0)
+    given = {"lift_capacity": "iso_10567"}
+    ended = world.tick(PlanPlacement, settings=given, hold=world.hold, free_slots=SLOTS[:1])
+    assert ended.status == status
+    assert ("beyond the lift capacity" in ended.reason) == (status == "FAILURE")
+
+
 def test_no_slot_with_a_path_is_a_failure_with_each_cause(stage, world):
     planner = stage.Scripted(PlacementPlanner, plan=[(placement(SLOTS[0]),), ()])
     plugins(world)["placing"] = planner

@@ -62,3 +62,13 @@ def test_a_machine_that_does_not_tell_where_it_stands_has_no_tipping_load() -> N
     capacity = free.at(machine.posture("carry"))
     assert capacity.tipping_kg == np.inf
     assert capacity.rated_kg <= machine.payload_kg
+
+
+def test_the_capacity_of_a_path_is_the_least_on_it() -> None:
+    """From the front over the side to the back, at one radius: the side is the worst."""
+    machine = load_machine("m545")
+    q = np.tile(machine.posture("carry"), (90, 1))
+    q[:, machine.arm_names.index(machine.turn_joint)] = np.linspace(0.0, np.pi, 90)
+    least = M545.along(q)
+    assert least.rated_kg < min(M545.at(q[0]).rated_kg, M545.at(q[-1]).rated_kg)
+    assert least.azimuth_rad == pytest.approx(np.pi / 2, abs=0.3)
