@@ -48,6 +48,7 @@ class _Verbs(Verbs):
         "survey": "clouds.survey:survey",
         "grasp": "grasps.grasp:grasp",
         "objects": "stones.objects:objects",
+        "place": "walls.place:place",
         "estimate": "logs.estimate:estimate",
         "compare-estimators": "logs.compare_estimators:compare_estimators",
     }

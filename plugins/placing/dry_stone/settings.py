@@ -11,11 +11,11 @@ from executive.interfaces.declaration import PluginSettings
 class Weights(Settings):
     """Weights of the named terms of a place's score; each term is about 0 to 1, more is better."""
 
-    volume: float = Field(1.0, description="Volume over that of the inventory's largest stone.")
+    volume: float = Field(0.6, description="Volume over that of the inventory's largest stone.")
     contact: float = Field(1.0, description="Share of the underside that touches.")
     void: float = Field(1.0, description="1 at no gap below, 0 at a mean gap of 0.2 m.")
-    height: float = Field(1.5, description="1 at the foot of the structure, 0 at its top.")
-    face: float = Field(0.6, description="1 flush with a face, 0 at 0.3 m behind it.")
+    height: float = Field(2.5, description="1 at the foot of the structure, 0 at its top.")
+    face: float = Field(1.0, description="1 flush with a face, 0 at 0.3 m behind it.")
     interlock: float = Field(0.6, description="Share of the contact not on one stone alone.")
     margin: float = Field(1.0, description="Support around the centre of mass, over 0.2 m.")
     beside: float = Field(0.5, description="Share of the rim with a neighbour beside it.")
@@ -58,8 +58,8 @@ class CheckSettings(Settings):
     tilt_noise: Radians = Field(0.035, ge=0, le=0.5, description=(
         "Standard deviation of its rotation about each axis [rad]."))  # fmt: skip
     samples: int = Field(8, ge=1, le=100, description="Releases under noise that are tried.")
-    worst: Meters = Field(0.08, gt=0, description="Largest distance from the plan of any [m].")
-    worst_tilt: Radians = Field(0.14, gt=0, description="Largest rotation from it [rad].")
+    worst: Meters = Field(0.07, gt=0, description="Largest distance from the plan of any [m].")
+    worst_tilt: Radians = Field(0.12, gt=0, description="Largest rotation from it [rad].")
     moved: Meters = Field(0.06, gt=0, description="Largest motion of any other stone [m].")
     friction: float = Field(0.6, gt=0, le=2, description="Coefficient of friction.")
     load: float = Field(0.03, ge=0, le=1, description=(

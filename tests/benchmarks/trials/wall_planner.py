@@ -1,0 +1,158 @@
+"""One wall of a seed, built by the planner of dry-stone structures and, to compare, by chance."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from bounds import Bound, Figure, held
+from executive_plugins.physics.hull_mesh import hull_mesh
+from executive_plugins.physics.quarried_block import block
+from executive_plugins.placing.dry_stone.parts import Places
+from executive_plugins.placing.dry_stone.planner import DryStone
+from executive_plugins.placing.dry_stone.settings import DryStoneSettings, ScorerSettings
+from executive_plugins.placing.trial_site import RigidStones
+
+from executive.arrays import Float
+from executive.clouds.meshes.reader import mesh_of
+from executive.commands.walls.construction import TrialRules, answer_of, build
+from executive.commands.walls.judging import verdict_of
+from executive.errors import ConfigError
+from executive.messages.building import AsBuilt
+from executive.messages.height_grid import HeightGrid
+from executive.messages.solid_stone import SolidStone
+from executive.messages.structure import Structure
+
+SCALE, DENSITY_KG_M3 = 8.0, 2600.0
+SCANS, BLOCKS = 30, 10  # of an inventory
+BLOCK_M3 = (0.15, 0.6)  # volumes of generated blocks
+NOISE = (0.03, np.radians(2.0))
+ENOUGH, IN_SEEDS = 17, 0.8  # stones, in this share of the seeds
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What one seed is given."""
+
+    seed: int
+    folder: Path
+    most: int
+    drops: int
+    budget_s: float
+    is_judged: bool
+    keep: Path | None
+
+
+class ByChance:
+    """A scorer from outside the planner's package: any legal place is as good as another."""
+
+    def __init__(self, settings: ScorerSettings) -> None:
+        del settings
+        self._rng = np.random.default_rng(0)
+
+    def score(
+        self, places: Places, built: AsBuilt, inventory: Sequence[SolidStone]
+    ) -> Mapping[str, Float]:
+        return {"chance": self._rng.random(len(places.origins_map))}
+
+
+def wall(job: Job) -> dict[str, Any]:
+    """Build the wall of a seed, and return its figures."""
+    rng = np.random.default_rng(job.seed)
+    stones = inventory(job.folder, rng)
+    rules = TrialRules(NOISE, job.most, job.budget_s)
+    trial = build(bare(), stones, DryStone(DryStoneSettings()), RigidStones(), rules, rng)
+    told = {"seed": job.seed, **answer_of(trial)}
+    if job.drops:
+        told["dropped"] = dropped(stones, job, rng)
+    if job.is_judged and trial.placed:
+        told["verdict"] = dict(verdict_of(trial.built, "rigid_stones"))
+    if job.keep:
+        (job.keep / f"wall_{job.seed}.json").write_text(json.dumps(told), encoding="utf-8")
+    return told
+
+
+def dropped(stones: Sequence[SolidStone], job: Job, rng: np.random.Generator) -> list[bool]:
+    """Return which of some stones settle where they should, from any legal place."""
+    chance = DryStoneSettings.model_validate({
+        "scorer": {"part": "trials.wall_planner:ByChance"},
+        "check": {"part": "none"},
+        "generator": {"stones": 1, "kept": 1},
+        "fills": "any",
+    })  # fmt: skip
+    rules = TrialRules(NOISE, job.drops)
+    trial = build(bare(), stones, DryStone(chance), RigidStones(), rules, rng)
+    return [one.is_right for one in trial.placed]
+
+
+def bare() -> AsBuilt:
+    """Return the wall of which nothing stands."""
+    line = np.array([[-3.0, 0.0], [3.0, 0.0]])
+    ground = HeightGrid.plane(np.array([-7.0, -4.0]), np.array([7.0, 4.0]))
+    return AsBuilt(Structure("wall", line, 1.3, 1.5, np.radians(3.0)), ground)
+
+
+def inventory(folder: Path, rng: np.random.Generator) -> tuple[SolidStone, ...]:
+    """Return scans and generated blocks, drawn by the generator."""
+    files = sorted(folder.glob("*.obj"))
+    if len(files) < SCANS:
+        raise ConfigError(f"{folder}: {len(files)} scans, {SCANS} are needed")
+    stones = []
+    for path in rng.permutation(np.array(files))[:SCANS]:
+        vertices, triangles = mesh_of(path)
+        stones.append(SolidStone.of_mesh(path.stem, vertices * SCALE, triangles, DENSITY_KG_M3))
+    for number in range(BLOCKS):
+        corners, faces = hull_mesh(block(float(rng.uniform(*BLOCK_M3)), rng))
+        stones.append(SolidStone.of_mesh(f"block_{number}", corners, faces, DENSITY_KG_M3))
+    return tuple(stones)
+
+
+def figures(found: Sequence[Mapping[str, Any]]) -> list[Figure]:
+    """Return the figures of all seeds against their bounds."""
+    placed = [one for wall in found for one in wall["placed"]]
+    counts = [len(wall["placed"]) for wall in found]
+    right = sum(one["is_right"] for one in placed) / max(1, len(placed))
+    enough = sum(n >= ENOUGH for n in counts) / len(counts)
+    cpu = [one["planning_cpu_s"] for one in placed] or [np.nan]
+    errors = [one["error_m"] for one in placed] or [np.nan]
+    drops = [is_right for wall in found for is_right in wall.get("dropped", ())]
+    told = [
+        held(f"share of walls with {ENOUGH} stones", enough, Bound(IN_SEEDS, is_least=True),
+             f"{enough:.2g}; stones by seed: {counts}"),
+        held("stones that settle within 10 cm and 10° of the plan", right,
+             Bound(0.95, is_least=True), f"{right:.3f} of {len(placed)}"),
+        held("planning a stone, median [s of processor time]", float(np.median(cpu)), Bound(15, 5)),
+        held("planning a stone, p95 [s of processor time]", float(np.quantile(cpu, 0.95)),
+             Bound(30, 10)),
+        Figure("settled against planned, median / p90 [m]",
+               f"{np.median(errors):.3f} / {np.quantile(errors, 0.9):.3f}"),
+    ]  # fmt: skip
+    if drops:
+        chance = max(sum(drops), 1) / len(drops)  # none right counts as one: a bound from below
+        words = f"{right / chance:.1f}; any legal drop: {sum(drops)} of {len(drops)} right"
+        told.append(held("right, over any legal drop", right / chance, Bound(5, 8, True), words))
+    return told + _judged([wall["verdict"] for wall in found if "verdict" in wall])
+
+
+def _judged(verdicts: Sequence[Mapping[str, Any]]) -> list[Figure]:
+    """Return the worst of the walls, as the judge saw them."""
+    if not verdicts:
+        return []
+    bounds = {
+        "drift_20s_m": Bound(0.01, 0.003),
+        "tilt_across_deg": Bound(8, 12, True),
+        "tilt_along_deg": Bound(12, 18, True),
+        "tilt_across_slippery_deg": Bound(6, 9, True),
+        "pushed_m": Bound(0.10, 0.03),
+        "fill": Bound(0.58, 0.66, True),
+        "running_joints": Bound(0.25, 0.10),
+    }
+    told = []
+    for name, bound in bounds.items():
+        values = [float(v[name]) for v in verdicts if v[name] is not None] or [np.nan]
+        worst = min(values) if bound.is_least else max(values)
+        words = f"{worst:.3g}; by seed: " + ", ".join(f"{value:.3g}" for value in values)
+        told.append(held(f"judge: {name}, worst", worst, bound, words))
+    return told
