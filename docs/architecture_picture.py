@@ -45,6 +45,7 @@ BESIDE = {
     "odometry": "estimation",
     "surveying": "registration",
     "alignment": "objects",
+    "building": "placing",
     "monitoring": "motion",
     "viewing": "robot",
 }
@@ -138,7 +139,14 @@ def _data(axis: Axes) -> None:
         if name in CAPABILITIES:
             _box(axis, (0.64, middles[joined] - 0.0275, 0.34, 0.055), name, GREY)
             ends = (0.64, middles[joined]), (0.36, middles[joined])
-            _arrow(axis, *(ends if name in ("odometry", "surveying", "alignment") else ends[::-1]))
+            _arrow(
+                axis,
+                *(
+                    ends
+                    if name in ("odometry", "surveying", "alignment", "building")
+                    else ends[::-1]
+                ),
+            )
 
 
 def _box(

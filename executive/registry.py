@@ -37,6 +37,7 @@ CAPABILITIES = (
     "motion",
     "grasping",
     "placing",
+    "building",
     "monitoring",
     "viewing",
 )

@@ -11,14 +11,28 @@ from executive.interfaces.declaration import PluginSettings
 class Weights(Settings):
     """Weights of the named terms of a place's score; each term is about 0 to 1, more is better."""
 
-    volume: float = Field(0.6, description="Volume over that of the inventory's largest stone.")
-    contact: float = Field(1.0, description="Share of the underside that touches.")
-    void: float = Field(1.0, description="1 at no gap below, 0 at a mean gap of 0.2 m.")
-    height: float = Field(2.5, description="1 at the foot of the structure, 0 at its top.")
-    face: float = Field(1.0, description="1 flush with a face, 0 at 0.3 m behind it.")
-    interlock: float = Field(0.6, description="Share of the contact not on one stone alone.")
-    margin: float = Field(1.0, description="Support around the centre of mass, over 0.2 m.")
-    beside: float = Field(0.5, description="Share of the rim with a neighbour beside it.")
+    volume: float = Field(
+        1.0, ge=-100, le=100, description="Volume over that of the inventory's largest stone."
+    )
+    contact: float = Field(1.0, ge=-100, le=100, description="Share of the underside that touches.")
+    void: float = Field(
+        1.0, ge=-100, le=100, description="1 at no gap below, 0 at a mean gap of 0.2 m."
+    )
+    height: float = Field(
+        1.5, ge=-100, le=100, description="1 at the foot of the structure, 0 at its top."
+    )
+    face: float = Field(
+        0.6, ge=-100, le=100, description="1 flush with a face, 0 at 0.3 m behind it."
+    )
+    interlock: float = Field(
+        0.6, ge=-100, le=100, description="Share of the contact not on one stone alone."
+    )
+    margin: float = Field(
+        1.0, ge=-100, le=100, description="Support around the centre of mass, over 0.2 m."
+    )
+    beside: float = Field(
+        0.5, ge=-100, le=100, description="Share of the rim with a neighbour beside it."
+    )
 
 
 class GeneratorSettings(Settings):
@@ -44,7 +58,7 @@ class ScorerSettings(Settings):
     """How places are ranked."""
 
     part: str = Field("weighted", description="`weighted`, or `package.module:Class`.")
-    weights: Weights = Weights()
+    weights: Weights = Field(Weights(), description="Weight of each named term.")
 
 
 class CheckSettings(Settings):
@@ -58,8 +72,8 @@ class CheckSettings(Settings):
     tilt_noise: Radians = Field(0.035, ge=0, le=0.5, description=(
         "Standard deviation of its rotation about each axis [rad]."))  # fmt: skip
     samples: int = Field(8, ge=1, le=100, description="Releases under noise that are tried.")
-    worst: Meters = Field(0.07, gt=0, description="Largest distance from the plan of any [m].")
-    worst_tilt: Radians = Field(0.12, gt=0, description="Largest rotation from it [rad].")
+    worst: Meters = Field(0.08, gt=0, description="Largest distance from the plan of any [m].")
+    worst_tilt: Radians = Field(0.14, gt=0, description="Largest rotation from it [rad].")
     moved: Meters = Field(0.06, gt=0, description="Largest motion of any other stone [m].")
     friction: float = Field(0.6, gt=0, le=2, description="Coefficient of friction.")
     load: float = Field(0.03, ge=0, le=1, description=(
@@ -75,9 +89,11 @@ class DryStoneSettings(PluginSettings):
 
     needs: ClassVar[tuple[str, ...]] = ()
 
-    generator: GeneratorSettings = GeneratorSettings()
-    scorer: ScorerSettings = ScorerSettings()
-    check: CheckSettings = CheckSettings()
+    generator: GeneratorSettings = Field(
+        GeneratorSettings(), description="How places are generated."
+    )
+    scorer: ScorerSettings = Field(ScorerSettings(), description="How places are ranked.")
+    check: CheckSettings = Field(CheckSettings(), description="How stability is checked.")
     max_mass: Kilograms = Field(2500.0, gt=0, description="Heaviest stone that is used [kg].")
     slenderest: float = Field(3.5, ge=1, description=(
         "Length over thickness from which a stone is a needle or a slab."))  # fmt: skip
