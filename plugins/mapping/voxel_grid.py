@@ -6,6 +6,7 @@ from numba import njit
 
 from executive.arrays import Bool, Float, Int
 from executive.errors import DataError
+from executive.geometry.radix_sort import radix_order
 
 _HALF = 1 << (BITS - 1)
 _INDEX = (1 << BITS) - 1
@@ -59,6 +60,29 @@ def _refill(
         keys[row], counts[row] = old_keys[n], old_counts[n]
         for axis in range(3):
             means[row, axis] = old_means[n, axis]
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _sorted_rows(keys: Int, counts: Int) -> Int:  # pragma: no cover - compiled
+    """Return the rows of voxels that have points, in order of their keys."""
+    rows, found = np.empty(len(keys), dtype=np.int64), 0
+    low, high = np.full(3, 1 << BITS), np.zeros(3, dtype=np.int64)
+    for row in range(len(keys)):
+        if keys[row] != _FREE and counts[row] > 0:
+            rows[found] = row
+            found += 1
+            for a in range(3):
+                index = (keys[row] >> ((2 - a) * BITS)) & _INDEX
+                low[a], high[a] = min(low[a], index), max(high[a], index)
+    rows = rows[:found]
+    spans = high - low + 1
+    dense = np.empty(found, dtype=np.int64)  # the same order in fewer digits
+    for n in range(found):
+        key = keys[rows[n]]
+        x, y = (key >> (2 * BITS)) - low[0], ((key >> BITS) & _INDEX) - low[1]
+        dense[n] = (x * spans[1] + y) * spans[2] + (key & _INDEX) - low[2]
+    sorted_rows: Int = rows[radix_order(dense)]
+    return sorted_rows
 
 
 def _capacity_for(voxels: int) -> int:
@@ -217,8 +241,7 @@ class VoxelGrid:
         self._rebuild(self._rows()[kept], int(kept.sum()))
 
     def _rows(self) -> Int:
-        rows = np.flatnonzero((self._keys != _FREE) & (self._counts > 0))
-        return np.asarray(rows[np.argsort(self._keys[rows], kind="stable")])
+        return np.asarray(_sorted_rows(self._keys, self._counts))
 
     def _rebuild(self, rows: Int, expected: int) -> None:
         """Move some rows into a table for an expected number of voxels."""

@@ -19,6 +19,7 @@ from executive_plugins.mapping.voxel_grid import VoxelGrid
 
 from executive.arrays import Float, checked
 from executive.errors import ConfigError, DataError
+from executive.geometry.voxels import voxel_means
 from executive.interfaces.mapping import Mapper
 from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
@@ -49,6 +50,7 @@ class VoxelMap(Mapper):
         self._front_end = ScanFrontEnd(self._machine, self._settings)
         VoxelGrid.compile()
         s = self._settings
+        voxel_means(np.zeros((1, 3)), s.voxel_m)  # compiled here, not at the first cloud
         self._grid = VoxelGrid(s.voxel_m, s.memory)
         if s.forget_after:
             Carver.compile()
@@ -144,7 +146,7 @@ class VoxelMap(Mapper):
         return dense_share(grid.columns(self._settings.min_points), sector, points_per_m2)
 
     def cloud(self) -> Cloud:
-        """Return one point for each occupied voxel: 100 ms for 300,000 voxels.
+        """Return one point for each occupied voxel: 150 ms for 450,000 voxels.
 
         The cloud is kept until the map changes.
         """

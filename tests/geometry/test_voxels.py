@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from executive.geometry.radix_sort import radix_order
 from executive.geometry.voxels import first_in_cells, voxel_means
 
 
@@ -55,3 +56,19 @@ def test_a_grid_may_begin_at_a_corner() -> None:
     shifted = voxel_means(points, 1.0, corner=np.array([0.5, 0, 0]))
     np.testing.assert_allclose(shifted, [[1.0, 0, 0], [2.0, 0, 0]])
     np.testing.assert_allclose(voxel_means(points, 1.0), [[0.75, 0, 0], [1.25, 0, 0], [2.0, 0, 0]])
+
+
+def test_the_means_are_those_of_sorting_all_cells() -> None:
+    points = np.random.default_rng(3).normal(0.0, 3.0, (2000, 3))
+    rows = np.unique(np.floor(points / 0.5), axis=0, return_inverse=True)[1]
+    rows = rows.reshape(-1)
+    sums = np.stack([np.bincount(rows, weights=points[:, a]) for a in range(3)], axis=1)
+    expected = sums / np.bincount(rows)[:, None]
+    np.testing.assert_array_equal(voxel_means(points, 0.5), expected)
+
+
+def test_keys_of_many_digits_are_sorted_and_equal_ones_keep_their_order() -> None:
+    keys = np.random.default_rng(4).integers(0, 1 << 40, 500)
+    keys[100:200] = keys[:100]
+    np.testing.assert_array_equal(radix_order(keys), np.argsort(keys, kind="stable"))
+    assert len(radix_order(keys[:0])) == 0
