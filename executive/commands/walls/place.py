@@ -42,9 +42,9 @@ def place(  # noqa: PLR0913 - the options of the command line, each a parameter 
     seed: SeedOption = 1,
     as_json: JsonOption = False,
 ) -> None:
-    """Build a structure of found stones in a trial, stone by stone, without a machine.
+    """Build found stones into a wall, in a trial.
 
-    Each stone is planned on the structure as it stands, let go with noise, and measured. Exit
+    No machine takes part. Each stone is planned on the structure as it stands, let go with noise, and measured. Exit
     status 1 says that no stone was placed.
 
     Example: executive place scans/ wall.yaml --pictures out/ --out wall.json
