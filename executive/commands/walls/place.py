@@ -44,8 +44,8 @@ def place(  # noqa: PLR0913 - the options of the command line, each a parameter 
 ) -> None:
     """Build found stones into a wall, in a trial.
 
-    No machine takes part. Each stone is planned on the structure as it stands, let go with noise, and measured. Exit
-    status 1 says that no stone was placed.
+    No machine takes part. Each stone is planned on the structure as it stands, let go with noise,
+    and measured. Exit status 1 says that no stone was placed.
 
     Example: executive place scans/ wall.yaml --pictures out/ --out wall.json
     """
