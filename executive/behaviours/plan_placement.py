@@ -17,7 +17,6 @@ from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_surface, surroundings
-from executive.machine.lift_capacity import LiftCapacity
 from executive.messages.cloud import Cloud
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement, Slot
@@ -90,6 +89,8 @@ class PlanPlacement(Action[PlanPlacementSettings]):
         """Return why the machine may not carry a stone along a path; empty if it may."""
         if plan.trajectory is None or self.settings.lift_capacity == "payload":
             return ""
+        from executive.machine.lift_capacity import LiftCapacity  # imports kinematics
+
         capacity = LiftCapacity(self.context.machine()).along(plan.trajectory.position)
         return capacity.refusal(stone.mass_kg)
 

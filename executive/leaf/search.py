@@ -4,7 +4,6 @@ from collections.abc import Generator
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from executive.events.stone import StoneSoughtAgain
 from executive.interfaces.mapping import Mapper
@@ -74,6 +73,8 @@ def _is_shown(stone: Stone, around: Cloud) -> bool:
     upper = stone.points_map[stone.points_map[:, 2] > low_m]
     if stone.state is StoneState.LOST or not len(around) or not len(upper):
         return False
+    from scipy.spatial import cKDTree  # reading a mission imports no algorithm
+
     reached = cKDTree(around.points).query(upper, distance_upper_bound=_NEAR_M)[0]
     return bool(np.isfinite(reached).mean() >= _SHOWN)
 

@@ -16,9 +16,11 @@ from executive.errors import DataError, ShapeError
 from executive.geometry.polygon import Box
 from executive.messages.alignment import Alignment, Rival, Uncertainty
 from executive.messages.base_state import BaseState
+from executive.messages.building import BuildTarget, StandingStone
 from executive.messages.cloud import Cloud
 from executive.messages.gnss import GnssFix
 from executive.messages.grasp import Grasp
+from executive.messages.height_grid import HeightGrid
 from executive.messages.hold import Hold
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
@@ -28,15 +30,18 @@ from executive.messages.motion import Motion
 from executive.messages.odometry import LidarIncrement
 from executive.messages.placement import Placement, Slot
 from executive.messages.region import Region
-from executive.messages.request import MotionPlan, MoveRequest, PostureRequest
+from executive.messages.request import Around, MotionPlan, MoveRequest, PostureRequest
 from executive.messages.sector import Sector
 from executive.messages.segment import LeftOut, PartKind, Segment, Segmentation
 from executive.messages.slot_layout import Row
+from executive.messages.solid_stone import SolidStone
 from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
+from executive.messages.structure import Structure
 from executive.messages.trajectory import JointTrajectory
 
 T, P, V6 = np.eye(4), np.zeros((5, 3)), np.eye(6)
+CORNER = np.vstack([np.zeros(3), np.eye(3)])  # of a cube
 
 
 def zeros() -> np.ndarray:
@@ -179,6 +184,39 @@ MESSAGES: dict[type, Callable[[], dict[str, object]]] = {
     Region: lambda: {"name": "dump", "corners_map": np.array([[0.0, 0.0], [1, 0], [0, 1]])},
     Row: lambda: {"start_map": np.zeros(2), "heading_rad": 0.0, "gap_m": 0.1},
     Box: lambda: {"centre": np.zeros(2), "length_m": 2.0, "width_m": 1.0, "heading_rad": 0.0},
+    Around: lambda: {
+        "T_map_base": T.copy(),
+        "obstacles": Cloud("map", P.copy()),
+        "jaw_rad": 0.0,
+    },
+    HeightGrid: lambda: {"corner": np.zeros(2), "cell_m": 0.25, "heights": np.zeros((2, 3))},
+    Structure: lambda: {
+        "name": "wall",
+        "line": np.array([[0.0, 0.0], [1.0, 0.0]]),
+        "thickness_m": 1.0,
+        "height_m": 1.0,
+    },
+    SolidStone: lambda: {
+        "name": "corner",
+        "vertices": CORNER.copy(),
+        "triangles": ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)),  # whole numbers are never NaN
+        "mass_kg": 1.0,
+    },
+    StandingStone: lambda: {
+        "stone": SolidStone(**MESSAGES[SolidStone]()),
+        "T_map_stone": T.copy(),
+    },
+    BuildTarget: lambda: {
+        "stone": "corner",
+        "T_map_stone": T.copy(),
+        "T_map_settled": T.copy(),
+        "approach_map": zeros(),
+        "release_height_m": 0.0,
+        "worst_m": 0.0,
+        "worst_rad": 0.0,
+        "score": 0.0,
+        "terms": {},
+    },
 }
 
 ARRAYS = [

@@ -66,7 +66,7 @@ def test_each_leaf_moves_by_the_plugin_that_it_or_its_call_chooses(run):
     status, said, report, entries = run()
     assert status == 0, said
     there, back = duration_s(entries, "/1:TurnCabin"), duration_s(entries, "/0:TurnCabin")
-    assert back > 2 * there  # 0.3 of the limits instead of 0.9
+    assert back > 1.5 * there  # 0.3 instead of 0.9 of velocity and acceleration, the same jerk
     assert report["plugins"]["motion.brisk"] == report["plugins"]["motion.slow"] == ["hermite"]
 
 

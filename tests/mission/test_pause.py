@@ -215,7 +215,7 @@ trees:
       - parallel:
           - run: ScanSwing
             with: {angle: 60 deg, duration: 8 s}
-          - sequence: [{wait: 3 s}, {ask: Go on?}]
+          - sequence: [{wait: 4 s}, {ask: Go on?}]
 """
     result = run(tmp_path, text, after_tick=answer_late)
     assert result.report["outcome"] == "success", result.report["reason"]
