@@ -13,12 +13,9 @@ from executive_plugins.registration.site_view import SiteView
 
 from executive.arrays import Float
 from executive.geometry.pose import pose
-from executive.messages.segment import Segmentation
 
 CAP = 4.5  # largest cost of an observation, that of a residual of three standard deviations
 _PATCH_M = 0.30  # edge of a patch of a stone whose points are one observation
-_SPACING_M = 0.06  # distance of the points of a stone's surface
-_PER_POINT = (_SPACING_M / _PATCH_M) ** 2  # observations a point
 _PER_SQUARE = 0.25  # observations a square metre of ground: its waves are some metres long
 _LEAST_STD_M = 0.02  # of residuals: surveys are bent by a centimetre or two over some metres
 _MOST_RELIEF_STD_M = 0.03  # the ground tells motions apart only if it fits under the best one
@@ -56,20 +53,21 @@ class Evidence:
     """Compares a target and a source under motions."""
 
     def __init__(
-        self, target: Segmentation, source: Segmentation, truncation_m: float, min_overlap: float
+        self, target: SiteView, source: SiteView, truncation_m: float, min_overlap: float
     ) -> None:
-        self._target, self._source = SiteView(target, _SPACING_M), SiteView(source, _SPACING_M)
+        self._target, self._source = target, source
         self._truncation_m = truncation_m
         self._min_overlap = min_overlap
+        self._per_point = (target.spacing_m / _PATCH_M) ** 2  # observations
 
     def count_alike(self, motion: Similarity, pairs: Pairs) -> int:
         """Return how many pairs of segments may agree once the motion is refined to the end.
 
-        One and a half times the distance and three quarters of the share are asked for.
+        Nine tenths of the share are asked for.
         """
-        reach_m = 1.5 * self._truncation_m
+        reach_m = self._truncation_m
         shares = [np.isfinite(self._residuals(motion, i, j, reach_m)).mean() for i, j in pairs]
-        return sum(share >= 0.75 * self._min_overlap for share in shares)
+        return sum(share >= 0.9 * self._min_overlap for share in shares)
 
     def noise_m(self, motion: Similarity, pairs: Pairs) -> float:
         """Return the standard deviation of stones' residuals under the best motion [m]."""
@@ -84,7 +82,7 @@ class Evidence:
             if np.isfinite(residuals).mean() >= self._min_overlap:
                 agreeing.append((i, j))
             costs.append(float(np.minimum((residuals / noise_m) ** 2 / 2, CAP).mean()))
-            weights.append(len(residuals) * _PER_POINT)
+            weights.append(len(residuals) * self._per_point)
         return StoneFit(pairs, tuple(agreeing), np.array(costs), np.array(weights))
 
     def contradicted(self, motion: Similarity, pairs: Pairs) -> float:
@@ -104,7 +102,7 @@ class Evidence:
                 if number not in matched:
                     share = view.share_on_plain_ground(onto.apply(stone.points))
                     is_free = share > _FREE_SHARE
-                    observations += is_free * share * len(stone.points) * _PER_POINT
+                    observations += is_free * share * len(stone.points) * self._per_point
         return observations
 
     def relief_excess(self, best: Similarity, other: Similarity) -> tuple[float, float]:

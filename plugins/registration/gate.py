@@ -87,6 +87,7 @@ def refusal(reason: str, watch: Stopwatch) -> Alignment:
 
 
 def _near(points: Float, surface: Float, truncation_m: float) -> Nearness:
-    distances = cKDTree(surface).query(points, distance_upper_bound=truncation_m)[0]
+    tree = cKDTree(surface, balanced_tree=False, compact_nodes=False)
+    distances = tree.query(points, distance_upper_bound=truncation_m)[0]
     near = distances[np.isfinite(distances)]
     return Nearness(len(points), len(near), float(near @ near))

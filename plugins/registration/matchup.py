@@ -1,17 +1,21 @@
 """A target and a source, segmented and prepared for the test of many motions."""
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from executive_plugins.registration.centroid_matching import matched_centroids
 from executive_plugins.registration.evidence import Evidence
 from executive_plugins.registration.settings import SegmentSettings
 from executive_plugins.registration.similarity import Similarity, Surface
+from executive_plugins.registration.site_view import SiteView
+from executive_plugins.registration.thinning import sampled, thinned
 
 from executive.arrays import Float
 from executive.messages.segment import Segment, Segmentation
 
 _ELSEWHERE_M = 0.3  # a motion is another one if it moves some stone's centroid this far
+_MOST_GROUND = 40_000  # points that the ground's surface is made of: 100 in a square metre
 
 
 class Matchup:
@@ -28,8 +32,25 @@ class Matchup:
         self, settings: SegmentSettings, target: Segmentation, source: Segmentation
     ) -> None:
         self.settings, self.target, self.source = settings, target, source
-        self.stones = Surface.thinned(joined(target.segments), settings.fine_voxel_m)
-        self.evidence = Evidence(target, source, settings.truncation_m, settings.min_overlap)
+        there, here = (SiteView(one, settings.fine_voxel_m) for one in (target, source))
+        self.stones = Surface(
+            np.vstack([stone.points for stone in there.stones]),
+            np.vstack([stone.normals for stone in there.stones]),
+        )
+        self.evidence = Evidence(there, here, settings.truncation_m, settings.min_overlap)
+
+    @cached_property
+    def surface(self) -> Surface:
+        """The target's stones and ground as one surface."""
+        points = sampled(self.target.ground.points, _MOST_GROUND)
+        ground = Surface.thinned(points, self.settings.ground_voxel_m)
+        return self.stones.joined(ground)
+
+    @cached_property
+    def ground_points(self) -> Float:
+        """The source's ground, thinned [m], shape (N, 3)."""
+        points = sampled(self.source.ground.points, _MOST_GROUND)
+        return thinned(points, self.settings.ground_voxel_m)
 
     def matched(self, motion: Similarity) -> tuple[tuple[int, int], ...]:
         """Return pairs (source, target) of segments whose centroids a motion brings together."""

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from executive_plugins.registration.evidence import CAP, StoneFit
 from executive_plugins.registration.matchup import Matchup, joined
-from executive_plugins.registration.similarity import Similarity, Surface, refine
+from executive_plugins.registration.similarity import Similarity, refine
 from executive_plugins.registration.thinning import sampled, thinned
 
 from executive.arrays import Float
@@ -17,7 +17,7 @@ from executive.messages.alignment import Rival
 
 _LEAST_STONES = 2  # that a rival brings to agreement: one stone fits any other place
 _MOST_WEIGHED = 4  # rivals whose likelihood is computed, those with the smallest misfit
-_MOST_POINTS = 2_000  # of the source at a candidate; five times as many at a refinement
+_MOST_POINTS = 800  # of the source at a candidate; five times as many at a refinement
 _MOST_GROUND = 13.8  # nats, a factor of 10⁶: ground is worked, and never decides alone
 _MOST_LOG_RATIO = 100.0  # a larger one is told as this
 _PROMISING = 3.0  # mean cost of an observation up to which a rival is refined to the end
@@ -82,13 +82,11 @@ class RivalSearch:
     def _on_ground(self, motion: Similarity, near: Sequence[tuple[int, int]]) -> Similarity:
         """Refine a motion on stones and ground, as the best one was."""
         s, clouds = self._settings, self._clouds
-        surface = clouds.stones.joined(
-            Surface.thinned(clouds.target.ground.points, s.ground_voxel_m)
-        )
         stones = thinned(joined([clouds.source.segments[i] for i, _ in near]), s.fine_voxel_m)
-        ground = thinned(clouds.source.ground.points, s.ground_voxel_m)
-        points = np.vstack([sampled(part, 5 * _MOST_POINTS) for part in (stones, ground)])
-        return refine(surface, points, motion, self._narrow_m, s.max_scale_error)
+        parts = (sampled(part, 5 * _MOST_POINTS) for part in (stones, clouds.ground_points))
+        return refine(
+            clouds.surface, np.vstack([*parts]), motion, self._narrow_m, s.max_scale_error
+        )
 
     def _rough(self, best: Similarity, candidates: Sequence[Float]) -> list[Similarity]:
         """Refine candidates roughly; return those that fit best, without the best's own basin."""

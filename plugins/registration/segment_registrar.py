@@ -10,7 +10,12 @@ from executive_plugins.registration.gate import refusal
 from executive_plugins.registration.matchup import Matchup, joined
 from executive_plugins.registration.motion_proposer import MotionProposer
 from executive_plugins.registration.settings import SegmentSettings
-from executive_plugins.registration.similarity import Similarity, Surface, refine
+from executive_plugins.registration.similarity import (
+    Similarity,
+    Surface,
+    compile_refinement,
+    refine,
+)
 from executive_plugins.registration.single_object import ObjectFinder
 from executive_plugins.registration.stopwatch import Stopwatch
 from executive_plugins.registration.thinning import sampled, thinned
@@ -32,7 +37,7 @@ from executive.messages.segment import Segmentation
 _CLEAR = 1.2
 # So that a verdict takes bounded time: points of the source at a candidate and in a refinement, and
 # stones of either cloud beyond which the arrangement alone has to propose the motions.
-_MOST_COARSE, _MOST_FINE, _MOST_DESCRIBED = 2_000, 10_000, 40
+_MOST_COARSE, _MOST_FINE, _MOST_DESCRIBED = 800, 4_000, 40
 
 
 class SegmentRegistrar(Registrar):
@@ -54,6 +59,7 @@ class SegmentRegistrar(Registrar):
     def start(self) -> None:
         """Compile the inner loops, so that no registration has to wait for them."""
         Constellation.compile()
+        compile_refinement()
 
     @abstractmethod
     def _proposers(self) -> tuple[MotionProposer, ...]:
@@ -126,8 +132,9 @@ class SegmentRegistrar(Registrar):
             )
             attempt = self._attempt(clouds, candidates, tried, watch)
             if attempt.accepted:
+                others = placed if candidates is placed else [*placed, *candidates]
                 with watch.stage("rivals"):
-                    return against_rivals(clouds, attempt, [*placed, *candidates])
+                    return against_rivals(clouds, attempt, others)
             refusals.append(attempt)
         return refusals[0]
 
@@ -150,15 +157,16 @@ class SegmentRegistrar(Registrar):
             coarse = self._choose(clouds, candidates)
             if coarse is None:
                 return refusal("no motion brings enough stones near each other", watch)
-            alike = clouds.evidence.count_alike(coarse, clouds.matched(coarse))
-        if any(clouds.is_same(coarse, other) for other in tried):
-            return refusal("no other motion than the one refused before", watch)
+            if any(clouds.is_same(coarse, other) for other in tried):
+                return refusal("no other motion than the one refused before", watch)
+            settled = self._settle(clouds, coarse)
+            alike = clouds.evidence.count_alike(settled, clouds.matched(settled))
         if alike < self._settings.min_matched:
             need = f"need {self._settings.min_matched}"
             return refusal(f"{alike} stones agree roughly under the best motion, {need}", watch)
         tried.append(coarse)
         with watch.stage("refinement"):
-            surface, points, fine = self._refine(clouds, coarse)
+            surface, points, fine = self._refine(clouds, settled)
         with watch.stage("gate"):
             found = judge(clouds, fine)
             if not found.accepted:
@@ -194,7 +202,16 @@ class SegmentRegistrar(Registrar):
                 best, best_misfit = fitted, misfit
         return best
 
-    def _refine(self, clouds: Matchup, coarse: Similarity) -> tuple[Surface, Float, Similarity]:
+    def _settle(self, clouds: Matchup, coarse: Similarity) -> Similarity:
+        """Refine a candidate on few points of the stones, with its scale: enough for a verdict on
+        most wrong ones, before the costly refinement.
+        """
+        s = self._settings
+        points = sampled(thinned(joined(clouds.source.segments), s.fine_voxel_m), _MOST_FINE // 2)
+        reaches = tuple(s.truncation_m * factor for factor in (3, 3, 2))
+        return refine(clouds.stones, points, coarse, reaches, s.max_scale_error)
+
+    def _refine(self, clouds: Matchup, start: Similarity) -> tuple[Surface, Float, Similarity]:
         """Align the segments (step 5), then the whole clouds with their scale.
 
         The ground, which determines the level of the motion, is smooth and so thinned more.
@@ -204,20 +221,21 @@ class SegmentRegistrar(Registrar):
         """
         s, target, source = self._settings, clouds.target, clouds.source
         moving = sampled(thinned(joined(source.segments), s.fine_voxel_m), _MOST_FINE)
-        parts = Cloud(target.frame, clouds.stones.points), Cloud(source.frame, moving)
-        aligned = self._alignment.align(*parts, coarse.T_target_source, 0.6 * s.coarse_reach_m)
-        start = Similarity(aligned.T_target_source, 1.0) if aligned.accepted else coarse
-        surface = clouds.stones.joined(Surface.thinned(target.ground.points, s.ground_voxel_m))
-        ground = sampled(thinned(source.ground.points, s.ground_voxel_m), _MOST_FINE)
-        points = np.vstack([moving, ground])
+        few = sampled(moving, _MOST_FINE // 2)
+        parts = Cloud(target.frame, clouds.stones.points), Cloud(source.frame, few)
+        aligned = self._alignment.align(*parts, start.T_target_source, 0.6 * s.coarse_reach_m)
+        if aligned.accepted:
+            start = Similarity(aligned.T_target_source, 1.0)
+        points = np.vstack([moving, sampled(clouds.ground_points, _MOST_FINE)])
         wide, narrow = (
             tuple(s.truncation_m * factor for factor in steps)
             for steps in ((3, 3, 2, 2), (1.5, 1, 1))
         )
         near = refine(
-            surface, points[::2], start, wide, s.max_scale_error
+            clouds.surface, points[::2], start, wide, s.max_scale_error
         )  # half the points find the basin as well
-        return surface, points, refine(surface, points, near, narrow, s.max_scale_error)
+        fine = refine(clouds.surface, points, near, narrow, s.max_scale_error)
+        return clouds.surface, points, fine
 
 
 def _middle(cloud: Cloud) -> Float:

@@ -1,5 +1,5 @@
-"""Registration on segments whose motions come from SHOT descriptors, and failing these, from where
-the segments stand.
+"""Registration on segments whose motions come from where the segments stand and, where these are
+refused, from SHOT descriptors.
 """
 
 from dataclasses import dataclass
@@ -54,8 +54,11 @@ class Shot(MotionProposer):
 
 
 class SegmentShot(SegmentRegistrar):
-    """Registration by segments with ISS and SHOT; refused, constellations of centroids are tried at
-    the same gate.
+    """Registration by segments: the arrangement of their centroids first, ISS and SHOT where its
+    motion is refused, at the same gate.
+
+    Deviation from the paper, whose motions come from descriptors alone: describing the keypoints
+    takes a quarter of the time, and the arrangement finds the motion in nearly all sites.
     """
 
     Settings = SegmentShotSettings
@@ -64,8 +67,8 @@ class SegmentShot(SegmentRegistrar):
         self, settings: SegmentShotSettings, segmentation: Segmenter, alignment: Aligner
     ) -> None:
         super().__init__(settings, segmentation, alignment)
-        others = (Constellation(settings),) if settings.falls_back else ()
-        self._tried: tuple[MotionProposer, ...] = (Shot(settings), *others)
+        first = (Constellation(settings),) if settings.falls_back else ()
+        self._tried: tuple[MotionProposer, ...] = (*first, Shot(settings))
 
     def start(self) -> None:
         """Compile the inner loops, so that no registration has to wait for them."""

@@ -61,7 +61,7 @@ class SegmentSettings(PluginSettings):
         0.08, gt=0, description="Grid of the stones' points for the refinement [m]."
     )
     ground_voxel_m: Meters = Field(
-        0.16, gt=0, description="Grid of the ground's points for the refinement [m]."
+        0.25, gt=0, description="Grid of the ground's points for the refinement [m]."
     )
     truncation_m: Meters = Field(
         0.10, gt=0, description="Distance beyond which points do not overlap [m]."
@@ -82,7 +82,7 @@ class SegmentSettings(PluginSettings):
         description="Standard deviation of a survey's smooth bends, for the covariance [m].",
     )
     max_rival_ratio: float = Field(
-        1e-9,
+        1e-12,
         ge=0,
         le=1,
         description="Largest likelihood of another motion, in that of the best, at which the best "
@@ -137,7 +137,9 @@ class SegmentShotSettings(SegmentSettings):
         600, ge=10, le=5000, description="Most matches that are looked at, the most alike."
     )
     falls_back: bool = Field(
-        True, description="Whether constellations of stones are tried when SHOT is refused."
+        True,
+        description="Whether the arrangement of the stones is tried first, and SHOT where that is "
+        "refused.",
     )
 
     @model_validator(mode="before")

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import small_gicp
+from numba import njit
 from scipy.spatial import cKDTree
 
-from executive.arrays import Float
+from executive.arrays import Float, Int
 from executive.geometry.pose import pose
 from executive.geometry.rotation import exp_so3
 
@@ -41,7 +42,8 @@ class Surface:
     def thinned(cls, points: Float, voxel_m: float) -> "Surface":
         """Thin points to a grid and find their normals."""
         cloud, _ = small_gicp.preprocess_points(points, voxel_m, 12, 1)
-        return cls(np.array(cloud.points()[:, :3]), np.array(cloud.normals()[:, :3]))
+        rows = (cloud.points()[:, :3], cloud.normals()[:, :3])
+        return cls(*(np.array(one, order="C") for one in rows))
 
     def joined(self, other: "Surface") -> "Surface":
         """Return both as one surface."""
@@ -49,7 +51,7 @@ class Surface:
             np.vstack([self.points, other.points]), np.vstack([self.normals, other.normals])
         )
 
-    def nearest(self, points: Float, max_distance_m: float) -> tuple[Float, Float]:
+    def nearest(self, points: Float, max_distance_m: float) -> tuple[Float, Int]:
         """Return distances [m] (inf beyond the reach) and row numbers of the nearest surface
         points.
         """
@@ -77,15 +79,22 @@ def refine(
     for reach_m in reaches_m:
         moved = now.apply(source)
         distances, rows = surface.nearest(moved, reach_m)
-        paired = np.isfinite(distances)
-        if paired.sum() < 20:  # seven unknowns need a few points on several faces
+        near = np.flatnonzero(np.isfinite(distances))
+        if len(near) < 20:  # seven unknowns need a few points on several faces
             return now
-        now = _step(
-            now, moved[paired], surface.points[rows[paired]], surface.normals[rows[paired]], reach_m
+        H, gradient, centre = _normal_equations(
+            moved, near, rows, surface.points, surface.normals, reach_m
         )
+        now = _step(now, H, gradient, centre)
         bounded = float(np.clip(now.scale, 1 - max_scale_error, 1 + max_scale_error))
-        now = now if bounded == now.scale else _rescaled(now, bounded, moved[paired].mean(axis=0))
+        now = now if bounded == now.scale else _rescaled(now, bounded, centre)
     return now
+
+
+def compile_refinement() -> None:
+    """Compile the inner loop."""
+    few = np.eye(3)
+    _normal_equations(few, np.arange(3), np.arange(3), few, few, 1.0)
 
 
 def jacobian(arms: Float, normals: Float) -> Float:
@@ -99,16 +108,40 @@ def jacobian(arms: Float, normals: Float) -> Float:
     return np.column_stack([np.cross(arms, normals), normals, growth])
 
 
-def _step(
-    now: Similarity, moved: Float, partners: Float, normals: Float, reach_m: float
-) -> Similarity:
-    centre = moved.mean(axis=0)
-    arms = moved - centre
-    residuals = np.einsum("ij,ij->i", moved - partners, normals)
-    J = jacobian(arms, normals)
-    weights = np.clip(1 - (residuals / reach_m) ** 2, 0, 1) ** 2  # Tukey's biweight
-    H = J.T @ (J * weights[:, None]) + 1e-6 * np.eye(7)
-    rotation, shift, growth = np.split(-np.linalg.solve(H, J.T @ (weights * residuals)), [3, 6])
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _normal_equations(
+    moved: Float, near: Int, partners: Int, points: Float, normals: Float, reach_m: float
+) -> tuple[Float, Float, Float]:  # pragma: no cover - compiled
+    """Return Hessian (7, 7), gradient (7,) and centre [m] of the moved points that are near.
+
+    Rows of the Jacobian are those of `jacobian`; weights are Tukey's biweight.
+    """
+    centre = np.zeros(3)
+    for n in near:
+        centre += moved[n]
+    centre /= len(near)
+    H, gradient, J = np.zeros((7, 7)), np.zeros(7), np.empty(7)
+    for n in near:
+        x, y, z = moved[n] - centre
+        u, v, w = normals[partners[n]]
+        J[0], J[1], J[2] = y * w - z * v, z * u - x * w, x * v - y * u
+        J[3], J[4], J[5] = u, v, w
+        J[6] = x * u + y * v + z * w
+        foot = points[partners[n]] - centre
+        residual = (x - foot[0]) * u + (y - foot[1]) * v + (z - foot[2]) * w
+        weight = max(1.0 - (residual / reach_m) ** 2, 0.0) ** 2
+        for a in range(7):
+            gradient[a] += weight * residual * J[a]
+            for b in range(a, 7):
+                H[a, b] += weight * J[a] * J[b]
+    for a in range(7):
+        for b in range(a):
+            H[a, b] = H[b, a]
+    return H, gradient, centre
+
+
+def _step(now: Similarity, H: Float, gradient: Float, centre: Float) -> Similarity:
+    rotation, shift, growth = np.split(-np.linalg.solve(H + 1e-6 * np.eye(7), gradient), [3, 6])
     turn, factor = exp_so3(rotation), float(np.exp(growth[0]))
     R, t = now.T_target_source[:3, :3], now.T_target_source[:3, 3]
     return Similarity(

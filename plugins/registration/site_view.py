@@ -23,10 +23,12 @@ class SiteView:
 
     Attributes:
         stones: The surface of each segment, in the order of the segmentation.
+        spacing_m: Distance of their points [m].
     """
 
     def __init__(self, seen: Segmentation, spacing_m: float) -> None:
         """Prepare a cloud; `spacing_m` is the distance of the points of a stone's surface [m]."""
+        self.spacing_m = spacing_m
         self.stones = [Surface.thinned(one.points, spacing_m) for one in seen.segments]
         self._seen = seen
         self._T_level_cloud = level_pose(seen.ground_plane)

@@ -7,6 +7,7 @@ import pytest
 from executive_plugins.registration.evidence import Evidence
 from executive_plugins.registration.segment_registrar import SegmentRegistrar
 from executive_plugins.registration.similarity import Similarity
+from executive_plugins.registration.site_view import SiteView
 from executive_plugins.segmentation.ground_and_clusters import GroundAndClusters
 from executive_plugins.segmentation.settings import GroundAndClustersSettings
 
@@ -82,7 +83,7 @@ def evidence(wave_m: float) -> Evidence:
     seen = [
         segmenter.segment(Cloud("map", row(TWINS, slice(0, 6), seed, wave_m))) for seed in (1, 2)
     ]
-    return Evidence(seen[0], seen[1], 0.10, 0.6)
+    return Evidence(SiteView(seen[0], 0.08), SiteView(seen[1], 0.08), 0.10, 0.6)
 
 
 STAY, SHIFTED = Similarity(np.eye(4), 1.0), Similarity(pose(t=np.array([0.0, 1.9, 0.0])), 1.0)
