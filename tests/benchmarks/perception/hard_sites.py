@@ -18,6 +18,7 @@ _OVERLAP = 0.3  # share of the ground that both clouds show
 _LEAST_SHARED = 4  # whole stones on it
 _MARGIN_M = 0.6  # from the middle of a whole stone to the cut
 _SURVEYED_M = 4.5  # from the site's centre to the farthest stones that the drone surely sees
+_MOST_DRAWN = 20  # sites until one can be cut so
 _OUTLIERS = 0.1  # share of the points
 _TILT, _SLOPE = np.radians(20), np.radians(12)
 
@@ -68,18 +69,15 @@ def overlapping(scenes: ModuleType, seed: int) -> Scene:
     """Draw twelve stones; map and survey are cut so that both show 30 % of the ground, and on it
     four whole stones.
     """
-    rng = np.random.default_rng([seed, 4])
-    scene = scenes.scene_of(seed, count=12, rays=_RAYS)
-    from_centre = np.abs(scene.stones - scene.centre)[:, :2].max(axis=1)
-    surveyed = scene.stones[from_centre < _SURVEYED_M]
-    shared = 0
-    while shared < _LEAST_SHARED:
-        heading, begin = rng.uniform(-np.pi, np.pi), rng.uniform(0, 1 - _OVERLAP)
-        across = np.array([np.cos(heading), np.sin(heading), 0.0])
-        places = scene.target.points @ across
-        low, high = np.quantile(places, [begin, begin + _OVERLAP])
-        stones = surveyed @ across
-        shared = ((stones > low + _MARGIN_M) & (stones < high - _MARGIN_M)).sum()
+    for number in range(_MOST_DRAWN):
+        scene = scenes.scene_of(seed + number * 10**8, count=12, rays=_RAYS)
+        cut = _cut(scene, np.random.default_rng([seed, number, 4]))
+        if cut is not None:
+            break
+    else:
+        raise ValueError(f"seed {seed}: no site of {_MOST_DRAWN} has four stones in 30 %")
+    across, low, high = cut
+    places = scene.target.points @ across
     in_map = (
         scene.centre
         + (transform(scene.T_target_source, scene.source.points) - scene.centre) / scene.stretch
@@ -89,6 +87,23 @@ def overlapping(scenes: ModuleType, seed: int) -> Scene:
         target=Cloud("map", scene.target.points[places < high]),
         source=Cloud("survey", scene.source.points[in_map @ across > low]),
     )
+
+
+def _cut(scene: Scene, rng: np.random.Generator) -> tuple[Float, float, float] | None:
+    """Return a direction and two places along it, between which four whole stones stand on 30 % of
+    the map's points; None if a hundred tries find none.
+    """
+    from_centre = np.abs(scene.stones - scene.centre)[:, :2].max(axis=1)
+    surveyed = scene.stones[from_centre < _SURVEYED_M]
+    few = scene.target.points[::20]
+    for _ in range(100):
+        heading, begin = rng.uniform(-np.pi, np.pi), rng.uniform(0, 1 - _OVERLAP)
+        across = np.array([np.cos(heading), np.sin(heading), 0.0])
+        low, high = np.quantile(few @ across, [begin, begin + _OVERLAP])
+        stones = surveyed @ across
+        if ((stones > low + _MARGIN_M) & (stones < high - _MARGIN_M)).sum() >= _LEAST_SHARED:
+            return across, float(low), float(high)
+    return None
 
 
 HARD_SITES: dict[str, Callable[[ModuleType, int], Scene]] = {
