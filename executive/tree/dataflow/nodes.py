@@ -7,12 +7,12 @@ A subtree is followed once for each combination of types that it is called with,
 not be declared with types to be checked.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from executive.tree.dataflow.keys import ANYTHING, TEXT, UNKNOWN, Keys, Types
 from executive.tree.dataflow.wires import Wires, mark_of, shown_source
-from executive.tree.dataflow.writers import Writers
+from executive.tree.dataflow.writers import Writers, written_in
 from executive.tree.expressions.dimension import PLAIN
 from executive.tree.expressions.kinds import bare, dimension_of, known_value, number
 from executive.tree.key_source import Ref
@@ -38,7 +38,6 @@ from executive.tree.node_kinds import (
 from executive.tree.port_types import fits_name, item_type, names
 from executive.tree.problem import Mark, Problems
 from executive.tree.reading import Reading
-from executive.tree.traversal import uses_of
 
 
 class Dataflow:
@@ -79,7 +78,7 @@ class Dataflow:
 
     def _all_written(self, tree: Tree) -> Mapping[str, Node]:
         if tree.name not in self._written_in:
-            self._written_in[tree.name] = _written_in(tree)
+            self._written_in[tree.name] = written_in(tree)
         return self._written_in[tree.name]
 
     def _promised(self, tree: Tree, after: Mapping[str, Types]) -> None:
@@ -281,26 +280,3 @@ def _of_any_value(kind: Any) -> Any:
         return kind
     dimension = dimension_of(kind)
     return bare(kind) if dimension in (None, PLAIN) else number(dimension, bare(kind))
-
-
-def _written_in(tree: Tree) -> dict[str, Node]:
-    """Return every key that a tree writes, with the first node that does."""
-    writers: dict[str, Node] = {}
-    for node in tree.root.walk():
-        for key in _written_by(node):
-            writers.setdefault(key, node)
-    return writers
-
-
-def _written_by(node: Node) -> Iterator[str]:
-    for use in uses_of(node):
-        yield from (ref.key for ref in use.outputs.values())
-    match node.kind:
-        case Call(outputs=outputs):
-            yield from (ref.key for ref in outputs.values())
-        case Set(values=values):
-            yield from values
-        case ForEach(item=item) | Consume(item=item):
-            yield item
-        case Ask(answer=Ref(key=key)):
-            yield key

@@ -1,10 +1,13 @@
 """What writes a key: a node of the tree, its caller, or an action that could stand before."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 from executive.errors import did_you_mean, nearest
 from executive.tree.catalogue import Catalogue
-from executive.tree.node_kinds import Node
+from executive.tree.key_source import Ref
+from executive.tree.language import Tree
+from executive.tree.node_kinds import Ask, Call, Consume, ForEach, Node, Set
+from executive.tree.traversal import uses_of
 
 _MOST = 3  # actions that a message names
 
@@ -48,3 +51,26 @@ class Writers:
     def _actions(self, key: str) -> list[str]:
         """Return the behaviours with an output of this name, the first few of them."""
         return [name for name, leaf in self._catalogue.behaviours() if key in leaf.outputs][:_MOST]
+
+
+def written_in(tree: Tree) -> dict[str, Node]:
+    """Return every key that a tree writes, with the first node that does, in document order."""
+    writers: dict[str, Node] = {}
+    for node in tree.root.walk():
+        for key in _written_by(node):
+            writers.setdefault(key, node)
+    return writers
+
+
+def _written_by(node: Node) -> Iterator[str]:
+    for use in uses_of(node):
+        yield from (ref.key for ref in use.outputs.values())
+    match node.kind:
+        case Call(outputs=outputs):
+            yield from (ref.key for ref in outputs.values())
+        case Set(values=values):
+            yield from values
+        case ForEach(item=item) | Consume(item=item):
+            yield item
+        case Ask(answer=Ref(key=key)):
+            yield key
