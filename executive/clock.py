@@ -74,6 +74,9 @@ class Clock(ABC):
     def idle(self) -> None:
         """Wait a moment on the wall, where nothing moves and no time passes."""
 
+    def wait_for(self, latest_s: float) -> None:  # noqa: B027 - optional
+        """Stand still if the machine's time can be no later than this by now [s]."""
+
     def wake(self) -> None:  # noqa: B027 - optional
         """End a wait of `advance` early; may be called by a signal handler or another thread."""
 
@@ -122,13 +125,16 @@ class SimulatedClock(Clock):
 class WallClock(Clock):
     """Monotonic wall time; `advance` waits until dt after the last tick.
 
-    After a late tick the schedule begins again at the present time.
+    After a late tick the schedule begins again at the present time. When the machine's clock is
+    behind, this one stands still until both agree again.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self._origin_s = time.monotonic()
         self._next_s = 0.0
+        self._slipped_s = 0.0
+        self._shown_s = 0.0  # the latest machine time that was told: time never goes back
         self._paused_at_s = 0.0
         self._paused_before_s = 0.0
         # A pipe, because a signal handler may write to it at any moment without a lock.
@@ -142,14 +148,19 @@ class WallClock(Clock):
 
     def start(self) -> None:
         self._origin_s = time.monotonic()
-        self._next_s = 0.0
+        self._next_s = self._slipped_s = self._shown_s = 0.0
 
     def machine_s(self) -> float:
-        return time.monotonic() - self._origin_s
+        self._shown_s = max(self._shown_s, time.monotonic() - self._origin_s - self._slipped_s)
+        return self._shown_s
+
+    def wait_for(self, latest_s: float) -> None:
+        self._slipped_s = max(time.monotonic() - self._origin_s - latest_s, 0.0)
 
     def go_on_at(self, tick: int, tick_s: float, now_s: float, machine_s: float) -> None:
         self._origin_s = time.monotonic() - machine_s
-        self._next_s = machine_s
+        self._next_s = self._shown_s = machine_s
+        self._slipped_s = 0.0
         self.paused_s = self._paused_before_s = machine_s - now_s
 
     def now_s(self) -> float:
@@ -170,7 +181,7 @@ class WallClock(Clock):
     def advance(self, dt_s: float) -> float:
         now_s = self.machine_s()
         due_s = self._next_s + dt_s
-        self._next_s = max(due_s, now_s)
+        self._next_s = min(max(due_s, now_s), now_s + dt_s)  # also while the clock stands still
         if self._next_s > now_s:
             self._wait(self._next_s - now_s)
         return max(now_s - due_s, 0.0)

@@ -35,6 +35,7 @@ CAPABILITIES = (
     "registration",
     "objects",
     "motion",
+    "driving",
     "grasping",
     "placing",
     "building",
@@ -46,6 +47,7 @@ EXERCISES = "exercise"  # checks of the conformance kit for the plugins of a cap
 BEHAVIOURS = "behaviour"
 ORACLES = "oracle"
 SMOOTHERS = "smoothing"  # of whole recordings: no mission selects one
+CALIBRATORS = "calibration"  # of whole recordings, as smoothers
 SETTINGS = "settings"  # the settings class of a plugin, apart from it
 EXTRAS = "extra"  # the extra of its package that a plugin needs
 WORKS = "work"  # kinds of bulk work that a campaign can spread

@@ -8,7 +8,7 @@ from executive.arrays import Int
 _BITS = 11  # of a digit: its 2048 counters stay in the processor's first cache
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
 def radix_order(keys: Int) -> Int:  # pragma: no cover - compiled
     """Return the stable order of keys that are not negative, shape (N,)."""
     order, other = np.arange(len(keys)), np.empty(len(keys), dtype=np.int64)

@@ -6,8 +6,6 @@ from numba import njit
 from executive.arrays import Float, Int
 from executive.geometry.radix_sort import radix_order
 
-_FARTHEST = 1 << 62  # beyond any cell's number
-
 
 def voxel_means(points: Float, size_m: float, corner: Float | None = None) -> Float:
     """Return the mean of the points in each occupied cell of a cubic grid, shape (M, 3).
@@ -26,31 +24,41 @@ def voxel_means(points: Float, size_m: float, corner: Float | None = None) -> Fl
     return np.asarray(_means(even, size_m, np.zeros(3) if corner is None else corner))
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
 def _means(points: Float, size_m: float, corner: Float) -> Float:  # pragma: no cover - compiled
-    cells = np.empty((len(points), 3), dtype=np.int64)
-    low, high = np.full(3, _FARTHEST), np.full(3, -_FARTHEST)
-    for n in range(len(points)):
-        for a in range(3):
-            cells[n, a] = int(np.floor((points[n, a] - corner[a]) / size_m))
-            low[a], high[a] = min(low[a], cells[n, a]), max(high[a], cells[n, a])
-    spans = high - low + 1
+    keys = _keys(points, size_m, corner)
+    order = radix_order(keys)
+    means, found, n = np.empty((len(points), 3)), 0, 0
+    while n < len(order):
+        key, first = keys[order[n]], n
+        x, y, z = 0.0, 0.0, 0.0
+        while n < len(order) and keys[order[n]] == key:
+            row = order[n]
+            x, y, z, n = x + points[row, 0], y + points[row, 1], z + points[row, 2], n + 1
+        count = n - first
+        means[found, 0], means[found, 1], means[found, 2] = x / count, y / count, z / count
+        found += 1
+    return means[:found].copy()
+
+
+@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+def _keys(points: Float, size_m: float, corner: Float) -> Int:  # pragma: no cover - compiled
+    """Number the cells of the points' bounding box, x, then y, then z; return each point's cell."""
+    low, spans = np.empty(3, dtype=np.int64), np.empty(3, dtype=np.int64)
+    for a in range(3):
+        least, most = points[0, a], points[0, a]
+        for n in range(len(points)):
+            least, most = min(least, points[n, a]), max(most, points[n, a])
+        low[a] = int(np.floor((least - corner[a]) / size_m))
+        spans[a] = int(np.floor((most - corner[a]) / size_m)) - low[a] + 1
     keys = np.empty(len(points), dtype=np.int64)
     for n in range(len(points)):
-        x, y, z = cells[n] - low
-        keys[n] = (x * spans[1] + y) * spans[2] + z
-    means, counts = np.zeros((len(points), 3)), np.zeros(len(points), dtype=np.int64)
-    found, last = -1, -1
-    for n in radix_order(keys):
-        if keys[n] != last:
-            found, last = found + 1, keys[n]
-        counts[found] += 1
+        key = 0
         for a in range(3):
-            means[found, a] += points[n, a]
-    for m in range(found + 1):
-        for a in range(3):
-            means[m, a] /= counts[m]
-    return means[: found + 1].copy()
+            cell = int(np.floor((points[n, a] - corner[a]) / size_m)) - low[a]
+            key = key * spans[a] + cell
+        keys[n] = key
+    return keys
 
 
 def first_in_cells(coordinates: Float, size_m: float) -> Int:
