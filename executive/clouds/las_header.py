@@ -14,6 +14,7 @@ from executive.errors import DataError
 
 _SHORTEST_HEADER, _HEADER_1_4 = 227, 375  # bytes
 _RECORD_HEADER, _EXTENDED_HEADER = 54, 60  # bytes before the content of a variable length record
+_MOST_CONTENT = 1 << 16  # bytes of a record that are read; a longer one holds no name
 _PACKED_BITS = 0xC0  # of the point format: set in LAZ files
 _LEAST_POINT = 20  # bytes of format 0, the shortest
 _LASZIP = b"laszip encoded"
@@ -39,6 +40,22 @@ def check_sizes(path: Path) -> None:
             f"{path}: cut short or damaged: {damage}; the file has {size} bytes; copy or export "
             "it again"
         ) from None
+
+
+def contents(path: Path) -> Iterator[tuple[bytes, int, bytes]]:
+    """Yield the user's name, the number and the content of each record of a sound file."""
+    with path.open("rb") as file:
+        header = file.read(_HEADER_1_4)
+        start, _, count = struct.unpack_from("<HII", header, 94)
+        for form, size in (("<H16sHH", _RECORD_HEADER), ("<H16sHQ", _EXTENDED_HEADER)):
+            for _ in range(count):
+                file.seek(start)
+                _, name, number, length = struct.unpack_from(form, file.read(size))
+                yield name.rstrip(b"\0"), number, file.read(min(length, _MOST_CONTENT))
+                start += size + length
+            if header[25] < 4:
+                return
+            start, count = struct.unpack_from("<QI", header, 235)
 
 
 def _check(file: IO[bytes], size: int) -> None:

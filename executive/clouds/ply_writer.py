@@ -19,15 +19,19 @@ def write_ply(path: Path, points: Float, frame: str) -> None:
     _write(path, rows, (f"comment frame {frame}",), _COORDINATES)
 
 
-def write_parts(path: Path, parts: Sequence[Float]) -> None:
-    """Write parts of a cloud, each (N, 3) [m] or empty, into one file, one colour a part."""
+def write_parts(path: Path, parts: Sequence[Float], crs: str = "") -> None:
+    """Write parts of a cloud, each (N, 3) [m] or empty, into one file, one colour a part.
+
+    The name of their coordinate system, one line of ASCII, becomes a comment if there is one.
+    """
     points = np.vstack([np.empty((0, 3)), *parts])
     hues = [colorsys.hsv_to_rgb(i * _HUE_STEP % 1, 0.75, 0.95) for i in range(len(parts))]
     rows = np.empty(len(points), dtype=[("xyz", "<f8", 3), ("rgb", "u1", 3)])
     rows["xyz"] = points
     colours = np.round(255 * np.array(hues).reshape(-1, 3)).astype(np.uint8)
     rows["rgb"] = np.repeat(colours, [len(part) for part in parts], axis=0)
-    _write(path, rows, (), (*_COORDINATES, *_COLOURS))
+    comments = (f"comment crs {crs}",) if crs else ()
+    _write(path, rows, comments, (*_COORDINATES, *_COLOURS))
 
 
 def _write(

@@ -19,6 +19,7 @@ _READERS: dict[str, Callable[[Path], Float]] = {
     ".ply": read_ply, ".pcd": read_pcd, ".las": read_las, ".laz": read_las,
     ".xyz": read_xyz, ".txt": read_xyz, ".asc": read_xyz, ".csv": read_xyz, ".pts": read_xyz,
 }  # fmt: skip
+SUFFIXES = tuple(_READERS)
 _BEGINNINGS = {b"ply\n": ".ply", b"ply\r": ".ply", b"# .PCD": ".pcd", b"LASF": ".las"}
 _PACKED = {b"\x1f\x8b": "gzip", b"PK\x03\x04": "zip", b"7z\xbc\xaf": "7-zip"}
 _FARTHEST_M = 1e7  # coordinates of national grids are smaller
