@@ -40,7 +40,7 @@ class Event:
             )
         _KINDS[cls.kind] = cls
 
-    def payload(self) -> dict[str, Any]:
+    def payload(self) -> dict[str, object]:
         """Return the fields as JSON holds them."""
         return {one.name: plain(getattr(self, one.name)) for one in fields(self)}
 
@@ -55,9 +55,9 @@ class UnknownEvent(Event):
     """
 
     name: str
-    values: Mapping[str, Any]
+    values: Mapping[str, object]
 
-    def payload(self) -> dict[str, Any]:
+    def payload(self) -> dict[str, object]:
         return dict(self.values)
 
 
@@ -71,7 +71,7 @@ def known_kinds() -> Sequence[str]:
     return tuple(_KINDS)
 
 
-def event_from(kind: str, payload: Mapping[str, Any]) -> Event:
+def event_from(kind: str, payload: Mapping[str, object]) -> Event:
     """Return the event that a line of a journal holds; of an unknown kind, an `UnknownEvent`.
 
     Raises:
@@ -82,7 +82,7 @@ def event_from(kind: str, payload: Mapping[str, Any]) -> Event:
     return _read_class(_KINDS[kind], payload, f"event '{kind}'")  # type: ignore[no-any-return]
 
 
-def plain(value: Any) -> Any:
+def plain(value: object) -> object:
     """Turn a value into what JSON holds: numbers, strings, lists, mappings."""
     if isinstance(value, Enum):
         return value.value

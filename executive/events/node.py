@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any
 
 from executive.events.event import Event
 
@@ -40,7 +39,7 @@ class LeafCalled(Event):
         inputs: Its inputs by port; of a large value, its class alone.
     """
 
-    inputs: Mapping[str, Any]
+    inputs: Mapping[str, object]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,8 +59,8 @@ class LeafAnswered(Event):
     success: bool
     reason: str
     is_final: bool = False
-    outputs: Mapping[str, Any] = field(default_factory=dict)
-    state: Any = None
+    outputs: Mapping[str, object] = field(default_factory=dict)
+    state: object = None
     draws: int = 0
     visit: int = 0
 

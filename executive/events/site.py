@@ -1,5 +1,6 @@
 """Events about the site: localisation, scans, the drone's map, segmentation, places for stones."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from executive.arrays import Float
@@ -123,6 +124,50 @@ class SlotsFound(Event):
     """The placement planner chose these places for stones, best first."""
 
     slots: tuple[SlotPlace, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BuildingPlanned(Event):
+    """The next stone of a structure was chosen, with the pose in which it is to rest.
+
+    Attributes:
+        structure: Name of the structure.
+        stone: Id of the stone.
+        T_map_object: Pose of the stone's object frame at rest, shape (4, 4).
+        standing: Ids of the stones that it was planned with, as they stood.
+        worst_m: Largest distance from that rest in the planner's trials under noise [m].
+        score: The planner's score.
+        terms: Its terms by name.
+        refused: Number of stones and places that were passed over, by reason.
+    """
+
+    structure: str
+    stone: int
+    T_map_object: Float
+    standing: tuple[int, ...]
+    worst_m: float
+    score: float
+    terms: Mapping[str, float]
+    refused: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BuildingEnded(Event):
+    """No other stone is put onto a structure.
+
+    Attributes:
+        structure: Name of the structure.
+        reason: Why: `complete`, `nothing_fits`, `no_stones`, `all_too_heavy` and so on.
+        detail: The figures behind the reason, in words.
+        standing: Ids of the stones of which it consists.
+        refused: Number of stones and places that were passed over, by reason.
+    """
+
+    structure: str
+    reason: str
+    detail: str
+    standing: tuple[int, ...]
+    refused: Mapping[str, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

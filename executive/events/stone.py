@@ -88,6 +88,21 @@ class ArrivedEarly(Event):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class StoneTouchedDown(Event):
+    """A stone that was lowered stands: its weight has left the jaws.
+
+    Attributes:
+        stone: Id of the stone.
+        above_m: Height of the gripper above the placement [m]; below 0 if the ground is lower.
+        left_kg: What still hangs in the jaws [kg].
+    """
+
+    stone: int
+    above_m: float
+    left_kg: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class StoneReleased(Event):
     """A stone was set down on its slot.
 
@@ -122,6 +137,32 @@ class StoneWeighed(Event):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class StoneSeenInJaws(Event):
+    """A held stone was looked at, and its pose in the jaws corrected or kept.
+
+    Attributes:
+        stone: Id of the stone.
+        accepted: Whether its pose was corrected.
+        reason: Why the expected pose was kept; empty if it was corrected.
+        points: Points of the view, one a voxel of the map.
+        shift_m: Distance of its centre from where it was expected [m]; None if it was kept.
+        turn_rad: Its turn against what was expected [rad]; None if it was kept.
+        position_std_m: Standard deviation of its position along the least certain axis [m]; None
+            if it was kept.
+        rotation_std_rad: The same of its rotation [rad]; None if it was kept.
+    """
+
+    stone: int
+    accepted: bool
+    reason: str
+    points: int
+    shift_m: float | None
+    turn_rad: float | None
+    position_std_m: float | None
+    rotation_std_rad: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class PlacementVerified(Event):
     """A released stone was looked for at its place.
 
@@ -135,6 +176,9 @@ class PlacementVerified(Event):
         rule: What the mission does with a stone that is off or unseen: correct, keep, set_aside;
             empty if it is placed.
         reason: What is wrong; empty if it is placed.
+        turn_known: Whether its pose tells how it is turned against the stone as it was found. False
+            once it was seen with another surface, which took the place of the model: it stands as
+            planned by that surface, and how it had turned before is not known.
     """
 
     stone: int
@@ -144,6 +188,7 @@ class PlacementVerified(Event):
     tilt_rad: float | None
     rule: str
     reason: str
+    turn_known: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,51 +12,17 @@ from pydantic import Field, ValidationError, model_validator
 
 from executive.arrays import Float
 from executive.errors import ConfigError, did_you_mean
+from executive.machine.driving import Driving
 from executive.machine.gripper import SIDES, Gripper
+from executive.machine.hydraulics import Hydraulics
 from executive.machine.joint import Jaw, Joint
 from executive.machine.link import Link
-from executive.machine.provenance import Sourced
 from executive.machine.rig import Rig
+from executive.machine.stance import Stance
 from executive.plain_yaml import read_plain_yaml
 
 _FOLDER = Path(str(files("executive_robot_models")))  # machines that come with the package
 FILE = "robot.yaml"
-_SETTLED = 5.834  # ωt at which (1 + ωt) exp(−ωt) is 2 %
-
-
-class Stance(Sourced):
-    """Height of the chassis, and capabilities of the machine as a whole."""
-
-    base_height_m: float = Field(
-        gt=0, description="Height of the base frame above level ground [m]."
-    )
-    payload_kg: float = Field(gt=0, description="Heaviest load of the gripper [kg].")
-    reach_m: float = Field(
-        gt=0, description="Largest distance of the tips from the turning axis [m]."
-    )
-    supports_m: tuple[tuple[float, float], ...] = Field(
-        (),
-        description="Points (x, y) of the base frame on which the machine stands [m]; tipping is "
-        "not computed without.",
-    )
-    tracking_error: float = Field(
-        0.1,
-        gt=0,
-        description="Largest distance of a moving joint from its path [rad] or [m].",
-    )
-    tracking_lag_s: float = Field(
-        0.2, ge=0, lt=2, description="Largest delay of a joint behind its path [s]."
-    )
-
-    @property
-    def settling_s(self) -> float:
-        """How long a joint may need to be back on its path after its load has changed at once [s].
-
-        A critically damped position drive of natural frequency ω is 2/ω behind a ramp, and a
-        disturbance leaves (1 + ωt) exp(−ωt) of its deflection, 2 % after ωt = 5.83: the settling
-        time of Franklin, Powell and Emami-Naeini, Feedback Control of Dynamic Systems, Sec. 3.4.
-        """
-        return 0.5 * _SETTLED * self.tracking_lag_s
 
 
 class Machine(Rig):
@@ -64,10 +30,14 @@ class Machine(Rig):
 
     turn_joint: str = Field(description="Joint that turns the cabin.")
     stance: Stance
+    driving: Driving | None = Field(None, description="How it drives, if it does.")
     joints: tuple[Joint, ...] = Field(
         min_length=1, description="The arm's joints, from the base to the gripper."
     )
     jaw: Jaw
+    hydraulics: Hydraulics | None = Field(
+        None, description="Valves and cylinders of the arm; without, it has no hydraulic drive."
+    )
     gripper: Gripper
     bodies: dict[str, Link] = Field(description="Links by name, without the gripper's.")
     postures: dict[str, dict[str, float]] = Field(
@@ -97,10 +67,15 @@ class Machine(Rig):
                 f"{self.gripper.open_rad}"
             )
         self._check_postures()
+        if self.hydraulics is not None and set(self.hydraulics.displacement) != set(self.arm_names):
+            raise ValueError(
+                f"hydraulics.displacement must give exactly {', '.join(self.arm_names)}"
+            )
         return self
 
     def _check_postures(self) -> None:
-        for needed in ("scan", "carry"):
+        travelling = () if self.driving is None else (self.driving.posture,)
+        for needed in ("scan", "carry", *travelling):
             if needed not in self.postures:
                 raise ValueError(f"postures lacks `{needed}`")
         for name, posture in self.postures.items():

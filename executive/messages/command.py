@@ -8,6 +8,10 @@ from executive.messages.trajectory import JointTrajectory
 # trajectory that begins farther off.
 START_TOLERANCE = 0.05
 
+# How long a `Drive` counts [s]: without a newer one the machine brakes, so that a lost executive
+# does not drive on. Six ticks of 50 ms.
+DRIVE_HOLD_S = 0.3
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Follow:
@@ -36,4 +40,21 @@ class SwitchLidars:
     on: bool
 
 
-Command = Follow | MoveJaws | SwitchLidars
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """Drive the chassis for `DRIVE_HOLD_S`, and then brake along the same arc.
+
+    The robot approaches both figures within the machine's limits. It refuses the command while the
+    arm moves or is not in the posture for driving, and it refuses `Follow` while the chassis moves.
+
+    Attributes:
+        speed_m_s: Speed of the base frame's origin along its x axis [m/s]; negative is backwards.
+        curvature_1_m: Curvature of its path [1/m]; positive turns to the left when driving
+            forwards, and the angular velocity is `speed_m_s * curvature_1_m`.
+    """
+
+    speed_m_s: float
+    curvature_1_m: float
+
+
+Command = Follow | MoveJaws | SwitchLidars | Drive

@@ -3,9 +3,13 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from functools import cache
 from itertools import islice
+from typing import Any, cast
 
 import numpy as np
+
+from executive.arrays import all_finite
 
 _MEASURED = ("timings_ms", "wall_s")  # wall times differ from run to run, and may
 
@@ -17,12 +21,34 @@ def place_of_nan(value: object, most: int | None = None) -> str:
         value: A message, or what is made of arrays, numbers, sequences and mappings.
         most: How many parts are looked at; all by default. An array is one part.
     """
+    if _is_plainly_sound(value):
+        return ""
     for path, part in islice(parts(value), most):
         if isinstance(part, np.ndarray) and part.dtype.kind == "f" and np.isnan(part).any():
             return path or "the value"
         if isinstance(part, float) and math.isnan(part):
             return path or "the value"
     return ""
+
+
+def _is_plainly_sound(value: object) -> bool:
+    """Return whether a message of arrays, numbers and texts alone is finite; a quick test.
+
+    Answers of stream verbs are looked at hundreds of times in a second of mission.
+    """
+    names = _field_names(cast(Any, type(value)))
+    return bool(names) and all(_is_plain(getattr(value, name)) for name in names)
+
+
+def _is_plain(part: object) -> bool:
+    if isinstance(part, np.ndarray):
+        return all_finite(part)
+    return math.isfinite(part) if type(part) is float else part is None or type(part) in (str, int)
+
+
+@cache
+def _field_names(of: type[Any]) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(of)) if is_dataclass(of) else ()
 
 
 def parts(value: object, path: str = "") -> Iterator[tuple[str, object]]:

@@ -17,15 +17,23 @@ class Slot:
             [rad]; None leaves it to the planner.
         gap_m: Distance wanted between the faces of the stone and of its neighbours [m]; None leaves
             it to the planner.
+        T_map_object: Pose in which the object's frame of one certain stone is to rest, shape
+            (4, 4), as a building planner found it; the heading then does not count. None leaves
+            the pose to the planner.
     """
 
     id: int
     position_map: Float
     heading_rad: float | None = None
     gap_m: float | None = None
+    T_map_object: Float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "position_map", checked("position_map", self.position_map, 3))
+        if self.T_map_object is not None:
+            object.__setattr__(
+                self, "T_map_object", checked("T_map_object", self.T_map_object, 4, 4)
+            )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

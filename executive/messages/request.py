@@ -21,6 +21,7 @@ class MoveRequest:
             them.
         held_gripper: Surface of a held stone in the gripper's frame [m], shape (N, 3), or None.
         jaw_rad: Opening of the jaws during the motion [rad].
+        held_kg: The most that the held stone weighs [kg]; None if it was not weighed.
     """
 
     start: Float
@@ -31,6 +32,7 @@ class MoveRequest:
     obstacles: Cloud
     held_gripper: Float | None
     jaw_rad: float
+    held_kg: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "start", checked("start", self.start, None))
@@ -56,6 +58,7 @@ class PostureRequest:
             them.
         held_gripper: Surface of a held stone in the gripper's frame [m], shape (N, 3), or None.
         jaw_rad: Opening of the jaws during the motion [rad].
+        held_kg: The most that the held stone weighs [kg]; None if it was not weighed.
     """
 
     start: Float
@@ -64,6 +67,7 @@ class PostureRequest:
     obstacles: Cloud
     held_gripper: Float | None
     jaw_rad: float
+    held_kg: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "start", checked("start", self.start, None))
@@ -81,16 +85,25 @@ class Around:
 
     Attributes:
         T_map_base: Pose of the chassis, shape (4, 4).
-        obstacles: Ground and stones that must not be touched, in the map.
+        obstacles: Ground and stones that must not be touched, in the map; a held stone is not among
+            them.
         jaw_rad: Opening of the jaws during the motion [rad].
+        held_gripper: Surface of a held stone in the gripper's frame [m], shape (N, 3), or None.
+        held_kg: The most that the held stone weighs [kg]; None if it was not weighed.
     """
 
     T_map_base: Float
     obstacles: Cloud
     jaw_rad: float
+    held_gripper: Float | None = None
+    held_kg: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "T_map_base", checked("T_map_base", self.T_map_base, 4, 4))
+        if self.held_gripper is not None:
+            object.__setattr__(
+                self, "held_gripper", checked("held_gripper", self.held_gripper, None, 3)
+            )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

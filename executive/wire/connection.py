@@ -6,10 +6,10 @@ import time
 from collections import deque
 from collections.abc import Iterator
 
-from executive.wire.frame import Frame, FrameReader
+from executive.wire.frame import LARGEST_BYTES, Frame, FrameReader
 
 _CHUNK = 1 << 18
-_KEPT_BYTES = 16 * 2**20  # some eight revolutions of a lidar
+_KEPT_BYTES = 2 * LARGEST_BYTES  # the largest survey, or some sixty revolutions of a lidar
 _SEND_S = 0.25  # an end that takes nothing for that long has failed
 
 
@@ -49,6 +49,10 @@ class Connection:
         What the other end does not take at once is kept, up to a bound beyond which it is given up.
         """
         self._kept += frame.packed()
+        return self.flush()
+
+    def flush(self) -> bool:
+        """Send what `post` has kept, without waiting; return whether the other end is there."""
         while self._kept and self.is_open:
             try:
                 del self._kept[: self._socket.send(self._kept)]

@@ -37,6 +37,8 @@ class Kind(IntEnum):
     STATUS = 12
     PAUSED = 13
     RESUMED = 14
+    SURVEY = 15
+    CLOUD = 16
 
 
 class WireError(RobotError):

@@ -4,18 +4,21 @@ import logging
 import select
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from executive.errors import RobotError
 from executive.interfaces.robot import Robot
+from executive.messages.cloud import Cloud
 from executive.messages.joints import JointSample
 from executive.messages.observation import Observation
 from executive.wire.address import Address
 from executive.wire.connection import Connection
 from executive.wire.frame import Frame, Kind, WireError
 from executive.wire.payload import pack, unpack
+from executive.wire.survey import SurveyUnderWay
 
 STEP_S = 0.01  # of the machine's clock: the period of its fastest sensors
 STATUS_S = 0.02  # between two status frames: a supervisor sees a change within a tick
@@ -23,6 +26,24 @@ SLIP_S = 0.1  # a simulation that is later than that lets its clock go slower in
 _REST_SPEED = 0.02  # of any joint [rad/s] or [m/s]; a machine that is slower is at rest
 
 _log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Simulation:
+    """What a simulated machine has beside its robot.
+
+    Its clock goes slower on a computer that is too slow for it, and the mission's waits for it.
+
+    Attributes:
+        survey: Takes the site as it is, and returns what makes a survey of it from a seed, in any
+            thread; None if there is none.
+        begins_s: The time that the machine's clock shows first [s].
+        tend: Called each time that the clock has gone on.
+    """
+
+    survey: Callable[[int], Callable[[], Cloud]] | None = None
+    begins_s: float = 0.0
+    tend: Callable[["MachineServer"], None] = lambda server: None
 
 
 class MachineServer:
@@ -37,7 +58,26 @@ class MachineServer:
             simulation was too slow for this computer [s].
     """
 
-    def __init__(self, robot: Robot, model: str, address: Address, silence_s: float) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        model: str,
+        address: Address,
+        silence_s: float,
+        simulation: Simulation | None = None,
+    ) -> None:
+        """Listen; the machine's clock does not go before `run`.
+
+        Args:
+            robot: The machine.
+            model: Its model, which an executive has to name.
+            address: Where to listen.
+            silence_s: After so long without a sign of the executive the machine stops [s].
+            simulation: What a simulated machine has beside; None for a real one.
+
+        Raises:
+            ConfigError: If the address is in use or cannot be made.
+        """
         self._robot = robot
         self._model = model
         self._silence_s = silence_s
@@ -48,8 +88,12 @@ class MachineServer:
         self._is_driven = False  # from the first sign of life on, silence counts
         self._guests: list[Connection] = []  # connected, of either role or none yet
         self._supervisors: list[Connection] = []
-        self._origin_s = time.monotonic()
-        self._time_s = 0.0
+        self._simulation = simulation or Simulation()
+        self._is_simulated = simulation is not None
+        self._surveys: list[SurveyUnderWay] = []
+        self._time_s = self._simulation.begins_s
+        self._origin_s = time.monotonic() - self._time_s
+        self._alone_since_s = time.monotonic()
         self._status_s = 0.0
         self._speed = 0.0
         self.slipped_s = 0.0
@@ -57,8 +101,11 @@ class MachineServer:
 
     def run(self) -> None:
         """Serve until `is_ended` is set, as a signal handler does."""
+        self._origin_s = time.monotonic() - self._time_s
+        self._alone_since_s = time.monotonic()
         try:
             while not self.is_ended:
+                self._give_surveys()
                 self._wait()
                 self._accept()
                 for one in list(self._guests):
@@ -70,6 +117,16 @@ class MachineServer:
             for one in self._guests:
                 one.close()
             self._listening.close()
+
+    @property
+    def time_s(self) -> float:
+        """The machine's clock [s]."""
+        return self._time_s
+
+    @property
+    def alone_s(self) -> float:
+        """For how long no executive has been connected [s]."""
+        return 0.0 if self._executive is not None else time.monotonic() - self._alone_since_s
 
     def _wait(self) -> None:
         due_s = self._origin_s + self._time_s + self.slipped_s + STEP_S - time.monotonic()
@@ -97,6 +154,7 @@ class MachineServer:
             if isinstance(one, JointSample):
                 self._speed = float(np.abs(one.velocity).max(initial=0.0))
         self._tell(observations)
+        self._simulation.tend(self)
 
     def _tell(self, observations: Sequence[Observation]) -> None:
         if self._executive is not None and self._is_driven and not self._is_silent():
@@ -117,6 +175,7 @@ class MachineServer:
             "speed": self._speed,
             "silent_s": silent_s,
             "slipped_s": self.slipped_s,
+            "behind_s": self._robot.behind_s(),
         }
 
     def _notice_silence(self) -> None:
@@ -154,6 +213,7 @@ class MachineServer:
         self._supervisors = [one for one in self._supervisors if one.is_open]
         if self._executive is not None and not self._executive.is_open:
             self._executive, self._is_driven = None, False
+            self._alone_since_s = time.monotonic()
 
     def _take(self, one: Connection, frame: Frame) -> None:
         if frame.kind is Kind.HELLO:
@@ -161,6 +221,8 @@ class MachineServer:
         elif frame.kind is Kind.SAFE_STOP and (one in self._supervisors or one is self._executive):
             self._stop_safely(str(frame.head.get("reason", "")) or "asked for")
             one.post(Frame(Kind.DONE, self._status(), sequence=frame.sequence))
+        elif frame.kind is Kind.SURVEY:
+            self._begin_survey(one, frame)
         elif one is self._executive:
             self._obey(one, frame)
         else:
@@ -188,8 +250,29 @@ class MachineServer:
             "model": self._model,
             "silence_s": self._silence_s,
             "is_ideal": self._robot.is_ideal,
+            "is_simulated": self._is_simulated,
+            "lacks": sorted(self._robot.lacks),
         }
         one.post(Frame(Kind.WELCOME, head, sequence=frame.sequence))
+
+    def _begin_survey(self, one: Connection, frame: Frame) -> None:
+        seed = frame.head.get("seed")
+        survey = self._simulation.survey
+        if survey is None or not isinstance(seed, int) or seed < 0:
+            reason = "the seed of a survey is a count" if survey else "it makes no survey"
+            one.post(Frame(Kind.REFUSED, {"reason": reason}, sequence=frame.sequence))
+            return
+        self._surveys.append(SurveyUnderWay(survey(seed), one, frame.sequence))
+
+    def _give_surveys(self) -> None:
+        """Answer whose survey is done; a large answer leaves in parts."""
+        for survey in list(self._surveys):
+            answer = survey.answer()
+            if answer is not None:
+                self._surveys.remove(survey)
+                survey.asked_by.post(answer)
+        for one in self._guests:
+            one.flush()
 
     def _obey(self, one: Connection, frame: Frame) -> None:
         self._is_driven = self._is_driven or frame.kind is not Kind.RESET
