@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from executive.arrays import Float
+from executive.messages.cloud import Cloud
 
 
 class Breakable(ABC):
@@ -42,6 +43,29 @@ class Photographer(ABC):
 
         Raises:
             RobotError: If this computer cannot draw without a screen; the message names the cure.
+        """
+
+
+class SurveyedAside(ABC):
+    """A simulated robot of whose site a copy can be surveyed while its own world goes on."""
+
+    @abstractmethod
+    def site_now(self) -> Scene:
+        """Return the site as it is now; what happens to the robot's own changes nothing in it."""
+
+
+class SurveyedElsewhere(ABC):
+    """A machine in another process, which makes the survey of its own simulated site."""
+
+    @abstractmethod
+    def survey_of_site(self, seed: int) -> Cloud:
+        """Return the survey that the mission selects, as that process makes it; waits for it.
+
+        Args:
+            seed: All chance of the survey follows from it.
+
+        Raises:
+            DataError: If the machine has no survey, or it came to none; the message says why.
         """
 
 

@@ -3,6 +3,8 @@
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
+import numpy as np
+
 from executive.arrays import Float
 from executive.interfaces.plugin import Plugin
 from executive.messages.cloud import Cloud
@@ -26,9 +28,17 @@ class Mapper(Plugin, ABC):
 
     @abstractmethod
     def mask_held(self, radius_m: float) -> None:
-        """Drop returns within this distance [m] of the space between the jaws, from now on; 0 ends
-        it.
+        """Keep returns within this distance [m] of the space between the jaws, and of what may have
+        slid there, out of the map, from now on; 0 ends it.
         """
+
+    def held(self) -> Cloud:
+        """Return those returns since the last `mask_held`, but for the machine's own, in the frame
+        `gripper`: the surface of what is held, as the lidars have seen it.
+
+        It is empty in a mapper that does not keep them.
+        """
+        return Cloud("gripper", np.empty((0, 3)))
 
     @abstractmethod
     def remove_sphere(self, centre_map: Float, radius_m: float) -> int:

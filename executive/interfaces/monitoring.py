@@ -24,6 +24,12 @@ class Monitor(Plugin, ABC):
         """
         return None
 
+    def standing(self) -> float | None:
+        """Return the probability that the ground carries what is held, of the newest samples and
+        also of a machine that moves; None if it cannot be told.
+        """
+        return None
+
     @abstractmethod
     def begin_hold(self) -> None:
         """Watch from now on: the jaws have closed on a stone."""

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
 
 from executive.interfaces.robot import Robot
 from executive.messages.base_state import BaseState
@@ -31,7 +31,6 @@ class MissionView:
     Attributes:
         states: Estimated states, about one a second.
         stones: The objects of the database at the end.
-        first_stones: Each as it was first seen.
         slots: The slot on which the mission placed each stone, by the stone's id.
         attempts: All attempts at stones in order of time.
         histories: What happened to each object of the database, oldest first, by its id; None
@@ -43,12 +42,35 @@ class MissionView:
 
     states: Sequence[BaseState]
     stones: Sequence[Stone]
-    first_stones: Sequence[Stone]
     slots: Mapping[int, Slot]
     attempts: Sequence[Attempt]
     histories: Mapping[int, Sequence[StoneEvent]] | None = None
     map_cloud: Cloud | None = None
     registered_survey: Cloud | None = None
+
+
+class Witness(ABC):
+    """A simulated robot that can leave its truth in a file, for an oracle in another process."""
+
+    @abstractmethod
+    def write_truth(self, path: Path) -> None:
+        """Write what has happened since the start, whole or not at all.
+
+        Raises:
+            OSError: If the file cannot be written.
+        """
+
+    @abstractmethod
+    def read_truth(self, path: Path, zero_s: float) -> None:
+        """Take the truth of an equal robot, made from equal settings and an equal seed.
+
+        Args:
+            path: What `write_truth` wrote.
+            zero_s: The time of that robot's clock that is taken as zero [s].
+
+        Raises:
+            DataError: If the file is missing, damaged, or of another site.
+        """
 
 
 class Oracle(ABC):
@@ -58,5 +80,5 @@ class Oracle(ABC):
     def __init__(self, robot: Robot) -> None: ...
 
     @abstractmethod
-    def truth(self, view: MissionView) -> dict[str, Any]:
+    def truth(self, view: MissionView) -> dict[str, object]:
         """Return the report's `truth` section (docs/how-to/read_a_run.md)."""

@@ -1,7 +1,7 @@
 """What every plugin has in common."""
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from executive.config import NoSettings, Settings
 
@@ -27,7 +27,8 @@ class Plugin:
       gives such a value or a DataError; no value holds a NaN. Any other exception is a fault of the
       plugin, and ends the mission in a safe stop.
     - Verbs are called within a tick, in one thread, and must be done within a share of it, unless
-      `latency_s` names them: those are computed as jobs, beside the tick where `is_stateless`.
+      `latency_s` names them: those are computed as jobs, beside the tick where `is_stateless`. On
+      the wall clock, verbs that `beside_tick` names are called in another thread.
     - Answers, inputs and settings can be pickled, for a verb may be computed in another process.
     """
 
@@ -52,6 +53,17 @@ class Plugin:
     # process has died; the others are computed within the tick, once.
     is_stateless: ClassVar[bool] = False
 
+    # Verbs of a plugin with state that change nothing and take more than a share of a tick. On the
+    # wall clock one thread beside the tick computes them, one after the other, while the tick goes
+    # on calling the other verbs: the plugin guards what both use, and lets the tick wait for no
+    # longer than its own short verbs take. In lock-step they are computed within the tick. `keep`
+    # may be among them.
+    beside_tick: ClassVar[tuple[str, ...]] = ()
+
+    # Whether its long verbs wait for another process that computes them. On the wall clock they are
+    # then awaited in a thread beside the tick.
+    is_remote: bool = False
+
     # Modules that the plugin imports only when it starts, because they take long. What worker
     # processes are forked from imports them first, so that a worker is soon replaced.
     late_imports: ClassVar[tuple[str, ...]] = ()
@@ -67,7 +79,7 @@ class Plugin:
     # nothing.
     revision: int = 0
 
-    def keep(self) -> Mapping[str, Any]:
+    def keep(self) -> Mapping[str, object]:
         """Return what the plugin has learnt and a restarted one could not measure anew.
 
         It is written into the run's folder as the mission goes, and `restore` is given it when a
@@ -76,7 +88,7 @@ class Plugin:
         """
         return {}
 
-    def restore(self, kept: Mapping[str, Any]) -> None:
+    def restore(self, kept: Mapping[str, object]) -> None:
         """Take back what `keep` returned in a run that was cut off; called once, after `start`."""
 
     def start(self) -> None:

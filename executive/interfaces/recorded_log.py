@@ -16,11 +16,14 @@ class RecordedBody:
             altitude [m].
         is_described: Whether the sensors' noise and mounting come from a machine's description.
             If not, the mounting comes from the log's static transforms and the noise is a guess.
+        clock_std_s: Standard deviation of what is left of the receivers' clocks after a calibration
+            [s]; None if none was made.
     """
 
     imus: Sequence[str]
     datum: tuple[float, float, float]
     is_described: bool
+    clock_std_s: float | None = None
 
 
 class LogPlugin(Plugin):

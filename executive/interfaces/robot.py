@@ -1,5 +1,6 @@
 """The machine: real, simulated, or replayed."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import ClassVar
@@ -17,6 +18,14 @@ class RobotSettings(PluginSettings):
 
     model: str = Field("m545", description="Folder under robot_models, or a path to one.")
 
+    # Whether the machine is simulated: on the wall clock it then lives in a process of its own.
+    is_simulated: ClassVar[bool] = False
+
+    @property
+    def may_tip(self) -> bool:
+        """Whether the machine stands free where its file does not say so."""
+        return False
+
 
 class Robot(Plugin, ABC):
     """Measures and moves. Its settings class derives from RobotSettings."""
@@ -24,7 +33,7 @@ class Robot(Plugin, ABC):
     capability = "robot"
 
     # Kinds of the machine's sensors that the backend does not have: nobody waits for them.
-    lacks: ClassVar[frozenset[str]] = frozenset()
+    lacks: frozenset[str] = frozenset()
 
     # Whether the machine lives by its own clock, whoever reads: the kit then reads at the times
     # that it names, and does not ask for the same bytes twice.
@@ -67,6 +76,32 @@ class Robot(Plugin, ABC):
         mission time stood still. Mission time goes on when this is 0 or less. By default it is 0.
         """
         return 0.0
+
+    def latest_s(self) -> float:
+        """Return the latest machine time that it can be now [s].
+
+        The clock of a simulation that is too slow for its computer falls behind the wall clock, and
+        the mission's waits for it. A real machine's does not: infinity, as by default.
+        """
+        return math.inf
+
+    def zero_s(self) -> float:
+        """Return what the machine's own clock showed when the mission began [s].
+
+        By default it is 0: the machine's clock is that of the mission.
+        """
+        return 0.0
+
+    def taken_up_s(self, cut_off_s: float) -> float:
+        """Return the machine time at which a mission that was cut off goes on [s].
+
+        Args:
+            cut_off_s: Machine time at which its last tick ended [s].
+
+        Returns:
+            That time, unless the machine has lived on: then its own; called after `restore`.
+        """
+        return cut_off_s
 
     @abstractmethod
     def stop(self) -> None:

@@ -1,7 +1,7 @@
 """Surveying: a cloud of the site from elsewhere, such as a drone."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -22,6 +22,12 @@ class Survey(Plugin, ABC):
 
         Raises:
             DataError: If there is no usable survey; the message names the file and the cure.
+        """
+
+    def follow(self, tell: Callable[[str], None]) -> None:
+        """Hand progress to a function, a line a step, from now on.
+
+        A survey that takes no time says nothing.
         """
 
     def account(self) -> Mapping[str, float | tuple[str, ...]]:

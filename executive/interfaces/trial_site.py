@@ -3,7 +3,6 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -59,5 +58,5 @@ class StructureJudge(ABC):
     """
 
     @abstractmethod
-    def judge(self, built: AsBuilt) -> Mapping[str, Any]:
+    def judge(self, built: AsBuilt) -> Mapping[str, object]:
         """Return the figures of a structure as plain values, SI units in the names."""

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from executive.config import NoSettings, Settings
 
@@ -58,7 +58,7 @@ class Work(ABC):
         """
 
     @abstractmethod
-    def run(self, piece: Piece) -> Mapping[str, Any]:
+    def run(self, piece: Piece) -> Mapping[str, object]:
         """Do the work, and return what JSON can hold.
 
         Raises:

@@ -2,11 +2,11 @@
 
 import hashlib
 from enum import Enum
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from executive.arrays import checked
+from executive.arrays import Float, checked
 from executive.messages.parts import parts
 
 
@@ -33,7 +33,7 @@ def first_difference(a: object, b: object) -> str:
     return "" if digest(a) == digest(b) else "the number of parts"
 
 
-def locked(values: Any) -> np.ndarray[Any, Any]:
+def locked(values: ArrayLike) -> Float:
     """Return a read-only array of its own, as a mission hands arrays over."""
     array = np.array(values, dtype=np.float64)
     return checked("values", array, *array.shape)

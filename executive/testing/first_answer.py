@@ -8,7 +8,7 @@ from typing import Any
 from executive.clock import wall_s
 from executive.messages.parts import parts
 from executive.testing.digest import content
-from executive.testing.exercise import Exercise, RefusedError
+from executive.testing.exercise import AnyExercise, RefusedError
 from executive.testing.subject import Subject
 
 
@@ -53,7 +53,7 @@ class _Timed:
         return call
 
 
-def answer_of(subject: Subject, exercise: Exercise[Any]) -> Answer:
+def answer_of(subject: Subject, exercise: AnyExercise) -> Answer:
     """Run the exercise over a new plugin."""
     inputs = exercise.inputs(subject.machine)
     before = _content(inputs)
@@ -71,5 +71,5 @@ def answer_of(subject: Subject, exercise: Exercise[Any]) -> Answer:
     return Answer(value, refusal, failure, longest_s, before, _content(inputs))
 
 
-def _content(inputs: Mapping[str, Any]) -> tuple[tuple[str, bytes], ...]:
+def _content(inputs: Mapping[str, object]) -> tuple[tuple[str, bytes], ...]:
     return tuple((path, content(part)) for path, part in parts(inputs))

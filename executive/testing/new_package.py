@@ -2,7 +2,10 @@
 
 import re
 from importlib.resources import files
+from importlib.util import find_spec
+from keyword import iskeyword
 from pathlib import Path
+from sys import stdlib_module_names
 
 from executive import registry
 from executive.errors import ConfigError, did_you_mean
@@ -23,7 +26,8 @@ def new_package(capability: str, name: str, into: Path) -> tuple[Path, ...]:
         The files that were written.
 
     Raises:
-        ConfigError: If there is no such capability, the name is no name, or the folder exists.
+        ConfigError: If there is no such capability, the name is no name or that of a module which
+            Python finds, or the folder exists.
     """
     templates = files("executive.testing") / "templates"
     known = sorted(one.name.removesuffix(".py.txt") for one in templates.iterdir())
@@ -34,6 +38,8 @@ def new_package(capability: str, name: str, into: Path) -> tuple[Path, ...]:
     folder = into / name
     if folder.exists():
         raise ConfigError(f"{folder} exists already: choose another name or folder with --into")
+    if taken := _taken_by(name):
+        raise ConfigError(f"'{name}' is taken: {taken}; choose another name")
     class_name = "".join(word.capitalize() for word in name.split("_"))
     group, announced = (
         (registry.BEHAVIOURS, class_name) if capability == LEAF else (capability, name)
@@ -51,6 +57,22 @@ def new_package(capability: str, name: str, into: Path) -> tuple[Path, ...]:
     for file, content in written.items():
         (folder / file).write_text(content, encoding="utf-8")
     return tuple(folder / file for file in written)
+
+
+def _taken_by(name: str) -> str:
+    """Return what else has the name, or an empty text; nothing is imported.
+
+    The package's module is installed beside all others, and the first of two of one name on the
+    path hides the other.
+    """
+    if iskeyword(name):
+        return "it is a word of Python"
+    if name in stdlib_module_names:
+        return "Python's library has a module of that name"
+    found = find_spec(name)
+    if found is None or found.origin is None:  # a folder without __init__.py hides no module
+        return ""
+    return f"{found.origin} has that name"
 
 
 _PYPROJECT = """\

@@ -8,8 +8,9 @@ import pytest
 
 from executive import registry
 from executive.errors import ConfigError
+from executive.interfaces.plugin import Plugin
 from executive.machine.machine import Machine
-from executive.testing.exercise import Exercise, exercise_of
+from executive.testing.exercise import AnyExercise, exercise_of
 from executive.testing.first_answer import Answer, answer_of
 from executive.testing.subject import Subject, subject_of
 
@@ -110,14 +111,14 @@ def _hostile(subject: Subject) -> list[str]:
 
 
 @pytest.fixture
-def make(subject: Subject) -> Iterator[Callable[[], Any]]:
+def make(subject: Subject) -> Iterator[Callable[[], Plugin]]:
     """Make started plugins; all are closed at the end."""
     with ExitStack() as stack:
         yield lambda: stack.enter_context(subject.started())
 
 
 @pytest.fixture(scope="module")
-def shared(subject: Subject) -> Iterator[Any]:
+def shared(subject: Subject) -> Iterator[Plugin | None]:
     """One plugin for many calls where it says is_stateless, to start it once; else None."""
     if not subject.plugin_class.is_stateless:
         yield None
@@ -127,7 +128,7 @@ def shared(subject: Subject) -> Iterator[Any]:
 
 
 @pytest.fixture
-def plugin(make: Callable[[], Any]) -> Any:
+def plugin(make: Callable[[], Plugin]) -> Plugin:
     """One started plugin of its own for each check."""
     return make()
 
@@ -139,7 +140,7 @@ def machine(subject: Subject) -> Machine:
 
 
 @pytest.fixture
-def exercise(subject: Subject) -> Exercise[Any]:
+def exercise(subject: Subject) -> AnyExercise:
     """The exercise of the plugin's capability."""
     found = exercise_of(subject.capability)
     if found is None:

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -52,12 +51,12 @@ class Subject:
         own = self.settings.model if isinstance(self.settings, RobotSettings) else None
         return load_machine(own or self.model)
 
-    def make(self, stack: ExitStack) -> Any:
+    def make(self, stack: ExitStack) -> Plugin:
         """Return a new plugin, not started; what it needs is started, and closed by the stack."""
         return self._made(self.plugin_class, self.settings, (), stack)
 
     @contextmanager
-    def started(self) -> Iterator[Any]:
+    def started(self) -> Iterator[Plugin]:
         """Give a new plugin, started; it is closed at the end, also after an error."""
         with ExitStack() as stack:
             plugin = self.make(stack)
@@ -75,7 +74,7 @@ class Subject:
         made: Plugin = plugin(settings, **given)  # type: ignore[call-arg]
         return made
 
-    def _given(self, name: str, path: tuple[str, ...], stack: ExitStack) -> Any:
+    def _given(self, name: str, path: tuple[str, ...], stack: ExitStack) -> object:
         if name == "machine":
             return self.machine
         if name == "rng":

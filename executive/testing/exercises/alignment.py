@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -38,14 +38,22 @@ def clouds() -> tuple[Cloud, Cloud]:
     return Cloud("map", corner(1).copy()), Cloud("model", transform(inverse(T_TRUE), corner(2)))
 
 
-class AlignmentExercise(Exercise[Aligner]):
+class AlignmentInputs(TypedDict):
+    """Two clouds and where the search begins."""
+
+    target: Cloud
+    source: Cloud
+    T_target_source: Float
+
+
+class AlignmentExercise(Exercise[Aligner, AlignmentInputs]):
     """One source to its target, from the identity."""
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> AlignmentInputs:
         target, source = clouds()
         return {"target": target, "source": source, "T_target_source": locked(np.eye(4))}
 
-    def run(self, plugin: Aligner, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: Aligner, inputs: AlignmentInputs) -> object:
         guess = inputs["T_target_source"]
         return plugin.align(inputs["target"], inputs["source"], guess, 0.3)
 

@@ -1,7 +1,7 @@
 """Building: a short wall of boxes on level ground, and inventories that offer nothing."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -48,13 +48,20 @@ def boxes() -> tuple[SolidStone, ...]:
     return tuple(box(f"box_{k}", 0.7 + 0.1 * k, 0.6, 0.35) for k in range(4))
 
 
-class BuildingExercise(Exercise[StructurePlanner]):
+class BuildingInputs(TypedDict):
+    """Bare ground and the stones for it."""
+
+    built: AsBuilt
+    inventory: tuple[SolidStone, ...]
+
+
+class BuildingExercise(Exercise[StructurePlanner, BuildingInputs]):
     """The first stone of a wall."""
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> BuildingInputs:
         return {"built": bare(), "inventory": boxes()}
 
-    def run(self, plugin: StructurePlanner, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: StructurePlanner, inputs: BuildingInputs) -> object:
         rng = np.random.default_rng(0)
         return plugin.propose(inputs["built"], inputs["inventory"], rng)
 

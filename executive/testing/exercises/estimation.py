@@ -1,7 +1,7 @@
 """Estimation: a machine at rest about the map's origin, and measurements that help nobody."""
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -50,14 +50,20 @@ def feed_rest(estimator: Estimator, machine: Machine) -> None:
         estimator.add(observation)
 
 
-class EstimationExercise(Exercise[Estimator]):
+class EstimationInputs(TypedDict):
+    """What the sensors of a machine at rest measure."""
+
+    observations: tuple[Observation | LidarIncrement, ...]
+
+
+class EstimationExercise(Exercise[Estimator, EstimationInputs]):
     """Six seconds of rest, and one lidar increment."""
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> EstimationInputs:
         increment = LidarIncrement(5.8, 5.9, "lidar_horizontal", np.eye(4), np.eye(6) * 1e-4)
         return {"observations": (*rest(machine), increment)}
 
-    def run(self, plugin: Estimator, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: Estimator, inputs: EstimationInputs) -> object:
         for observation in inputs["observations"]:
             plugin.add(observation)
         return plugin.state(), tuple(plugin.account())

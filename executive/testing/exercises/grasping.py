@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -36,14 +36,22 @@ def egg() -> tuple[Stone, Cloud]:
     return stone_of(stone), Cloud("map", np.concatenate([stone, ground]))
 
 
-class GraspingExercise(Exercise[GraspPlanner]):
+class GraspingInputs(TypedDict):
+    """A stone, the site around it and where the machine stands."""
+
+    target: Stone
+    cloud: Cloud
+    T_map_base: Float
+
+
+class GraspingExercise(Exercise[GraspPlanner, GraspingInputs]):
     """One plan for the egg."""
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> GraspingInputs:
         stone, cloud = egg()
         return {"target": stone, "cloud": cloud, "T_map_base": locked(np.eye(4))}
 
-    def run(self, plugin: GraspPlanner, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: GraspPlanner, inputs: GraspingInputs) -> object:
         rng = np.random.default_rng(3)
         return plugin.plan(inputs["target"], inputs["cloud"], inputs["T_map_base"], rng)
 

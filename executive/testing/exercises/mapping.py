@@ -1,7 +1,7 @@
 """Mapping: pairs of scans of ground and a wall, and scans that show nothing."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -67,10 +67,20 @@ def filled(mapper: Mapper, machine: Machine) -> Mapper:
     return mapper
 
 
-class MappingExercise(Exercise[Mapper]):
+class MappingInputs(TypedDict):
+    """Scans, the motions in which they were taken, and where to look."""
+
+    pairs: tuple[tuple[LidarScan, ...], ...]
+    motions: tuple[Motion, ...]
+    centre_map: Float
+    sector: Sector
+    points_map: Float
+
+
+class MappingExercise(Exercise[Mapper, MappingInputs]):
     """Two pairs, a sphere out, its surface in."""
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> MappingInputs:
         stamps = (1.0, 1.1)
         return {
             "pairs": tuple(tuple(pair(machine, t, k)) for k, t in enumerate(stamps)),
@@ -80,7 +90,7 @@ class MappingExercise(Exercise[Mapper]):
             "points_map": locked(CENTRE + np.random.default_rng(0).uniform(-0.5, 0.5, (500, 3))),
         }
 
-    def run(self, plugin: Mapper, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: Mapper, inputs: MappingInputs) -> object:
         kept = [
             plugin.add_scan_pair(scans, moved)
             for scans, moved in zip(inputs["pairs"], inputs["motions"], strict=True)

@@ -1,7 +1,7 @@
 """Monitoring: ten seconds of a steady hold, of a lost stone, and samples out of order."""
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -44,13 +44,19 @@ def feed(monitor: Monitor, machine: Machine, jaw_rad: Float, boom_effort: Float)
     return [verdict for verdict in verdicts if verdict is not None]
 
 
-class MonitoringExercise(Exercise[Monitor]):
+class MonitoringInputs(TypedDict):
+    """The joints while a stone is lost."""
+
+    samples: tuple[JointSample, ...]
+
+
+class MonitoringExercise(Exercise[Monitor, MonitoringInputs]):
     """A hold whose stone is lost in the middle."""
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> MonitoringInputs:
         return {"samples": tuple(samples(machine, lost(0.4, 0.0), lost(2.5e5, 0.0)))}
 
-    def run(self, plugin: Monitor, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: Monitor, inputs: MonitoringInputs) -> object:
         plugin.begin_hold()
         told = [plugin.update(sample) for sample in inputs["samples"]]
         plugin.end_hold()

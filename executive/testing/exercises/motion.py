@@ -1,7 +1,7 @@
 """Motion: a turn beside the machine, a sweep, and goals that no arm reaches."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -38,10 +38,19 @@ def request(machine: Machine, goal: Float, obstacles: Cloud | None = None) -> Mo
     return MoveRequest(start, goal.copy(), np.eye(4), 0.2, 0.2, around, None, 0.3)
 
 
-class MotionExercise(Exercise[MotionPlanner]):
+class MotionInputs(TypedDict):
+    """A move, a pose to reach, and postures to begin with."""
+
+    request: MoveRequest
+    T_base_gripper: Float
+    seed: Float
+    start: Float
+
+
+class MotionExercise(Exercise[MotionPlanner, MotionInputs]):
     """A pose, a move and a sweep."""
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> MotionInputs:
         return {
             "request": request(machine, beside(machine, 1.2)),
             "T_base_gripper": locked(beside(machine, 1.0)),
@@ -49,7 +58,7 @@ class MotionExercise(Exercise[MotionPlanner]):
             "start": locked(machine.posture("scan")),
         }
 
-    def run(self, plugin: MotionPlanner, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: MotionPlanner, inputs: MotionInputs) -> object:
         reached = plugin.reach(inputs["T_base_gripper"], inputs["seed"])
         move = plugin.move(inputs["request"])
         return reached, move, plugin.swing(inputs["start"], 1.0, 12.0)

@@ -1,10 +1,11 @@
 """Objects: boulders that are seen, held, moved and seen again, and segments of nothing."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
+from executive.arrays import Float
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import pose
 from executive.geometry.rotation import from_rpy
@@ -29,17 +30,28 @@ def boulder(x: float, y: float) -> Segment:
     return Segment(0, points, points.mean(axis=0), np.array([1.0, 0.8, 0.7]))
 
 
-def _segment(points: Any) -> Segment:
+def _segment(points: Float) -> Segment:
     middle = points.mean(axis=0) if len(points) else np.zeros(3)
     return Segment(0, points.copy(), middle, np.zeros(3))
 
 
-class ObjectsExercise(Exercise[ObjectDatabase]):
+class ObjectsInputs(TypedDict):
+    """Two boulders, and what happens to one of them."""
+
+    segments: tuple[Segment, ...]
+    map_cloud: Cloud
+    centre_map: Float
+    T_grasp: Float
+    T_release: Float
+    T_map_map: Float
+
+
+class ObjectsExercise(Exercise[ObjectDatabase, ObjectsInputs]):
     """Two stones, one of which is moved and seen again."""
 
     may_raise = (DataError, ConfigError)
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> ObjectsInputs:
         return {
             "segments": (boulder(5, 0), boulder(0, 4)),
             "map_cloud": Cloud("map", np.vstack([boulder(5, 0).points, boulder(0, 4).points])),
@@ -49,7 +61,7 @@ class ObjectsExercise(Exercise[ObjectDatabase]):
             "T_map_map": locked(pose(from_rpy(0, 0, 0.2), np.array([0.1, 0, 0]))),
         }
 
-    def run(self, plugin: ObjectDatabase, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: ObjectDatabase, inputs: ObjectsInputs) -> object:
         plugin.open(IN_MEMORY)
         first = plugin.observe(inputs["segments"], 1.0, False)
         number = first[0].id

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
+from executive.arrays import Float
 from executive.interfaces.odometry import LidarOdometry
 from executive.machine.machine import Machine
 from executive.messages.lidar import LidarScan
@@ -38,20 +39,26 @@ def scan(stamp_s: float) -> LidarScan:
     return LidarScan(stamp_s, FRAME, directions * ranges[:, None], np.full(len(ranges), stamp_s))
 
 
-class OdometryExercise(Exercise[LidarOdometry]):
+class OdometryInputs(TypedDict):
+    """The scans of a drive."""
+
+    scans: tuple[LidarScan, ...]
+
+
+class OdometryExercise(Exercise[LidarOdometry, OdometryInputs]):
     """Half a second at rest."""
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> OdometryInputs:
         return {"scans": tuple(scan(k / 10) for k in range(1, SCANS + 1))}
 
-    def run(self, plugin: LidarOdometry, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: LidarOdometry, inputs: OdometryInputs) -> object:
         return [plugin.add_scan(one) for one in inputs["scans"]]
 
     def hostile(self, machine: Machine) -> Mapping[str, Callable[[LidarOdometry], object]]:
         def after_one(*scans: LidarScan) -> Callable[[LidarOdometry], object]:
             return lambda plugin: [plugin.add_scan(one) for one in (scan(0.1), *scans)]
 
-        def of(points: Any, stamp_s: float = 0.2, frame: str = FRAME) -> LidarScan:
+        def of(points: Float, stamp_s: float = 0.2, frame: str = FRAME) -> LidarScan:
             return LidarScan(stamp_s, frame, points, np.full(len(points), stamp_s))
 
         return {

@@ -1,7 +1,7 @@
 """Placing: three stones on level ground, and ground that offers no place."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -51,10 +51,20 @@ def bare(ground: Cloud) -> Segmentation:
     return Segmentation("map", (), ground, LEVEL.copy())
 
 
-class PlacingExercise(Exercise[PlacementPlanner]):
+class PlacingInputs(TypedDict):
+    """A site, a held stone and where the machine stands."""
+
+    segmentation: Segmentation
+    stone: Stone
+    T_map_gripper: Float
+    cloud: Cloud
+    T_map_base: Float
+
+
+class PlacingExercise(Exercise[PlacementPlanner, PlacingInputs]):
     """Five slots, and a way to the first of them, or to a given one where there is none."""
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> PlacingInputs:
         return {
             "segmentation": site(),
             "stone": stone_at(5.0, 0.0),
@@ -63,7 +73,7 @@ class PlacingExercise(Exercise[PlacementPlanner]):
             "T_map_base": locked(BASE),
         }
 
-    def run(self, plugin: PlacementPlanner, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: PlacementPlanner, inputs: PlacingInputs) -> object:
         base = inputs["T_map_base"]
         slots = plugin.slots(inputs["segmentation"], base, 5)
         slot = slots[0] if slots else Slot(1, np.array([0.0, 6.0, 0.0]))

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -50,13 +50,20 @@ def survey(stones_seed: int, scale: float = 1.006) -> Cloud:
     return Cloud("survey", transform(inverse(T_TRUE), site(stones_seed, 77) * scale))
 
 
-class RegistrationExercise(Exercise[Registrar]):
+class RegistrationInputs(TypedDict):
+    """A map and a survey of one site."""
+
+    target: Cloud
+    source: Cloud
+
+
+class RegistrationExercise(Exercise[Registrar, RegistrationInputs]):
     """One survey to its map."""
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> RegistrationInputs:
         return {"target": mapped(1), "source": survey(1)}
 
-    def run(self, plugin: Registrar, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: Registrar, inputs: RegistrationInputs) -> object:
         return plugin.register(inputs["target"], inputs["source"], np.random.default_rng(3))
 
     def hostile(self, machine: Machine) -> Mapping[str, Callable[[Registrar], object]]:

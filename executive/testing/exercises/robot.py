@@ -1,7 +1,7 @@
 """A robot: measurements at rest, a motion, stops, and commands that cannot be followed."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -42,19 +42,27 @@ def turn(
     return JointTrajectory(arm, times, start + share[:, None] * along, rate[:, None] * along)
 
 
-class RobotExercise(Exercise[Robot]):
+class RobotInputs(TypedDict):
+    """The joints to command, and a command for the jaws."""
+
+    arm: tuple[str, ...]
+    joint: str
+    jaws: MoveJaws
+
+
+class RobotExercise(Exercise[Robot, RobotInputs]):
     """Ten ticks at rest, ten along a turn of the cabin, ten after a stop; then a safe stop."""
 
     may_raise = (RobotError, DataError)
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> RobotInputs:
         return {
             "arm": machine.arm_names,
             "joint": machine.turn_joint,
             "jaws": MoveJaws(0.5 * machine.jaw.open_rad, 1000.0),
         }
 
-    def run(self, plugin: Robot, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: Robot, inputs: RobotInputs) -> object:
         measured: list[Observation] = []
 
         def ticks(first: int, last: int) -> None:

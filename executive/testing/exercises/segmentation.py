@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -35,13 +35,20 @@ def site(shift: Float | float = 0.0) -> Float:
     return _site() + shift
 
 
-class SegmentationExercise(Exercise[Segmenter]):
+class SegmentationInputs(TypedDict):
+    """A site, and a survey of it."""
+
+    cloud: Cloud
+    survey: Cloud
+
+
+class SegmentationExercise(Exercise[Segmenter, SegmentationInputs]):
     """One cloud to its segments, and two clouds to one."""
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> SegmentationInputs:
         return {"cloud": Cloud("map", site()), "survey": Cloud("map", site(0.02)[::3])}
 
-    def run(self, plugin: Segmenter, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: Segmenter, inputs: SegmentationInputs) -> object:
         merged = plugin.merge([inputs["cloud"], inputs["survey"]])
         return plugin.segment(inputs["cloud"]), merged
 

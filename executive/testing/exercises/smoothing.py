@@ -1,21 +1,28 @@
 """Smoothing: six seconds of rest, all at once, and recordings that say nothing."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TypedDict
 
 from executive.interfaces.smoothing import TrajectorySmoother
 from executive.machine.machine import Machine
+from executive.messages.observation import Observation
 from executive.testing.exercise import Exercise
 from executive.testing.exercises.estimation import rest
 
 
-class SmoothingExercise(Exercise[TrajectorySmoother]):
+class SmoothingInputs(TypedDict):
+    """What the sensors of a machine at rest measure."""
+
+    observations: tuple[Observation, ...]
+
+
+class SmoothingExercise(Exercise[TrajectorySmoother, SmoothingInputs]):
     """One recording."""
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> SmoothingInputs:
         return {"observations": tuple(rest(machine))}
 
-    def run(self, plugin: TrajectorySmoother, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: TrajectorySmoother, inputs: SmoothingInputs) -> object:
         return tuple(plugin.smooth(inputs["observations"]))
 
     def hostile(self, machine: Machine) -> Mapping[str, Callable[[TrajectorySmoother], object]]:

@@ -1,7 +1,6 @@
 """Surveying: one survey of the site that the plugin is set to."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -14,10 +13,10 @@ from executive.testing.exercise import Exercise, RefusedError
 class SurveyingExercise(Exercise[Survey]):
     """One survey; a plugin that has nothing to survey raises DataError, and says why."""
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> Mapping[str, object]:
         return {}
 
-    def run(self, plugin: Survey, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: Survey, inputs: Mapping[str, object]) -> object:
         try:
             return plugin.survey(np.random.default_rng(0))
         except DataError as error:

@@ -1,9 +1,8 @@
 """Viewing: one value of each kind that a mission shows, and some that nobody knows."""
 
 import tempfile
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -56,13 +55,19 @@ def messages(machine: Machine) -> list[tuple[str, object]]:
     ]
 
 
-class ViewingExercise(Exercise[Viewer]):
+class ViewingInputs(TypedDict):
+    """Messages of all kinds, each by the entity that shows it."""
+
+    messages: list[tuple[str, object]]
+
+
+class ViewingExercise(Exercise[Viewer, ViewingInputs]):
     """A recording of everything; a viewer answers nothing."""
 
-    def inputs(self, machine: Machine) -> Mapping[str, Any]:
+    def inputs(self, machine: Machine) -> ViewingInputs:
         return {"messages": messages(machine)}
 
-    def run(self, plugin: Viewer, inputs: Mapping[str, Any]) -> object:
+    def run(self, plugin: Viewer, inputs: ViewingInputs) -> object:
         with tempfile.TemporaryDirectory() as folder:
             plugin.open(str(Path(folder) / "recording.rrd"))
             for k, (entity, value) in enumerate(inputs["messages"]):

@@ -2,13 +2,13 @@
 
 import pickle
 from collections.abc import Callable
-from typing import Any
 
 import pytest
 
+from executive.interfaces.plugin import Plugin
 from executive.messages.parts import place_of_nan
 from executive.testing.digest import digest, first_difference
-from executive.testing.exercise import Exercise
+from executive.testing.exercise import AnyExercise
 from executive.testing.first_answer import Answer, answer_of
 from executive.testing.spawned import spawned_digest
 from executive.testing.subject import Subject
@@ -28,7 +28,7 @@ def test_its_inputs_stay_as_they_were(first_answer: Answer) -> None:
 
 
 def test_it_gives_the_same_bytes_twice(
-    subject: Subject, exercise: Exercise[Any], answered: Answer
+    subject: Subject, exercise: AnyExercise, answered: Answer
 ) -> None:
     if getattr(subject.plugin_class, "has_own_clock", False):
         pytest.skip("it lives by its own clock: what it measures depends on when it is read")
@@ -65,10 +65,10 @@ def test_a_spawned_process_gives_the_same_answer(
 
 
 def test_a_hostile_input_gives_a_value_or_a_refusal(
-    shared: Any,
-    make: Callable[[], Any],
+    shared: Plugin | None,
+    make: Callable[[], Plugin],
     subject: Subject,
-    exercise: Exercise[Any],
+    exercise: AnyExercise,
     hostile_input: str,
 ) -> None:
     plugin = make() if shared is None else shared

@@ -2,7 +2,6 @@
 
 import inspect
 import json
-from typing import Any
 
 import pytest
 from pydantic import ValidationError
@@ -14,27 +13,27 @@ from executive.leaf.action import Action, Condition, Leaf
 from executive.testing.suites.test_settings import fields_of, is_bounded, is_number
 
 
-def test_it_is_an_action_or_a_condition(leaf: type[Leaf[Any]]) -> None:
+def test_it_is_an_action_or_a_condition(leaf: type[Leaf[Settings]]) -> None:
     kinds = [kind for kind in (Action, Condition) if issubclass(leaf, kind)]
     assert len(kinds) == 1, "it must derive from either Action or Condition"
 
 
-def test_it_implements_its_verb(leaf: type[Leaf[Any]]) -> None:
+def test_it_implements_its_verb(leaf: type[Leaf[Settings]]) -> None:
     missing = sorted(getattr(leaf, "__abstractmethods__", ()))
     assert not missing, f"not implemented: {', '.join(missing)}"
 
 
-def test_it_says_what_it_does(leaf: type[Leaf[Any]]) -> None:
+def test_it_says_what_it_does(leaf: type[Leaf[Settings]]) -> None:
     assert (leaf.__doc__ or "").strip(), "the class has no docstring; `executive words` prints it"
 
 
-def test_each_port_is_described(leaf: type[Leaf[Any]]) -> None:
+def test_each_port_is_described(leaf: type[Leaf[Settings]]) -> None:
     ports = {**leaf.inputs, **leaf.outputs}
     missing = [name for name, port in ports.items() if not port.doc]
     assert not missing, f"no description: {', '.join(missing)}; name them under Args or Attributes"
 
 
-def test_it_needs_interfaces_that_are_installed(leaf: type[Leaf[Any]]) -> None:
+def test_it_needs_interfaces_that_are_installed(leaf: type[Leaf[Settings]]) -> None:
     for interface in leaf.needs:
         assert issubclass(interface, Plugin), f"needs names {interface}, which is no interface"
         assert interface.capability in registry.capabilities(), (
@@ -42,7 +41,7 @@ def test_it_needs_interfaces_that_are_installed(leaf: type[Leaf[Any]]) -> None:
         )
 
 
-def examples_of(settings: type[Settings]) -> dict[str, Any]:
+def examples_of(settings: type[Settings]) -> dict[str, object]:
     """Return the first example of each field that is a value, not an expression over keys."""
     values = {
         name: [one for one in field.examples or () if not (isinstance(one, str) and "{" in one)]
@@ -51,9 +50,9 @@ def examples_of(settings: type[Settings]) -> dict[str, Any]:
     return {name: found[0] for name, found in values.items() if found}
 
 
-def test_it_is_made_without_a_mission(leaf: type[Leaf[Any]]) -> None:
+def test_it_is_made_without_a_mission(leaf: type[Leaf[Settings]]) -> None:
     class Untouched:
-        def __getattr__(self, name: str) -> Any:
+        def __getattr__(self, name: str) -> object:
             raise AssertionError(f"the constructor calls context.{name}: it may only store it")
 
     examples = examples_of(leaf.Settings)
@@ -64,12 +63,12 @@ def test_it_is_made_without_a_mission(leaf: type[Leaf[Any]]) -> None:
     leaf(leaf.Settings.model_validate(examples), Untouched())  # type: ignore[arg-type]
 
 
-def test_an_action_waits_in_a_generator(leaf: type[Leaf[Any]]) -> None:
+def test_an_action_waits_in_a_generator(leaf: type[Leaf[Settings]]) -> None:
     if issubclass(leaf, Action):
         assert inspect.isgeneratorfunction(leaf.run), "run must yield where it waits"
 
 
-def test_its_settings_are_described_bounded_and_closed(leaf: type[Leaf[Any]]) -> None:
+def test_its_settings_are_described_bounded_and_closed(leaf: type[Leaf[Settings]]) -> None:
     assert issubclass(leaf.Settings, Settings), "Settings must derive from executive.config"
     for path, field in fields_of(leaf.Settings):
         assert (field.description or "").strip(), f"no description: {path}"

@@ -1,11 +1,10 @@
 """The life of every plugin: started once, closed once or more, whatever happened between."""
 
 from contextlib import ExitStack
-from typing import Any
 
 import pytest
 
-from executive.testing.exercise import Exercise
+from executive.testing.exercise import AnyExercise
 from executive.testing.subject import Subject
 
 
@@ -24,7 +23,7 @@ def test_it_can_be_closed_without_a_start(subject: Subject) -> None:
         subject.make(stack).close()
 
 
-def test_it_can_be_closed_after_a_refused_input(subject: Subject, exercise: Exercise[Any]) -> None:
+def test_it_can_be_closed_after_a_refused_input(subject: Subject, exercise: AnyExercise) -> None:
     calls = exercise.hostile(subject.machine)
     if not calls:
         pytest.skip(f"the exercise of {subject.capability} has no hostile input")

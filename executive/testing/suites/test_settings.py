@@ -3,7 +3,6 @@
 import json
 import pickle
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 from pydantic import ValidationError
@@ -77,7 +76,7 @@ def test_its_settings_survive_a_mission_file_and_a_pickle(subject: Subject) -> N
     assert again == settings
 
 
-def is_number(annotation: Any) -> bool:
+def is_number(annotation: object) -> bool:
     """Return whether a field holds one number, or may hold none."""
     return annotation in (int, float, int | None, float | None)
 
