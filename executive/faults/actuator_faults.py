@@ -1,10 +1,11 @@
 """The faults of actuators: what a drive makes of a command, in front of any robot."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from executive.arrays import Float
 from executive.faults.description import ARM, JAWS, ActuatorFault
 from executive.interfaces.facilities import Breakable
 from executive.interfaces.robot import Robot
@@ -60,6 +61,34 @@ class FaultyActuator:
             return Follow(self._slowed(command.trajectory))
         return command
 
+    @property
+    def is_of_arm(self) -> bool:
+        """Whether it keeps the arm from its path, which shows only as the path goes on."""
+        return bool(self._joints)
+
+    def withheld(self, robot: Robot, way: "Way", since_s: float) -> float:
+        """Return by how much the worst joint is off a sound one with its lag [rad] or [m].
+
+        A sound drive is between the motion that is commanded now and that of its declared lag ago.
+        A sluggish one makes its share of it. A simulated one without pressure does not hold its
+        joint, which goes on at the speed that it had when that began, as long as no other force
+        acts on it.
+
+        Args:
+            robot: The robot, which may take the loss of pressure itself.
+            way: What it was commanded.
+            since_s: Machine time at which the fault began [s].
+        """
+        commanded = way.commanded(since_s, self._machine.stance.tracking_lag_s)
+        if commanded is None:
+            return 0.0
+        coasts = isinstance(robot, Breakable) and self.fault.how == "no_pressure"
+        made = commanded.coasted if coasts else self._share * commanded.now
+        low = np.minimum(commanded.now, commanded.lagged)
+        high = np.maximum(commanded.now, commanded.lagged)
+        is_faulty = np.isin(commanded.names, self._joints)
+        return float(np.maximum(low - made, made - high)[is_faulty].max(initial=0.0))
+
     def _jaws(self, command: MoveJaws) -> MoveJaws | None:
         if self.fault.how == "sluggish":
             return replace(command, force_n=max(self._share * command.force_n, _NO_FORCE_N))
@@ -81,6 +110,23 @@ class FaultyActuator:
             robot.weaken(name, share)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Commanded:
+    """The motion of each joint since an instant [rad] or [m], shape (n,) each.
+
+    Attributes:
+        names: The joints.
+        now: Commanded up to now.
+        lagged: Commanded up to the drives' lag ago.
+        coasted: What a joint makes that goes on at the speed which was commanded at that instant.
+    """
+
+    names: tuple[str, ...]
+    now: Float
+    lagged: Float
+    coasted: Float
+
+
 class Way:
     """The path that the robot follows, so that a fault can act in the middle of it.
 
@@ -91,16 +137,33 @@ class Way:
     def __init__(self, now_s: Callable[[], float]) -> None:
         self._now_s = now_s
         self._trajectory: JointTrajectory | None = None
+        self._wanted: JointTrajectory | None = None
         self._began_s = 0.0
 
-    def take(self, command: Command) -> None:
-        """Take a command that the robot has accepted."""
-        if isinstance(command, Follow):
-            self._trajectory, self._began_s = command.trajectory, self._now_s()
+    def take(self, given: Command, reaching: Command) -> None:
+        """Take a command of the mission, and what of it has reached the robot."""
+        if isinstance(given, Follow) and isinstance(reaching, Follow):
+            self._wanted, self._trajectory = given.trajectory, reaching.trajectory
+            self._began_s = self._now_s()
 
     def stop(self) -> None:
         """Take a stop: the rest of the path is the robot's own."""
-        self._trajectory = None
+        self._trajectory = self._wanted = None
+
+    def commanded(self, since_s: float, lag_s: float) -> "Commanded | None":
+        """Return what was commanded since a machine time [s]; None if nothing is followed."""
+        wanted = self._wanted
+        if wanted is None:
+            return None
+        begin_s = max(since_s - self._began_s, 0.0)
+        now_s = max(self._now_s() - self._began_s, begin_s)
+        before, speed = wanted.at(begin_s)
+        return Commanded(
+            names=wanted.names,
+            now=wanted.at(now_s)[0] - before,
+            lagged=wanted.at(max(now_s - lag_s, begin_s))[0] - before,
+            coasted=speed * (now_s - begin_s),
+        )
 
     def rest(self) -> JointTrajectory | None:
         """Return what is left of the path; None if that is nothing."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from executive.clock import Clock
 from executive.events.event import Event
-from executive.events.fault import FaultInjected, FaultRemoved
+from executive.events.fault import FaultInjected, FaultRemoved, FaultShows
 from executive.events.node import NodeStarted
 from executive.faults.actuator_faults import FaultyActuator, Way
 from executive.faults.description import ActuatorFault, Fault, PluginFault, SensorFault
@@ -35,6 +35,7 @@ class Armed:
         is_active: Whether it was active at the last tick.
         acted: How many samples, commands or calls it has changed.
         spans: Begin and end of each time that it was active [s]; the end is None while it is.
+        is_hidden: It has begun and cannot be seen yet.
     """
 
     number: int
@@ -43,13 +44,14 @@ class Armed:
     is_active: bool = False
     acted: int = 0
     spans: list[tuple[float, float | None]] = field(default_factory=list)
+    is_hidden: bool = False
 
 
 class Injector:
     """The faults of one mission; without faults it changes nothing."""
 
     def __init__(self, faults: Sequence[Fault], machine: Machine, seed: int, clock: Clock) -> None:
-        self._clock = clock
+        self._clock, self._machine = clock, machine
         self._armed = [
             Armed(number, fault, Schedule(fault, _rng(seed, number, 0)))
             for number, fault in enumerate(faults, 1)
@@ -109,11 +111,14 @@ class Injector:
                 one.schedule.node_started(node, self.now_s())
 
     def step(self) -> None:
-        """Begin and end faults; called at the start of each tick."""
+        """Begin and end faults, and tell which show; called at the start of each tick."""
         now_s = self.now_s()
         for one in self._armed:
             if one.schedule.is_active(now_s) != one.is_active:
                 self._turn(one, now_s)
+        for one, actuator in self._actuators:
+            if one.is_hidden:
+                self._show(one, actuator)
 
     def report(self) -> list[dict[str, Any]]:
         """Return the report's section on faults: what was injected, and when."""
@@ -128,6 +133,12 @@ class Injector:
             for one in self._armed
         ]
 
+    def _show(self, one: Armed, actuator: FaultyActuator) -> None:
+        withheld = actuator.withheld(self._robot, self._way, one.spans[-1][0])
+        if withheld > self._machine.stance.tracking_error:
+            one.is_hidden = False
+            self._record(FaultShows(one.number, withheld))
+
     def _turn(self, one: Armed, now_s: float) -> None:
         one.is_active = not one.is_active
         told = one.number, one.fault.target, str(one.fault.how)
@@ -136,13 +147,14 @@ class Injector:
             for armed, faulty in self._sensors:
                 if armed is one:
                     faulty.begin()
-            self._record(FaultInjected(*told))
+            one.is_hidden = any(it.is_of_arm for armed, it in self._actuators if armed is one)
+            self._record(FaultInjected(*told, one.is_hidden))
             for armed, actuator in self._actuators:
                 if armed is one:
                     actuator.begin(self._robot, self._command, self._way)
                     one.acted += 1
         else:
-            one.spans[-1] = (one.spans[-1][0], now_s)
+            one.spans[-1], one.is_hidden = (one.spans[-1][0], now_s), False
             for armed, actuator in self._actuators:
                 if armed is one:
                     actuator.end(self._robot)
@@ -165,7 +177,7 @@ class Injector:
                 reaching = altered
         if reaching is not None:
             command(reaching)
-            self._way.take(reaching)
+            self._way.take(given, reaching)
 
     def _stopped(self, stop: Callable[[], None]) -> None:
         self._way.stop()

@@ -8,7 +8,9 @@ from executive.config import Bytes, Seconds, Settings
 class JobSettings(Settings):
     """Limits of the verbs that are computed as jobs.
 
-    A plugin that declares `limit_s` for a verb sets the limit of time itself.
+    A plugin that declares `limit_s` for a verb sets the limit of time itself. Limits of verbs are
+    times on the wall in real time; in lock-step they are processor times, so that a busy computer
+    ends no mission, and a verb that does not compute at all is ended after that time on the wall.
     """
 
     limit_factor: float = Field(

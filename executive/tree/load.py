@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 
+from executive.errors import did_you_mean
 from executive.tree.catalogue import Catalogue, InstalledCatalogue
 from executive.tree.claims import ClaimCheck
 from executive.tree.dataflow.nodes import Dataflow
@@ -23,10 +24,12 @@ from executive.tree.problem import Problems
 from executive.tree.reading import Reading
 from executive.tree.region_reader import read_regions
 from executive.tree.settings import check_settings
-from executive.tree.sources import Layer, layers, libraries
+from executive.tree.sources import Layer, layers, libraries, shipped_folder, shown
 from executive.tree.traversal import uses_of
 from executive.tree.tree_reader import read_trees
 from executive.tree.value import Table, TableEntry, merged
+
+_TREES = "trees"
 
 
 def load_mission(
@@ -41,7 +44,7 @@ def load_mission(
     Args:
         path_or_name: A path that ends in `.yaml`, or a shipped mission's name.
         overrides: `capability.field=value` or `loop.field=value`, later ones over earlier ones;
-            settings of another file with their places there.
+            settings and trees (`trees.NAME`) of another file with their places there.
         catalogue: What can be chosen; all that is installed by default.
         is_for_here: Whether it is to run here: the machine's file, and what plugins refuse of this
             machine and of this computer, are checked too.
@@ -83,7 +86,8 @@ def _load(
     selected = plugins.read(plugin_table)
     regions = read_regions(_regions(found, reading), reading)
     reading = replace(reading, regions=regions, instances=instances_of(selected))
-    trees = read_trees(_trees(found, reading), libraries(mission.path, reading), reading)
+    given = _trees(found, placed, reading)
+    trees = read_trees(given, libraries(mission.path, reading), reading)
     trees = check_port_types(trees, reading)
     is_broken = "plugins" in mission.table.entries and not plugin_table.entries  # and reported
     if not is_broken and not reading.problems.is_partial:
@@ -96,6 +100,8 @@ def _load(
     if is_for_here:
         check_machine(plugins.written, reading)
     name, description = _titles(mission, reading)
+    if not mission.path.is_relative_to(shipped_folder()):  # a shipped one is not what is mistaken
+        reading.problems.tell_of(shown(mission.path))
     reading.problems.raise_errors()
     return MissionFile(
         name=name,
@@ -123,7 +129,7 @@ def _settings(
         if over_plugins:
             plugins = layered(plugins, over_plugins)
     for setting in placed:
-        if head(setting) not in SECTIONS:
+        if head(setting) not in (*SECTIONS, _TREES):
             loop, plugins = apply_override(setting, loop, plugins, reading)
     return loop, plugins
 
@@ -140,8 +146,12 @@ def _regions(found: Sequence[Layer], reading: Reading) -> Table | None:
     return Table(entries, given[-1].mark) if given else None
 
 
-def _trees(found: Sequence[Layer], reading: Reading) -> Table | None:
-    """Lay the trees of a mission over those of its base; a tree is replaced as a whole."""
+def _trees(
+    found: Sequence[Layer], placed: Sequence[PlacedSetting], reading: Reading
+) -> Table | None:
+    """Lay the trees of a mission over those of its base, and `trees.NAME` of another file over
+    both; a tree is replaced as a whole.
+    """
     is_given = any("trees" in layer.table.entries for layer in found)
     if not is_given and not reading.problems.is_partial:
         reading.fail(found[-1].table, "'trees' is missing")
@@ -149,6 +159,14 @@ def _trees(found: Sequence[Layer], reading: Reading) -> Table | None:
     entries: dict[str, TableEntry] = {}
     for table in given:
         entries.update(table.entries)
+    for setting in placed:
+        section, _, name = setting.key.partition(".")
+        if section == _TREES and name in entries:
+            entries[name] = TableEntry(setting.mark, setting.value)
+        elif section == _TREES:
+            near = did_you_mean(name, entries)
+            told = f"the mission has no tree '{name}' of its own to replace{near}"
+            reading.problems.error(setting.mark, told)
     return Table(entries, given[-1].mark) if given else None
 
 

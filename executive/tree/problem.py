@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from executive.errors import ConfigError
 
+_FILES = (".yaml", ".yml")
 _LONGEST = 1000  # characters of a message; what was typed may be a whole book
 
 
@@ -73,6 +74,16 @@ class Problems:
     def warnings(self) -> tuple[Problem, ...]:
         """Return the warnings in the order of their places."""
         return tuple(p for p in self.all() if p.severity == "warning")
+
+    def tell_of(self, mission: str) -> None:
+        """Name the mission, too, if all mistakes are in other files that it uses.
+
+        Args:
+            mission: The mission's file, as marks name it.
+        """
+        files = sorted({p.mark.file for p in self._found if p.severity == "error"})
+        if files and mission not in files and all(one.endswith(_FILES) for one in files):
+            self.error(Mark(mission), f"it uses what has mistakes: {', '.join(files)}")
 
     def raise_errors(self) -> None:
         """Raise all mistakes, if there are any.

@@ -63,11 +63,8 @@ def _shipped() -> dict[str, Path]:
 
 def _find_base(name: str, folder: Path) -> Path | None:
     """Return the path of a base: a file beside the extending one, else a shipped mission."""
-    near = [
-        folder / name,
-        *([folder / f"{name}.yaml", shipped_folder() / f"{name}.yaml"] if _is_word(name) else []),
-    ]
-    return next((path for path in near if _is_file(path)), None)
+    near = [folder / name, *([folder / f"{name}.yaml"] if _is_word(name) else [])]
+    return next((path for path in near if _is_file(path)), _shipped().get(name))
 
 
 def _is_word(text: str) -> bool:

@@ -54,6 +54,15 @@ def asks(node: Node, trees: Mapping[str, Tree]) -> bool:
     )
 
 
+def uses_leaf(name: str, tree: str, trees: Mapping[str, Tree]) -> bool:
+    """Return whether a tree, or one that it calls, uses a leaf."""
+    return any(
+        any(use.name == name for use in uses_of(one))
+        or (isinstance(one.kind, Call) and uses_leaf(name, one.kind.tree, trees))
+        for one in trees[tree].root.walk()
+    )
+
+
 def leaves_of(condition: Condition) -> Iterator[LeafUse]:
     """Yield the leaves in a condition."""
     if isinstance(condition, LeafUse):

@@ -27,6 +27,7 @@ from executive.tree.modifiers import (
     WhileNode,
 )
 from executive.tree.node_kinds import Branch, Call, CheckKeys, Group, Kind, Set, Switch
+from executive.tree.resolved import source_value
 from executive.tree.small_nodes import CallNode
 from executive.tree.traversal import uses_of
 
@@ -121,7 +122,9 @@ class _LiveWriter:
             case Switch(source=source):
                 return Element("Switch", variable=f"{{{source.key}}}")
             case Set(values=values):
-                return Element("SetKeys", {key: str(one) for key, one in values.items()})
+                return Element(
+                    "SetKeys", {key: str(source_value(one)) for key, one in values.items()}
+                )
             case CheckKeys(condition=condition):
                 return Element("Expression", expression=condition_text(condition))
             case Call():

@@ -8,7 +8,8 @@ not be declared with types to be checked.
 """
 
 from collections.abc import Iterable, Mapping
-from typing import Any
+from dataclasses import replace
+from typing import Annotated, Any
 
 from executive.tree.dataflow.keys import ANYTHING, TEXT, UNKNOWN, Keys, Types
 from executive.tree.dataflow.wires import Wires, mark_of, shown_source
@@ -271,6 +272,9 @@ class _TreeFlow:
                 types = UNKNOWN  # reported once, not again inside
             if types and isinstance(source, Ref):  # values are not followed through many calls
                 types = frozenset(map(_of_any_value, types))
+            elif types:
+                given = f"'call: {kind.tree}' at {mark_of(source, kind.mark)} gives it"
+                types = frozenset(_given_by(one, given) for one in types)
             inside.update({} if types is None else {port: types or UNKNOWN})
         return inside
 
@@ -280,3 +284,12 @@ def _of_any_value(kind: Any) -> Any:
         return kind
     dimension = dimension_of(kind)
     return bare(kind) if dimension in (None, PLAIN) else number(dimension, bare(kind))
+
+
+def _given_by(kind: Any, given: str) -> Any:
+    """Return a type whose value, if it has only one, tells which call gives it."""
+    known = known_value(kind)
+    if known is None:
+        return kind
+    notes = (one if one is not known else replace(known, given=given) for one in kind.__metadata__)
+    return Annotated[(kind.__origin__, *notes)]

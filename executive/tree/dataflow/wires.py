@@ -99,13 +99,14 @@ class Wires:
     def _values(self, use: LeafUse, name: str, source: Ref, types: Types) -> None:
         """Report a setting whose value is known before the start and out of bounds."""
         known = [known_value(one) for one in types]
-        refused = [(one.value, refusal(use.leaf.Settings, name, one.value)) for one in known if one]
+        refused = [(one, refusal(use.leaf.Settings, name, one.value)) for one in known if one]
         if refused and len(refused) == len(known) and all(told for _, told in refused):
-            value, told = refused[0]
+            one, told = refused[0]
+            given = f": {one.given}" if one.given else ""
             self._problems.error(
                 source.mark,
                 f"setting '{name}' of {use.name}: {told[:1].lower()}{told[1:]}, and key "
-                f"'{source.key}' is {value!r}",
+                f"'{source.key}' is {one.value!r}{given}",
             )
 
     def input(self, port: str, source: Source, is_optional: bool, owner: str) -> Types | None:

@@ -8,7 +8,7 @@ import re
 import types
 import typing
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from functools import cache, lru_cache
 from typing import Any
@@ -85,9 +85,15 @@ def _is_count(kind: Any) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """Marks a type whose only value is written in the file."""
+    """Marks a type whose only value is written in a file.
+
+    Attributes:
+        value: The value.
+        given: Which call gives it to a tree, and where, for messages; empty within a tree.
+    """
 
     value: Any
+    given: str = field(default="", compare=False)
 
 
 def known_value(kind: Any) -> Known | None:

@@ -13,7 +13,7 @@ from executive.arrays import Float
 from executive.config import UNITS, Quantity
 from executive.events.event import plain
 
-_NAMES = {float: "number", int: "whole number", str: "text", bool: "true or false"}
+_NAMES = {object: "any", float: "number", int: "whole number", str: "text", bool: "true or false"}
 _SIGNS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤"}
 
 
