@@ -69,11 +69,11 @@ class Leaf(Generic[Own]):
         return OnResume.FAIL if cls.parts() else OnResume.REDO
 
     @property
-    def state(self) -> dict[str, Any]:
+    def state(self) -> dict[str, object]:
         """Return what the leaf remembers beyond one call; kept, and restored on resuming."""
         return {k: v for k, v in vars(self).items() if k not in ("settings", "context")}
 
-    def restore(self, state: Mapping[str, Any]) -> None:
+    def restore(self, state: Mapping[str, object]) -> None:
         """Take back what `state` returned."""
         vars(self).update(state)
 
@@ -95,10 +95,10 @@ class Action(Leaf[Own], ABC):
     """
 
     @abstractmethod
-    def run(self, *args: Any, **kwargs: Any) -> Steps[Any]:  # each leaf names its own ports
+    def run(self, *args: Any, **kwargs: Any) -> Steps[object]:  # each leaf names its own ports
         """Do what the leaf is for; the parameters are the input ports by name."""
 
-    def verify(self, *args: Any, **kwargs: Any) -> Steps[Any]:  # with the ports of `run`
+    def verify(self, *args: Any, **kwargs: Any) -> Steps[object]:  # with the ports of `run`
         """Look how far a call that was cut off is, and do the rest; see `OnResume.VERIFY`."""
         raise NotImplementedError(f"{type(self).__name__} declares VERIFY and has no `verify`")
 
@@ -107,5 +107,5 @@ class Condition(Leaf[Own], ABC):
     """A leaf that answers at once."""
 
     @abstractmethod
-    def check(self, *args: Any, **kwargs: Any) -> Outcome[Any]:  # each leaf names its own ports
+    def check(self, *args: Any, **kwargs: Any) -> Outcome[object]:  # each leaf names its own ports
         """Answer; the parameters are the input ports by name."""

@@ -15,6 +15,7 @@ class Part(StrEnum):
     CABIN = "cabin"
     JAWS = "jaws"
     LIDARS = "lidars"
+    WHEELS = "wheels"
     MACHINE = "machine"  # the whole of it: overlaps with each other part
 
 

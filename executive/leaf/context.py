@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar
 
 import numpy as np
 
@@ -49,11 +49,12 @@ class Context(ABC):
         verb: Callable[Arguments, Value],
         *args: Arguments.args,
         **kwargs: Arguments.kwargs,
-    ) -> Generator[Job[Value], Any, Value]:
+    ) -> Generator[Job[Value], Value, Value]:
         """Call a verb that takes long and wait for its result without blocking the tick.
 
         Use it as `plan = yield from self.context.job(motion.move, request)`, where `motion` is what
-        `use` returned. What the verb raises is raised where the leaf waits.
+        `use` returned. What the verb raises is raised where the leaf waits. A leaf's own function
+        that computes for long is called in the same way; it takes and returns values alone.
         """
         value: Value = yield self.start(verb, *args, **kwargs)
         return value
@@ -65,7 +66,9 @@ class Context(ABC):
         *args: Arguments.args,
         **kwargs: Arguments.kwargs,
     ) -> Job[Value]:
-        """Start a verb of a plugin and return its job, for a leaf that waits in its own way."""
+        """Start a verb of a plugin, or a leaf's own function, and return its job, for a leaf that
+        waits in its own way.
+        """
 
     @abstractmethod
     def rng(self) -> "np.random.Generator":
@@ -125,6 +128,10 @@ class Context(ABC):
 
     def payload_kg(self) -> float | None:
         """Return the mass in the jaws now [kg], of a machine at rest; None if no monitor tells."""
+        return None
+
+    def standing(self) -> float | None:
+        """Return the probability that the ground carries what is held; None if no monitor tells."""
         return None
 
     def is_given_up(self, stone: int) -> bool:

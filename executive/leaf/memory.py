@@ -4,7 +4,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
 
 from executive.leaf.outcome import Outcome
 
@@ -33,8 +32,8 @@ class Recalled:
         has_begun: The leaf was begun in this visit or taken up again.
     """
 
-    outcome: Outcome[Any] | None
-    written: Mapping[str, Any]
+    outcome: Outcome[object] | None
+    written: Mapping[str, object]
     has_begun: bool = False
 
 
@@ -50,7 +49,7 @@ class Memory(ABC):
         """Return how this visit of a leaf went; None in the present. Asked at each visit."""
 
     @abstractmethod
-    def called(self, node: str, inputs: Mapping[str, Any], *, is_irreversible: bool) -> None:
+    def called(self, node: str, inputs: Mapping[str, object], *, is_irreversible: bool) -> None:
         """Keep that a leaf is to begin; an irreversible one, on the disk before this returns."""
 
     @abstractmethod
@@ -61,14 +60,14 @@ class Memory(ABC):
     def answered(
         self,
         node: str,
-        outcome: Outcome[Any],
-        written: Mapping[str, Any],
-        state: Mapping[str, Any],
+        outcome: Outcome[object],
+        written: Mapping[str, object],
+        state: Mapping[str, object],
         *,
         is_condition: bool,
     ) -> None:
         """Keep what a leaf answered, with its own state; a condition's answer if it changed."""
 
     @abstractmethod
-    def attach(self, node: str, restore: Callable[[Mapping[str, Any]], None]) -> None:
+    def attach(self, node: str, restore: Callable[[Mapping[str, object]], None]) -> None:
         """Name what takes back the state of a leaf."""

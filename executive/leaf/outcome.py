@@ -1,7 +1,7 @@
 """The result of a leaf: success with its outputs, or failure with a reason."""
 
 from dataclasses import dataclass
-from typing import Any, Generic, Never, TypeVar, overload
+from typing import Generic, Never, TypeVar, overload
 
 Result = TypeVar("Result")
 Result_co = TypeVar("Result_co", covariant=True)
@@ -28,7 +28,7 @@ class Outcome(Generic[Result_co]):
 def succeeded(*, reason: str = "") -> Outcome[None]: ...
 @overload
 def succeeded(outputs: Result, reason: str = "") -> Outcome[Result]: ...
-def succeeded(outputs: Any = None, reason: str = "") -> Outcome[Any]:
+def succeeded(outputs: object = None, reason: str = "") -> Outcome[object]:
     """Return a success, with the leaf's result if it has one."""
     return Outcome(True, reason, outputs)
 
@@ -37,7 +37,7 @@ def succeeded(outputs: Any = None, reason: str = "") -> Outcome[Any]:
 def failed(reason: str, *, is_final: bool = False) -> Outcome[Never]: ...
 @overload
 def failed(reason: str, outputs: Result, *, is_final: bool = False) -> Outcome[Result]: ...
-def failed(reason: str, outputs: Any = None, *, is_final: bool = False) -> Outcome[Any]:
+def failed(reason: str, outputs: object = None, *, is_final: bool = False) -> Outcome[object]:
     """Return a failure; outputs are written all the same, so that a recovery can read them.
 
     Args:

@@ -30,7 +30,7 @@ class Port:
             that may stay unwritten.
     """
 
-    type: Any
+    type: object
     doc: str
     optional: bool = False
 
@@ -83,7 +83,7 @@ def outputs_of(method: Callable[..., object]) -> dict[str, Port]:
     return ports
 
 
-def written_by(outcome: Outcome[Any]) -> Mapping[str, Any]:
+def written_by(outcome: Outcome[object]) -> Mapping[str, object]:
     """Return the values of the outputs that an outcome brings; None counts as unwritten."""
     result = outcome.outputs
     if result is None or not is_dataclass(result):

@@ -1,28 +1,23 @@
 """Move the arm's joints to given positions, around what is known: the step that leaves share."""
 
-from collections.abc import Generator
-from typing import Any
-
 from executive.arrays import Float
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.robot import Robot
+from executive.leaf.action import Steps
 from executive.leaf.context import Context
 from executive.leaf.follow import follow
-from executive.leaf.outcome import Outcome, failed
+from executive.leaf.outcome import failed
 from executive.leaf.rest import come_to_rest
-from executive.leaf.surroundings import held_surface, surroundings
+from executive.leaf.surroundings import held_kg, held_stone, held_surface, surroundings
 from executive.messages.hold import Hold
 from executive.messages.request import PostureRequest
-from executive.messages.stone import StoneState
 
 POSTURE_NEEDS = (Robot, MotionPlanner, Mapper, ObjectDatabase)
 
 
-def move_to_posture(
-    context: Context, goal: Float, hold: Hold | None
-) -> Generator[Any, Any, Outcome[None]]:
+def move_to_posture(context: Context, goal: Float, hold: Hold | None) -> Steps[None]:
     """Plan a way to joint positions and follow it; the jaws stay as they are.
 
     Args:
@@ -31,26 +26,23 @@ def move_to_posture(
         hold: How a stone is held. It counts only while the database says that the stone is held,
             since the key outlives the grasp.
     """
-    held = _held_stone(context)
+    held = held_stone(context)
     if held is not None and (hold is None or hold.stone_id != held):
         return failed(f"stone {held} is held, and the input 'hold' does not say how", is_final=True)
     if moving := (yield from come_to_rest(context)):
         return failed(moving)
+    obstacles = yield from surroundings(context, held)
     request = PostureRequest(
         start=context.arm(),
         goal=goal,
         T_map_base=context.state().T_map_base,
-        obstacles=surroundings(context, held),
+        obstacles=obstacles,
         held_gripper=None if held is None or hold is None else held_surface(context, hold),
         jaw_rad=context.joints().of(context.machine().jaw.name)[0],
+        held_kg=None if held is None else held_kg(context),
     )
     plan = yield from context.job(context.use(MotionPlanner).move_joints, request)
     if plan.trajectory is None:
         return failed(f"no way there: {plan.reason}")
     context.show("path", plan)
     return (yield from follow(context, plan.trajectory))
-
-
-def _held_stone(context: Context) -> int | None:
-    stones = context.use(ObjectDatabase).stones()
-    return next((stone.id for stone in stones if stone.state is StoneState.HELD), None)

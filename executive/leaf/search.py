@@ -1,19 +1,19 @@
 """Search the map for a stone: the step that the leaves which look for stones share."""
 
-from collections.abc import Generator
-from typing import Any
-
 import numpy as np
+from pydantic import Field
 
+from executive.config import Meters
 from executive.events.stone import StoneSoughtAgain
-from executive.interfaces.mapping import Mapper
 from executive.interfaces.objects import ObjectDatabase
-from executive.interfaces.registration import Registrar
 from executive.interfaces.segmentation import Segmenter
+from executive.leaf.action import Steps
 from executive.leaf.context import Context
+from executive.leaf.fitting import registered
+from executive.leaf.form_evidence import FormSettings
 from executive.leaf.lost import mark_lost
-from executive.leaf.outcome import Outcome, failed, succeeded
-from executive.leaf.surroundings import unexplained
+from executive.leaf.outcome import failed, succeeded
+from executive.leaf.surroundings import map_cloud, unexplained
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment, Segmentation
 from executive.messages.stone import Stone, StoneState
@@ -23,7 +23,13 @@ _SHOWN = 0.4  # share of a model's points that a look at the stone shows, as in 
 _SAME_PLACE_M = 0.6  # a segment this near to a stone that is done is that stone
 
 
-def search(context: Context, stone_id: int, radius_m: float) -> Generator[Any, Any, Outcome[None]]:
+class SearchSettings(FormSettings):
+    radius: Meters = Field(
+        4.0, gt=0, le=20, description="Distance from its last known place that is searched [m]."
+    )
+
+
+def search(context: Context, stone_id: int, settings: SearchSettings) -> Steps[None]:
     """Look for a stone in the newest map, and update the database; one that is gone is lost.
 
     The stone's whole model is registered first, in any orientation and beside whatever it leans
@@ -35,16 +41,16 @@ def search(context: Context, stone_id: int, radius_m: float) -> Generator[Any, A
         context: The leaf's view of the mission; it needs mapping, segmentation, registration and
             objects.
         stone_id: Id of the stone.
-        radius_m: Horizontal distance from its last place that is searched [m].
+        settings: How far to search horizontally, and how likely the form has to be.
     """
-    objects = context.use(ObjectDatabase)
+    objects, radius_m = context.use(ObjectDatabase), settings.radius
     known = objects.stone(stone_id)
-    near = context.use(Mapper).cloud().near(known.centroid_map, radius_m)
+    near = (yield from map_cloud(context)).near(known.centroid_map, radius_m)
     if not len(near):
         return failed(f"the map shows nothing around stone {stone_id}")
-    around = unexplained(context, stone_id, radius_m)
+    around = yield from unexplained(context, stone_id, radius_m)
     model = Cloud("map", known.points_map)
-    found = yield from context.job(context.use(Registrar).find, around, model)
+    found = yield from registered(context, around, model, settings)
     if found.accepted:
         note = f"registration, {found.reason}"
         objects.realign(stone_id, found.T_target_source, context.now_s(), note)
@@ -57,7 +63,7 @@ def search(context: Context, stone_id: int, radius_m: float) -> Generator[Any, A
     seen = objects.observe(others, context.now_s(), False)
     ids = tuple(one.id for one in seen)
     context.record(StoneSoughtAgain(stone_id, ids, "segmentation", found.reason))
-    if stone_id in ids or _is_shown(known, around):
+    if stone_id in ids or (yield from context.job(_is_shown, known, around)):
         return succeeded()
     reason = f"stone {stone_id} was not found within {radius_m:.1f} m of its last place"
     mark_lost(context, stone_id, reason)

@@ -39,6 +39,9 @@ class StoneFilter(Settings):
     off: RegionName | None = Field(
         None, description="Region that its outline keeps off, by more than the margin."
     )
+    max_distance: _Length | None = Field(
+        None, description="Distance of its centroid from the chassis that is too far [m]."
+    )
     margin: Meters = Field(
         0.0, ge=0, le=10, description="Distance from a region that counts as touching [m]."
     )
@@ -107,6 +110,7 @@ def _meets(context: Context, one: _Known, wanted: StoneFilter) -> bool:
     return (
         stone.state in wanted.states
         and (wanted.side is None or _SIDES[wanted.side](one.centroid_base))
+        and _within(lambda: float(np.hypot(*one.centroid_base[:2])), None, wanted.max_distance)
         and _lies(context, stone, wanted)
         and _within(lambda: stone.length_m, wanted.min_length, wanted.max_length)
         and _within(lambda: stone.volume_m3, wanted.min_volume, wanted.max_volume)

@@ -1,7 +1,6 @@
 """The values that the leaves of one mission share, by key."""
 
 from collections.abc import Mapping
-from typing import Any
 
 from executive.errors import ConfigError, did_you_mean
 
@@ -9,13 +8,13 @@ from executive.errors import ConfigError, did_you_mean
 class Store:
     """A mission's own keys: two missions in one process do not see each other."""
 
-    def __init__(self, values: Mapping[str, Any] | None = None) -> None:
-        self._values: dict[str, Any] = dict(values or {})
+    def __init__(self, values: Mapping[str, object] | None = None) -> None:
+        self._values: dict[str, object] = dict(values or {})
 
     def __contains__(self, key: str) -> bool:
         return key in self._values
 
-    def get(self, key: str) -> Any:
+    def get(self, key: str) -> object:
         """Return a value.
 
         Raises:
@@ -27,7 +26,7 @@ class Store:
             )
         return self._values[key]
 
-    def set(self, key: str, value: Any) -> None:
+    def set(self, key: str, value: object) -> None:
         """Write a value."""
         self._values[key] = value
 

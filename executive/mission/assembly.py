@@ -10,6 +10,7 @@ import numpy as np
 from executive import registry
 from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
+from executive.interfaces.robot import RobotSettings
 from executive.machine.machine import Machine, load_machine
 from executive.tree.instances import capability_of, chosen_key
 from executive.tree.selection import Selection
@@ -56,7 +57,7 @@ def assemble(selections: Selections, model: str, seed: int) -> Assembly:
         ConfigError: If a plugin needs a capability that is not selected, or plugins need each other
             in a circle.
     """
-    machine = load_machine(model)
+    machine = _machine(selections, model)
     made: dict[str, Any] = {}
     order: list[Plugin] = []
 
@@ -97,6 +98,16 @@ def assemble(selections: Selections, model: str, seed: int) -> Assembly:
             if chosen and capability_of(key) == capability:
                 make(key, ())
     return Assembly(machine, made, tuple(order))
+
+
+def _machine(selections: Selections, model: str) -> Machine:
+    """Return the machine; it may tip where the selected robot says so."""
+    machine = load_machine(model)
+    robots = [chosen.settings for chosen in selections.get("robot", ())]
+    if not any(isinstance(one, RobotSettings) and one.may_tip for one in robots):
+        return machine
+    stance = machine.stance.model_copy(update={"is_free": True})
+    return machine.model_copy(update={"stance": stance})
 
 
 def selected_plugins(plugins: Mapping[str, Any]) -> Iterator[tuple[str, str, Plugin]]:

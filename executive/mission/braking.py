@@ -9,7 +9,7 @@ from executive.clock import Clock
 from executive.errors import RobotError
 from executive.events.event import Event
 from executive.events.mission import PartsReleased
-from executive.leaf.claims import common, joints_of
+from executive.leaf.claims import Part, common, joints_of
 from executive.leaf.rest import Rest, stop_limit_s
 from executive.machine.machine import Machine
 from executive.messages.joints import JointSample
@@ -28,12 +28,14 @@ class _Claim:
     joints: tuple[str, ...]
     since_s: float
     limit_s: float
+    least_s: float = 0.0  # in which a chassis brakes: no joint shows it
     rest: Rest = field(default_factory=Rest)
 
     def stands(self, now_s: float, sample: JointSample) -> bool:
-        """Return whether its joints are at rest."""
+        """Return whether its joints are at rest, and its wheels have had the time to brake."""
         position, velocity, _ = np.array([sample.of(name) for name in self.joints]).T
-        return self.rest.add(now_s, position, velocity)
+        stands = self.rest.add(now_s, position, velocity)
+        return stands and now_s - self.since_s >= self.least_s
 
 
 class Braking:
@@ -56,7 +58,10 @@ class Braking:
         if not joints or sample is None:
             return
         now_s, limit_s = self._clock.machine_s(), stop_limit_s(self._machine, joints)
-        claim = _Claim(node, parts, joints, now_s, limit_s)
+        driving, least_s = self._machine.driving, 0.0
+        if Part.WHEELS in parts and driving is not None:
+            least_s = driving.stop_s(driving.max_speed_m_s)
+        claim = _Claim(node, parts, joints, now_s, limit_s + least_s, least_s)
         if not claim.stands(now_s, sample):
             self._claims.append(claim)
 

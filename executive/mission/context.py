@@ -152,6 +152,10 @@ class NodeContext(Context):
         found = (monitor.payload_kg(self.joints()) for monitor in self._monitors())
         return next((one for one in found if one is not None), None)
 
+    def standing(self) -> float | None:
+        found = (monitor.standing() for monitor in self._monitors())
+        return next((one for one in found if one is not None), None)
+
     def is_given_up(self, stone: int) -> bool:
         return stone in self._services.account.given_up
 

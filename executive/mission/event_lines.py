@@ -1,6 +1,6 @@
 """Events as lines for a person."""
 
-from executive.events import control, fault, mission, site, stone, watch
+from executive.events import control, driving, fault, mission, site, stone, watch
 from executive.events.event import Event
 
 
@@ -27,6 +27,25 @@ def _of_site(event: Event) -> str:
             return "; ".join([f"{len(event.stones)} stones found{others}", *event.warnings])
         case site.SlotsFound():
             return f"{len(event.slots)} free places"
+        case site.BuildingPlanned():
+            on = f" on {len(event.standing)} that stand" if event.standing else ""
+            return f"{event.structure}: stone {event.stone} is next{on}"
+        case site.BuildingEnded():
+            told = f": {event.detail}" if event.detail else ""
+            return f"{event.structure} ends with {len(event.standing)} stones, {event.reason}{told}"
+    return _of_driving(event)
+
+
+def _of_driving(event: Event) -> str:
+    """Return where the machine drives, and how that ends."""
+    match event:
+        case driving.DriveStarted():
+            x, y, _ = event.goal_map
+            return f"drives {event.length_m:.1f} m to ({x:.1f}, {y:.1f})"
+        case driving.DriveEnded():
+            return f"stands {event.off_m:.2f} m off the goal"
+        case driving.DriveFailed():
+            return f"does not drive on: {event.trouble}, {event.reason}"
     return ""
 
 
@@ -39,6 +58,8 @@ def _of_stone(event: Event) -> str:
             return f"stone {event.stone}: grasped at {event.jaw_rad:.2f} rad"
         case stone.JawsClosedOnNothing():
             return f"stone {event.stone}: {event.reason}"
+        case stone.StoneTouchedDown():
+            return f"stone {event.stone}: stands, {event.above_m:+.2f} m from the planned height"
         case stone.StoneReleased():
             return f"stone {event.stone}: set down on slot {event.slot}"
         case stone.StoneLetGo():
@@ -54,6 +75,11 @@ def _of_sighting(event: Event) -> str:
         case stone.StoneRealigned():
             result = "realigned" if event.accepted else f"not realigned: {event.reason}"
             return f"stone {event.stone}: {result}"
+        case stone.StoneSeenInJaws():
+            result = f"kept as expected: {event.reason}"
+            if event.shift_m is not None and event.turn_rad is not None:
+                result = f"{100 * event.shift_m:.1f} cm and {event.turn_rad:.2f} rad off"
+            return f"stone {event.stone}: in the jaws {result}"
         case stone.StoneWeighed():
             return f"stone {event.stone}: weighs {event.mass_kg:.0f} ± {event.std_kg:.0f} kg"
         case stone.PlacementVerified() if event.seen != "placed":
@@ -90,6 +116,8 @@ def _of_faults_and_people(event: Event) -> str:
     match event:
         case fault.FaultInjected():
             return f"fault {event.number} on purpose: {event.target} {event.how}"
+        case fault.FaultShows():
+            return f"fault {event.number} on purpose shows: {event.withheld:.3f} off the path"
         case fault.FaultRemoved():
             return f"fault {event.number} on purpose is over"
         case watch.ObservationRefused():

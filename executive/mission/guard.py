@@ -36,6 +36,7 @@ class GuardSettings:
 
     faults: Sequence[Fault] = ()
     watch: Watched | None = None
+    has_judge: bool = False  # something can judge what the robot has done, in another process
 
 
 class Guard(StreamGuard):
@@ -67,7 +68,7 @@ class Guard(StreamGuard):
         self.scans_not_fused = 0
         self.stale_states = 0  # of those that the report judges
         self.judged: Samples[BaseState] = Samples(_JUDGED)
-        self._has_judge = registry.has_oracle(type(self._robot))
+        self._has_judge = settings.has_judge or registry.has_oracle(type(self._robot))
         tap(self._robot, "command", self._command)
         tap(self._robot, "stop", self._stop)
 
@@ -79,7 +80,7 @@ class Guard(StreamGuard):
         sensor, reason = self._gate.refusal(observation, self._now_s())
         if not sensor:
             return False
-        kind = _kind(reason)
+        kind = _kind(reason) if reason else ""
         self._ages.take(sensor, getattr(observation, "stamp_s", 0.0), reason)
         if reason:
             self.refused[f"{sensor}: {kind}"] += 1
@@ -98,9 +99,13 @@ class Guard(StreamGuard):
         self._is_fusing = not reason
         return not reason
 
-    def step(self) -> Decision:
-        """Look at every condition, and return what to do; once a tick, after the robot was read."""
-        now_s = self._now_s()
+    def step(self, now_s: float) -> Decision:
+        """Look at every condition, and return what to do; once a tick.
+
+        Args:
+            now_s: Machine time at which the robot was read [s]. What the streams have computed
+                since then makes no sample older.
+        """
         troubles = dict(self._ages.troubles(now_s))
         sample = self._streams.joints if self._streams is not None else None
         if sample is not None:

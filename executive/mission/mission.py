@@ -5,29 +5,24 @@ from typing import Any
 
 from executive.clock import wall_s
 from executive.events.event import Event
-from executive.events.mission import (
-    Fault,
-    MissionEnded,
-    PauseEnded,
-    PhaseChanged,
-    StopFailed,
-)
+from executive.events.mission import Fault, MissionEnded, PauseEnded, PhaseChanged, StopFailed
 from executive.events.watch import MissionHeld
 from executive.leaf.runtime import MissionFaultError, Runtime
 from executive.messages.joints import JointSample
 from executive.mission.guard import failure_of
 from executive.mission.hold import Hold
+from executive.mission.jobs.tick_call import observations_of
 from executive.mission.late_ticks import LateTicks
 from executive.mission.node_runtime import NodeRuntime
+from executive.mission.observation import Observation
 from executive.mission.pause import Pause
 from executive.mission.phase import Phase, checked_change
 from executive.mission.record.keeper import Instant, folder_fault
-from executive.mission.record.observation import Observation
 from executive.mission.record.resumption import PastClock, Resumption
 from executive.mission.record.samples import Samples
 from executive.mission.report import Ending
 from executive.mission.setup import Setup
-from executive.mission.standstill import Standstill
+from executive.mission.standstill import Standstill, brake_s
 from executive.supervision.beacon import beacon
 from executive.watch.watch import Decision, Wish
 
@@ -44,7 +39,8 @@ class Mission(NodeRuntime):
         super().__init__(setup)
         self.phase = Phase.IDLE
         plugins, machine = setup.assembly.plugins, setup.assembly.machine
-        self.pause = Pause(setup.clock, plugins, self._events.take_error)
+        self._brake_s = brake_s(machine, plugins)
+        self.pause = Pause(setup.clock, plugins, self._events.take_error, self._brake_s)
         self.late_ticks = LateTicks(setup.tick_s, setup.late_ticks, machine)
         self._hold: Hold | None = None
         self.phase_reason = ""
@@ -79,6 +75,8 @@ class Mission(NodeRuntime):
 
     def run(self, after_tick: Callable[["Mission"], None]) -> Ending:
         """Tick until the tree has ended or the mission is stopped; the machine is then at rest."""
+        if self.memory.history is None:
+            self.clock.start()  # to build the tree took some time, in which nobody read the robot
         self._change(Phase.RUNNING, "")
         self._name_regions()
         if self._setup.heartbeat_limit_s:
@@ -146,8 +144,7 @@ class Mission(NodeRuntime):
             self._follow_stop()
             if not self._is_still:
                 self.injector.step()
-                self._read()
-                self._heed(self.guard.step())
+                self._heed(self.guard.step(self._read()))
             self._follow_pauses()
             if self._ending is None and self.phase is Phase.RUNNING:
                 self.late_ticks.check()
@@ -160,9 +157,12 @@ class Mission(NodeRuntime):
             self._fault(self._errors.fault_of(error))
         self._end_tick()
 
-    def _read(self) -> None:
+    def _read(self) -> float:
+        """Take what was measured, and return the machine time at which that was asked for [s]."""
+        latest_s = self._robot.latest_s()
+        self.clock.wait_for(latest_s)
         started_s, now_s = wall_s(), self.clock.machine_s()
-        observations = self._robot.read(now_s)
+        observations = observations_of(self._robot, now_s)
         read_s = wall_s()
         if self._setup.recorder is not None:
             self._setup.recorder.write(observations, now_s)
@@ -176,6 +176,7 @@ class Mission(NodeRuntime):
         self.pause.watch(self.services.streams.joints)
         self._braking.update(self.services.streams.joints)
         self._follow_stop()
+        return min(now_s, latest_s)
 
     def _tick_tree(self) -> None:
         self.memory.begin_tick(self._tick)
@@ -233,7 +234,7 @@ class Mission(NodeRuntime):
     def _come_to_rest(self, after_tick: Callable[["Mission"], None]) -> None:
         try:
             self._robot.stop()
-            standstill = Standstill(self.clock, self.services.machine)
+            standstill = Standstill(self.clock, self.services.machine, self._brake_s)
             while not standstill.reached(self.services.streams.joints):
                 self._read()
                 self._end_tick()
@@ -247,7 +248,7 @@ class Mission(NodeRuntime):
             return  # it was told to stop, and there is nobody to ask
         try:
             sample, tick_s = self.services.streams.joints, self._setup.tick_s
-            standstill = Standstill(self.clock, self.services.machine)
+            standstill = Standstill(self.clock, self.services.machine, self._brake_s)
             self._tick += standstill.await_alone(self._robot, sample, tick_s)
         except Exception as error:  # the mission has ended in a fault: this is told beside it
             self.record("", StopFailed(f"{type(error).__name__}: {error}"))

@@ -13,7 +13,6 @@ from executive.leaf.runtime import MissionFaultError, Question, Runtime
 from executive.leaf.store import Store
 from executive.machine.kinematics import Kinematics
 from executive.messages.cloud import Cloud
-from executive.messages.stone import Stone
 from executive.mission.braking import Braking
 from executive.mission.context import NodeContext, Services
 from executive.mission.display import Display
@@ -44,8 +43,7 @@ class NodeRuntime(Runtime):
         self.clock = setup.clock
         self.clock.start()
         self.store = Store()
-        # For the report's truth: each stone as it was first shown, and the newest survey.
-        self.first_stones: dict[int, Stone] = {}
+        # For the report's truth: the newest survey.
         self.survey: Cloud | None = None
         self._setup = setup
         self.journal = setup.journal
@@ -116,8 +114,6 @@ class NodeRuntime(Runtime):
         self.injector.heed(node, event)
 
     def show(self, entity: str, value: object) -> None:
-        if isinstance(value, Stone):
-            self.first_stones.setdefault(value.id, value)
         if entity == "survey" and isinstance(value, Cloud):
             self.survey = value
         self._display.show(entity, value)

@@ -15,6 +15,7 @@ class Options:
     record: bool = False
     record_log: Path | None = None
     real_time: bool = False
+    apart: bool = False  # on the wall clock, a simulated machine lives in a process of its own
     runner: str | None = None
     answer: bool | None = None
     choices: tuple[str, ...] = ()
@@ -40,4 +41,5 @@ class Options:
             self.choices,
             self.attended,
             self.pause_on_failure,
+            self.apart,
         )

@@ -28,12 +28,22 @@ class Pause:
         clock: Clock,
         plugins: Mapping[str, Any],
         on_error: Callable[[str, Plugin, Exception], None],
+        brake_s: float = 0.0,
     ) -> None:
+        """Make one that has not begun.
+
+        Args:
+            clock: The mission's clock.
+            plugins: Who is told.
+            on_error: Takes what a plugin raises when it is told.
+            brake_s: How long the chassis may still roll after the stop: no joint shows that [s].
+        """
         self._clock = clock
         self._robot: Robot = plugins["robot"]
         self._plugins = plugins
         self._on_error = on_error
         self._rest = Rest()
+        self._brake_s, self._held_s = brake_s, 0.0
         self._since_wall_s = 0.0
         self._began_s = 0.0
         self._is_ending, self._ends_s = False, 0.0
@@ -63,7 +73,8 @@ class Pause:
         """Look in the newest sample whether the machine is at rest."""
         if self.is_on and not self.stands and not self._is_ending and sample is not None:
             now_s = self._clock.machine_s()
-            self.stands = self._rest.add(now_s, sample.position, sample.velocity)
+            rests = self._rest.add(now_s, sample.position, sample.velocity)
+            self.stands = rests and now_s - self._held_s >= self._brake_s
 
     def must_wait(self, is_over: bool) -> bool:
         """Let the machine go on when the pause is to end; stop it again if the pause is to last.
@@ -88,6 +99,7 @@ class Pause:
     def _hold(self) -> None:
         self._robot.stop()
         self._rest, self.stands, self._is_ending = Rest(), False, False
+        self._held_s = self._clock.machine_s()
 
     def end(self) -> float:
         """Let mission time go on, too; return the machine time that passed [s]."""

@@ -21,7 +21,7 @@ from executive.events.stone import (
 from executive.interfaces.oracle import Attempt
 from executive.messages.verdict import Trouble
 
-_UNFINISHED = "unfinished"
+_UNFINISHED, _PLACED, _RELEASED = "unfinished", "placed", "released, not verified"
 
 
 @dataclass(slots=True)
@@ -42,6 +42,7 @@ class Pick:
     """One relocation of one stone: all attempts at it, and how it ended."""
 
     stone: int
+    is_verified: bool = False  # the mission asks where each stone is that it released
     tries: list[Try] = field(default_factory=list)
     released: StoneReleased | None = None
     estimated_pose: Any = None
@@ -62,7 +63,14 @@ class Pick:
         A mission that does not look (no `VerifyPlacement`) has nothing but the release to go by.
         """
         is_missing = self.verified is not None and self.verified.seen == "unseen"
-        return self.released is not None and not (self.is_off or is_missing or self.lost)
+        is_doubtful = self.is_off or is_missing or self.is_unverified or bool(self.lost)
+        return self.released is not None and not is_doubtful
+
+    @property
+    def is_unverified(self) -> bool:
+        """Whether the mission ended between a release and the look that was to follow."""
+        is_open = self.is_verified and self.verified is None
+        return is_open and self.released is not None and not self.lost
 
     @property
     def is_off(self) -> bool:
@@ -74,6 +82,14 @@ class Pick:
         """Whether the stone was not seen after its release."""
         return self.verified is None or self.verified.seen == "unseen"
 
+    @property
+    def is_turn_unknown(self) -> bool:
+        """Whether it is placed with another surface than it was found with, turned unseen."""
+        return self.is_placed and self.verified is not None and not self.verified.turn_known
+
+    def _outcome_of(self, one: Try) -> str:
+        return _RELEASED if self.is_unverified and one.outcome == _PLACED else one.outcome
+
     def as_report(self) -> dict[str, Any]:
         """Return the entry of the report."""
         released = self.released
@@ -83,7 +99,7 @@ class Pick:
             "attempts": [
                 {
                     "grasp": t.grasp,
-                    "outcome": t.outcome,
+                    "outcome": self._outcome_of(t),
                     "reason": t.reason,
                     "started_s": t.started_s,
                     "ended_s": t.ended_s,
@@ -91,6 +107,7 @@ class Pick:
                 for t in self.tries
             ],
             "placed": self.is_placed,
+            "unverified": self.is_unverified,
             "slot": released.slot if released is not None else None,
             "planned_pose": released.planned_pose if released is not None else None,
             "estimated_pose": estimated if self.estimated_pose is None else self.estimated_pose,
@@ -98,15 +115,21 @@ class Pick:
             "seen": None if self.verified is None else self.verified.seen,
             "off_m": None if self.verified is None else self.verified.off_m,
             "tilt_rad": None if self.verified is None else self.verified.tilt_rad,
+            "turn_known": None if self.verified is None else self.verified.turn_known,
             "mass_kg": None if self.weighed is None else round(self.weighed.mass_kg, 1),
             "mass_std_kg": None if self.weighed is None else round(self.weighed.std_kg, 1),
         }
 
 
 class Picks:
-    """Collects picks from events, in the order of the journal."""
+    """Collects picks from events, in the order of the journal.
 
-    def __init__(self) -> None:
+    Args:
+        are_verified: The mission asks where each stone is that it released.
+    """
+
+    def __init__(self, *, are_verified: bool = False) -> None:
+        self._are_verified = are_verified
         self.all: list[Pick] = []
         self._newest: dict[int, Pick] = {}  # by stone
         self._current: Try | None = None
@@ -124,9 +147,9 @@ class Picks:
             case VerdictGiven():
                 self._take_verdict(time_s, event)
             case StoneReleased():
-                self._end(time_s, "placed", "")
+                self._end(time_s, _PLACED, "")
                 pick = self._pick_released(event)
-                pick.released, pick.lost = event, ""
+                pick.released, pick.lost, pick.verified = event, "", None
             case StoneSetAside():
                 self._pick_of(event.stone).set_aside = event.reason
             case StoneRealigned() | StoneWeighed() | PlacementVerified() | StoneLost():
@@ -151,7 +174,7 @@ class Picks:
     def _pick_of(self, stone: int) -> Pick:
         pick = self._newest.get(stone)
         if pick is None or pick.is_over:
-            pick = self._newest[stone] = Pick(stone)
+            pick = self._newest[stone] = Pick(stone, self._are_verified)
             self.all.append(pick)
         return pick
 

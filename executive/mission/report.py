@@ -107,6 +107,19 @@ def summary(report: Mapping[str, Any]) -> str:
             f" {counts.get('lost', 0)} lost,"
             f" {counts['untouched']} of {counts['known']} known ones untouched"
         )
+    if counts.get("turn_unknown"):
+        lines.append(
+            f"             {counts['turn_unknown']} placed by another surface than they were found"
+            " with: how they had turned over is not known"
+        )
+    if counts.get("unverified"):
+        lines.append(
+            f"             {counts['unverified']} released, not verified: the mission ended before"
+            " it looked"
+        )
+    for one in report.get("structures", ()):
+        told = f"{len(one['standing'])} stones; it ended with {one['reason']}"
+        lines.append(f"  structure  {one['structure']}: {told}, {one['detail']}")
     if counts["registrations"]:
         lines.append(
             f"  drone map  {counts['registrations_accepted']} of "

@@ -30,6 +30,7 @@ def resumed_run(path: Path, *, groot: int | None = None, live: int | None = None
             seed=kept.seed,
             run_dir=path,
             real_time=kept.real_time,
+            apart=kept.apart,
             runner=kept.runner,
             answer=kept.answer,
             choices=tuple(kept.choices),

@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from executive.clock import SimulatedClock, WallClock, wall_s
@@ -20,6 +20,13 @@ from executive.mission.groot.watching import publisher_at, shown_to_groot
 from executive.mission.guard import GuardSettings
 from executive.mission.interrupts import stop_on_interrupt
 from executive.mission.jobs.choice import Choice
+from executive.mission.machine_folder import MachineFolder
+from executive.mission.machine_process import (
+    MachineProcess,
+    behind_the_wire,
+    lives_apart,
+    silence_of,
+)
 from executive.mission.mission import Mission
 from executive.mission.operator import Operator
 from executive.mission.options import Options
@@ -32,7 +39,14 @@ from executive.mission.report import Ending, cpu_s, summary, write_report
 from executive.mission.run_folder import RunFolder
 from executive.mission.run_log import run_log
 from executive.mission.run_report import RunReport
-from executive.mission.selections import assembled, can_fail, model_of, selections_of
+from executive.mission.selections import (
+    assembled,
+    can_fail,
+    is_judged,
+    model_of,
+    selections_of,
+    verifies,
+)
 from executive.mission.setup import Setup
 from executive.mission.stop_signals import Aborted, stop_after_report, stop_at_once, stopping
 from executive.supervision.beacon import beacon
@@ -75,6 +89,11 @@ class Run:
         self._options = options
         self._selections = selections_of(description, options.seen_by)
         self._model = model_of(description)
+        self._machine: MachineProcess | None = None
+        if options.real_time and options.apart and lives_apart(description):
+            self._machine = MachineProcess(options.seed, silence_of(description))
+            driven = behind_the_wire(description, self._machine.address)
+            self._selections = selections_of(driven, options.seen_by)
         self._assembly = assembled(self._selections, self._model, options.seed)
         self._groot = publisher_at(options.groot)
         self._resumption = resumption
@@ -84,7 +103,7 @@ class Run:
             options.kept.write(self.folder.options)
         else:
             self.folder = resumption.folder
-        self._account = Account()
+        self._account = Account(verifies=verifies(description))
         self._journal = Journal(self.folder.journal)
         if resumption is not None:
             resumption.write_after(self._journal, self._account)
@@ -106,12 +125,17 @@ class Run:
             account=self._account,
             operator=Operator(options.answer, chosen=options.choices, is_attended=options.attended),
             memory=self._memory,
-            keeper=Keeper(self.folder.kept, self._assembly.plugins),
+            keeper=Keeper(self.folder.kept, self._assembly.plugins, beside=options.real_time),
             folder=self.folder.path,
             recorder=self._recorder(),
             regions=description.regions,
             can_fail=can_fail(description),
-            guard=GuardSettings(description.faults, description.watch),
+            guard=GuardSettings(
+                description.faults,
+                description.watch,
+                has_judge=self._machine is not None and is_judged(description),
+            ),
+            machine=self._machine,
             heartbeat_limit_s=description.loop.heartbeat_limit if options.real_time else 0.0,
             late_ticks=description.loop.late_ticks,
         )
@@ -151,7 +175,8 @@ class Run:
                 ending = self._afterwards(ending, self._save_map)
                 ending = self._afterwards(ending, lambda: truth.update(made.truth(self._mission)))
                 ending = self._afterwards(ending, self._close)
-                report: dict[str, Any] = plain(made.of(ending, wall, self._mission) | truth)
+                whole = made.of(ending, wall, self._mission) | truth
+                report = {name: plain(value) for name, value in whole.items()}
                 write_report(self.folder.report, report)
                 if self._account.has_ended:
                     self.folder.forget_state()
@@ -219,6 +244,8 @@ class Run:
         mission.follow_past(resumption)
         kept, restored, lost = self._setup.keeper.restore()
         instant = resumption.instant(kept, self._setup.tick_s)
+        robot = self._assembly.plugins["robot"]
+        instant = replace(instant, machine_s=robot.taken_up_s(instant.machine_s))
         mission.go_on_at(instant, resumption.event(restored, lost))
 
     def _secure(self, values: ValueFolder) -> None:
@@ -226,6 +253,8 @@ class Run:
         self._journal.secure()
 
     def _start(self) -> None:
+        if self._machine is not None:
+            self._machine.start(MachineFolder(self.folder.path.absolute()))
         self._assembly.start()
         plugins = self._assembly.plugins
         if "objects" in plugins:
@@ -243,7 +272,12 @@ class Run:
         if not self._is_closed:
             self._is_closed = True
             self._setup.jobs.close()
-            self._assembly.close()
+            try:
+                self._setup.keeper.settle()
+            finally:
+                self._assembly.close()
+            if self._machine is not None:
+                self._machine.end()
 
     def _close_after_error(self) -> None:
         """Close what an error left open; that error is reported, and one of closing is logged."""

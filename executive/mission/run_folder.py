@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from executive.errors import ConfigError
-from executive.mission.record.run_lock import RunLock
+from executive.mission.run_lock import RunLock
 
 _RESERVE_BYTES = 2**18  # for a report, whose size grows with the number of picks
 

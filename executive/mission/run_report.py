@@ -1,13 +1,17 @@
 """What the report of a run says, gathered from the account, the plugins and the mission."""
 
+import logging
 from dataclasses import dataclass
 from typing import Any
 
+from executive.errors import DataError
 from executive.mission.assembly import Selections
+from executive.mission.machine_folder import MachineFolder
 from executive.mission.mission import Mission
 from executive.mission.report import Ending, resources_since, timings_from
+from executive.mission.selections import is_judged, model_of
 from executive.mission.setup import Setup
-from executive.mission.truth import truth_of
+from executive.mission.truth import truth_of, witness_of
 from executive.tree.language import MissionFile
 
 
@@ -60,10 +64,21 @@ class RunReport:
 
     def truth(self, mission: Mission | None) -> dict[str, Any]:
         """Return what the robot's oracle says of the run; nothing if it has none."""
-        if mission is None:
+        if mission is None or not is_judged(self.description):
             return {}
-        robot_name = self.description.plugins["robot"][0].name
-        return truth_of(robot_name, mission, self.setup.account.picks())
+        name, picks = self.description.plugins["robot"][0].name, self.setup.account.picks()
+        robot, machine = mission.services.plugins["robot"], self.setup.machine
+        if machine is None:
+            return truth_of(robot, name, mission, picks)
+        zero_s, path = robot.zero_s(), MachineFolder(self.setup.folder).truth
+        machine.end()
+        plugins, model = self.description.plugins, model_of(self.description)
+        try:
+            with witness_of(plugins, model, self.setup.seed, path, zero_s) as witness:
+                return truth_of(witness, name, mission, picks)
+        except DataError as error:  # the machine's process was killed: nobody knows what happened
+            logging.getLogger(__name__).warning("the report has no truth: %s", error)
+            return {}
 
     def _durations_ms(self, mission: Mission | None) -> dict[str, Any]:
         durations: dict[str, Any] = dict(self.setup.jobs.durations_ms)

@@ -2,11 +2,13 @@
 
 from collections.abc import Collection
 
+from executive import registry
 from executive.errors import ConfigError, ExecutiveError, RobotError
 from executive.interfaces.robot import RobotSettings
 from executive.mission.assembly import Assembly, Selections, assemble
 from executive.mission.fault import fault_of
 from executive.tree.language import MissionFile
+from executive.tree.traversal import uses_leaf
 
 
 def selections_of(description: MissionFile, seen_by: Collection[str]) -> Selections:
@@ -52,6 +54,16 @@ def can_fail(description: MissionFile) -> frozenset[tuple[str, str]]:
         for one in several
         if one.can_fail
     )
+
+
+def is_judged(description: MissionFile) -> bool:
+    """Return whether something can judge what a mission's robot has done, as a simulator can."""
+    return description.plugins["robot"][0].name in registry.names(registry.ORACLES)
+
+
+def verifies(description: MissionFile) -> bool:
+    """Return whether a mission asks where each stone is that it released."""
+    return uses_leaf("VerifyPlacement", "main", description.trees)
 
 
 def model_of(description: MissionFile) -> str:

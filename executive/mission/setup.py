@@ -11,6 +11,7 @@ from executive.messages.region import Region
 from executive.mission.assembly import Assembly
 from executive.mission.guard import GuardSettings
 from executive.mission.jobs.jobs import Jobs
+from executive.mission.machine_process import MachineProcess
 from executive.mission.operator import Operator
 from executive.mission.record.account import Account
 from executive.mission.record.keeper import Keeper
@@ -38,4 +39,5 @@ class Setup:
     can_fail: frozenset[tuple[str, str]] = frozenset()  # capability and name: `on_error: fail`
     guard: GuardSettings = field(default_factory=GuardSettings)
     heartbeat_limit_s: float = 0.0  # the supervisor stops a loop that is silent for longer; 0: none
+    machine: MachineProcess | None = None  # of a simulated machine that lives apart
     late_ticks: int | None = None  # in a row, that bring the safe stop; None: by the machine

@@ -23,6 +23,7 @@ from executive.messages.observation import Observation
 from executive.messages.status_change import StatusChange
 from executive.messages.verdict import Verdict
 from executive.mission.assembly import each_plugin
+from executive.mission.jobs.tick_call import asked
 from executive.mission.record.samples import Samples
 
 _HISTORY_S = 1.0  # a scan pair spans at most two revolutions of 0.1 s, plus the sensors' latency
@@ -84,7 +85,7 @@ class Streams:
         self._scans: dict[str, LidarScan] = {}
         self._handlers: Mapping[type, Callable[[Any], None]] = {
             ImuSample: self._take_imu,
-            GnssFix: self._estimator.add_gnss,
+            GnssFix: lambda fix: asked(self._estimator.add_gnss, fix),
             JointSample: self._take_joints,
             LidarScan: self._take_scan,
         }
@@ -135,7 +136,7 @@ class Streams:
     def _hand_on_status(self) -> None:
         """Hand on each change of the estimator's status once, with its reason if there is one."""
         account = self._estimator.account()
-        state = self._estimator.state()
+        state: BaseState = asked(self._estimator.state)
         for change in account[self._told :]:
             self._listener.take_status(change)
             self._status = change.after
@@ -144,18 +145,18 @@ class Streams:
         self._told, self._status = len(account), state.status
 
     def _take_imu(self, sample: ImuSample) -> None:
-        self._estimator.add_imu(sample)
+        asked(self._estimator.add_imu, sample)
         if self._odometry is not None:
             self._with_odometry(self._odometry.add_imu, sample)
 
     def _take_joints(self, sample: JointSample) -> None:
-        self._estimator.add_joints(sample)
+        asked(self._estimator.add_joints, sample)
         if self._odometry is not None:
             self._with_odometry(self._odometry.add_joints, sample)
         self.joints = sample
         for monitor in tuple(self.monitors):
             self._watch(monitor, sample)
-        state = self._estimator.state()
+        state: BaseState = asked(self._estimator.state)
         if state.is_ready and (not self._history or state.stamp_s > self._history[-1][0]):
             self._history.append((state.stamp_s, state, sample))
             while self._history[0][0] < state.stamp_s - _HISTORY_S:
@@ -163,7 +164,7 @@ class Streams:
 
     def _watch(self, monitor: Monitor, sample: JointSample) -> None:
         try:
-            verdict = monitor.update(sample)
+            verdict = asked(monitor.update, sample)
         except Exception as error:  # the listener decides what it means
             self._listener.take_error("monitoring", monitor, error)
             self.monitors.remove(monitor)
@@ -175,7 +176,7 @@ class Streams:
         if self._odometry is not None:
             increment = self._with_odometry(self._odometry.add_scan, scan)
             if increment is not None:
-                self._estimator.add_odometry(increment)
+                asked(self._estimator.add_odometry, increment)
         self._scans[scan.frame] = scan
         self.arrived_scans.append(scan)
         if self._mapper is not None and self._history and len(self._scans) == len(self._lidars):
@@ -183,7 +184,7 @@ class Streams:
 
     def _with_odometry(self, verb: Callable[[Any], Any], observation: Observation) -> Any:
         try:
-            return verb(observation)
+            return asked(verb, observation)
         except Exception as error:  # the listener decides what it means
             if self._odometry is not None:
                 self._listener.take_error("odometry", self._odometry, error)
@@ -197,7 +198,8 @@ class Streams:
             return
         started_s = wall_s()
         try:
-            mapper.add_scan_pair([self._scans[name] for name in self._lidars], self._motion())
+            pair = [self._scans[name] for name in self._lidars]
+            asked(mapper.add_scan_pair, pair, self._motion())
         except Exception as error:  # the listener decides what it means
             self._listener.take_error("mapping", mapper, error)
             self._mapper = None

@@ -1,26 +1,35 @@
 """The report's `truth` section: the only place that compares a mission with the simulator."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from executive import registry
 from executive.geometry.pose import transform
-from executive.interfaces.oracle import MissionView, Oracle
+from executive.interfaces.oracle import MissionView, Oracle, Witness
+from executive.interfaces.robot import Robot
 from executive.messages.cloud import Cloud
 from executive.messages.placement import Slot
+from executive.mission.assembly import Selections, assemble, needed_for
 from executive.mission.mission import Mission
 from executive.mission.picks import Pick, attempts_from, newest_releases
 
 
-def truth_of(robot_name: str, mission: Mission, picks: Sequence[Pick]) -> dict[str, Any]:
-    """Return {"truth": …} of a run on a robot that has an oracle, else nothing."""
-    if robot_name not in registry.names(registry.ORACLES):
-        return {}
+def truth_of(robot: Robot, name: str, mission: Mission, picks: Sequence[Pick]) -> dict[str, Any]:
+    """Return {"truth": …} of a run.
+
+    Args:
+        robot: A robot that has an oracle, and knows what happened.
+        name: Its name, as installed.
+        mission: The mission.
+        picks: Its picks.
+    """
     plugins = mission.services.plugins
-    oracle: Oracle = registry.load(registry.ORACLES, robot_name)(plugins["robot"])
+    oracle: Oracle = registry.load(registry.ORACLES, name)(robot)
     objects = plugins.get("objects")
     stones = () if objects is None else objects.stones()
     at = mission.clock.machine_at  # the simulator knows nothing of pauses
@@ -33,7 +42,6 @@ def truth_of(robot_name: str, mission: Mission, picks: Sequence[Pick]) -> dict[s
     view = MissionView(
         states=tuple(mission.guard.judged),
         stones=stones,
-        first_stones=tuple(mission.first_stones.values()),
         slots=_slots(picks),
         attempts=[
             replace(one, started_s=at(one.started_s), ended_s=at(one.ended_s))
@@ -44,6 +52,33 @@ def truth_of(robot_name: str, mission: Mission, picks: Sequence[Pick]) -> dict[s
         registered_survey=_registered_survey(mission),
     )
     return {"truth": oracle.truth(view)}
+
+
+@contextmanager
+def witness_of(
+    selections: Selections, model: str, seed: int, path: Path, zero_s: float
+) -> Iterator[Robot]:
+    """Give an equal copy of the robot of another process, which knows what happened there.
+
+    Args:
+        selections: What the mission selects, its simulated robot included.
+        model: Name or folder of the machine.
+        seed: Seed of the mission.
+        path: What that robot has written.
+        zero_s: What its clock showed when the mission began [s].
+
+    Raises:
+        DataError: If that is missing, or of another site.
+    """
+    assembly = assemble(needed_for(selections, "robot"), model, seed)
+    assembly.start()
+    try:
+        robot = assembly.plugins["robot"]
+        if isinstance(robot, Witness):
+            robot.read_truth(path, zero_s)
+        yield robot
+    finally:
+        assembly.close()
 
 
 def _slots(picks: Sequence[Pick]) -> dict[int, Slot]:

@@ -1,21 +1,24 @@
 """A page of memory that the executive writes and its supervisor reads: signs of life.
 
 The page outlives the process that wrote it. A field is written by one process alone; numbers are
-aligned, so that a reader sees the old or the new one.
+aligned, so that a reader sees the old or the new one. A text is too long for that: its checksum is
+written with it, and one that is half written is read again.
 """
 
 import json
 import mmap
-import struct
 import time
 from collections.abc import Mapping
 from typing import Any
+from zlib import crc32
 
-_NUMBER = struct.Struct("<d")
+_NUMBER_BYTES = 8
 _TEXT_BYTES = 4096
+_CHECK_BYTES = 4
+_LOOKS = 3  # at a text that is being written
 _NUMBERS = ("beat_s", "limit_s", "verb_until_s", "ended", "joints_s", "joints_limit_s")
 _TEXTS = ("activity", "run_dir", "machine", "stack", "mission")
-_TEXTS_AT = 8 * len(_NUMBERS)
+_TEXTS_AT = _NUMBER_BYTES * len(_NUMBERS)
 _NEVER_ENDED = -1.0
 
 
@@ -28,6 +31,9 @@ class Beacon:
 
     def __init__(self) -> None:
         self._page = mmap.mmap(-1, _TEXTS_AT + _TEXT_BYTES * len(_TEXTS))
+        # An item of such a view is written in one piece; `struct.pack_into` writes zeros first,
+        # and a supervisor that looked at that moment took the loop for silent since it started.
+        self._numbers = memoryview(self._page)[:_TEXTS_AT].cast("d")
         self._set("ended", _NEVER_ENDED)
 
     # --- what the executive writes
@@ -73,17 +79,25 @@ class Beacon:
 
     # --- what the supervisor reads
 
-    def silent_s(self) -> float:
-        """Return how long the loop has been silent beyond what it may [s]; 0 if it has not."""
-        now_s, limit_s = time.monotonic(), self._get("limit_s")
-        return now_s - self._get("beat_s") if 0 < limit_s < now_s - self._get("beat_s") else 0.0
+    def silent_s(self, since_s: float = 0.0) -> float:
+        """Return how long the loop has been silent beyond what it may [s]; 0 if it has not.
 
-    def joints_age_s(self) -> float:
-        """Return the age of the newest joint sample [s] if it is too old; else 0."""
+        Args:
+            since_s: Time before which silence does not count [s].
+        """
+        silent_s = time.monotonic() - max(self._get("beat_s"), since_s)
+        return silent_s if 0 < self._get("limit_s") < silent_s else 0.0
+
+    def joints_age_s(self, since_s: float = 0.0) -> float:
+        """Return the age of the newest joint sample [s] if it is too old; else 0.
+
+        Args:
+            since_s: Time before which no sample is missed [s].
+        """
         if not self._get("limit_s"):
             return 0.0
-        age_s, limit_s = time.monotonic() - self._get("joints_s"), self._get("joints_limit_s")
-        return age_s if 0 < limit_s < age_s else 0.0
+        age_s = time.monotonic() - max(self._get("joints_s"), since_s)
+        return age_s if 0 < self._get("joints_limit_s") < age_s else 0.0
 
     def is_computing(self) -> bool:
         """Return whether a verb is computed in the executive's process, which has its own limit."""
@@ -113,22 +127,30 @@ class Beacon:
         self._set("verb_until_s", 0.0)
 
     def text(self, field: str) -> str:
-        """Return one of the texts; empty if it was not written."""
+        """Return one of the texts; empty if it was not written, or only by a half."""
         start = _TEXTS_AT + _TEXT_BYTES * _TEXTS.index(field)
-        raw = self._page[start : start + _TEXT_BYTES]
-        return raw.split(b"\0", 1)[0].decode(errors="replace")
+        for _ in range(_LOOKS):
+            whole = self._page[start : start + _TEXT_BYTES]
+            raw = whole[_CHECK_BYTES:].rstrip(b"\0")
+            if whole[:_CHECK_BYTES] == _check(raw):
+                return raw.decode(errors="replace")
+        return ""
 
     def _write(self, field: str, text: str) -> None:
         start = _TEXTS_AT + _TEXT_BYTES * _TEXTS.index(field)
-        raw = text.encode()[: _TEXT_BYTES - 1]
-        self._page[start : start + _TEXT_BYTES] = raw.ljust(_TEXT_BYTES, b"\0")
+        raw = text.replace("\0", "").encode()[: _TEXT_BYTES - _CHECK_BYTES]
+        self._page[start : start + _TEXT_BYTES] = (_check(raw) + raw).ljust(_TEXT_BYTES, b"\0")
 
     def _set(self, field: str, value: float) -> None:
-        _NUMBER.pack_into(self._page, 8 * _NUMBERS.index(field), value)
+        self._numbers[_NUMBERS.index(field)] = value
 
     def _get(self, field: str) -> float:
-        found: float = _NUMBER.unpack_from(self._page, 8 * _NUMBERS.index(field))[0]
-        return found
+        return self._numbers[_NUMBERS.index(field)]
+
+
+def _check(raw: bytes) -> bytes:
+    """Return the checksum of a text; that of an empty one is zero, as a new page is."""
+    return crc32(raw).to_bytes(_CHECK_BYTES, "little")
 
 
 _inherited: list[Beacon] = []

@@ -17,6 +17,9 @@ from executive.supervision.early_stop import end_at_signals
 from executive.supervision.link import MachineLink
 
 _LOOK_S = 0.01  # between two looks at the beacon
+# After a gap of that length between two looks the whole computer was held up, the loop as well: it
+# gets its time anew. The machine counts the silence by itself.
+_HELD_UP_S = 0.1
 _LOST_S = 10.0  # a loop that stays silent so long after the stop, in no verb, is ended
 _GRACE_S = 2.0  # for the executive to end an overdue verb by itself
 _STACK_S = 0.2  # for the call stack of a process that hangs to be written
@@ -35,6 +38,7 @@ class Supervisor:
         self._link = MachineLink()
         self._silent_since_s = 0.0
         self._over_s = 0.0
+        self._looked_s = self._awake_since_s = time.monotonic()
         self.reason = ""  # why the machine was stopped
 
     def run(self) -> int:
@@ -57,8 +61,12 @@ class Supervisor:
 
     def _look(self) -> None:
         now_s = time.monotonic()
+        if now_s - self._looked_s > _HELD_UP_S:
+            self._awake_since_s = now_s
+        self._looked_s = now_s
         self._link.keep(self._beacon.text("machine"))
-        silent_s, age_s = self._beacon.silent_s(), self._beacon.joints_age_s()
+        since_s = self._awake_since_s
+        silent_s, age_s = self._beacon.silent_s(since_s), self._beacon.joints_age_s(since_s)
         if silent_s:
             self._stop(f"the executive's loop has been silent for {silent_s:.2f} s")
         elif age_s:

@@ -1,5 +1,6 @@
 """Compares a position fix with where the estimate puts the antenna at the time of the fix."""
 
+from bisect import bisect_left
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -45,7 +46,7 @@ class AntennaCheck:
             return ""
         if antenna.link != self._machine.cabin_link:
             return ""
-        state = min(states, key=lambda one: abs(one.stamp_s - fix.stamp_s))
+        state = _nearest(states, fix.stamp_s)
         if abs(state.stamp_s - fix.stamp_s) > 2 / antenna.rate_hz:
             return ""  # the estimate does not reach there: nothing to compare with
         p_cabin = antenna.T_link_sensor[:3, 3]
@@ -57,13 +58,22 @@ class AntennaCheck:
         return f"{np.linalg.norm(residual):.2f} m off the estimate"
 
 
+def _nearest(states: Sequence[BaseState], stamp_s: float) -> BaseState:
+    """Return the state nearest to a stamp; the earlier one of two that are as near."""
+    after = bisect_left(states, stamp_s, key=lambda one: one.stamp_s)
+    around = states[max(after - 1, 0) : after + 1]
+    return min(around, key=lambda one: abs(one.stamp_s - stamp_s))
+
+
 def _predicted(state: BaseState, p_cabin: Float, stamp_s: float) -> Float:
     R = state.T_map_cabin[:3, :3]
-    velocity = state.v_map_cabin + R @ np.cross(state.w_map_cabin_in_cabin, p_cabin)
+    velocity = state.v_map_cabin + R @ (skew(state.w_map_cabin_in_cabin) @ p_cabin)
     return np.asarray(state.T_map_cabin[:3, 3] + R @ p_cabin + velocity * (stamp_s - state.stamp_s))
 
 
 def _covariance(state: BaseState, p_cabin: Float) -> Float:
     """Return the covariance of the antenna in map axes [m²], shape (3, 3)."""
-    J = state.T_map_cabin[:3, :3] @ np.hstack([-skew(p_cabin), np.eye(3)])
+    R = state.T_map_cabin[:3, :3]
+    J = np.empty((3, 6))
+    J[:, :3], J[:, 3:] = -R @ skew(p_cabin), R
     return np.asarray(J @ state.covariance @ J.T)

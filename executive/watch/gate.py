@@ -2,11 +2,12 @@
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from executive.arrays import all_finite
 from executive.machine.machine import Machine
 from executive.machine.sensor import Encoders, Imu, Lidar, Sensor
 from executive.messages.gnss import GnssFix
@@ -43,6 +44,8 @@ class Gate:
     def __init__(self, machine: Machine, antennas: AntennaCheck, *, is_ideal: bool = False) -> None:
         self._machine, self._antennas, self._is_ideal = machine, antennas, is_ideal
         encoders = next(iter(machine.sensors_of("encoders")), None)
+        self._encoders = "" if encoders is None else encoders.name
+        self._imus = tuple(one for one in machine.sensors_of("imu") if isinstance(one, Imu))
         self._bounds = JointBounds(machine, encoders) if isinstance(encoders, Encoders) else None
         self._turn = TurnRate(machine)
         self._newest: dict[str, Any] = {}  # as they came, refused ones included
@@ -90,16 +93,16 @@ class Gate:
         return ""
 
     def _values(self, sensor: Sensor, observation: Any) -> str:
-        arrays = [(f.name, getattr(observation, f.name)) for f in fields(observation)]
-        measured = [(n, v) for n, v in arrays if isinstance(v, np.ndarray)]
-        if not all(np.isfinite(v).all() for _, v in measured):
-            return NOT_FINITE
+        every = observation.__dataclass_fields__  # fields() would filter them at each sample
+        for name in every:
+            value = getattr(observation, name)
+            if isinstance(value, np.ndarray) and not all_finite(value):
+                return NOT_FINITE
         before, self._newest[sensor.name] = self._newest.get(sensor.name), observation
         if before is not None and not (self._is_ideal or sensor.may_repeat):
-            names = [n for n, v in measured if v.size and n not in _NOT_MEASURED]
-            if names and all(
-                np.array_equal(getattr(before, n), getattr(observation, n)) for n in names
-            ):
+            measured = [(n, getattr(observation, n)) for n in every if n not in _NOT_MEASURED]
+            arrays = [(n, v) for n, v in measured if isinstance(v, np.ndarray) and v.size]
+            if arrays and all(_are_equal(getattr(before, n), v) for n, v in arrays):
                 return REPEATED
         return self._checks[type(observation)](sensor, observation)
 
@@ -108,21 +111,17 @@ class Gate:
             return ""
         reason = imu_refusal(sensor, sample)
         joints = self._good.get(self._encoders)
-        for other in self._machine.sensors_of("imu"):
+        for other in self._imus:
             seen = self._good.get(other.name)
             if reason or joints is None or seen is None or other.link == sensor.link:
                 continue
-            if isinstance(other, Imu) and self._are_beside(sensor, sample, seen, joints):
+            if self._are_beside(sensor, sample, seen, joints):
                 reason = self._turn.refusal(sensor, sample, (other, seen), joints)
         return reason
 
     def _are_beside(self, sensor: Sensor, sample: ImuSample, *others: Any) -> bool:
         """Return whether others were measured at about the same time, so that they compare."""
         return all(abs(sample.stamp_s - one.stamp_s) <= 5 / sensor.rate_hz for one in others)
-
-    @property
-    def _encoders(self) -> str:
-        return next((one.name for one in self._machine.sensors_of("encoders")), "")
 
     def _fix(self, _: Sensor, fix: GnssFix) -> str:
         reason = fix_refusal(fix)
@@ -147,6 +146,13 @@ class Gate:
 
 
 _NOT_MEASURED = frozenset({"point_stamps_s", "covariance_enu_m2"})
+
+
+def _are_equal(before: np.ndarray, values: np.ndarray) -> bool:
+    """Return whether arrays are equal; nearly always the first value tells that they are not."""
+    if before.shape != values.shape or before.item(0) != values.item(0):
+        return False
+    return np.array_equal(before, values)
 
 
 def _expected(before: JointSample, sample: JointSample) -> JointSample:

@@ -4,6 +4,8 @@ Each function returns why a sample cannot be true; empty if it can. The bounds c
 machine's description: limits of joints, ranges and noise of sensors.
 """
 
+import math
+
 import numpy as np
 
 from executive.arrays import Float
@@ -86,9 +88,11 @@ class TurnRate:
     """Compares the angular velocities of cabin and chassis with the encoder between them."""
 
     def __init__(self, machine: Machine) -> None:
-        self._machine = machine
         self._turn = next(j for j in machine.joints if j.name == machine.turn_joint)
         self._links = (machine.base_link, machine.cabin_link)
+        self._axis = np.array(self._turn.axis)
+        encoders = next(iter(machine.sensors_of("encoders")), None)
+        self._speed_noise = encoders.velocity_noise if isinstance(encoders, Encoders) else 0.0
 
     def refusal(
         self, imu: Imu, sample: ImuSample, other: tuple[Imu, ImuSample], joints: JointSample
@@ -104,28 +108,26 @@ class TurnRate:
             joints: The newest joint sample.
         """
         angle, speed, _ = joints.of(self._turn.name)
-        encoders = self._machine.sensors_of("encoders")[0]
-        noise = encoders.velocity_noise if isinstance(encoders, Encoders) else 0.0
-        variance = noise**2 + sum(
+        variance = self._speed_noise**2 + sum(
             one.gyro_noise_rad_s**2 + one.gyro_bias_rad_s**2 for one in (imu, other[0])
         )
         apart_s = max(abs(sample.stamp_s - t) for t in (joints.stamp_s, other[1].stamp_s))
-        limit = SIGMAS * np.sqrt(variance) + 2 * self._turn.max_acceleration * (
+        limit = SIGMAS * math.sqrt(variance) + 2 * self._turn.max_acceleration * (
             apart_s + 1 / imu.rate_hz
         )
-        axis = np.array(self._turn.axis)
-        of_base = {one.link: _in_link(one, s) for one, s in ((imu, sample), other)}
-        by_turn = exp_so3(axis * angle).T @ of_base[self._links[0]] + speed * axis
-        apart = float(np.linalg.norm(of_base[self._links[1]] - by_turn))
-        expected = speed * axis if imu.link == self._links[1] else np.zeros(3)
-        own = float(np.linalg.norm(of_base[imu.link] - expected))
-        if apart <= limit or own <= limit:
+        rate = imu.T_link_sensor[:3, :3] @ sample.angular_velocity_rad_s
+        turning = speed * self._axis
+        if math.dist(rate, turning if imu.link == self._links[1] else (0.0,) * 3) <= limit:
+            return ""  # a standing chassis explains it
+        rates = {
+            imu.link: rate,
+            other[0].link: other[0].T_link_sensor[:3, :3] @ other[1].angular_velocity_rad_s,
+        }
+        by_turn = exp_so3(self._axis * angle).T @ rates[self._links[0]] + turning
+        apart = math.dist(rates[self._links[1]], by_turn)
+        if apart <= limit:
             return ""
         return f"{apart:.3f} rad/s off {other[0].name} and the turn joint"
-
-
-def _in_link(imu: Imu, sample: ImuSample) -> Float:
-    return np.asarray(imu.T_link_sensor[:3, :3] @ sample.angular_velocity_rad_s)
 
 
 def fix_refusal(fix: GnssFix) -> str:

@@ -43,5 +43,4 @@ def standing(mission: Mission) -> dict[str, Any]:
         "latched": mission.services.plugins["robot"].latched(),
         "pauses_on_failure": mission.wishes.pause_on_failure,
     }
-    result: dict[str, Any] = plain(found)
-    return result
+    return {name: plain(value) for name, value in found.items()}

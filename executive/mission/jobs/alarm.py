@@ -5,6 +5,8 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from executive.mission.jobs.patience import Patience
+
 _AGAIN_S = 1.0  # between alarms, for code that catches the first one
 
 
@@ -13,8 +15,8 @@ class Overdue(BaseException):
 
 
 @contextmanager
-def alarm(limit_s: float) -> Iterator[None]:
-    """Raise `Overdue` within the block when it has taken longer [s].
+def alarm(patience: Patience) -> Iterator[None]:
+    """Raise `Overdue` within the block when patience with it has ended.
 
     The exception is raised between two instructions of Python: a library that does not return to
     Python is not ended, and neither is a block in another thread than the main one.
@@ -24,10 +26,13 @@ def alarm(limit_s: float) -> Iterator[None]:
         return
 
     def ring(_signal: int, _frame: object) -> None:
+        if more_s := patience.more_s():
+            signal.setitimer(signal.ITIMER_REAL, more_s, _AGAIN_S)
+            return
         raise Overdue
 
     handler = signal.signal(signal.SIGALRM, ring)
-    timer = signal.setitimer(signal.ITIMER_REAL, limit_s, _AGAIN_S)
+    timer = signal.setitimer(signal.ITIMER_REAL, patience.limit_s, _AGAIN_S)
     try:
         yield
     finally:

@@ -21,15 +21,24 @@ def unfit(plugin: Plugin, verb: str, value: object) -> str:
     The type is the return annotation of the interface: the class that names the capability. A verb
     that is in no interface, or has no annotation, may return any type. No answer may hold a NaN.
     """
-    wanted = _answer_type(cast(Any, type(plugin)), verb)
-    reason = _unfit(value, wanted)
+    wanted, plain = _answer_type(cast(Any, type(plugin)), verb)
+    if value is None and plain is type(None):
+        return ""
+    reason = "" if plain and isinstance(value, plain) else _unfit(value, wanted)
     if not reason and (place := place_of_nan(value, _LOOKED_AT)):
         return f"NaN ({place})"
     return reason
 
 
 @cache
-def _answer_type(plugin_class: Any, verb: str) -> Any:
+def _answer_type(plugin_class: Any, verb: str) -> tuple[Any, type | None]:
+    """Return what a verb answers with, and the same if it is a class whose instances all fit."""
+    wanted = _annotation(plugin_class, verb)
+    is_plain = isinstance(wanted, type) and wanted not in (int, float, bool, object, Any)
+    return wanted, wanted if is_plain and not getattr(wanted, "_is_protocol", False) else None
+
+
+def _annotation(plugin_class: Any, verb: str) -> Any:
     for one in reversed(plugin_class.__mro__):
         if "capability" in vars(one) and one is not Plugin and verb in vars(one):
             try:
@@ -65,7 +74,9 @@ def _is_instance(value: object, wanted: Any) -> bool:
     if not isinstance(wanted, type) or getattr(wanted, "_is_protocol", False):
         return True
     if wanted is float:  # an integer is a number, and a truth value is none
-        return isinstance(value, float | int | np.floating | np.integer) and value is not True
+        return isinstance(value, float | int | np.floating | np.integer) and not isinstance(
+            value, bool
+        )
     if wanted is int:
         return isinstance(value, int | np.integer) and not isinstance(value, bool)
     if wanted is bool:

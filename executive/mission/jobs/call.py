@@ -1,7 +1,7 @@
 """One call of a plugin's verb, and the errors of a call that came to no answer."""
 
 import inspect
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -59,13 +59,24 @@ class VerbCall:
 
 
 @dataclass(frozen=True, slots=True)
+class FunctionCall(VerbCall):
+    """One call of a leaf's own function, which belongs to no plugin."""
+
+    function: Callable[..., Any]
+
+    def of(self, plugin: Plugin) -> Any:
+        """Call the function."""
+        return self.function(*self.args, **self.kwargs)
+
+
+@dataclass(frozen=True, slots=True)
 class Address:
     """Whose verb it is, as messages name it; picklable.
 
     Attributes:
-        capability: Capability of the plugin.
+        capability: Capability of the plugin; empty for a leaf's own function.
         name: Name of the plugin, as installed.
-        verb: The verb.
+        verb: The verb, or the function.
         place: `file:line` where the verb is defined.
     """
 
@@ -79,6 +90,16 @@ class Address:
         """Return the address of a verb of a plugin."""
         return cls(capability, name, verb, place_of_verb(plugin, verb))
 
+    @classmethod
+    def of_function(cls, function: Callable[..., Any]) -> "Address":
+        """Return the address of a leaf's own function."""
+        return cls("", "", function.__name__, _place_of(function))
+
+    @property
+    def component(self) -> str:
+        """The plugin, or the function, for a person."""
+        return f"{self.capability} plugin '{self.name}'" if self.capability else "a leaf's function"
+
     def error(self, kind: type[Failure], reason: str, place: str = "", trace: str = "") -> Failure:
         """Return an error whose fault names the plugin, the verb, and the place in its code.
 
@@ -88,9 +109,10 @@ class Address:
             place: `file:line` where it happened; where that is unknown, the verb's definition.
             trace: The call stack as text, if it is known.
         """
-        error = kind(f"'{self.verb}' of the {self.capability} plugin '{self.name}': {reason}")
+        owner = f"the {self.component}" if self.capability else "a leaf"
+        error = kind(f"'{self.verb}' of {owner}: {reason}")
         fault = Fault(
-            component=f"{self.capability} plugin '{self.name}'",
+            component=self.component,
             capability=self.capability,
             name=self.name,
             verb=self.verb,
@@ -105,6 +127,9 @@ class Address:
 
 def place_of_verb(plugin: Plugin, verb: str) -> str:
     """Return `file:line` where a verb of a plugin is defined; empty if it is not in Python."""
-    method: Any = getattr(type(plugin), verb, None)
-    code = getattr(inspect.unwrap(method) if method else None, "__code__", None)
+    return _place_of(getattr(type(plugin), verb, None))
+
+
+def _place_of(function: Any) -> str:
+    code = getattr(inspect.unwrap(function) if function else None, "__code__", None)
     return "" if code is None else f"{shown(code.co_filename)}:{code.co_firstlineno}"

@@ -4,6 +4,7 @@ In lock-step a job is charged its declared latency on the mission's clock, and i
 when that has passed; so the three runners give the same journal, byte for byte.
 """
 
+import inspect
 from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
@@ -18,13 +19,14 @@ from executive.interfaces.plugin import Plugin
 from executive.leaf.job import Job
 from executive.mission.assembly import selected_plugins
 from executive.mission.jobs.answer import unfit
-from executive.mission.jobs.call import Address, VerbCall, WrongAnswerError
+from executive.mission.jobs.call import Address, FunctionCall, VerbCall, WrongAnswerError
 from executive.mission.jobs.faulty_call import decided
 from executive.mission.jobs.limits import DEFAULT, Limits
 from executive.mission.jobs.runner import Runner, Task
 from executive.mission.record.samples import Samples
 
 _EPSILON_S = 1e-9
+_NO_PLUGIN = Plugin()  # what a leaf's own function belongs to
 
 Arguments = ParamSpec("Arguments")
 Value = TypeVar("Value")
@@ -125,16 +127,19 @@ class Jobs:
         *args: Arguments.args,
         **kwargs: Arguments.kwargs,
     ) -> PluginJob[Value]:
-        """Start a verb of a selected plugin.
+        """Start a verb of a selected plugin, or a leaf's own function.
 
         Raises:
-            ConfigError: If the verb is no method of one of the mission's plugins.
+            ConfigError: If it is a method, and not one of one of the mission's plugins.
         """
-        task = self._task(verb, VerbCall(verb.__name__, args, dict(kwargs)))
+        if inspect.isfunction(verb):
+            task = self._function_task(FunctionCall(verb.__name__, args, dict(kwargs), verb))
+        else:
+            task = self._task(verb, VerbCall(verb.__name__, args, dict(kwargs)))
         name = task.call.verb
         started_s = wall_s()
         future = self._runner.submit(task)
-        stage = f"{task.address.capability}.{name}"
+        stage = f"{task.address.capability or 'leaf'}.{name}"
         future.add_done_callback(lambda _: self._measure(stage, started_s))
         latency_s = task.plugin.latency_s.get(name, 0.0) + getattr(task.call, "charged_s", 0.0)
         ready_s = self._clock.now_s() + latency_s if self._is_lock_step else None
@@ -146,7 +151,12 @@ class Jobs:
         if self.faults is not None and self.faults.is_aimed_at(capability, call.verb):
             fault = self.faults.decide(capability, call.verb)
             call = decided(call, fault, is_lock_step=self._is_lock_step)
-        return Task(address, plugin, call, self._limits.time_s(plugin, call.verb))
+        limit_s = self._limits.time_s(plugin, call.verb)
+        return Task(address, plugin, call, limit_s, counts_computing=self._is_lock_step)
+
+    def _function_task(self, call: FunctionCall) -> Task:
+        address, limit_s = Address.of_function(call.function), self._limits.time_s(_NO_PLUGIN, "")
+        return Task(address, _NO_PLUGIN, call, limit_s, counts_computing=self._is_lock_step)
 
     def _plugin_of(self, verb: Callable[..., Any]) -> tuple[str, str, Plugin]:
         owner = getattr(verb, "__self__", None)
@@ -155,7 +165,7 @@ class Jobs:
                 return capability, name, plugin
         raise ConfigError(
             f"{getattr(verb, '__qualname__', verb)} is no method of a plugin of this mission; a "
-            "job takes a verb of what `use` returns"
+            "job takes a verb of what `use` returns, or a function"
         )
 
     def _measure(self, stage: str, started_s: float) -> None:

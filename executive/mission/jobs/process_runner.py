@@ -11,12 +11,16 @@ from executive.mission.assembly import Selections, needed_for
 from executive.mission.jobs.limits import DEFAULT, Limits
 from executive.mission.jobs.runner import InlineRunner, Task
 from executive.mission.jobs.serving import serve
+from executive.mission.jobs.thread_runner import ThreadRunner
 from executive.mission.jobs.worker import Worker
 from executive.tree.instances import capability_of
 
 
 class ProcessRunner(InlineRunner):
     """One worker process a stateless plugin; plugins with state are computed inline.
+
+    Verbs that those name for it are computed in a thread, and what another process computes already
+    is awaited in another one.
 
     Worker processes are forked from a server process that has imported the plugins' modules, and
     nothing more: a worker that has to be replaced is there at once, and shares their memory.
@@ -32,11 +36,16 @@ class ProcessRunner(InlineRunner):
     ) -> None:
         self._selections = selections
         self._workers: dict[str, Worker] = {}
+        self._waiting, self._beside = ThreadRunner(), ThreadRunner()
         self._make: Callable[[str], Worker] = lambda capability: Worker(
             capability, needed_for(selections, capability), model, seed, limits, tell
         )
 
     def submit(self, task: Task) -> Future[Any]:
+        if task.is_awaited:
+            return self._waiting.submit(task)
+        if task.is_beside:
+            return self._beside.submit(task)
         if not task.plugin.is_stateless:
             return super().submit(task)
         return self._worker(task.address.capability).submit(task)
@@ -50,6 +59,8 @@ class ProcessRunner(InlineRunner):
             worker.abandon(future)
 
     def close(self) -> None:
+        self._waiting.close()
+        self._beside.close()
         for worker in self._workers.values():
             worker.close()
 

@@ -1,7 +1,8 @@
 """Where a verb is computed: the interface of runners, and the one that computes in the tick."""
 
+import time
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -9,7 +10,8 @@ from typing import Any
 
 from executive.interfaces.plugin import Plugin
 from executive.mission.jobs.alarm import Overdue, alarm
-from executive.mission.jobs.call import Address, VerbCall, VerbOverdueError
+from executive.mission.jobs.call import Address, FunctionCall, VerbCall, VerbOverdueError
+from executive.mission.jobs.patience import Patience
 from executive.mission.jobs.stack import folder_of, frames_of, place_among
 from executive.supervision.beacon import beacon
 
@@ -22,17 +24,33 @@ class Task:
         address: The verb, as messages name it.
         plugin: The plugin in the mission's own process.
         call: The verb and its arguments.
-        limit_s: Computing time after which it is overdue [s].
+        limit_s: Time after which it is overdue [s].
+        counts_computing: That time is processor time, as in lock-step; else time on the wall.
     """
 
     address: Address
     plugin: Plugin
     call: VerbCall
     limit_s: float
+    counts_computing: bool = False
 
-    def overdue(self, place: str, trace: str) -> VerbOverdueError:
-        """Return the error of a call that took longer than its limit, and where it was then."""
-        reason = f"no answer within {self.limit_s:g} s of computing"
+    @property
+    def is_beside(self) -> bool:
+        """Whether a thread may compute it on the wall clock, though its plugin has state."""
+        is_named = self.call.verb in self.plugin.beside_tick
+        return (is_named or isinstance(self.call, FunctionCall)) and not self.counts_computing
+
+    @property
+    def is_awaited(self) -> bool:
+        """Whether another process computes it, on the wall clock."""
+        return self.plugin.is_remote and not self.counts_computing
+
+    def patience(self, spent_s: Callable[[], float]) -> Patience:
+        """Return how long to wait, from now on, given what tells its processor time so far [s]."""
+        return Patience(self.limit_s, spent_s if self.counts_computing else None)
+
+    def overdue(self, reason: str, place: str, trace: str) -> VerbOverdueError:
+        """Return the error of a call that took longer than its limit, why, and where it was."""
         return self.address.error(VerbOverdueError, reason, place, trace)
 
 
@@ -41,7 +59,7 @@ def noted(task: Task) -> Iterator[None]:
     """Tell the supervisor what this process computes, in case it does not survive it."""
     address = task.address
     activity = {
-        "component": f"{address.capability} plugin '{address.name}'",
+        "component": address.component,
         "capability": address.capability,
         "name": address.name,
         "verb": address.verb,
@@ -78,13 +96,14 @@ class InlineRunner(Runner):
 
     def submit(self, task: Task) -> Future[Any]:
         future: Future[Any] = Future()
+        patience = task.patience(time.process_time)
         try:
-            with noted(task), alarm(task.limit_s):
+            with noted(task), alarm(patience):
                 answer = task.call.of(task.plugin)
             future.set_result(answer)
         except Overdue as late:
             place, trace = place_among(frames_of(late), task.plugin)
-            future.set_exception(task.overdue(place, trace))
+            future.set_exception(task.overdue(patience.told(), place, trace))
         except Exception as error:
             future.set_exception(error)
         return future

@@ -2,10 +2,12 @@
 
 import contextlib
 import threading
+import time
 from concurrent.futures import Future, InvalidStateError
 from queue import SimpleQueue
 from typing import Any
 
+from executive.mission.jobs.patience import Patience
 from executive.mission.jobs.runner import InlineRunner, Task, noted
 from executive.mission.jobs.stack import frames_of_thread, place_among
 from executive.supervision.beacon import beacon
@@ -16,8 +18,9 @@ _Queue = SimpleQueue[tuple[Task, Future[Any]] | None]
 class ThreadRunner(InlineRunner):
     """One thread for all stateless plugins; they share plugins, so no two verbs run at once.
 
-    A plugin with state, such as a survey that looks at the simulated world, is computed inline:
-    beside the tick it would see the world at no time in particular. A thread whose verb is overdue
+    A plugin with state, such as a survey that looks at the simulated world, is computed inline,
+    but for the verbs that it names for it: beside the tick it would see the world at no time in
+    particular. What another process computes is only awaited here. A thread whose verb is overdue
     cannot be ended: its call fails, and another thread serves the calls that follow.
     """
 
@@ -26,7 +29,7 @@ class ThreadRunner(InlineRunner):
         self._serving: threading.Thread | None = None
 
     def submit(self, task: Task) -> Future[Any]:
-        if not task.plugin.is_stateless:
+        if not (task.plugin.is_stateless or task.is_awaited or task.is_beside):
             return super().submit(task)
         if self._serving is None:
             self._begin()
@@ -53,9 +56,9 @@ class ThreadRunner(InlineRunner):
 
     def _compute(self, task: Task, future: Future[Any]) -> None:
         number = threading.get_ident()
-        timer = threading.Timer(task.limit_s, self._give_up, [task, future, number])
-        timer.daemon = True
-        timer.start()
+        clock = time.pthread_getcpuclockid(number)
+        patience = task.patience(lambda: time.clock_gettime(clock))
+        self._look_after(patience.limit_s, patience, task, future, number)
         with contextlib.suppress(InvalidStateError):  # the call was given up in the meantime
             try:
                 with noted(task):
@@ -64,11 +67,28 @@ class ThreadRunner(InlineRunner):
                 future.set_exception(error)
             else:
                 future.set_result(answer)
-        timer.cancel()
 
-    def _give_up(self, task: Task, future: Future[Any], number: int) -> None:
+    def _look_after(
+        self, wait_s: float, patience: Patience, task: Task, future: Future[Any], number: int
+    ) -> None:
+        """Give a call up, after a time, if it is overdue then; else look again."""
+
+        def look() -> None:
+            if future.done():
+                return
+            if more_s := patience.more_s():
+                self._look_after(more_s, patience, task, future, number)
+            else:
+                self._give_up(task, future, number, patience.told())
+
+        timer = threading.Timer(wait_s, look)
+        timer.daemon = True
+        future.add_done_callback(lambda _: timer.cancel())
+        timer.start()
+
+    def _give_up(self, task: Task, future: Future[Any], number: int, reason: str) -> None:
         place, trace = place_among(frames_of_thread(number), task.plugin)
         beacon().end()
         with contextlib.suppress(InvalidStateError):  # it has ended at this very moment
-            future.set_exception(task.overdue(place, trace))
+            future.set_exception(task.overdue(reason, place, trace))
             self._begin()

@@ -76,15 +76,18 @@ class Worker:
         timer.start()
 
     def _kill_if_at(self, future: Future[Any]) -> None:
-        if self._computing is future and self._process is not None:
-            self._process.kill()
+        process = self._process
+        if self._computing is future and process is not None:
+            process.interrupt()
 
     def close(self) -> None:
         """End the process; killed if it is busy for longer than the deadline."""
         self._calls.put(None)
         self._thread.join(_DEADLINE_S)
-        if self._process is not None:
-            self._process.kill()
+        process = self._process
+        if self._thread.is_alive() and process is not None:
+            process.interrupt()
+            self._thread.join(_DEADLINE_S)
 
     def _serve(self) -> None:
         while (queued := self._calls.get()) is not None:
@@ -119,11 +122,12 @@ class Worker:
     def _ask(self, task: Task, request: bytes) -> Any:
         """Return what the verb returned in the process, or raise what it raised there."""
         process = self._started()
+        patience = task.patience(process.spent_s)
         try:
-            raw = process.ask(request, task.limit_s)
+            raw = process.ask(request, patience)
         except TimeoutError:
-            dump = process.dump()
-            raise task.overdue(place_in_dump(dump, task.plugin), dump) from None
+            reason, dump = process.stopped() or patience.told(), process.dump()
+            raise task.overdue(reason, place_in_dump(dump, task.plugin), dump) from None
         except EndedError as ended:
             place = place_in_dump(ended.dump, task.plugin)
             raise task.address.error(WorkerDiedError, str(ended), place, ended.dump) from None
@@ -154,7 +158,7 @@ class Worker:
                 self._drop()
                 raise WorkerDiedError(
                     f"the worker process of the {self._capability} plugin '{self._name}' did not "
-                    f"start: {error or f'not ready within {self._limits.start_s:g} s'}"
+                    f"start: {str(error) or f'not ready within {self._limits.start_s:g} s'}"
                 ) from error
             except Exception:
                 self._drop()

@@ -11,9 +11,12 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+import psutil
+
 from executive.clock import wall_s
 from executive.mission.assembly import Selections
 from executive.mission.jobs.limits import Limits
+from executive.mission.jobs.patience import Patience
 from executive.mission.jobs.serving import serve
 
 _DUMP_S = 0.2  # for the call stack of a process that hangs to be written; it takes 1 ms
@@ -44,6 +47,7 @@ class WorkerProcess:
         self._limits = limits
         self._arguments = (capability, selections, model, seed, limits.memory_bytes, self._stack)
         self._process: Any = None
+        self._spent_s = 0.0
         self._connection: Connection | None = None
 
     def start(self) -> None:
@@ -60,11 +64,11 @@ class WorkerProcess:
         self._process = context.Process(target=serve, args=(theirs, *self._arguments), daemon=True)
         self._process.start()
         theirs.close()
-        error = pickle.loads(self._received(self._limits.start_s))
+        error = pickle.loads(self._received(Patience(self._limits.start_s)))
         if error is not None:
             raise error
 
-    def ask(self, request: bytes, limit_s: float) -> bytes:
+    def ask(self, request: bytes, patience: Patience) -> bytes:
         """Send a pickled call and return its pickled answer.
 
         Raises:
@@ -75,7 +79,25 @@ class WorkerProcess:
             self._open().send_bytes(request)
         except OSError as error:
             raise self._ended() from error
-        return self._received(limit_s)
+        return self._received(patience)
+
+    def spent_s(self) -> float:
+        """Return the processor time of the process so far [s]; the last one once it has ended."""
+        with contextlib.suppress(psutil.Error):
+            spent = psutil.Process(self._process.pid).cpu_times()
+            self._spent_s = float(spent.user + spent.system)
+        return self._spent_s
+
+    def stopped(self) -> str:
+        """Return that a signal has stopped the process, and the cure; empty if none has."""
+        with contextlib.suppress(psutil.Error):
+            process = psutil.Process(self._process.pid)
+            if process.status() == psutil.STATUS_STOPPED:
+                return (
+                    f"no answer: its worker process {process.pid} was stopped by a signal (SIGSTOP "
+                    "or SIGTSTP), from outside of the mission"
+                )
+        return ""
 
     def is_alive(self) -> bool:
         """Whether the process runs."""
@@ -94,8 +116,16 @@ class WorkerProcess:
             threading.Event().wait(_WAKE_S)
         return text
 
+    def interrupt(self) -> None:
+        """End the process at once, from another thread than the one that asks it.
+
+        Whoever waits for its answer gets an EndedError and releases what the process held.
+        """
+        if self._process is not None and self._process.pid is not None:
+            self._process.kill()
+
     def kill(self) -> None:
-        """End the process at once."""
+        """End the process at once, and release what it held."""
         if self._process is not None and self._process.pid is not None:
             self._process.kill()
             self._process.join(_EXIT_S)
@@ -109,11 +139,13 @@ class WorkerProcess:
             self._process.join(limit_s)
         self.kill()
 
-    def _received(self, limit_s: float) -> bytes:
-        connection = self._open()
+    def _received(self, patience: Patience) -> bytes:
+        connection, wait_s = self._open(), patience.limit_s
         try:
-            if not connection.poll(limit_s):
-                raise TimeoutError
+            while not connection.poll(wait_s):
+                wait_s = patience.more_s()
+                if not wait_s:
+                    raise TimeoutError
             return connection.recv_bytes()
         except (EOFError, ConnectionError) as error:
             raise self._ended() from error

@@ -43,16 +43,19 @@ class Account:
         stones_found: Number of stones that the last segmentation found.
         findings: What the mission reported about the site.
         slots: Place of each slot that was found, by its number [m], shape (3,).
+
+    Args:
+        verifies: The mission asks where each stone is that it released (`VerifyPlacement`).
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, verifies: bool = False) -> None:
         self.last: Entry | None = None
         self.registered: SurveyRegistered | None = None
         self.stones_found = 0
         self.has_ended = False
         self.findings = Findings()
         self.slots: dict[int, Float] = {}
-        self._picks = Picks()
+        self._picks = Picks(are_verified=verifies)
         self._kinds: Counter[type[Event]] = Counter()
         self._troubles: Counter[Trouble] = Counter()
         self._trouble: Trouble | None = None  # of the present hold
@@ -198,6 +201,8 @@ class Account:
             "known": len(self._known | {pick.stone for pick in picks}),
             "untouched": len(self._known - {pick.stone for pick in picks if pick.tries}),
             "off": sum(pick.is_off for pick in picks),
+            "unverified": sum(pick.is_unverified for pick in picks),
+            "turn_unknown": sum(pick.is_turn_unknown for pick in picks),
             "unseen": sum(pick.is_unseen for pick in placed),
             "lost": len(self._lost),
             "corrected": self._corrected,

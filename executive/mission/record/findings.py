@@ -1,8 +1,9 @@
-"""What a mission reported about the site: figures, marks, stones and saved maps."""
+"""What a mission reported about the site: figures, marks, stones, structures and saved maps."""
 
 from typing import Any
 
 from executive.events.finding import FigureReported, MapSaved, Marked, StonesListed
+from executive.events.site import BuildingEnded
 from executive.journal import Entry
 
 
@@ -14,6 +15,7 @@ class Findings:
         self._marks: list[tuple[float, Marked]] = []
         self._stones: StonesListed | None = None
         self._maps: dict[str, MapSaved] = {}
+        self._structures: dict[str, BuildingEnded] = {}
 
     def add(self, entry: Entry) -> None:
         """Take one entry."""
@@ -26,6 +28,8 @@ class Findings:
                 self._stones = event
             case MapSaved() as event:
                 self._maps[event.file] = event
+            case BuildingEnded() as event:
+                self._structures[event.structure] = event
 
     def as_report(self) -> dict[str, Any]:
         """Return the entries of the report."""
@@ -36,4 +40,5 @@ class Findings:
             "marks": [{"time_s": time_s, **mark.payload()} for time_s, mark in self._marks],
             "stones": list(self._stones.stones) if self._stones is not None else [],
             "maps": [one.payload() for one in self._maps.values()],
+            "structures": [one.payload() for one in self._structures.values()],
         }

@@ -1,6 +1,7 @@
 """The state of plugins, kept in the run's folder as the mission goes on, for resuming it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -42,11 +43,22 @@ class Keeper:
 
     The robot's is written at each tick, because a simulated world lives in this process; the time
     is beside it. A robot that keeps nothing, because it lives elsewhere, has the time alone. The
-    others' are written when a leaf has ended that may have changed them, and every few seconds.
+    others' are written when a leaf has ended that may have changed them, and every few seconds. On
+    the wall clock a thread writes those: a map is tens of megabytes, and a busy disk takes seconds.
     """
 
-    def __init__(self, folder: Path, plugins: Mapping[str, Any]) -> None:
+    def __init__(self, folder: Path, plugins: Mapping[str, Any], *, beside: bool = False) -> None:
+        """Keep the state of plugins.
+
+        Args:
+            folder: Where it is kept.
+            plugins: The mission's plugins by capability.
+            beside: Whether a thread writes it, but for the machine's.
+        """
         self._folder = folder
+        self._thread = ThreadPoolExecutor(1, "keeper") if beside else None
+        self._pending: dict[str, Future[None]] = {}
+        self._is_owed = False  # something has changed while it was being written
         self._robot: Plugin = plugins["robot"]
         self._others = [
             (f"{capability}-{name}", plugin)
@@ -68,8 +80,10 @@ class Keeper:
         if self.failure is not None:
             return
         try:
+            self._take_ended()
             self._keep_machine({"at": instant, "state": self._robot.keep()})
-            if leaf_ended or instant.machine_s - self._written_s >= _PERIOD_S:
+            is_due = leaf_ended or instant.machine_s - self._written_s >= _PERIOD_S
+            if is_due or (self._is_owed and not self._pending):
                 self._written_s = instant.machine_s
                 self._keep_others()
         except OSError as error:
@@ -97,8 +111,23 @@ class Keeper:
             restored.insert(0, "robot")
         return machine["at"], tuple(restored), tuple(lost)
 
+    def settle(self) -> None:
+        """Wait until what was begun is written; the plugins are asked no more.
+
+        Raises:
+            Exception: What a plugin raises when it is asked for its state.
+        """
+        if self._thread is not None:
+            self._thread.shutdown()
+        try:
+            self._take_ended()
+        except OSError as error:
+            self.failure = error
+
     def close(self) -> None:
         """Close the file of the robot's state."""
+        if self._thread is not None:
+            self._thread.shutdown()
         if self._machine is not None:
             self._machine.close()
 
@@ -109,14 +138,28 @@ class Keeper:
         self._machine.write(to_bytes(value))
 
     def _keep_others(self) -> None:
+        self._is_owed = False
         for name, plugin in self._others:
             revision = plugin.revision
-            if revision != self._written[name]:
-                self._written[name] = revision
-                self._write(name, plugin.keep())
+            if revision == self._written[name]:
+                continue
+            if name in self._pending:
+                self._is_owed = True
+                continue
+            self._written[name] = revision
+            if self._thread is None:
+                self._write(name, plugin.keep)
+            else:
+                kept = plugin.keep if "keep" in plugin.beside_tick else _constant(plugin.keep())
+                self._pending[name] = self._thread.submit(self._write, name, kept)
 
-    def _write(self, name: str, value: Any) -> None:
-        path = self._folder / name
+    def _take_ended(self) -> None:
+        """Forget what the thread has written, and raise what it met."""
+        for name in [name for name, future in self._pending.items() if future.done()]:
+            self._pending.pop(name).result()
+
+    def _write(self, name: str, keep: Callable[[], Any]) -> None:
+        path, value = self._folder / name, keep()
         partial = path.with_suffix(".partial")
         self._folder.mkdir(exist_ok=True)
         partial.write_bytes(to_bytes(value))
@@ -127,6 +170,10 @@ class Keeper:
             return _value_of((self._folder / name).read_bytes())
         except OSError:
             return None
+
+
+def _constant(value: Any) -> Callable[[], Any]:
+    return lambda: value
 
 
 def _value_of(data: bytes | None) -> Any:

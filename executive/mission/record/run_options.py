@@ -18,6 +18,7 @@ class KeptOptions:
     choices: tuple[str, ...] = ()
     attended: bool = False
     pause_on_failure: bool = False
+    apart: bool = False
 
     def write(self, path: Path) -> None:
         """Write them."""

@@ -1,0 +1,22 @@
+"""Whether a stone was seen since it was let go, by the database's own history."""
+
+from executive.interfaces.objects import ObjectDatabase
+
+_KINDS = frozenset({"realign", "seen", "moved", "replaced"})  # of events after a stone was seen
+_RELEASE, _REPLACED = "release", "replaced"
+
+
+def sightings(objects: ObjectDatabase, stone: int) -> frozenset[str]:
+    """Return the kinds of sightings of a stone since its last release, or ever without one."""
+    kinds = [event.kind for event in objects.history(stone)]
+    since = len(kinds) - kinds[::-1].index(_RELEASE) if _RELEASE in kinds else 0
+    return _KINDS.intersection(kinds[since:])
+
+
+def is_turn_known(objects: ObjectDatabase, stone: int) -> bool:
+    """Return whether a stone's pose tells how it is turned against the stone as it was found.
+
+    A stone that turned over shows an underside that nobody has seen. Where no known surface is
+    recognised, what is seen becomes its model, and the angle between the two is not known.
+    """
+    return all(event.kind != _REPLACED for event in objects.history(stone))

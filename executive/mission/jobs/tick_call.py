@@ -1,0 +1,52 @@
+"""A verb that is called within the tick; its answer is checked as that of a job is."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from executive import registry
+from executive.interfaces.plugin import Plugin
+from executive.interfaces.robot import Robot
+from executive.messages.observation import Observation
+from executive.mission.jobs.answer import unfit
+from executive.mission.jobs.call import Address, WrongAnswerError
+
+
+def asked(verb: Callable[..., Any], *args: object) -> Any:
+    """Call a method of a plugin and return its answer.
+
+    A verb that takes an observation and answers with something else than its interface says has
+    not taken it, and nothing else would tell before the estimate is too old.
+
+    Raises:
+        WrongAnswerError: If the answer is of another type than the interface says, or holds a NaN.
+    """
+    answer = verb(*args)
+    plugin = _owner(verb)
+    if plugin is not None and (reason := unfit(plugin, verb.__name__, answer)):
+        raise _error(plugin, verb.__name__, reason)
+    return answer
+
+
+def observations_of(robot: Robot, until_s: float) -> Sequence[Observation]:
+    """Read a robot up to a machine time [s].
+
+    What single observations hold is up to the guard, which refuses those that cannot be true.
+
+    Raises:
+        WrongAnswerError: If the robot returns no sequence.
+    """
+    found = robot.read(until_s)
+    if not isinstance(found, Sequence):
+        raise _error(robot, "read", f"{type(found).__name__} instead of a sequence of observations")
+    return found
+
+
+def _owner(verb: Callable[..., Any]) -> Plugin | None:
+    owner = getattr(verb, "__self__", None)
+    return owner if isinstance(owner, Plugin) else None
+
+
+def _error(plugin: Plugin, verb: str, reason: str) -> WrongAnswerError:
+    name = registry.name_of(plugin.capability, type(plugin))
+    address = Address.of(plugin.capability, name, plugin, verb)
+    return address.error(WrongAnswerError, f"it returned {reason}")
