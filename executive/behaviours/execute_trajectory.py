@@ -1,21 +1,36 @@
 """Move along a planned trajectory."""
 
+from collections.abc import Generator
+
+from pydantic import Field
+
+from executive.config import Settings
 from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
 from executive.leaf.follow import follow, position_of
 from executive.leaf.memory import OnResume
-from executive.leaf.outcome import failed
+from executive.leaf.outcome import Outcome, failed
 from executive.leaf.rest import come_to_rest
 from executive.leaf.rest_of_path import rest_of
+from executive.messages.command import SwitchLidars
 from executive.messages.trajectory import JointTrajectory
 
 
-class ExecuteTrajectory(Action):
-    """Follow a trajectory to its end; when cancelled, the machine stops along the path."""
+class ExecuteTrajectorySettings(Settings):
+    scan: bool = Field(
+        False, description="Whether the lidars are on while the machine moves, and off afterwards."
+    )
+
+
+class ExecuteTrajectory(Action[ExecuteTrajectorySettings]):
+    """Follow a trajectory to its end; when cancelled, the machine stops along the path.
+
+    With `scan` the map is filled meanwhile, so that a look needs no motion of its own.
+    """
 
     needs = (Robot,)
-    claims = (Part.ARM, Part.CABIN)
+    claims = (Part.ARM, Part.CABIN, Part.LIDARS)
     on_resume = OnResume.VERIFY
 
     def run(self, trajectory: JointTrajectory) -> Steps[None]:
@@ -24,7 +39,7 @@ class ExecuteTrajectory(Action):
         Args:
             trajectory: Joint positions over time.
         """
-        return (yield from follow(self.context, trajectory))
+        return (yield from self._follow(trajectory))
 
     def verify(self, trajectory: JointTrajectory) -> Steps[None]:
         """Go on along a trajectory that was cut off, from where the arm came to rest on it.
@@ -36,4 +51,14 @@ class ExecuteTrajectory(Action):
         rest = rest_of(trajectory, position_of(self.context, trajectory))
         if rest is None:
             return failed("the arm left its path when the run was cut off: plan again")
-        return (yield from follow(self.context, rest))
+        return (yield from self._follow(rest))
+
+    def _follow(self, trajectory: JointTrajectory) -> Generator[None, None, Outcome[None]]:
+        if not self.settings.scan:
+            return (yield from follow(self.context, trajectory))
+        robot = self.context.use(Robot)
+        robot.command(SwitchLidars(True))
+        try:
+            return (yield from follow(self.context, trajectory))
+        finally:
+            robot.command(SwitchLidars(False))

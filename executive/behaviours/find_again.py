@@ -1,21 +1,16 @@
 """Look for a stone that is no longer where it was."""
 
-from pydantic import Field
-
-from executive.config import Meters, Settings
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.registration import Registrar
 from executive.interfaces.segmentation import Segmenter
 from executive.leaf.action import Action, Steps
 from executive.leaf.memory import OnResume
-from executive.leaf.search import search
+from executive.leaf.search import SearchSettings, search
 
 
-class FindAgainSettings(Settings):
-    radius: Meters = Field(
-        4.0, gt=0, le=20, description="Distance from its last known place that is searched [m]."
-    )
+class FindAgainSettings(SearchSettings):
+    """How far to search, and what counts as found."""
 
 
 class FindAgain(Action[FindAgainSettings]):
@@ -35,4 +30,4 @@ class FindAgain(Action[FindAgainSettings]):
         Args:
             stone: Id of the stone.
         """
-        return (yield from search(self.context, stone, self.settings.radius))
+        return (yield from search(self.context, stone, self.settings))

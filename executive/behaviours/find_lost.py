@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from executive.config import Meters, Settings
+from executive.config import Meters
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.registration import Registrar
@@ -11,10 +11,10 @@ from executive.leaf.action import Action, Steps
 from executive.leaf.lost import lost_stones
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
-from executive.leaf.search import search
+from executive.leaf.search import SearchSettings, search
 
 
-class FindLostSettings(Settings):
+class FindLostSettings(SearchSettings):
     radius: Meters = Field(
         6.0, gt=0, le=20, description="Distance from its last known place that is searched [m]."
     )
@@ -34,7 +34,7 @@ class FindLost(Action[FindLostSettings]):
         missing = []
         sought = lost_stones(self.context)
         for stone in sought:
-            found = yield from search(self.context, stone.id, self.settings.radius)
+            found = yield from search(self.context, stone.id, self.settings)
             if not found.success:
                 missing.append(stone.id)
         if missing:

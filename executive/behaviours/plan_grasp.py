@@ -40,10 +40,11 @@ class PlanGrasp(Action):
         known = self.context.use(ObjectDatabase).stone(stone)
         if known.state is StoneState.LOST:
             return failed(f"stone {stone} is lost: nobody knows where to grasp it")
+        around = yield from surroundings(self.context)
         plan = yield from self.context.job(
             self.context.use(GraspPlanner).plan,
             known,
-            surroundings(self.context),
+            around,
             self.context.state().T_map_base,
             self.context.rng(),
         )

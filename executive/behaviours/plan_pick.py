@@ -93,7 +93,8 @@ class PlanPick(Action[PlanPickSettings]):
             return failed(moving)
         self._refusals.pop(stone, None)
         ordered = self._new_ones_first(known, grasps)
-        cloud, motion = surroundings(self.context), self.context.use(MotionPlanner)
+        cloud = yield from surroundings(self.context)
+        motion = self.context.use(MotionPlanner)
         reasons: list[str] = []
         for number, grasp in enumerate(ordered, 1):
             plan = yield from self.context.job(motion.move, self._request(grasp, cloud))

@@ -1,12 +1,15 @@
 """Plan how to set a held stone down."""
 
-from collections.abc import Generator
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+import numpy as np
 from pydantic import Field
 
+from executive.arrays import Float
 from executive.config import Meters, Settings
+from executive.geometry.rotation import log_so3
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
@@ -16,7 +19,8 @@ from executive.leaf.job import Job
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
-from executive.leaf.surroundings import held_surface, surroundings
+from executive.leaf.resting import moved, to_rest
+from executive.leaf.surroundings import held_kg, held_surface, surroundings
 from executive.messages.cloud import Cloud
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement, Slot
@@ -26,12 +30,24 @@ from executive.messages.trajectory import JointTrajectory
 
 
 class PlanPlacementSettings(Settings):
-    leave: Meters = Field(1.0, ge=0, le=5, description="Straight lift before travelling [m].")
+    leave: Meters = Field(
+        1.0,
+        ge=0,
+        le=5,
+        description="Straight lift before travelling, from where the jaws closed [m].",
+    )
     arrive: Meters = Field(1.0, ge=0, le=5, description="Straight way down to the place [m].")
-    lift_capacity: Literal["payload", "iso_10567"] = Field(
-        "payload",
+    above: Meters = Field(
+        0.0,
+        ge=0,
+        le=1,
+        description="Height above the place at which the way ends [m], for `LowerUntilDown`.",
+    )
+    lift_capacity: Literal["by_base", "payload", "iso_10567"] = Field(
+        "by_base",
         description="What limits the way: nothing more than at the grasp; or also the rated lift "
-        "capacity by radius and side on the whole way to the slot (ISO 10567).",
+        "capacity by radius and side on the whole way to the slot (ISO 10567); by_base is the "
+        "latter where the machine may tip.",
     )
 
 
@@ -49,7 +65,12 @@ class PlacementPlanned:
 
 
 class PlanPlacement(Action[PlanPlacementSettings]):
-    """Find the first slot with a placement, and the first placement with a collision-free path."""
+    """Find the first slot with a placement, and the first placement with a collision-free path.
+
+    A stone that the closing jaws have tilted is turned back: it comes down on the side on which it
+    lay. If no path leads there, it is set down as it hangs. A slot with the pose of a stone says
+    itself how that is to rest.
+    """
 
     needs = (PlacementPlanner, MotionPlanner, Mapper, ObjectDatabase)
     on_resume = OnResume.REDO
@@ -65,12 +86,18 @@ class PlanPlacement(Action[PlanPlacementSettings]):
             return failed(moving)
         stone = self.context.use(ObjectDatabase).stone(hold.stone_id)
         placing = self.context.use(PlacementPlanner)
-        cloud = surroundings(self.context, hold.stone_id)
+        cloud = yield from surroundings(self.context, hold.stone_id)
         T_map_base = self.context.state().T_map_base
         reasons: list[str] = []
-        for slot in free_slots:
+        level = to_rest(stone, self.context.use(ObjectDatabase))
+        for slot, T_map_map in _attempts(free_slots, level):
             placements = yield from self.context.job(
-                placing.plan, stone, slot, hold.T_map_gripper, cloud, T_map_base
+                placing.plan,
+                moved(stone, T_map_map),
+                slot,
+                T_map_map @ hold.T_map_gripper,
+                cloud,
+                T_map_base,
             )
             if not placements:
                 reasons.append(f"no placement on slot {slot.id} is in reach")
@@ -80,14 +107,15 @@ class PlanPlacement(Action[PlanPlacementSettings]):
                 if plan.trajectory is not None and not too_heavy:
                     self.context.show("path", plan)
                     found = PlacementPlanned(placement, plan.trajectory)
-                    return succeeded(found, f"slot {slot.id}")
+                    return succeeded(found, f"slot {slot.id}{_turned(T_map_map)}")
                 reasons.append(f"slot {slot.id}: {too_heavy or plan.reason}")
         causes = "; ".join(dict.fromkeys(reasons))
         return failed(f"no path to any of {len(free_slots)} slots: {causes}")
 
     def _too_heavy(self, stone: Stone, plan: MotionPlan) -> str:
         """Return why the machine may not carry a stone along a path; empty if it may."""
-        if plan.trajectory is None or self.settings.lift_capacity == "payload":
+        stance = self.context.machine().stance
+        if plan.trajectory is None or not stance.limits_by_tipping(self.settings.lift_capacity):
             return ""
         from executive.machine.lift_capacity import LiftCapacity  # imports kinematics
 
@@ -97,14 +125,31 @@ class PlanPlacement(Action[PlanPlacementSettings]):
     def _path_to(
         self, placement: Placement, hold: Hold, cloud: Cloud
     ) -> Generator[Job[MotionPlan], Any, MotionPlan]:
+        risen_m = float(self.context.gripper()[2, 3] - hold.T_map_gripper[2, 3])
+        goal = placement.T_map_gripper.copy()
+        goal[2, 3] += self.settings.above
         request = MoveRequest(
             start=self.context.arm(),
-            T_map_gripper=placement.T_map_gripper,
+            T_map_gripper=goal,
             T_map_base=self.context.state().T_map_base,
-            leave_m=self.settings.leave,
+            leave_m=min(max(self.settings.leave - risen_m, 0.0), self.settings.leave),
             arrive_m=self.settings.arrive,
             obstacles=cloud,
             held_gripper=held_surface(self.context, hold),
             jaw_rad=hold.jaw_rad,
+            held_kg=held_kg(self.context),
         )
         return (yield from self.context.job(self.context.use(MotionPlanner).move, request))
+
+
+def _attempts(slots: Sequence[Slot], level: Float) -> Iterator[tuple[Slot, Float]]:
+    """Yield each slot with the motions by which the stone may be turned for it, best first."""
+    for slot in slots:
+        if slot.T_map_object is None and not np.array_equal(level, np.eye(4)):
+            yield slot, level
+        yield slot, np.eye(4)
+
+
+def _turned(T_map_map: Float) -> str:
+    turn_rad = float(np.linalg.norm(log_so3(T_map_map[:3, :3])))
+    return f", turned back by {np.degrees(turn_rad):.1f}°" if turn_rad else ""

@@ -1,25 +1,42 @@
-"""Plan to lower a held stone to the ground below it."""
+"""Plan to lower a held stone to the ground below it, or to free ground beside another stone."""
 
+from collections.abc import Iterator
+
+import numpy as np
+
+from executive.arrays import Float
 from executive.geometry.gap import gap_below
 from executive.geometry.pose import transform
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
+from executive.leaf.context import Context
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.path import PathPlanned
 from executive.leaf.rest import come_to_rest
-from executive.leaf.surroundings import held_surface, surroundings
+from executive.leaf.surroundings import held_kg, held_surface, surroundings
 from executive.messages.hold import Hold
 from executive.messages.request import MoveRequest
+from executive.messages.stone import StoneState
 
 _CLEARANCE_M = 0.05  # left between the stone and the ground: the model is a few centimetres off
 _LEAST_WAY_M = 0.05
+# Beside other stones: a stone that stands on an edge falls over by some of its own thickness.
+_ROOM_M = 0.3
+_TOUCHING_M = 0.05  # as near to one another do the points of a model lie
+_RING_M, _FARTHEST_M, _DIRECTIONS = 0.3, 2.4, 12  # of the places that are tried
+_TRIES = 4  # motions that are planned: the stone slips meanwhile
 
 
 class PlanSetDown(Action):
-    """Plan the way straight down for a stone that slips, so that it falls less far."""
+    """Plan the way down for a stone that slips, so that it falls less far.
+
+    It goes straight down where no other known stone is below, and otherwise to the nearest place
+    beside it: set down on a stone that was placed, it would push that one away. If there is no such
+    place in reach, it goes straight down all the same.
+    """
 
     needs = (MotionPlanner, Mapper, ObjectDatabase)
     on_resume = OnResume.REDO
@@ -32,24 +49,74 @@ class PlanSetDown(Action):
         """
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
-        cloud = surroundings(self.context, hold.stone_id)
+        cloud = yield from surroundings(self.context, hold.stone_id)
         surface = held_surface(self.context, hold)
-        goal = self.context.gripper()
-        way_m = gap_below(transform(goal, surface), cloud.points) - _CLEARANCE_M
-        if way_m < _LEAST_WAY_M:
+        now = self.context.gripper()
+        if gap_below(transform(now, surface), cloud.points) - _CLEARANCE_M < _LEAST_WAY_M:
             return failed("the stone is at the ground already")
-        goal[2, 3] -= way_m
-        request = MoveRequest(
-            start=self.context.arm(),
-            T_map_gripper=goal,
-            T_map_base=self.context.state().T_map_base,
-            leave_m=0.0,
-            arrive_m=way_m,
-            obstacles=cloud,
-            held_gripper=surface,
-            jaw_rad=hold.jaw_rad,
+        reason = ""
+        for aside_m in self._places(hold.stone_id, transform(now, surface)):
+            goal = now.copy()
+            goal[:2, 3] += aside_m
+            way_m = gap_below(transform(goal, surface), cloud.points) - _CLEARANCE_M
+            if way_m < _LEAST_WAY_M:
+                continue
+            goal[2, 3] -= way_m
+            request = MoveRequest(
+                start=self.context.arm(),
+                T_map_gripper=goal,
+                T_map_base=self.context.state().T_map_base,
+                leave_m=0.0,
+                arrive_m=way_m,
+                obstacles=cloud,
+                held_gripper=surface,
+                jaw_rad=hold.jaw_rad,
+                held_kg=held_kg(self.context),
+            )
+            plan = yield from self.context.job(self.context.use(MotionPlanner).move, request)
+            if plan.trajectory is not None:
+                return succeeded(PathPlanned(plan.trajectory), _told(way_m, aside_m))
+            reason = reason or plan.reason
+        return failed(f"no path down: {reason}")
+
+    def _places(self, stone_id: int, held: Float) -> list[Float]:
+        """Return where to set down, from the gripper [m], (2,) each, the nearest first."""
+        straight = np.zeros(2)
+        others = _others(self.context, stone_id)
+        if not len(others):
+            return [straight]
+        from scipy.spatial import cKDTree  # reading a mission imports no algorithm
+
+        tree = cKDTree(others)
+        free = (
+            aside
+            for aside in _around()
+            if tree.query(held[:, :2] + aside)[0].min() >= (_ROOM_M if aside.any() else _TOUCHING_M)
         )
-        plan = yield from self.context.job(self.context.use(MotionPlanner).move, request)
-        if plan.trajectory is None:
-            return failed(f"no path down: {plan.reason}")
-        return succeeded(PathPlanned(plan.trajectory), f"{way_m:.2f} m down")
+        found = [place for place, _ in zip(free, range(_TRIES), strict=False)]
+        if not found or found[0].any():
+            return [*found, straight]
+        return found[:1]
+
+
+def _others(context: Context, stone_id: int) -> Float:
+    """Return the points of all other known stones from above [m], shape (N, 2)."""
+    stones = [
+        stone.points_map[:, :2]
+        for stone in context.use(ObjectDatabase).stones()
+        if stone.id != stone_id and stone.state is not StoneState.LOST
+    ]
+    return np.vstack(stones) if stones else np.empty((0, 2))
+
+
+def _around() -> Iterator[Float]:
+    """Yield the place below, and then those of ever larger rings about it [m], (2,) each."""
+    yield np.zeros(2)
+    for radius_m in np.arange(_RING_M, _FARTHEST_M + 1e-9, _RING_M):
+        for angle_rad in 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS:
+            yield radius_m * np.array([np.cos(angle_rad), np.sin(angle_rad)])
+
+
+def _told(way_m: float, aside_m: Float) -> str:
+    beside = f", {np.linalg.norm(aside_m):.1f} m aside of another stone" if aside_m.any() else ""
+    return f"{way_m:.2f} m down{beside}"

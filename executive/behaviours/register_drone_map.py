@@ -8,6 +8,7 @@ from executive.interfaces.registration import Registrar
 from executive.leaf.action import Action, Steps
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
+from executive.leaf.surroundings import map_cloud
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 
@@ -40,7 +41,7 @@ class RegisterDroneMap(Action):
         Args:
             survey: The site in the survey's own frame.
         """
-        target = self.context.use(Mapper).cloud()
+        target = yield from map_cloud(self.context)
         if not len(target):
             return failed("the map is empty: scan first")
         alignment = yield from self.context.job(

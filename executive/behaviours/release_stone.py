@@ -1,5 +1,8 @@
 """Release a held stone."""
 
+from collections.abc import Generator
+from typing import Any
+
 from pydantic import Field
 
 from executive.arrays import Float
@@ -67,7 +70,7 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
         self.context.use(Mapper).mask_held(0.0)
         stone = self.context.use(ObjectDatabase).stone(hold.stone_id)
         if stone.state is StoneState.HELD:  # not so when a run is resumed after the release
-            stone = self._released(hold, T_map_gripper, placement)
+            stone = yield from self._released(hold, T_map_gripper, placement)
         self.context.show(f"stones/{stone.id}", stone)
         self._record(stone, placement)
         if (weight := self.context.weight()) is not None:
@@ -75,11 +78,13 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
             self.context.record(StoneWeighed(stone.id, weight.mass_kg, weight.std_kg))
         return succeeded()
 
-    def _released(self, hold: Hold, T_map_gripper: Float, placement: Placement | None) -> Stone:
+    def _released(
+        self, hold: Hold, T_map_gripper: Float, placement: Placement | None
+    ) -> Generator[Any, Any, Stone]:
         fall = next((v for v in self.context.verdicts() if v.trouble is not Trouble.SLIP), None)
         state = StoneState.ON_GROUND if placement is None else StoneState.PLACED
         if placement is None:
-            T_map_gripper[2, 3] -= self._fall_m(hold, T_map_gripper)
+            T_map_gripper[2, 3] -= yield from self._fall_m(hold, T_map_gripper)
         objects, now_s = self.context.use(ObjectDatabase), self.context.now_s()
         released = objects.release(hold.stone_id, T_map_gripper, now_s, state)
         if placement is not None or fall is None:
@@ -101,8 +106,8 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
             )
         )
 
-    def _fall_m(self, hold: Hold, T_map_gripper: Float) -> float:
+    def _fall_m(self, hold: Hold, T_map_gripper: Float) -> Generator[Any, Any, float]:
         """Return the height of the held stone above the ground below it [m]."""
         stone_map = transform(T_map_gripper, held_surface(self.context, hold))
-        around = surroundings(self.context, hold.stone_id)
+        around = yield from surroundings(self.context, hold.stone_id)
         return max(0.0, gap_below(stone_map, around.points))

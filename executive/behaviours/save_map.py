@@ -9,6 +9,7 @@ from executive.leaf.action import Action, Steps
 from executive.leaf.map_file import MapFile, write_map
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
+from executive.leaf.surroundings import map_cloud
 
 
 class SaveMapSettings(Settings):
@@ -29,7 +30,7 @@ class SaveMap(Action[SaveMapSettings]):
     on_resume = OnResume.REDO
 
     def run(self) -> Steps[None]:
-        cloud = self.context.use(Mapper).cloud()
+        cloud = yield from map_cloud(self.context)
         if not len(cloud):
             return failed("the map is empty: scan first")
         yield None  # writing gets a tick of its own

@@ -3,6 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from pydantic import Field
+
+from executive.config import Settings
 from executive.events.site import PartLeftOut, SiteSegmented
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.objects import ObjectDatabase
@@ -10,6 +13,7 @@ from executive.interfaces.segmentation import Segmenter
 from executive.leaf.action import Action, Steps
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
+from executive.leaf.surroundings import map_cloud
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segmentation
 from executive.messages.stone import Stone
@@ -30,7 +34,13 @@ class SiteSegments:
     stones: list[Stone]
 
 
-class SegmentMap(Action):
+class SegmentMapSettings(Settings):
+    at_least: int = Field(
+        1, ge=0, le=1000, description="Fewer stones than this in the map are a failure."
+    )
+
+
+class SegmentMap(Action[SegmentMapSettings]):
     """Segment the map, merged with the drone's map where there is one.
 
     Source: Mascaro et al. 2020, Sec. 4.3 and Sec. 4.4, step 6. Deviation from the paper, which
@@ -47,10 +57,10 @@ class SegmentMap(Action):
         Args:
             drone_map: The drone's map expressed in the frame `map`.
         """
-        segmenter, clouds = self.context.use(Segmenter), [self.context.use(Mapper).cloud()]
+        segmenter, clouds = self.context.use(Segmenter), [(yield from map_cloud(self.context))]
         if drone_map is not None:
             clouds.append(self._in_reach(drone_map))
-        merged = segmenter.merge(clouds)
+        merged = yield from self.context.job(segmenter.merge, clouds)
         if not len(merged):
             return failed("the map is empty: scan first")
         segmentation = yield from self.context.job(segmenter.segment, merged)
@@ -61,8 +71,9 @@ class SegmentMap(Action):
         self.context.show("segments", segmentation)
         for stone in stones:
             self.context.show(f"stones/{stone.id}", stone)
-        if not stones:
-            return failed("no stone was found on the site")
+        if len(stones) < self.settings.at_least:
+            found = f"{len(stones)} stones were" if stones else "no stone was"
+            return failed(f"{found} found on the site")
         return succeeded(SiteSegments(segmentation, list(stones)), f"{len(stones)} stones")
 
     def _in_reach(self, drone_map: Cloud) -> Cloud:

@@ -1,5 +1,7 @@
 """Ask whether the mission placed anything."""
 
+from collections import Counter
+
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Condition
 from executive.leaf.memory import OnResume
@@ -15,7 +17,10 @@ class SomeStonePlaced(Condition):
 
     def check(self) -> Outcome[None]:
         stones = self.context.use(ObjectDatabase).stones()
-        placed = [stone.id for stone in stones if stone.state is StoneState.PLACED]
-        if not placed:
-            return failed(f"none of {len(stones)} stones could be placed: all were set aside")
-        return succeeded(reason=f"{len(placed)} of {len(stones)} stones placed")
+        counts = Counter(stone.state for stone in stones)
+        if placed := counts[StoneState.PLACED]:
+            return succeeded(reason=f"{placed} of {len(stones)} stones placed")
+        if not stones:
+            return failed("no stone is known, so none is placed")
+        told = ", ".join(f"{n} {state.value.replace('_', ' ')}" for state, n in counts.items())
+        return failed(f"none of {len(stones)} stones is placed: {told}")

@@ -15,10 +15,10 @@ from executive.leaf.action import Condition
 from executive.leaf.lost import mark_lost
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.sightings import is_turn_known, sightings
 from executive.messages.placement import Placement
 from executive.messages.stone import Stone, StoneState
 
-_SIGHTINGS = {"realign", "seen", "moved", "replaced"}  # kinds of events after a stone was seen
 _HANGS = 0.5  # share of the stone's weight above which it is still in the jaws
 
 
@@ -55,7 +55,8 @@ class VerifyPlacement(Condition[VerifyPlacementSettings]):
     It needs a scan and `RelocateAndRealign` or `FindAgain` before. A stone that was not recognised
     is unseen: it is not placed but lost, whatever the gripper's motion says. A stone whose weight
     is still on the arm hangs in the jaws, and is off; so is one that was seen there with another
-    surface than its own, because it has turned.
+    surface than its own, because it has turned. A stone that had turned over before this placement
+    is compared by the surface that a look has shown since; that is told.
     """
 
     needs = (ObjectDatabase, Monitor)
@@ -70,7 +71,7 @@ class VerifyPlacement(Condition[VerifyPlacementSettings]):
         """
         objects = self.context.use(ObjectDatabase)
         known = objects.stone(stone)
-        hanging_kg, seen = self._hanging_kg(), self._seen(stone)
+        hanging_kg, seen = self._hanging_kg(), sightings(objects, stone)
         if hanging_kg is None and not seen:
             return self._unseen(known, placement)
         found = self._compared(known, placement, hanging_kg, "replaced" in seen)
@@ -79,7 +80,10 @@ class VerifyPlacement(Condition[VerifyPlacementSettings]):
             return self._decided(known, f"stone {stone} {found.reason}")
         if known.state is not StoneState.PLACED:  # it was lost, and found at its place
             objects.set_state(stone, StoneState.PLACED, self.context.now_s())
-        return succeeded(reason=f"{found.off_m:.2f} m off, tilted by {found.tilt_rad:.2f} rad")
+        told = f"{found.off_m:.2f} m off, tilted by {found.tilt_rad:.2f} rad"
+        if not is_turn_known(objects, stone):
+            told += ", by a surface that is not the one it was found with"
+        return succeeded(reason=told)
 
     def _hanging_kg(self) -> float | None:
         """Return the mass in the jaws if it is most of the weighed stone's, else None."""
@@ -87,12 +91,6 @@ class VerifyPlacement(Condition[VerifyPlacementSettings]):
         if weight is None or mass_kg is None or mass_kg < _HANGS * weight.mass_kg:
             return None
         return mass_kg
-
-    def _seen(self, stone: int) -> set[str]:
-        """Return the kinds of sightings since the last release, as the database names them."""
-        kinds = [event.kind for event in self.context.use(ObjectDatabase).history(stone)]
-        since = len(kinds) - kinds[::-1].index("release") if "release" in kinds else 0
-        return set(kinds[since:]) & _SIGHTINGS
 
     def _unseen(self, stone: Stone, placement: Placement) -> Outcome[None]:
         """Mark a stone that no look has shown since its release."""
@@ -143,5 +141,6 @@ class VerifyPlacement(Condition[VerifyPlacementSettings]):
                 tilt_rad=None if found is None else found.tilt_rad,
                 rule="" if seen == "placed" else self.settings.otherwise,
                 reason=found.reason if found is not None else "not recognised after the release",
+                turn_known=is_turn_known(self.context.use(ObjectDatabase), stone.id),
             )
         )

@@ -9,6 +9,7 @@ from executive.interfaces.mapping import Mapper
 from executive.leaf.action import Action, Steps
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import succeeded
+from executive.leaf.surroundings import map_cloud
 from executive.messages.sector import Sector
 
 
@@ -42,10 +43,11 @@ class WaitForDensity(Action[WaitForDensitySettings]):
         mapper, sector = self.context.use(Mapper), self._region()
         began_s = self.context.now_s()
         while True:
-            share = mapper.dense_share(sector, self.settings.density)
+            share = yield from self.context.job(mapper.dense_share, sector, self.settings.density)
             if share >= self.settings.share:
                 waited_s = self.context.now_s() - began_s
-                self.context.record(MapDense(waited_s, share, len(mapper.cloud())))
+                cloud = yield from map_cloud(self.context)
+                self.context.record(MapDense(waited_s, share, len(cloud)))
                 return succeeded(reason=f"{100 * share:.0f} % of the region after {waited_s:.1f} s")
             asked_s = self.context.now_s()
             while self.context.now_s() < asked_s + self.settings.period:

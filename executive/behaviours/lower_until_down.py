@@ -1,0 +1,183 @@
+"""Lower a held stone until the ground carries it."""
+
+from collections import deque
+from collections.abc import Callable, Generator
+from typing import Any
+
+import numpy as np
+from pydantic import Field
+
+from executive.config import Meters, Seconds, Settings
+from executive.events.stone import StoneTouchedDown
+from executive.interfaces.mapping import Mapper
+from executive.interfaces.monitoring import Monitor
+from executive.interfaces.motion import MotionPlanner
+from executive.interfaces.objects import ObjectDatabase
+from executive.interfaces.robot import Robot
+from executive.leaf.action import Action, Steps
+from executive.leaf.claims import Part
+from executive.leaf.follow import follow
+from executive.leaf.memory import OnResume
+from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.rest import come_to_rest
+from executive.leaf.steady_line import steady_line
+from executive.leaf.surroundings import surroundings
+from executive.leaf.watched import watched
+from executive.messages.hold import Hold
+from executive.messages.placement import Placement
+from executive.messages.request import MotionPlan, MoveRequest
+from executive.messages.trajectory import JointTrajectory
+
+_STANDS = 0.5  # share of the stone's weight below which the ground carries it
+
+
+class LowerUntilDownSettings(Settings):
+    step: Meters = Field(
+        0.02,
+        gt=0,
+        le=0.2,
+        description="Way down within the time of a weighing [m]: the stone is pressed onto the "
+        "ground by little more than this, and falls by no more.",
+    )
+    below: Meters = Field(
+        0.2,
+        ge=0,
+        le=1,
+        description="How far below the planned place the ground is sought [m].",
+    )
+    window: Seconds = Field(
+        0.4, gt=0, le=5, description="Time over which the weight in the jaws is averaged [s]."
+    )
+
+
+class LowerUntilDown(Action[LowerUntilDownSettings]):
+    """Lower a stone slowly until its weight has left the jaws; fail if it never does.
+
+    The stone is weighed on the way, at a speed of `step` in each `window`. Once its weight is off
+    the jaws the arm stops, and a weighing at rest decides: a stone that still hangs is lowered
+    further. It follows a motion that ends some centimetres above the placement (`above` of
+    `PlanPlacement`). The ground that the map shows is some centimetres off, and so is the stone's
+    underside, which nothing has seen. A stone whose weight no monitor knows is lowered to the plan,
+    and this tells so.
+    """
+
+    needs = (Robot, MotionPlanner, Mapper, ObjectDatabase, Monitor)
+    claims = (Part.ARM, Part.CABIN)
+    on_resume = OnResume.REDO
+
+    def run(self, hold: Hold, placement: Placement) -> Steps[None]:
+        """Weigh and lower in turn.
+
+        Args:
+            hold: Which stone is held, and how.
+            placement: The placement that is carried out.
+        """
+        if moving := (yield from come_to_rest(self.context)):
+            return failed(moving)
+        planned_m, weight = placement.T_map_gripper[2, 3], self.context.weight()
+        while True:
+            left_kg = yield from self._left_kg()
+            above_m = self._height_m() - planned_m
+            if weight is None or left_kg is None:
+                lowered = yield from self._lower(hold, max(above_m, 0.0))
+                told = f"no monitor weighs the stone: lowered by {above_m:.2f} m to the plan"
+                return succeeded(reason=told) if lowered.success else lowered
+            if left_kg < _STANDS * weight.mass_kg:
+                self.context.record(StoneTouchedDown(hold.stone_id, above_m, left_kg))
+                return succeeded(reason=f"it stands {above_m:+.2f} m from the plan's height")
+            if above_m - 0.5 * self.settings.step < -self.settings.below:
+                return failed(
+                    f"stone {hold.stone_id} still hangs in the jaws with {left_kg:.0f} kg, "
+                    f"{-above_m:.2f} m below its place: the ground was not met"
+                )
+            hanging_kg = _STANDS * weight.mass_kg
+            lowered = yield from self._sink(hold, above_m + self.settings.below, hanging_kg)
+            if not lowered.success:
+                return lowered
+
+    def _height_m(self) -> float:
+        return float(self.context.gripper()[2, 3])
+
+    def _left_kg(self) -> Generator[None, None, float | None]:
+        """Return the mean of the mass in the jaws over a window [kg]; None if none is told."""
+        began_s, masses = self.context.now_s(), []
+        while self.context.now_s() - began_s < self.settings.window:
+            yield None
+            mass_kg = self.context.payload_kg()
+            if mass_kg is not None:
+                masses.append(mass_kg)
+        return float(np.mean(masses)) if masses else None
+
+    def _sink(
+        self, hold: Hold, way_m: float, hanging_kg: float
+    ) -> Generator[Any, Any, Outcome[None]]:
+        """Lower the gripper by as much of a way as is free, until less hangs than a mass.
+
+        The jaws may meet the ground before the end of the way: it is halved until it is free.
+        """
+        plan = yield from self._planned(hold, way_m)
+        while plan.trajectory is None and way_m > self.settings.step:
+            way_m = max(way_m / 2, self.settings.step)
+            plan = yield from self._planned(hold, way_m)
+        if plan.trajectory is None:
+            return failed(f"no path down: {plan.reason}")
+        motion = follow(self.context, self._slow(plan.trajectory))
+        sunk = yield from watched(motion, self._hangs(hanging_kg))
+        moving = (yield from come_to_rest(self.context)) if sunk.success else ""
+        return failed(moving) if moving else sunk
+
+    def _lower(self, hold: Hold, way_m: float) -> Generator[Any, Any, Outcome[None]]:
+        """Lower the gripper, whatever it weighs."""
+        if way_m <= 0:
+            return succeeded()
+        plan = yield from self._planned(hold, way_m)
+        if plan.trajectory is None:
+            return failed(f"no path down: {plan.reason}")
+        return (yield from follow(self.context, plan.trajectory))
+
+    def _hangs(self, hanging_kg: float) -> Callable[[], bool]:
+        """Return a function that tells at each tick whether the jaws carry more than a mass.
+
+        Its mean is over the window, or over what has passed of it; an arm that moves steadily is
+        weighed as one at rest.
+        """
+        masses: deque[tuple[float, float]] = deque()
+
+        def hangs() -> bool:
+            now_s, mass_kg = self.context.now_s(), self.context.payload_kg()
+            if mass_kg is not None:
+                masses.append((now_s, mass_kg))
+            while masses and now_s - masses[0][0] > self.settings.window:
+                masses.popleft()
+            return not masses or float(np.mean([mass for _, mass in masses])) >= hanging_kg
+
+        return hangs
+
+    def _planned(self, hold: Hold, way_m: float) -> Generator[Any, Any, MotionPlan]:
+        """Plan straight down; the ground below the stone, which is sought, is no obstacle to it."""
+        goal = self.context.gripper()
+        goal[2, 3] -= way_m
+        obstacles = yield from surroundings(self.context, hold.stone_id)
+        request = MoveRequest(
+            start=self.context.arm(),
+            T_map_gripper=goal,
+            T_map_base=self.context.state().T_map_base,
+            leave_m=0.0,
+            arrive_m=way_m,
+            obstacles=obstacles,
+            held_gripper=None,
+            jaw_rad=hold.jaw_rad,
+        )
+        return (yield from self.context.job(self.context.use(MotionPlanner).move, request))
+
+    def _slow(self, trajectory: JointTrajectory) -> JointTrajectory:
+        """Return the way down at the speed of a step in each window."""
+        from executive.machine.kinematics import Kinematics  # reading a mission imports it not
+
+        kinematics = Kinematics(self.context.machine())
+        places = np.array([kinematics.gripper(q)[:3, 3] for q in trajectory.position])
+        passed_m = np.concatenate(
+            [[0.0], np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1))]
+        )
+        window_s = self.settings.window
+        return steady_line(trajectory, passed_m, self.settings.step / window_s, window_s)

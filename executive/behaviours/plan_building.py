@@ -1,0 +1,164 @@
+"""Choose the next stone of a structure, and the pose in which it is to rest there."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field
+
+from executive.config import Meters, Settings
+from executive.events.site import BuildingEnded, BuildingPlanned
+from executive.geometry.pose import inverse
+from executive.interfaces.building import StructurePlanner
+from executive.interfaces.objects import ObjectDatabase
+from executive.leaf.action import Action, Steps
+from executive.leaf.bare_ground import bare_ground
+from executive.leaf.memory import OnResume
+from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.sightings import sightings
+from executive.leaf.slots_found import tell_slots
+from executive.leaf.solid_stones import solid_stones
+from executive.messages.building import AsBuilt, BuildPlan, BuildTarget, StandingStone
+from executive.messages.placement import Slot
+from executive.messages.segment import Segmentation
+from executive.messages.stone import Stone, StoneState
+from executive.messages.structure import Structure
+
+
+class PlanBuildingSettings(Settings):
+    room: Meters = Field(
+        0.05, ge=0, le=0.5, description="By how much each side of the next stone is taken to be "
+        "farther out than it was seen: for its unseen parts and for errors of placing [m]."
+    )  # fmt: skip
+    seen_ground: float = Field(
+        0.5, ge=0, le=1, description="Least share of the ground below the structure that the map "
+        "must show."
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class BuildingStep:
+    """The next stone and its places.
+
+    Attributes:
+        stone: Id of the stone.
+        free_slots: Poses in which it may rest, best first, each as a slot.
+    """
+
+    stone: int
+    free_slots: list[Slot]
+
+
+@dataclass(frozen=True, slots=True)
+class BuildingOver:
+    """Why no stone follows.
+
+    Attributes:
+        ending: `complete`, `nothing_fits`, `no_stones`, `all_too_heavy`, `all_unsuitable`,
+            `out_of_time`, or `stale_map`.
+    """
+
+    ending: str
+
+
+class PlanBuilding(Action[PlanBuildingSettings]):
+    """Ask the building planner for the next stone, on the structure as it stands.
+
+    The stones that stand are those that are placed, at their poses of the database: where the last
+    look saw them, not where they were planned. A stone that was released and not seen since makes
+    the map stale: nothing is planned on it. The next stone is one that lies on the ground.
+    """
+
+    needs = (StructurePlanner, ObjectDatabase)
+    on_resume = OnResume.REDO
+
+    def run(
+        self, structure: Structure, segmentation: Segmentation, for_stone: int | None = None
+    ) -> Steps[BuildingStep | BuildingOver]:
+        """Plan one stone.
+
+        Args:
+            structure: What is to be built.
+            segmentation: The site before the first stone was moved; its ground is used.
+            for_stone: Id of the only stone that may be chosen; by default any on the ground.
+        """
+        stones = self.context.use(ObjectDatabase).stones()
+        standing = [one for one in stones if one.state is StoneState.PLACED]
+        ground, seen = bare_ground(segmentation.ground.points, structure)
+        if stale := self._stale(standing, seen):
+            return self._over(structure, "stale_map", stale, standing)
+        free = [one for one in stones if one.state is StoneState.ON_GROUND
+                and for_stone in (None, one.id)]  # fmt: skip
+        objects, points = self.context.use(ObjectDatabase), segmentation.ground.points
+        as_built = solid_stones(standing, points, objects)
+        solids = solid_stones(free, points, objects, self.settings.room)
+        plan = yield from self.context.job(
+            self.context.use(StructurePlanner).propose,
+            AsBuilt(structure, ground, tuple(as_built.values())),
+            tuple(one.stone for one in solids.values()),
+            self.context.rng(),
+        )
+        if not plan.targets and for_stone is not None:
+            return failed(f"stone {for_stone} has no other place: {plan.reason}")
+        if not plan.targets:
+            told = plan.detail or "no place holds any stone"
+            return self._over(structure, str(plan.reason), told, standing, plan.refused)
+        return self._next(structure, plan, solids, standing)
+
+    def _stale(self, standing: Sequence[Stone], seen: float) -> str:
+        """Return why nothing may be planned on what is known; empty if it may."""
+        if seen < self.settings.seen_ground:
+            return f"the map shows {seen:.0%} of the ground below the structure: scan it first"
+        objects = self.context.use(ObjectDatabase)
+        unseen = [str(one.id) for one in standing if not sightings(objects, one.id)]
+        if unseen:
+            return f"stone {', '.join(unseen)} was not seen since its release: scan it first"
+        return ""
+
+    def _over(
+        self,
+        structure: Structure,
+        reason: str,
+        detail: str,
+        standing: Sequence[Stone],
+        refused: Mapping[str, int] | None = None,
+    ) -> Outcome[BuildingOver]:
+        ids = tuple(one.id for one in standing)
+        self.context.record(BuildingEnded(structure.name, reason, detail, ids, dict(refused or {})))
+        return failed(f"{reason}: {detail}", BuildingOver(reason))
+
+    def _next(
+        self,
+        structure: Structure,
+        plan: BuildPlan,
+        solids: Mapping[int, StandingStone],
+        standing: Sequence[Stone],
+    ) -> Outcome[BuildingStep]:
+        """Return the stone of the best target, and its targets as slots."""
+        best = plan.targets[0]
+        stone = self.context.use(ObjectDatabase).stone(int(best.stone))
+        lying = solids[stone.id]
+        targets = [one for one in plan.targets if one.stone == best.stone]
+        slots = [_slot(n, one, lying, stone) for n, one in enumerate(targets, 1)]
+        self.context.record(
+            BuildingPlanned(
+                structure=structure.name,
+                stone=stone.id,
+                T_map_object=np.asarray(slots[0].T_map_object),
+                standing=tuple(one.id for one in standing),
+                worst_m=best.worst_m,
+                score=best.score,
+                terms=dict(best.terms),
+                refused=dict(plan.refused),
+            )
+        )
+        told = tell_slots(self.context, slots)
+        return succeeded(BuildingStep(stone.id, list(told)), f"stone {stone.id}")
+
+
+def _slot(number: int, target: BuildTarget, lying: StandingStone, stone: Stone) -> Slot:
+    """Return a target as a slot below the lowest point of the stone at rest."""
+    T_map_map = target.T_map_settled @ inverse(lying.T_map_stone)
+    at_rest = StandingStone(lying.stone, target.T_map_settled).vertices_map()
+    place = np.array([*target.T_map_settled[:2, 3], at_rest[:, 2].min()])
+    return Slot(number, place, None, 0.0, T_map_map @ stone.T_map_object)
