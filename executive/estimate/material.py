@@ -9,6 +9,7 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.errors import ConfigError, DataError
+from executive.estimate.calibration import Calibration
 from executive.estimate.drop import Drop
 from executive.estimate.offset import Offset
 from executive.estimate.options import EstimateOptions
@@ -41,6 +42,7 @@ class Material:
         datum: The first fix with a fixed RTK solution, of any kind if there is none: latitude
             [deg], longitude [deg], altitude [m], shape (3,).
         drops: Outages to simulate.
+        calibration: What was applied to the rig and the measurements.
     """
 
     log: Log
@@ -48,6 +50,7 @@ class Material:
     arrivals: Sequence[Arrival]
     datum: Float
     drops: Sequence[Drop] = field(default=())
+    calibration: Calibration = field(default_factory=Calibration)
 
     @classmethod
     def read(cls, path: Path, options: EstimateOptions) -> "Material":
@@ -59,12 +62,15 @@ class Material:
         """
         log = Log(path, read_topics(options.topics))
         rig = log.rig(options.machine)
-        offsets = tuple(map(Offset.parse, options.offsets))
-        shifted = (_shifted(arrival, offsets) for arrival in log.arrivals())
+        calibration = options.calibration or Calibration()
+        rig = calibration.applied(rig)
+        offsets = (*calibration.offsets, *map(Offset.parse, options.offsets))
+        scaled = (_scaled(arrival, calibration) for arrival in log.arrivals())
+        shifted = (_shifted(arrival, offsets) for arrival in scaled)
         arrivals = list(_without_scans(shifted, options.plugins, rig))
         first = _first_fix(path, rig, arrivals)
         drops = tuple(map(Drop.parse, options.drops))
-        return cls(log, rig, arrivals, np.array(first.geodetic), drops)
+        return cls(log, rig, arrivals, np.array(first.geodetic), drops, calibration)
 
     def body(self) -> RecordedBody:
         """Return the description of the log that plugins take their settings from.
@@ -78,7 +84,15 @@ class Material:
             raise DataError(f"{self.log.path}: the inertial topic holds no message")
         latitude_deg, longitude_deg, altitude_m = map(float, self.datum)
         is_described = isinstance(self.rig, Machine)
-        return RecordedBody(imus, (latitude_deg, longitude_deg, altitude_m), is_described)
+        datum = (latitude_deg, longitude_deg, altitude_m)
+        clock_std_s = self.calibration.clock_std_s(
+            {
+                one.observation.antenna
+                for one in self.arrivals
+                if isinstance(one.observation, GnssFix)
+            }
+        )
+        return RecordedBody(imus, datum, is_described, clock_std_s)
 
 
 def _first_fix(path: Path, rig: Rig, arrivals: Sequence[Arrival]) -> GnssFix:
@@ -158,5 +172,11 @@ def _shifted(arrival: Arrival, offsets: Sequence[Offset]) -> Arrival:
     observation = arrival.observation
     for offset in offsets:
         observation = offset.applied(observation)
+    is_same = observation is arrival.observation
+    return arrival if is_same else Arrival(arrival.arrival_s, observation)
+
+
+def _scaled(arrival: Arrival, calibration: Calibration) -> Arrival:
+    observation = calibration.scaled(arrival.observation)
     is_same = observation is arrival.observation
     return arrival if is_same else Arrival(arrival.arrival_s, observation)

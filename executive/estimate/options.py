@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from executive.estimate.calibration import Calibration
 from executive.tree.choices import Choices
 
 
@@ -30,6 +31,7 @@ class EstimateOptions:
         topics: `KIND=NAME` pairs that replace default topic names.
         drops: `SENSOR:FROM:TO`, outages to simulate by leaving measurements out.
         offsets: `SENSOR:SECONDS`, added to the stamps of a sensor.
+        calibration: What `executive calibrate` has found of the sensors; None if it was not run.
         plugins: The estimators and the lidar odometry with their settings; lidar scans are ignored
             if no odometry is chosen.
         is_realtime: Whether to replay at the pace of the recording.
@@ -39,5 +41,6 @@ class EstimateOptions:
     topics: Sequence[str] = ()
     drops: Sequence[str] = ()
     offsets: Sequence[str] = ()
+    calibration: Calibration | None = None
     plugins: Choices = field(default_factory=log_choices)
     is_realtime: bool = False

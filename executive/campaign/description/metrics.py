@@ -1,6 +1,7 @@
 """Reads what a campaign reports: metrics, with bounds on their statistics."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from executive import registry
 from executive.campaign.description.factors import Factor, level_name
@@ -16,7 +17,7 @@ from executive.tree.value import Listing, Scalar, Table, TableEntry, Value, desc
 SHARE = "share"
 OF_VALUES = tuple(one for one in STATISTICS if one != SHARE)
 LIMITS = ("at_least", "at_most")
-WHERE = "where"
+WHERE, EXCEPT = "where", "except"
 # What is compared if a campaign names no metrics. Each comparison of a metric that does not differ
 # has a chance of one in twenty to say that it does, so that not all of them are compared.
 MAIN = ("success", "placed", "first_attempt", "placement_error", "cycle_time")
@@ -86,35 +87,36 @@ class MetricReader:
             table = self._reading.table(item, f"the bounds of '{name}'")
             if table is None:
                 continue
-            where = self._where(table)
-            limits = without(table, [WHERE])
-            if WHERE in table.entries and not limits.entries:
-                self._reading.fail(table, "'where' says for which levels a bound is; give a bound")
-            yield from self._of_a_table(name, measured, limits, where)
+            limits = without(table, [WHERE, EXCEPT])
+            keys = sorted(table.entries.keys() - limits.entries.keys())
+            if keys and not limits.entries:
+                told = f"'{keys[-1]}' says for which levels a bound is or is not; give a bound"
+                self._reading.fail(table, told)
+            where, excepted = self._cells(table, WHERE), self._cells(table, EXCEPT)
+            for bound in self._of_a_table(name, measured, limits):
+                yield replace(bound, where=where, excepted=excepted)
 
-    def _of_a_table(
-        self, name: str, measured: Metric, table: Table, where: Mapping[str, str]
-    ) -> Iterator[Bound]:
+    def _of_a_table(self, name: str, measured: Metric, table: Table) -> Iterator[Bound]:
         if measured.is_share:
             for key in (one for one in table.entries if one in STATISTICS):
                 mark = table.entries[key].key_mark
                 told = f"'{name}' is a share: write 'at_least' or 'at_most' without '{key}'"
                 self._reading.problems.error(mark, told)
             rest = without(table, STATISTICS)
-            yield from self._limits(name, measured, SHARE, rest, where)
+            yield from self._limits(name, measured, SHARE, rest)
             return
         for key in (one for one in table.entries if one in LIMITS):
             mark = table.entries[key].key_mark
             told = f"'{name}' has values: say of which statistic, such as {{median: {{{key}: …}}}}"
             self._reading.problems.error(mark, told)
         rest = without(table, LIMITS)
-        self._reading.known_keys(rest, (*OF_VALUES, WHERE), f"'{name}'")
+        self._reading.known_keys(rest, (*OF_VALUES, WHERE, EXCEPT), f"'{name}'")
         for statistic in (one for one in rest.entries if one in OF_VALUES):
             inner = self._reading.table(
                 rest.entries[statistic].value, f"the bound of '{statistic}'"
             )
             if inner is not None:
-                yield from self._limits(name, measured, statistic, inner, where)
+                yield from self._limits(name, measured, statistic, inner)
 
     def _limits(
         self,
@@ -122,7 +124,6 @@ class MetricReader:
         measured: Metric,
         statistic: str,
         table: Table,
-        where: Mapping[str, str],
     ) -> Iterator[Bound]:
         what = f"'{name}'" if statistic == SHARE else f"the bound of '{statistic}'"
         self._reading.known_keys(table, LIMITS, what)
@@ -130,7 +131,7 @@ class MetricReader:
             value = table.get(key)
             limit = None if value is None else self._limit(key, value, measured)
             if limit is not None:
-                yield Bound(name, statistic, limit, key == "at_least", where)
+                yield Bound(name, statistic, limit, key == "at_least")
 
     def _limit(self, key: str, value: Value, measured: Metric) -> float | None:
         if measured.is_share:
@@ -144,12 +145,13 @@ class MetricReader:
         self._reading.fail(value, f"'{key}': {told}")
         return None
 
-    def _where(self, table: Table) -> Mapping[str, str]:
-        value = table.get(WHERE)
-        levels = self._reading.table(value, f"'{WHERE}'") if value is not None else None
+    def _cells(self, table: Table, key: str) -> Mapping[str, str]:
+        """Return the levels of some factors that `where` or `except` names."""
+        value = table.get(key)
+        levels = self._reading.table(value, f"'{key}'") if value is not None else None
         if levels is None:
             return {}
-        self._reading.known_keys(levels, self._levels, f"'{WHERE}'")
+        self._reading.known_keys(levels, self._levels, f"'{key}'")
         return {
             factor: name
             for factor, entry in levels.entries.items()

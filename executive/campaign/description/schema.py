@@ -12,7 +12,13 @@ from executive.campaign.description.comparisons import KEYS as COMPARISON_KEYS
 from executive.campaign.description.comparisons import MARGIN
 from executive.campaign.description.factors import MISSION
 from executive.campaign.description.limits import DEFAULT
-from executive.campaign.description.metrics import LIMITS, OF_VALUES, WHERE, installed_metrics
+from executive.campaign.description.metrics import (
+    EXCEPT,
+    LIMITS,
+    OF_VALUES,
+    WHERE,
+    installed_metrics,
+)
 from executive.campaign.figures.measurement import metric
 from executive.errors import ConfigError
 from executive.tree.catalogue import Catalogue
@@ -163,7 +169,8 @@ def _limits() -> Schema:
 
 def _metrics() -> Schema:
     known = {}
-    where: Schema = {"type": "object", "additionalProperties": _LEVEL}
+    levels: Schema = {"type": "object", "additionalProperties": _LEVEL}
+    cells = {WHERE: levels, EXCEPT: levels}
     for name in installed_metrics():
         try:
             measured = metric(name)
@@ -171,9 +178,9 @@ def _metrics() -> Schema:
             continue
         limits = dict.fromkeys(LIMITS, _SHARE if measured.is_share else _QUANTITY)
         bounds = limits if measured.is_share else dict.fromkeys(OF_VALUES, _closed(limits))
-        known[name] = _bounded({**bounds, WHERE: where}, measured.description)
+        known[name] = _bounded({**bounds, **cells}, measured.description)
     of_values = dict.fromkeys(OF_VALUES, _closed(dict.fromkeys(LIMITS, _QUANTITY)))
-    figure = _bounded({**of_values, WHERE: where}, "A figure that the mission reports.")
+    figure = _bounded({**of_values, **cells}, "A figure that the mission reports.")
     named = {**_closed(known), "patternProperties": {_FIGURE["pattern"]: figure}}
     listed = {"anyOf": [{"enum": list(known)}, _FIGURE]}
     return {"anyOf": [named, {"type": "array", "items": listed}]}

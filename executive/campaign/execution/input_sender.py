@@ -60,7 +60,6 @@ class InputSender:
                 continue
             lacking = {cache: address for address, cache in caches.items() if cache not in held}
             chosen = lacking if held else {caches[to]: to}
-            self._send(path.resolve(), digests[name], list(chosen.values()))
             reached = self._send(path.resolve(), digests[name], list(chosen.values()))
             held.update(cache for cache, address in chosen.items() if address in reached)
 

@@ -16,9 +16,7 @@ def judgements_of(bounds: Sequence[Bound], estimates: Sequence[Estimate]) -> Ite
     """
     for bound in bounds:
         cells = [
-            one
-            for one in estimates
-            if one.metric == bound.metric and bound.where.items() <= one.levels.items()
+            one for one in estimates if one.metric == bound.metric and bound.is_for(one.levels)
         ]
         for one in cells:
             yield _judged(bound, one)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from executive.campaign.figures.metrics.report import truth
-from executive.events.fault import FaultInjected
+from executive.events.fault import FaultInjected, FaultShows
 from executive.events.mission import Faulted, PluginFailed, VerdictGiven
 from executive.events.watch import ConditionBroken, ObservationRefused
 from executive.interfaces.metric import Metric, RunRecord, Share, Values
@@ -35,7 +35,8 @@ class NoticeTime(Metric):
     is_more_better = False
     description = (
         "Time from the begin of each fault on purpose that was noticed to what noticed it; ticks"
-        " are included."
+        " are included. For a drive of the arm, time from when the motion that the fault keeps from"
+        " it exceeds the machine's declared tracking error, and 0 if it was noticed before."
     )
 
     def measure(self, run: RunRecord) -> Values | None:
@@ -85,9 +86,21 @@ class Unsafe(Metric):
 
 
 def _notice_times(run: RunRecord) -> Iterator[float | None]:
-    """Yield for each injected fault after how long it was noticed [s], or None."""
+    """Yield for each injected fault after how long it was noticed [s], or None.
+
+    A fault that is hidden at first counts from when it shows.
+    """
     for i, one in enumerate(run.events):
-        if isinstance(one.event, FaultInjected):
-            later = (two for two in run.events[i + 1 :] if isinstance(two.event, _NOTICES))
-            found = next(later, None)
-            yield None if found is None else found.time_s - one.time_s
+        if not isinstance(one.event, FaultInjected):
+            continue
+        later = run.events[i + 1 :]
+        found = next((two for two in later if isinstance(two.event, _NOTICES)), None)
+        if found is None:
+            yield None
+            continue
+        shown_s = found.time_s if one.event.is_hidden else one.time_s
+        for two in later:
+            if isinstance(two.event, FaultShows) and two.event.number == one.event.number:
+                shown_s = min(shown_s, two.time_s)
+                break
+        yield found.time_s - shown_s

@@ -5,7 +5,7 @@ from executive.interfaces.metric import Metric, RunRecord, Share, Values
 
 _DATABASE = (
     " of a stone's pose in the object database at the end from where the true motion of the stone"
-    " has carried it since it was first seen, for each stone that is in the database."
+    " has carried it since its newest model was seen, for each stone that is in the database."
 )
 _REALIGNED = (
     " of a stone's pose after its re-alignment on the new map from where the true motion of the"
