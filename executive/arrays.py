@@ -41,16 +41,22 @@ def checked(
     if not fits:
         wanted = "(" + ", ".join("N" if n is None else str(n) for n in shape) + ")"
         raise ShapeError(f"{name} has shape {array.shape}, expected {wanted}")
-    # Quick test: a finite sum of squares means that all values are finite. It may overflow, so that
-    # the full test below decides. On small arrays it takes a fifth of the time; on large ones it
-    # would start the threads of the linear algebra library, which then spin for milliseconds.
-    is_surely_finite = (
-        array.size <= _SMALL and array.dtype.kind == "f" and math.isfinite(np.vdot(array, array))
-    )
-    if array.dtype.kind == "f" and not is_surely_finite and not np.isfinite(array).all():
+    if not all_finite(array):
         raise ShapeError(
             f"{name} holds {int((~np.isfinite(array)).sum())} values that are not finite"
         )
     view = array.view()
     view.flags.writeable = False
     return view
+
+
+def all_finite(array: NDArray[Any]) -> bool:
+    """Return whether an array holds neither infinities nor NaN; integers are finite."""
+    if array.dtype.kind != "f":
+        return True
+    # Quick test: a finite sum of squares means that all values are finite. It may overflow, so that
+    # the full test below decides. On small arrays it takes a fifth of the time; on large ones it
+    # would start the threads of the linear algebra library, which then spin for milliseconds.
+    if array.size <= _SMALL and math.isfinite(np.vdot(array, array)):
+        return True
+    return bool(np.isfinite(array).all())

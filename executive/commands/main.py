@@ -45,11 +45,13 @@ class _Verbs(Verbs):
         "segment": "clouds.segment:segment",
         "register": "clouds.register:register",
         "align": "clouds.align:align",
+        "changes": "clouds.changes:changes",
         "survey": "clouds.survey:survey",
         "grasp": "grasps.grasp:grasp",
         "objects": "stones.objects:objects",
         "place": "walls.place:place",
         "estimate": "logs.estimate:estimate",
+        "calibrate": "logs.calibrate:calibrate",
         "compare-estimators": "logs.compare_estimators:compare_estimators",
     }
 

@@ -46,6 +46,7 @@ def align(  # noqa: PLR0913 - the options of the command line, each a parameter 
 
     Example: executive align stone.ply drone.ply --guess 1.2,-3.4,0,0,0,35
     """
+    from executive.clouds.coordinate_system import coordinate_system
     from executive.clouds.reader import read_site
     from executive.commands.chosen import chosen
     from executive.commands.clouds.alignment_answer import conclude
@@ -63,4 +64,5 @@ def align(  # noqa: PLR0913 - the options of the command line, each a parameter 
             Cloud("target", fixed), Cloud("source", scale * moved), T_guess, reach
         )
     found = replace(rigid, scale=scale)  # an alignment is rigid: the scale is that of the guess
-    raise typer.Exit(conclude(found, moved, fixed, out, as_json))
+    crs = coordinate_system(target)
+    raise typer.Exit(conclude(found, moved, fixed, out, as_json, crs))

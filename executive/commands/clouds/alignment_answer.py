@@ -55,7 +55,7 @@ def verdict(found: Alignment, source: Float, target: Float) -> str:
 
 
 def conclude(
-    found: Alignment, source: Float, target: Float, out: Path | None, as_json: bool
+    found: Alignment, source: Float, target: Float, out: Path | None, as_json: bool, crs: str
 ) -> int:
     """Say and answer what was found, write both clouds if it was accepted, and return the exit
     status: 0 if it was accepted, else 1.
@@ -66,10 +66,11 @@ def conclude(
         target: Points of the cloud that it was laid over [m], shape (M, 3).
         out: PLY file for both, one colour each; none if it is not wanted.
         as_json: Whether to answer on standard output.
+        crs: Coordinate system of the target; empty if its file names none.
     """
     say(verdict(found, source, target))
     if out and found.accepted:
-        write_parts(out, [target, found.apply(source)])
+        write_parts(out, [target, found.apply(source)], crs)
     if as_json:
-        answer(alignment_answer(found))
+        answer({**alignment_answer(found), "crs": crs})
     return 0 if found.accepted else 1

@@ -33,6 +33,7 @@ def register(
     """
     import numpy as np
 
+    from executive.clouds.coordinate_system import coordinate_system
     from executive.clouds.reader import read_site
     from executive.commands.chosen import chosen
     from executive.commands.clouds.alignment_answer import conclude
@@ -47,4 +48,5 @@ def register(
         found = registrar.register(
             Cloud("target", fixed), Cloud("source", moved), np.random.default_rng(0)
         )
-    raise typer.Exit(conclude(found, moved, fixed, out, as_json))
+    crs = coordinate_system(target)
+    raise typer.Exit(conclude(found, moved, fixed, out, as_json, crs))

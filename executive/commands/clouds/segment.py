@@ -1,48 +1,97 @@
 """`executive segment`: the objects on the ground of a cloud."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from executive.commands.console import answer, check_output, say
-from executive.commands.options import CloudArgument, JsonOption, SetOption, settings
+from executive.commands.options import JsonOption, SetOption, settings
+from executive.errors import ConfigError
 
 if TYPE_CHECKING:
+    from executive.commands.clouds.crop import Crop
+    from executive.interfaces.segmentation import Segmenter
     from executive.messages.segment import LeftOut, Segment, Segmentation
 
 
 def segment(
-    cloud: CloudArgument,
+    cloud: Annotated[
+        Path,
+        typer.Argument(
+            metavar="CLOUD",
+            help="PLY, PCD, LAS, LAZ or XYZ file, in metres, z roughly up; or a folder of them.",
+        ),
+    ],
     method: Annotated[
         str | None, typer.Option(help="Short for --set segmentation.plugin=NAME.")
     ] = None,
     set_: SetOption = None,
+    crop: Annotated[
+        str | None,
+        typer.Option(
+            metavar="AREA", help="Look at x,y,radius or x_low,y_low,x_high,y_high alone [m]."
+        ),
+    ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="PLY file to write the segments to, one colour each.")
+        Path | None,
+        typer.Option(
+            help="PLY file for the segments, one colour each; of a folder of clouds, a folder, "
+            "which is gone on with."
+        ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find the objects on the ground of a cloud.
+    """Find stones in a cloud, or in those of a folder.
 
     What else rises from the ground is told with the reason why it is no stone.
 
-    Exit status 1 says that there is none.
+    Exit status 1 says that there is none, or that a cloud of the folder could not be used.
 
     Example: executive segment site.ply --out stones.ply
     """
-    from executive.clouds.ply_writer import write_parts
-    from executive.clouds.reader import read_site
     from executive.commands.chosen import chosen
+    from executive.commands.clouds.crop import Crop
     from executive.interfaces.segmentation import Segmenter
-    from executive.messages.cloud import Cloud
     from executive.tree.choices import Choices
 
-    check_output("--out", out, ".ply")
-    choices = Choices(("segmentation",), settings(set_, segmentation=method))
+    area = Crop(crop)
+    if not cloud.is_dir():
+        check_output("--out", out, ".ply")
+    elif as_json:
+        raise ConfigError("--json: the answers of a folder are files in the folder of --out")
+    set_words = settings(set_, segmentation=method)
+    choices = Choices(("segmentation",), set_words)
     with chosen(Segmenter, choices) as segmenter:
-        points = read_site(cloud)
-        found = segmenter.segment(Cloud(cloud.stem, points))
+        if cloud.is_dir():
+            from executive.commands.clouds.folder import each_of
+
+            asked = {"set": list(set_words), "crop": crop}
+            work = partial(_segmented, segmenter, area)
+            status = each_of(cloud, out, asked, work)
+        else:
+            found = _segmented(segmenter, area, cloud, out)
+            status = int(not found["segments"])
+            if as_json:
+                answer(found)
+            if status:
+                say("nothing to use: no stone was found")
+    raise typer.Exit(status)
+
+
+def _segmented(
+    segmenter: "Segmenter", area: "Crop", path: Path, out: Path | None
+) -> dict[str, Any]:
+    """Segment one file, tell what was found, write the segments, and return the answer."""
+    from executive.clouds.coordinate_system import coordinate_system
+    from executive.clouds.ply_writer import write_parts
+    from executive.clouds.reader import read_site
+    from executive.messages.cloud import Cloud
+
+    points = area.of(Cloud(path.stem, read_site(path)))
+    crs = coordinate_system(path)
+    found = segmenter.segment(points)
     for one in found.segments:
         say(_line(one))
     for rest in found.left_out:
@@ -51,14 +100,10 @@ def segment(
         say(f"  left out: {found.scattered_points} points above the ground in tiny clusters")
     for warning in found.warnings:
         say(f"warning: {warning}")
-    say(f"{cloud}: {len(found.segments)} segments of {len(points)} points")
+    say(f"{path}: {len(found.segments)} segments of {len(points)} points")
     if out:
-        write_parts(out, [one.points for one in found.segments])
-    if as_json:
-        answer(_answer(found))
-    if not found.segments:
-        say("nothing to use: no stone was found")
-        raise typer.Exit(1)
+        write_parts(out, [one.points for one in found.segments], crs)
+    return {**_answer(found), "crs": crs}
 
 
 def _line(one: "Segment") -> str:

@@ -11,6 +11,7 @@ import typer
 from executive.commands.console import answer
 from executive.commands.logs.options import (
     ODOMETRY,
+    CalibrationOption,
     DropOption,
     MachineOption,
     OdometryOption,
@@ -38,6 +39,7 @@ def compare_estimators(  # noqa: PLR0913 - the options of the command line, each
     topic: TopicOption = None,
     machine: MachineOption = None,
     odometry: OdometryOption = None,
+    calibration: CalibrationOption = None,
     seed: SeedOption = 1,
     set_: SetOption = None,
     as_json: JsonOption = False,
@@ -52,6 +54,7 @@ def compare_estimators(  # noqa: PLR0913 - the options of the command line, each
     require_extra("executive compare-estimators", "logs")
 
     from executive.commands.logs.recorded_mission import compare_on, is_mission, record_mission
+    from executive.estimate.calibration import read_calibration
     from executive.estimate.compare import compare, table
     from executive.estimate.material import Material
     from executive.estimate.options import EstimateOptions, log_choices
@@ -61,7 +64,8 @@ def compare_estimators(  # noqa: PLR0913 - the options of the command line, each
     is_run = is_mission(material)
     wanted = settings(None if is_run else set_, odometry=odometry)
     plugins = log_choices(wanted, odometry=ODOMETRY, estimation=list(names))
-    options = EstimateOptions(machine, topic or (), drop or (), offset or (), plugins)
+    known = None if calibration is None else read_calibration(calibration)
+    options = EstimateOptions(machine, topic or (), drop or (), offset or (), known, plugins)
     if is_run:
         with TemporaryDirectory() as folder:
             recorded = record_mission(str(material), set_ or (), seed, Path(folder))

@@ -8,6 +8,7 @@ import typer
 from executive.commands.console import answer, one_of, say
 from executive.commands.logs.options import (
     ODOMETRY,
+    CalibrationOption,
     DropOption,
     LogArgument,
     MachineOption,
@@ -32,6 +33,7 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
     topic: TopicOption = None,
     machine: MachineOption = None,
     odometry: OdometryOption = None,
+    calibration: CalibrationOption = None,
     set_: SetOption = None,
     realtime: Annotated[
         bool, typer.Option("--realtime", help="Feed the log at its own pace.")
@@ -73,6 +75,7 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
     """
     require_extra("executive estimate", "logs")
 
+    from executive.estimate.calibration import read_calibration
     from executive.estimate.estimator_run import estimate as run_estimator
     from executive.estimate.files import write_files
     from executive.estimate.material import Material
@@ -88,8 +91,9 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
     reference = None if score is None else read_trajectory(score, score_topic)
     wanted = settings(set_, estimation=estimator, odometry=odometry)
     plugins = log_choices(wanted, odometry=ODOMETRY)
+    known = None if calibration is None else read_calibration(calibration)
     options = EstimateOptions(
-        machine, topic or (), drop or (), offset or (), plugins, is_realtime=realtime
+        machine, topic or (), drop or (), offset or (), known, plugins, is_realtime=realtime
     )
     name = plugins.name("estimation")
     material = Material.read(log, options)

@@ -39,3 +39,7 @@ OdometryOption = Annotated[
 MachineOption = Annotated[
     str | None, typer.Option(help="Description of the machine; the log's own by default.")
 ]
+CalibrationOption = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="What `executive calibrate` has written of the sensors."),
+]

@@ -1,19 +1,15 @@
 """`executive resume`: a run that was cut off goes on."""
 
-from typing import Annotated
-
 import typer
 
-from executive.commands.console import answer, say
-from executive.commands.missions.starting import startable
+from executive.commands.missions.run_options import QuietOption
+from executive.commands.missions.starting import carried_out, startable
 from executive.commands.missions.watching import (
     GrootOption,
     GrootPortOption,
     LiveOption,
     LivePortOption,
-    groot_port_of,
-    groot_told,
-    live_port_of,
+    watchers,
 )
 from executive.commands.options import JsonOption, RunArgument
 
@@ -24,7 +20,7 @@ def resume(
     groot_port: GrootPortOption = None,
     live: LiveOption = False,
     live_port: LivePortOption = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
+    quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Go on with a run that was cut off.
@@ -35,18 +31,9 @@ def resume(
 
     Example: executive resume runs/pick_and_place-20260101-120000
     """
+    watched = watchers(groot=groot, groot_port=groot_port, live=live, live_port=live_port)
     with startable():
-        from executive.mission.progress import progress
         from executive.mission.resume import resumed_run
 
-        shown_at = groot_port_of(groot, groot_port)
-        made = resumed_run(run_dir, groot=shown_at, live=live_port_of(live, live_port))
-    if shown_at is not None:
-        say(groot_told(shown_at))
-    with progress(quiet=quiet) as after_tick:
-        result = made.execute(after_tick, say)
-    say(result.summary)
-    say(f"  report     {result.folder.report}")
-    if as_json:
-        answer(result.report)
-    raise typer.Exit(result.exit_status)
+        made = resumed_run(run_dir, groot=watched.groot, live=watched.live)
+    raise typer.Exit(carried_out(made, watched, quiet=quiet, as_json=as_json))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from executive.commands.console import answer, one_of, say
+from executive.commands.console import one_of, say
 from executive.commands.missions.dry import DEFAULT_FAILURES, Asked, Draws, Wanted, run_dry
 from executive.commands.missions.run_options import (
     AnswerOption,
@@ -26,16 +26,15 @@ from executive.commands.missions.run_options import (
     RunnerOption,
     RunsOption,
     StonesOption,
+    WallOption,
 )
-from executive.commands.missions.starting import startable
+from executive.commands.missions.starting import carried_out, startable
 from executive.commands.missions.watching import (
     GrootOption,
     GrootPortOption,
     LiveOption,
     LivePortOption,
-    groot_port_of,
-    groot_told,
-    live_port_of,
+    watchers,
 )
 from executive.commands.options import (
     ByTreeOption,
@@ -47,8 +46,8 @@ from executive.commands.options import (
 from executive.errors import ConfigError
 
 if TYPE_CHECKING:
-    from executive.mission.run import Run
     from executive.tree.language import MissionFile
+    from executive.tree.override import Override
 
 _RUNNERS = ("inline", "thread", "process")
 # Options that go with a machine, and those that go with `--dry`.
@@ -57,6 +56,7 @@ _OF_MACHINE = (
     "real_time",
     "record_log",
     "stones",
+    "wall",
     "runner",
     "machine",
     "attended",
@@ -78,6 +78,7 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
     real_time: RealTimeOption = False,
     record_log: RecordLogOption = None,
     stones: StonesOption = None,
+    wall: WallOption = None,
     runner: RunnerOption = None,
     answer_: AnswerOption = None,
     machine: MachineOption = None,
@@ -109,12 +110,14 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
     _refuse(_OF_DRY, given, "it belongs to --dry")
     if runner is not None:
         one_of("--runner", runner, _RUNNERS)
+    watched = watchers(groot=groot, groot_port=groot_port, live=live, live_port=live_port)
     with startable():
         from executive.mission.options import Options
         from executive.mission.preset_answers import preset_answers
         from executive.mission.run import Run
 
-        description = _description(mission, set_ or (), stones, machine)
+        overrides = [*_of_wall(wall), *(set_ or ()), *_folder_of(stones)]
+        description = _description(mission, overrides, machine)
         preset = preset_answers(answer_ or (), description)
         options = Options(
             seed=seed,
@@ -122,41 +125,27 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
             record=record,
             record_log=record_log,
             real_time=real_time or machine is not None,
+            apart=real_time,
             runner=runner,
             answer=preset.answer,
             choices=preset.choices,
             attended=attended,
             pause_on_failure=pause_on_failure,
-            groot=groot_port_of(groot, groot_port),
-            live=live_port_of(live, live_port),
+            groot=watched.groot,
+            live=watched.live,
         )
         made = Run(description, options)
-    if options.groot is not None:
-        say(groot_told(options.groot))
-    raise typer.Exit(_execute(made, quiet=quiet, as_json=as_json))
-
-
-def _execute(made: "Run", *, quiet: bool, as_json: bool) -> int:
-    """Run to the end, say what came of it, and return the exit status."""
-    from executive.mission.progress import progress
-
-    with progress(quiet=quiet) as after_tick:
-        result = made.execute(after_tick, say)
-    say(result.summary)
-    say(f"  report     {result.folder.report}")
-    if as_json:
-        answer(result.report)
-    return result.exit_status
+    raise typer.Exit(carried_out(made, watched, quiet=quiet, as_json=as_json))
 
 
 def _description(
-    mission: str, set_: Sequence[str], stones: Path | None, machine: str | None
+    mission: str, overrides: Sequence["Override"], machine: str | None
 ) -> "MissionFile":
-    """Load the mission, with what the options say of its stones and its machine."""
+    """Load the mission, with what the options say of its wall, stones and machine."""
     from executive.mission.selections import model_of
     from executive.tree.load import load_mission
 
-    settings = [*set_, *_folder_of(stones)]
+    settings = list(overrides)
     if machine is not None:
         settings = [*_wire_to(machine, model_of(load_mission(mission, ()))), *settings]
     return load_mission(mission, settings, is_for_here=True)
@@ -166,6 +155,17 @@ def _refuse(names: Iterable[str], given: Mapping[str, object], why: str) -> None
     for name in names:
         if given[name] is not None and given[name] is not False:
             raise ConfigError(f"--{name.replace('_', '-')}: {why}; leave it out")
+
+
+def _of_wall(wall: Path | None) -> "list[Override]":
+    if wall is None:
+        return []
+    from executive.commands.walls.wall_of_mission import wall_of_mission
+
+    settings, unused = wall_of_mission(wall)
+    if unused:
+        say(f"{wall}: {', '.join(unused)}: for `executive place` alone; not used here")
+    return settings
 
 
 def _folder_of(stones: Path | None) -> list[str]:

@@ -19,6 +19,13 @@ RecordLogOption = Annotated[
 StonesOption = Annotated[
     Path | None, typer.Option(help="Folder of meshes for the simulated stones.")
 ]
+WallOption = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="WALL.yaml",
+        help="What `build_wall` and missions like it build, instead of their own wall.",
+    ),
+]
 RunnerOption = Annotated[
     str | None, typer.Option(help="Where long computations run: inline, thread or process.")
 ]

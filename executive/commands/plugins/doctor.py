@@ -12,6 +12,7 @@ from executive.extras import MissingExtraError
 # All groups whose entries are imported; settings and extras are read with their plugins.
 _GROUPS = (
     registry.SMOOTHERS,
+    registry.CALIBRATORS,
     registry.BEHAVIOURS,
     registry.ORACLES,
     registry.EXERCISES,

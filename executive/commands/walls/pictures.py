@@ -14,6 +14,7 @@ from executive.commands.walls.construction import PlacedStone
 from executive.messages.building import AsBuilt
 
 _OLD, _NEW, _EDGE = np.array([0.62, 0.62, 0.60]), np.array([0.86, 0.58, 0.24]), "#6b3f0d"
+_AROUND_M = 0.2  # around the foot of the envelope, so that its outline is closed
 _LIGHT = np.array([-0.35, -0.65, 0.67])
 
 
@@ -82,6 +83,7 @@ def _draw_envelope(side: Axes, above: Axes, built: AsBuilt, along: Float, across
     side.plot(ends, foot, "-", color=_EDGE, lw=1.5)
     side.plot(ends, foot + structure.height_m, "--", color=_EDGE, lw=1)
     low, high = structure.bounds()
+    low, high = low - _AROUND_M, high + _AROUND_M
     nodes = np.stack(np.meshgrid(*(np.linspace(low[k], high[k], 160) for k in (0, 1))), axis=-1)
     flat = nodes.reshape(-1, 2)
     depth = structure.depth_m(flat, np.zeros(len(flat))).reshape(nodes.shape[:2])

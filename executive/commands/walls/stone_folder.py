@@ -4,12 +4,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
-from executive.arrays import Int
 from executive.clouds.meshes.reader import SUFFIXES, read_mesh
 from executive.commands.walls.structure_file import StoneChoice
 from executive.errors import ConfigError, DataError
+from executive.geometry.hull_mesh import hull_mesh
 from executive.geometry.solid import is_closed
 from executive.messages.solid_stone import SolidStone
 
@@ -44,16 +43,7 @@ def _stone(path: Path, choice: StoneChoice) -> tuple[SolidStone, str]:
     vertices, triangles = read_mesh(path)
     vertices, note = vertices * choice.scale, ""
     if not is_closed(triangles) and choice.repair == "hull":
-        hull = ConvexHull(vertices)
-        triangles = _outward(hull)
+        vertices, triangles = hull_mesh(vertices)
         note = "its mesh is not closed: its convex hull is used"
     stone = SolidStone.of_mesh(path.name, vertices, triangles, choice.density)
     return stone, note
-
-
-def _outward(hull: ConvexHull) -> Int:
-    triangles: Int = hull.simplices.astype(np.int64)
-    a, b, c = (hull.points[triangles[:, k]] for k in range(3))
-    is_inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
-    triangles[is_inward] = triangles[is_inward][:, ::-1]
-    return triangles

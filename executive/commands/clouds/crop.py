@@ -1,0 +1,54 @@
+"""The part of a cloud that a command is to look at."""
+
+from typing import TYPE_CHECKING
+
+from executive.errors import ConfigError, DataError
+
+if TYPE_CHECKING:
+    from executive.messages.cloud import Cloud
+
+_FORMS = "x,y,radius or x_low,y_low,x_high,y_high, in the cloud's coordinates [m]"
+
+
+class Crop:
+    """A circle or a rectangle seen from above; without words the whole cloud.
+
+    Raises:
+        ConfigError: If the words are neither three nor four numbers, or hold no area.
+    """
+
+    def __init__(self, words: str | None) -> None:
+        try:
+            numbers = [float(word) for word in words.split(",")] if words is not None else []
+        except ValueError as error:
+            raise ConfigError(f"--crop: '{words}' is not {_FORMS}") from error
+        is_circle = len(numbers) == 3 and numbers[2] > 0
+        is_box = len(numbers) == 4 and numbers[0] < numbers[2] and numbers[1] < numbers[3]
+        if words is not None and not is_circle and not is_box:
+            raise ConfigError(f"--crop: '{words}' is not {_FORMS}")
+        self._words, self._numbers = words, numbers
+
+    def of(self, cloud: "Cloud") -> "Cloud":
+        """Return the part of a cloud.
+
+        Raises:
+            DataError: If no point is in it.
+        """
+        import numpy as np
+
+        if not self._numbers:
+            return cloud
+        if len(self._numbers) == 3:
+            part = cloud.near(np.array(self._numbers[:2]), self._numbers[2])
+        else:
+            low, high = [*self._numbers[:2], -np.inf], [*self._numbers[2:], np.inf]
+            part = cloud.in_box(np.array(low), np.array(high))
+        if not len(part):
+            spans = " and ".join(
+                f"{name} from {low:.6g} to {high:.6g} m"
+                for name, low, high in zip(
+                    "xy", cloud.points.min(axis=0), cloud.points.max(axis=0), strict=False
+                )
+            )
+            raise DataError(f"--crop: no point is in {self._words}; the cloud has {spans}")
+        return part
