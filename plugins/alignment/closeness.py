@@ -5,12 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 import small_gicp
 from executive_plugins.alignment.settings import AlignmentSettings
+from executive_plugins.alignment.thinning import grid_for
 from scipy.spatial import cKDTree
 
 from executive.arrays import Float
 from executive.messages.alignment import Uncertainty
 
-_DENSE = 0.4  # distance to the nearest point along a surface, in the grid's edge, if it is dense
+# Root mean square distance to the nearest of points on a square grid, in its edge: 1 / sqrt(6).
+_DENSE = 0.4
 _PATCH_M = 0.25  # edge of the patches whose points are one observation
 _LEAST_STD_M = 0.005  # of residuals across the surface
 _WEAK = 4.0  # standard deviation of a weak direction, in that of the best determined one
@@ -22,7 +24,8 @@ class Closeness:
 
     Attributes:
         rmse_m: Root mean square distance to the nearest target point [m].
-        judged_m: The same without what the gaps between the target's points explain [m].
+        judged_m: The same without what the distance of the target's points explains [m].
+        dense_m: The same as if the target were as dense as the grid [m].
         overlap: Share of the source's points that have a target.
         points: The source points that have one, in the target's frame [m], shape (N, 3).
         normals: Of the target's surface there, shape (N, 3).
@@ -32,6 +35,7 @@ class Closeness:
 
     rmse_m: float
     judged_m: float
+    dense_m: float
     overlap: float
     points: Float
     normals: Float
@@ -55,36 +59,45 @@ class Closeness:
         return Uncertainty(0.5 * (covariance + covariance.T), centre)
 
 
-def measure(target: Float, source: Float, settings: AlignmentSettings) -> Closeness:
-    """Compare a thinned source with the target.
+def measure(
+    target: Float,
+    surface: small_gicp.PointCloud,
+    source: Float,
+    settings: AlignmentSettings,
+    apart_m: float = 0.0,
+) -> Closeness:
+    """Compare a thinned source with the target, whose normals are those of its surface, thinned.
 
     The distance to the nearest target point has a part across the surface, and one along it, which
-    is as large as the gaps between the target's points. Of the latter no more counts than a cloud
-    as dense as the grid would have: a thinly sampled target is not held against the fit.
+    is as large as the gaps between the target's points. Of the latter, what points so far apart
+    have anyhow is not held against the fit; with `discount_gaps` none is beyond what a target as
+    dense as the grid would have.
     """
-    thinned = small_gicp.voxelgrid_sampling(source, settings.voxel_m, 1).points()[:, :3]
+    grid_m = grid_for(source, settings.voxel_m)
+    thinned = small_gicp.voxelgrid_sampling(source, grid_m, 1).points()[:, :3]
     distances, rows = cKDTree(target).query(thinned, distance_upper_bound=settings.gate_distance_m)
     near = np.isfinite(distances)
     if not near.any():
         none = np.empty((0, 3))
         limit_m = settings.gate_distance_m
-        return Closeness(limit_m, limit_m, 0.0, none, none, limit_m, settings.voxel_m)
-    surface, _ = small_gicp.preprocess_points(target, settings.voxel_m, settings.neighbours, 1)
+        return Closeness(limit_m, limit_m, limit_m, 0.0, none, none, limit_m, grid_m)
     feet = target[rows[near]]
     nearest = cKDTree(np.array(surface.points()[:, :3])).query(feet)[1]
     normals = np.array(surface.normals()[nearest, :3])
     across = np.einsum("ij,ij->i", thinned[near] - feet, normals)
     square = float(np.mean(distances[near] ** 2))
     square_across = float(np.mean(across**2))
-    along = min(square - square_across, (_DENSE * settings.voxel_m) ** 2)
+    along, dense = max(square - square_across, 0.0), (_DENSE * settings.voxel_m) ** 2
+    gaps = max((_DENSE * apart_m) ** 2 - dense, 0.0)
     return Closeness(
         float(np.sqrt(square)),
-        float(np.sqrt(square_across + max(along, 0.0))),
+        float(np.sqrt(square_across + max(along - gaps, min(along, dense)))),
+        float(np.sqrt(square_across + min(along, dense))),
         float(near.mean()),
         np.array(thinned[near]),
         normals,
         float(np.sqrt(square_across)),
-        settings.voxel_m,
+        grid_m,
     )
 
 

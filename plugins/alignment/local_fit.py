@@ -4,6 +4,8 @@ import numpy as np
 import small_gicp
 from executive_plugins.alignment.closeness import Closeness, measure, weak_direction
 from executive_plugins.alignment.settings import AlignmentSettings
+from executive_plugins.alignment.thinning import grid_for, spacing_m
+from scipy.spatial import cKDTree
 
 from executive.arrays import Float
 from executive.clock import wall_s
@@ -64,10 +66,10 @@ def fit(
         return Alignment(
             T_guess, False, "no target within reach of the source at the guess", 0.0, 0.0
         )
-    step = _optimise(kind, settings, near, moved, max_distance_m)
+    surface, apart_m, step = _optimise(kind, settings, near, moved, max_distance_m)
     T = inverse(T_centre) @ step @ T_centre @ T_guess
     fitted = transform(step, moved)
-    lies = measure(near, fitted, settings)
+    lies = measure(near, surface, fitted, settings, apart_m)
     travel_m = float(np.linalg.norm(fitted - moved, axis=1).max())
     accepted, reason = _judge(settings, lies, travel_m, max_distance_m)
     doubt = lies.uncertainty() if accepted else None
@@ -106,21 +108,57 @@ def _within_reach(points: Float, others: Float, distance_m: float) -> Float:
 
 def _optimise(
     kind: str, settings: AlignmentSettings, target: Float, source: Float, max_distance_m: float
-) -> Float:
+) -> tuple[small_gicp.PointCloud, float, Float]:
+    """Fit within the whole reach, then twice to what overlaps, each time to faces that look alike.
+
+    The last reaches are half of the gate's distance and more, and not less than the target's points
+    are apart: nearer than that a point of the same surface finds a partner only where a line of the
+    target's scan happens to run, and the fit would be drawn from line to line.
+
+    Without that, the bottom and the far side of a stone, which the target does not show, pair with
+    the ground and with the near side, and least squares turn the stone towards them. The first fit
+    is generalised ICP for either kind: point-to-plane leaves a smooth stone's basin from afar.
+
+    Returns:
+        The target's surface, how far its points are apart [m], and the motion.
+    """
     prepared, tree = small_gicp.preprocess_points(target, settings.voxel_m, settings.neighbours, 1)
-    moving, _ = small_gicp.preprocess_points(source, settings.voxel_m, settings.neighbours, 1)
-    result = small_gicp.align(
-        prepared,
-        moving,
-        tree,
-        registration_type=kind,
-        max_correspondence_distance=max_distance_m,
-        num_threads=1,  # sums in one order: the same bits each time
-        max_iterations=settings.max_iterations,
-        rotation_epsilon=1e-4,
-        translation_epsilon=1e-4,
-    )
-    return np.asarray(result.T_target_source, dtype=np.float64)
+    grid_m = grid_for(source, settings.voxel_m)
+    moving, _ = small_gicp.preprocess_points(source, grid_m, settings.neighbours, 1)
+    nearest = cKDTree(prepared.points()[:, :3])
+    apart_m = spacing_m(nearest, settings.neighbours)
+    last_m, T = max(0.5 * settings.gate_distance_m, apart_m), np.eye(4)
+    for method, reach_m in (("GICP", max_distance_m), (kind, 2 * last_m), (kind, last_m)):
+        facing = _facing(prepared, nearest, moving, T)
+        if len(facing) < settings.min_points:
+            break
+        some = small_gicp.PointCloud(facing)
+        small_gicp.estimate_normals_covariances(some, num_neighbors=settings.neighbours)
+        T = small_gicp.align(
+            prepared,
+            some,
+            tree,
+            T,
+            registration_type=method,
+            max_correspondence_distance=min(reach_m, max_distance_m),
+            num_threads=1,  # sums in one order: the same bits each time
+            max_iterations=settings.max_iterations,
+            rotation_epsilon=1e-4,
+            translation_epsilon=1e-4,
+        ).T_target_source
+    return prepared, apart_m, np.asarray(T, dtype=np.float64)
+
+
+def _facing(
+    target: small_gicp.PointCloud, tree: cKDTree, source: small_gicp.PointCloud, T: Float
+) -> Float:
+    """Return the source's points whose face is within 45 degrees of that of the nearest target
+    point, shape (N, 3).
+    """
+    points, normals = np.array(source.points()[:, :3]), source.normals()[:, :3]
+    _, nearest = tree.query(transform(T, points))
+    cosines = np.einsum("ij,ij->i", normals @ T[:3, :3].T, target.normals()[nearest, :3])
+    return np.asarray(points[np.abs(cosines) > np.sqrt(0.5)])
 
 
 def _judge(
@@ -135,9 +173,10 @@ def _judge(
     if lies.overlap < settings.min_overlap:
         faults.append(f"overlap {lies.overlap:.2f} below {settings.min_overlap}")
     told = f"rmse {lies.rmse_m * 100:.1f} cm"
-    if lies.judged_m < 0.99 * lies.rmse_m:
-        told += f", {lies.judged_m * 100:.1f} cm without the target's gaps"
-    if (lies.judged_m if settings.discount_gaps else lies.rmse_m) > settings.max_rmse_m:
-        cure = " (discount_gaps accepts it)" if lies.judged_m <= settings.max_rmse_m else ""
+    judged_m = lies.dense_m if settings.discount_gaps else lies.judged_m
+    if lies.dense_m < 0.99 * lies.rmse_m:
+        told += f", {lies.dense_m * 100:.1f} cm without the target's gaps"
+    if judged_m > settings.max_rmse_m:
+        cure = " (discount_gaps accepts it)" if lies.dense_m <= settings.max_rmse_m else ""
         faults.append(f"{told} above {settings.max_rmse_m * 100:.1f} cm{cure}")
     return not faults, "; ".join(faults) or f"{told}, overlap {lies.overlap:.2f}"

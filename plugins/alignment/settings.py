@@ -26,8 +26,9 @@ class AlignmentSettings(PluginSettings):
     discount_gaps: bool = Field(
         False,
         description="Whether distances along the surface count towards max_rmse_m only as far as a "
-        "target as dense as the grid would have them. Sites seen sparsely are accepted then; a "
-        "stone that is half seen is, too, although it lies a few degrees off.",
+        "target as dense as the grid would have them, whatever the distance of its points. A "
+        "target that is sparse in places is accepted then; a stone that is half seen is, too, "
+        "although it lies a few degrees off.",
     )
     min_overlap: float = Field(
         0.4, ge=0, le=1, description="Smallest accepted share of source points that overlap."

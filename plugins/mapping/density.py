@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from executive.arrays import Bool, Float
+from executive.arrays import Bool, Float, Int
 from executive.errors import DataError
 from executive.messages.sector import Sector
 
@@ -22,10 +22,25 @@ def dense_share(points_map: Float, sector: Sector, points_per_m2: float) -> floa
         DataError: If the sector is so small that it holds the middle of no cell.
     """
     places = points_map[:, :2] - sector.centre_map
-    reach = int(np.ceil(sector.farthest_m))
+    reach = reach_of(sector)
     inside = (np.abs(places) < reach).all(axis=1)
     cells = np.floor(places[inside]).astype(np.int64) + reach
     counts = np.bincount(cells[:, 0] * 2 * reach + cells[:, 1], minlength=(2 * reach) ** 2)
+    return share_of(counts.reshape(2 * reach, 2 * reach), sector, points_per_m2)
+
+
+def reach_of(sector: Sector) -> int:
+    """Return half the side of the square of cells about a sector's centre [m]."""
+    return int(np.ceil(sector.farthest_m))
+
+
+def share_of(counts: Int, sector: Sector, points_per_m2: float) -> float:
+    """Return the same share from the number of points in each cell, shape (2 reach, 2 reach).
+
+    Raises:
+        DataError: If the sector is so small that it holds the middle of no cell.
+    """
+    reach = reach_of(sector)
     middles: Float = (
         np.indices((2 * reach, 2 * reach), dtype=np.float64).reshape(2, -1).T + 0.5 - reach
     )
@@ -36,7 +51,7 @@ def dense_share(points_map: Float, sector: Sector, points_per_m2: float) -> floa
             f"{sector.farthest_m:.1f} m holds no square metre whose density could be counted: "
             "choose a larger one"
         )
-    return float((counts[is_in_sector] >= points_per_m2).mean())
+    return float((counts.ravel()[is_in_sector] >= points_per_m2).mean())
 
 
 def _is_in_sector(places: Float, sector: Sector) -> Bool:

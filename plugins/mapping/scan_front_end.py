@@ -71,6 +71,31 @@ class ScanFrontEnd:
             place(scan.points_lidar[kept], slices[kept], fractions[kept], T_map_lidar)
         )
 
+    def place_held(self, scan: LidarScan, motion: Motion, held_radius_m: float) -> Float:
+        """Return the returns around the grasp centre that are not of the machine, shape (K, 3).
+
+        They are in the frame of the gripper at the time of each, so that what the jaws hold is at
+        rest in them [m].
+
+        Args:
+            scan: One revolution, of a lidar of the machine.
+            motion: Joints during it.
+            held_radius_m: Radius around the grasp centre within which returns are kept [m].
+        """
+        if not len(scan.points_lidar) or held_radius_m <= 0:
+            return np.empty((0, 3))
+        ends_s, slices, fractions = time_slices(scan, self._slice_s)
+        frames = [self._frames(motion, float(stamp)) for stamp in ends_s]
+        T_gripper_lidar = np.array(
+            [inverse(frame["gripper"]) @ frame[scan.frame] for frame in frames]
+        )
+        points = place(scan.points_lidar, slices, fractions, T_gripper_lidar)
+        away_m = np.linalg.norm(points - self._machine.gripper.grasp_centre, axis=1)
+        rows = np.flatnonzero(away_m <= held_radius_m)
+        nearest_end = slices[rows] + (fractions[rows] > 0.5)
+        own = self._filter.inside(scan.points_lidar[rows], nearest_end, scan.frame, frames, 0.0)
+        return np.asarray(points[rows[~own]])
+
     def lidar_map(self, scan: LidarScan, motion: Motion) -> Float:
         """Return the position of a scan's lidar in the middle of the scan, in the map [m], (3,).
 

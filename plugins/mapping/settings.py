@@ -167,3 +167,10 @@ class VoxelMapSettings(MapSettings):
         description="Distance behind a place at which a ray must end to have passed through it "
         "[m].",
     )
+    smallest_m: Meters = Field(
+        0.25,
+        gt=0,
+        le=5,
+        description="Width of the smallest thing that is kept where rays pass on both sides of it "
+        "[m].",
+    )

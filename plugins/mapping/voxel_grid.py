@@ -1,7 +1,9 @@
 """A sparse grid of voxels, each with the running mean of the points that fell into it."""
 
+from typing import NamedTuple
+
 import numpy as np
-from executive_plugins.mapping.smoothing import BITS, smoothed
+from executive_plugins.mapping.column_store import BITS, FREE, INDEX, Marks, Narrow, Table
 from numba import njit
 
 from executive.arrays import Bool, Float, Int
@@ -9,8 +11,6 @@ from executive.errors import DataError
 from executive.geometry.radix_sort import radix_order
 
 _HALF = 1 << (BITS - 1)
-_INDEX = (1 << BITS) - 1
-_FREE = -1
 _LOAD = 0.6  # above it, collisions become too frequent
 _FIRST_CAPACITY = 1 << 18
 
@@ -20,17 +20,58 @@ def _slot(keys: Int, key: np.int64) -> np.int64:  # pragma: no cover - compiled
     """Return the row of a key, or the free row for it: open addressing, linear probing."""
     mask = len(keys) - 1
     row = np.int64((np.uint64(key) * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(20)) & mask
-    while keys[row] != _FREE and keys[row] != key:
+    while keys[row] != FREE and keys[row] != key:
         row = (row + 1) & mask
     return row
 
 
+class Changes(NamedTuple):
+    """Rows of the table that changed since they were last read.
+
+    Attributes:
+        rows: In order of their first change; `number[0]` of them are used, shape (R,).
+        number: Shape (1,).
+        is_noted: Whether a row is among them, shape (R,).
+    """
+
+    rows: Narrow
+    number: Int
+    is_noted: Marks
+
+
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _insert(
-    keys: Int, means: Float, counts: Int, points: Float, voxel_m: float, memory: int
-) -> int:
+def _note(row: int, changes: Changes) -> None:  # pragma: no cover - compiled
+    """Remember that a row changed."""
+    if changes.is_noted[row] == 0:
+        changes.is_noted[row] = 1
+        changes.rows[changes.number[0]] = row
+        changes.number[0] += 1
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _erase_sphere(
+    table: Table, changes: Changes, centre: Float, radius_m: float, least: int
+) -> int:  # pragma: no cover - compiled
+    """Empty the voxels in a sphere; return how many had at least so many points."""
+    erased = 0
+    for row in range(len(table.keys)):
+        if table.keys[row] == FREE or table.counts[row] == 0:
+            continue
+        dx, dy = table.means[row, 0] - centre[0], table.means[row, 1] - centre[1]
+        dz = table.means[row, 2] - centre[2]
+        if dx * dx + dy * dy + dz * dz <= radius_m**2:
+            erased += table.counts[row] >= least
+            table.counts[row] = 0
+            table.means[row, :] = 0.0
+            _note(row, changes)
+    return erased
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _insert(table: Table, changes: Changes, points: Float, voxel_m: float, memory: int) -> int:
     """Add points to their voxels' means; return how many voxels are new."""
     # pragma: no cover - compiled
+    keys, counts, means = table.keys, table.counts, table.means
     added = 0
     for n in range(len(points)):
         i = np.int64(np.floor(points[n, 0] / voxel_m)) + _HALF
@@ -38,11 +79,12 @@ def _insert(
         k = np.int64(np.floor(points[n, 2] / voxel_m)) + _HALF
         key = (i << (2 * BITS)) | (j << BITS) | k
         row = _slot(keys, key)
-        if keys[row] == _FREE:
+        if keys[row] == FREE:
             keys[row] = key
             counts[row] = 0
             means[row, :] = 0.0
             added += 1
+        _note(row, changes)
         counts[row] += 1
         weight = min(counts[row], memory)
         for axis in range(3):
@@ -62,25 +104,25 @@ def _refill(
             means[row, axis] = old_means[n, axis]
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
 def _sorted_rows(keys: Int, counts: Int) -> Int:  # pragma: no cover - compiled
     """Return the rows of voxels that have points, in order of their keys."""
     rows, found = np.empty(len(keys), dtype=np.int64), 0
     low, high = np.full(3, 1 << BITS), np.zeros(3, dtype=np.int64)
     for row in range(len(keys)):
-        if keys[row] != _FREE and counts[row] > 0:
+        if keys[row] != FREE and counts[row] > 0:
             rows[found] = row
             found += 1
             for a in range(3):
-                index = (keys[row] >> ((2 - a) * BITS)) & _INDEX
+                index = (keys[row] >> ((2 - a) * BITS)) & INDEX
                 low[a], high[a] = min(low[a], index), max(high[a], index)
     rows = rows[:found]
     spans = high - low + 1
     dense = np.empty(found, dtype=np.int64)  # the same order in fewer digits
     for n in range(found):
         key = keys[rows[n]]
-        x, y = (key >> (2 * BITS)) - low[0], ((key >> BITS) & _INDEX) - low[1]
-        dense[n] = (x * spans[1] + y) * spans[2] + (key & _INDEX) - low[2]
+        x, y = (key >> (2 * BITS)) - low[0], ((key >> BITS) & INDEX) - low[1]
+        dense[n] = (x * spans[1] + y) * spans[2] + (key & INDEX) - low[2]
     sorted_rows: Int = rows[radix_order(dense)]
     return sorted_rows
 
@@ -94,8 +136,9 @@ def _capacity_for(voxels: int) -> int:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _erase(keys: Int, counts: Int, corners: Int, edge: int) -> int:
+def _erase(table: Table, changes: Changes, corners: Int, edge: int) -> int:
     """Empty the voxels of cubes; return how many had points."""  # pragma: no cover - compiled
+    keys, counts = table.keys, table.counts
     erased = 0
     for corner in corners:
         for i in range(corner[0], corner[0] + edge):
@@ -103,32 +146,12 @@ def _erase(keys: Int, counts: Int, corners: Int, edge: int) -> int:
                 for k in range(corner[2], corner[2] + edge):
                     key = ((i + _HALF) << (2 * BITS)) | ((j + _HALF) << BITS) | (k + _HALF)
                     row = _slot(keys, np.int64(key))
-                    if keys[row] != _FREE and counts[row] > 0:
+                    if keys[row] != FREE and counts[row] > 0:
                         counts[row] = 0
+                        table.means[row, :] = 0.0
+                        _note(row, changes)
                         erased += 1
     return erased
-
-
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _columns(keys: Int, means: Float, counts: Int, least: int) -> Float:
-    """Return the place of one voxel of each upright column that has any, in order of the table."""
-    # pragma: no cover - compiled
-    low, high = np.full(2, 1 << BITS), np.zeros(2, dtype=np.int64)
-    for row in range(len(keys)):
-        if counts[row] >= least and keys[row] != _FREE:
-            for a, index in enumerate((keys[row] >> (2 * BITS), (keys[row] >> BITS) & _INDEX)):
-                low[a], high[a] = min(low[a], index), max(high[a], index)
-    spans = np.maximum(high - low + 1, 0)
-    is_taken = np.zeros((spans[0], spans[1]), dtype=np.bool_)
-    places, found = np.empty((len(keys), 2)), 0
-    for row in range(len(keys)):
-        if counts[row] >= least and keys[row] != _FREE:
-            i, j = (keys[row] >> (2 * BITS)) - low[0], ((keys[row] >> BITS) & _INDEX) - low[1]
-            if not is_taken[i, j]:
-                is_taken[i, j] = True
-                places[found] = means[row, :2]
-                found += 1
-    return places[:found]
 
 
 class VoxelGrid:
@@ -147,6 +170,7 @@ class VoxelGrid:
         self._voxel_m = voxel_m
         self._memory = memory
         self._size = 0
+        self._is_same: bool = False  # whether the table is that of the last `take_changes`
         self._allocate(_FIRST_CAPACITY)
 
     @classmethod
@@ -155,9 +179,8 @@ class VoxelGrid:
         warm_up = cls(1.0, 1)
         warm_up.insert(np.zeros((1, 3)))
         warm_up.keep(np.ones(1, dtype=bool))
-        warm_up.surface(1.0)
-        warm_up.columns(1)
         warm_up.erase(np.zeros((1, 3), dtype=np.int64), 1)
+        warm_up.forget_sphere(np.zeros(3), 1.0, 1)
 
     def __len__(self) -> int:
         return int((self._counts > 0).sum())
@@ -175,9 +198,7 @@ class VoxelGrid:
             )
         if (self._size + len(points)) > _LOAD * len(self._keys):
             self._rebuild(np.flatnonzero(self._counts > 0), self._size + len(points))
-        self._size += _insert(
-            self._keys, self._means, self._counts, points, self._voxel_m, self._memory
-        )
+        self._size += _insert(self.table(), self._changes, points, self._voxel_m, self._memory)
 
     def erase(self, corners: Int, edge: int) -> int:
         """Remove the voxels of cubes; return how many.
@@ -186,26 +207,27 @@ class VoxelGrid:
             corners: Lowest voxel index of each cube, shape (K, 3).
             edge: Voxels along the edge of a cube.
         """
-        return int(_erase(self._keys, self._counts, corners, edge))
+        return int(_erase(self.table(), self._changes, corners, edge))
 
     def points(self) -> tuple[Float, Int]:
         """Return the means [m] (N, 3) and numbers of points (N,), in order of the voxels."""
         rows = self._rows()
         return self._means[rows], self._counts[rows]
 
-    def surface(self, reach_m: float) -> tuple[Float, Int]:
-        """Return the same, smoothed over a distance [m]; see `smoothing`."""
-        rows = self._rows()
-        means, counts = self._means[rows], self._counts[rows]
-        return smoothed(self._keys[rows], means, np.minimum(counts, self._memory), reach_m), counts
+    def table(self) -> Table:
+        """Return the hash table itself, for reading."""
+        return Table(self._keys, self._counts, self._means)
 
-    def columns(self, least: int) -> Float:
-        """Return a place in each upright column of voxels [m], shape (M, 2), in no given order.
+    def take_changes(self) -> Int | None:
+        """Return the rows of the table that changed since the last call, shape (K,).
 
-        A column counts if one of its voxels has at least `least` points. It takes some milliseconds
-        for a million voxels: nothing is sorted.
+        None if the table was made anew since: then every row may hold another voxel.
         """
-        return np.asarray(_columns(self._keys, self._means, self._counts, least))
+        rows = self._changes.rows[: self._changes.number[0]].astype(np.int64)
+        self._changes.is_noted[rows] = 0
+        self._changes.number[0] = 0
+        is_same, self._is_same = self._is_same, True
+        return rows if is_same else None
 
     def rows(self) -> tuple[Int, Float, Int]:
         """Return keys (N,), means [m] (N, 3) and numbers of points (N,) in order of the voxels."""
@@ -221,20 +243,14 @@ class VoxelGrid:
     def copy(self) -> "VoxelGrid":
         """Return an independent grid with the same content."""
         twin = VoxelGrid(self._voxel_m, self._memory)
-        twin._keys, twin._means, twin._counts = (
-            self._keys.copy(),
-            self._means.copy(),
-            self._counts.copy(),
-        )
+        twin._allocate(len(self._keys))
+        twin._keys[:], twin._means[:], twin._counts[:] = self._keys, self._means, self._counts
         twin._size = self._size
         return twin
 
     def forget_sphere(self, centre: Float, radius_m: float, least: int) -> int:
         """Remove the voxels in a sphere; return how many of them had at least `least` points."""
-        means, counts = self.points()
-        kept = ((means - centre) ** 2).sum(axis=1) > radius_m**2
-        self.keep(kept)
-        return int((~kept & (counts >= least)).sum())
+        return int(_erase_sphere(self.table(), self._changes, centre, radius_m, least))
 
     def keep(self, kept: Bool) -> None:
         """Remove the voxels for which `kept` is False, in the order of `points`."""
@@ -251,6 +267,12 @@ class VoxelGrid:
         self._size = len(rows)
 
     def _allocate(self, capacity: int) -> None:
-        self._keys = np.full(capacity, _FREE, dtype=np.int64)
+        self._keys = np.full(capacity, FREE, dtype=np.int64)
         self._means = np.zeros((capacity, 3))
         self._counts = np.zeros(capacity, dtype=np.int64)
+        self._changes = Changes(
+            np.empty(capacity, dtype=np.int32),
+            np.zeros(1, dtype=np.int64),
+            np.zeros(capacity, dtype=np.uint8),
+        )
+        self._is_same = False

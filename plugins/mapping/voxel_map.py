@@ -5,21 +5,22 @@ and no pose graph. The machine is at rest while it works, and its state estimate
 centimetre, so that the mean over many returns is sharper than a graph of noisy matches.
 """
 
+import threading
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TypedDict, cast
 
 import numpy as np
 from executive_plugins.mapping.carving import VOXELS, Carver
 from executive_plugins.mapping.cylinder import Cylinder
-from executive_plugins.mapping.density import dense_share
-from executive_plugins.mapping.map_cloud import cloud_of
+from executive_plugins.mapping.density import reach_of, share_of
+from executive_plugins.mapping.held_returns import SLIDE, HeldReturns
+from executive_plugins.mapping.map_cloud import MapCloud
 from executive_plugins.mapping.scan_front_end import ScanFrontEnd
 from executive_plugins.mapping.settings import VoxelMapSettings
 from executive_plugins.mapping.voxel_grid import VoxelGrid
 
-from executive.arrays import Float, checked
+from executive.arrays import Float, Int, checked
 from executive.errors import ConfigError, DataError
-from executive.geometry.voxels import voxel_means
 from executive.interfaces.mapping import Mapper
 from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
@@ -28,10 +29,25 @@ from executive.messages.motion import Motion
 from executive.messages.sector import Sector
 
 
+class KeptMap(TypedDict):
+    """The voxels, the cylinder's centre, and the radius around a held stone."""
+
+    keys: Int
+    means: Float
+    counts: Int
+    centre_map: Float
+    held_radius_m: float
+
+
 class VoxelMap(Mapper):
-    """Averages returns of several lidars in a cylinder around the machine; deterministic."""
+    """Averages returns of several lidars in a cylinder around the machine; deterministic.
+
+    A thread beside the tick may read the map. It keeps a scan pair waiting only while it takes over
+    what has changed.
+    """
 
     Settings = VoxelMapSettings
+    beside_tick = ("cloud", "held", "dense_share", "keep")
 
     def __init__(self, settings: VoxelMapSettings, machine: Machine) -> None:
         self._settings = settings
@@ -39,8 +55,12 @@ class VoxelMap(Mapper):
         self._front_end: ScanFrontEnd | None = None
         self._grid: VoxelGrid | None = None
         self._cloud: Cloud | None = None
+        self._surface = MapCloud(settings)
+        self._changing = threading.RLock()  # held by what changes the voxels, or copies them
+        self._reading = threading.Lock()  # held by what uses the copy
         self._held_radius_m = 0.0
-        self.revision = 0
+        self._held = HeldReturns(settings.voxel_m)
+        self.revision = self._changes = 0
         self._cylinder = Cylinder(settings.radius_m)
         self._carver: Carver | None = None
         self.forgotten = 0
@@ -50,33 +70,39 @@ class VoxelMap(Mapper):
         self._front_end = ScanFrontEnd(self._machine, self._settings)
         VoxelGrid.compile()
         s = self._settings
-        voxel_means(np.zeros((1, 3)), s.voxel_m)  # compiled here, not at the first cloud
+        MapCloud.compile(s)
         self._grid = VoxelGrid(s.voxel_m, s.memory)
         if s.forget_after:
             Carver.compile()
-            self._carver = Carver(s.voxel_m, s.radius_m, s.seen_through_m, s.forget_after)
+            self._carver = Carver(
+                s.voxel_m, s.radius_m, s.seen_through_m, s.forget_after, s.smallest_m
+            )
 
     def close(self) -> None:
         """Release the map's memory."""
         self._front_end = self._grid = self._cloud = self._carver = None
+        self._surface = MapCloud(self._settings)
 
-    def keep(self) -> Mapping[str, Any]:
+    def keep(self) -> KeptMap:
         """Return the voxels, the cylinder's centre, and the radius around a held stone."""
-        keys, means, counts = self._running()[1].rows()
-        return {
-            "keys": keys,
-            "means": means,
-            "counts": counts,
-            "centre_map": self._cylinder.centre_map,
-            "held_radius_m": self._held_radius_m,
-        }
-
-    def restore(self, kept: Mapping[str, Any]) -> None:
-        """Take back the map."""
         _, grid = self._running()
-        grid.refill(kept["keys"], kept["means"], kept["counts"])
-        self._cylinder.follow(kept["centre_map"])
-        self._held_radius_m = kept["held_radius_m"]
+        with self._changing:
+            keys, means, counts = grid.rows()
+            return {
+                "keys": keys,
+                "means": means,
+                "counts": counts,
+                "centre_map": self._cylinder.centre_map,
+                "held_radius_m": self._held_radius_m,
+            }
+
+    def restore(self, kept: Mapping[str, object]) -> None:
+        """Take back the map."""
+        own = cast(KeptMap, kept)
+        _, grid = self._running()
+        grid.refill(own["keys"], own["means"], own["counts"])
+        self._cylinder.follow(own["centre_map"])
+        self._held_radius_m = own["held_radius_m"]
         self._begin_carving(grid)
         self._changed()
 
@@ -87,20 +113,23 @@ class VoxelMap(Mapper):
             DataError: If a scan's sensor is no lidar of the machine, or the motion lacks a joint.
         """
         front_end, grid = self._running()
-        parts = [front_end.place(scan, motion, self._held_radius_m) for scan in scans]
+        parts = [front_end.place(scan, motion, SLIDE * self._held_radius_m) for scan in scans]
         pair_map = np.vstack([np.empty((0, 3)), *parts])
-        self._changed()
-        if self._cylinder.follow(motion.T_map_cabin[-1][:3, 3]):
-            grid.keep(self._cylinder.contains(grid.points()[0]))
-            self._begin_carving(grid)
-        grid.insert(pair_map[self._cylinder.contains(pair_map)])
-        if self._carver is not None:
-            views = [
-                (front_end.lidar_map(scan, motion), part)
-                for scan, part in zip(scans, parts, strict=True)
-                if len(part)
-            ]
-            self.forgotten += grid.erase(self._carver.see(views), VOXELS)
+        for scan in scans:
+            self._held.add(front_end.place_held(scan, motion, self._held_radius_m))
+        with self._changing:
+            self._changed()
+            if self._cylinder.follow(motion.T_map_cabin[-1][:3, 3]):
+                grid.keep(self._cylinder.contains(grid.points()[0]))
+                self._begin_carving(grid)
+            grid.insert(pair_map[self._cylinder.contains(pair_map)])
+            if self._carver is not None:
+                views = [
+                    (front_end.lidar_map(scan, motion), part)
+                    for scan, part in zip(scans, parts, strict=True)
+                    if len(part)
+                ]
+                self.forgotten += grid.erase(self._carver.see(views), VOXELS)
         return len(pair_map)
 
     def _begin_carving(self, grid: VoxelGrid) -> None:
@@ -108,21 +137,26 @@ class VoxelMap(Mapper):
             self._carver.begin(self._cylinder.centre_map, grid.points()[0])
 
     def mask_held(self, radius_m: float) -> None:
-        """Drop returns within this distance of the grasp centre [m], from now on."""
+        """Keep returns within this distance of the grasp centre [m] apart, from now on."""
         if radius_m < 0:
             raise DataError(
                 f"the radius around a held stone is {radius_m} m; it must not be negative"
             )
         self._held_radius_m = float(radius_m)
+        self._held.clear()
         self.revision += 1
+
+    def held(self) -> Cloud:
+        """Return what was seen of the held object since `mask_held`, in the frame `gripper`."""
+        return self._held.cloud()
 
     def remove_sphere(self, centre_map: Float, radius_m: float) -> int:
         """Remove all voxels in a sphere, until new returns fill them."""
         _, grid = self._running()
-        self._changed()
-        return grid.forget_sphere(
-            checked("centre_map", centre_map, 3), radius_m, self._settings.min_points
-        )
+        centre = checked("centre_map", centre_map, 3)
+        with self._changing:
+            self._changed()
+            return grid.forget_sphere(centre, radius_m, self._settings.min_points)
 
     def add_surface(self, points_map: Float) -> None:
         """Insert each point as often as is needed for an occupied voxel.
@@ -132,8 +166,9 @@ class VoxelMap(Mapper):
         _, grid = self._running()
         points = checked("points_map", points_map, None, 3)
         points = points[self._cylinder.contains(points)]
-        self._changed()
-        grid.insert(np.repeat(points, self._settings.min_points, axis=0))
+        with self._changing:
+            self._changed()
+            grid.insert(np.repeat(points, self._settings.min_points, axis=0))
         if self._carver is not None:
             self._carver.add(points)
 
@@ -143,20 +178,32 @@ class VoxelMap(Mapper):
         On ground these are the points of the cloud, without the cost of making it.
         """
         _, grid = self._running()
-        return dense_share(grid.columns(self._settings.min_points), sector, points_per_m2)
+        with self._reading:
+            with self._changing:
+                columns = self._surface.current(grid)
+            counts = self._surface.counts(columns, sector.centre_map, reach_of(sector))
+        return share_of(counts, sector, points_per_m2)
 
     def cloud(self) -> Cloud:
-        """Return one point for each occupied voxel: 150 ms for 450,000 voxels.
+        """Return one point for each occupied voxel: 30 ms for 450,000 voxels after a scan pair.
 
         The cloud is kept until the map changes.
         """
         _, grid = self._running()
-        if self._cloud is None:
-            self._cloud = cloud_of(grid, self._settings, self._cylinder)
-        return self._cloud
+        with self._reading:
+            with self._changing:
+                if self._cloud is not None:
+                    return self._cloud
+                changes, taken = self._changes, self._surface.take(grid, self._cylinder)
+            cloud = self._surface.read(*taken)
+            with self._changing:
+                if changes == self._changes:
+                    self._cloud = cloud
+            return cloud
 
     def _changed(self) -> None:
         self._cloud = None
+        self._changes += 1
         self.revision += 1
 
     def _running(self) -> tuple[ScanFrontEnd, VoxelGrid]:

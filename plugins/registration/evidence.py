@@ -5,6 +5,7 @@ stone, and each four square metres of ground, are one observation: errors of a s
 over such distances. What only one of the clouds could see says nothing.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,21 +70,37 @@ class Evidence:
         shares = [np.isfinite(self._residuals(motion, i, j, reach_m)).mean() for i, j in pairs]
         return sum(share >= 0.9 * self._min_overlap for share in shares)
 
-    def noise_m(self, motion: Similarity, pairs: Pairs) -> float:
-        """Return the standard deviation of stones' residuals under the best motion [m]."""
-        residuals = [self._residuals(motion, i, j, self._truncation_m) for i, j in pairs]
-        return _std(np.concatenate([r[np.isfinite(r)] for r in residuals] or [np.zeros(0)]))
+    def best_fit(self, motion: Similarity, pairs: Pairs, agreeing: Pairs) -> tuple[StoneFit, float]:
+        """Return how the stones fit under the best motion, and the standard deviation of the
+        residuals of those that agree [m].
+        """
+        compared = {pair: self._compared(motion, *pair, self._truncation_m) for pair in pairs}
+        near = [r[np.isfinite(r)] for pair, (_, r, _) in compared.items() if pair in agreeing]
+        noise_m = _std(np.concatenate(near or [np.zeros(0)]))
+        return self._fit(compared, noise_m), noise_m
 
     def stone_fit(self, motion: Similarity, pairs: Pairs, noise_m: float) -> StoneFit:
-        """Compare the surfaces of stones that a motion brings near each other."""
+        """Compare the surfaces of stones that a motion brings near each other.
+
+        A point without a partner is an observation only where the other cloud shows that nothing is
+        there: else the other view has not seen that place.
+        """
+        compared = {pair: self._compared(motion, *pair, self._truncation_m) for pair in pairs}
+        return self._fit(compared, noise_m)
+
+    def _fit(
+        self, compared: Mapping[tuple[int, int], tuple[Float, Float, SiteView]], noise_m: float
+    ) -> StoneFit:
         agreeing, costs, weights = [], [], []
-        for i, j in pairs:
-            residuals = self._residuals(motion, i, j, self._truncation_m)
-            if np.isfinite(residuals).mean() >= self._min_overlap:
-                agreeing.append((i, j))
+        for pair, (points, residuals, view) in compared.items():
+            is_near = np.isfinite(residuals)
+            if is_near.mean() >= self._min_overlap:
+                agreeing.append(pair)
+            is_near[~is_near] = view.is_open(points[~is_near], self._truncation_m)
+            residuals = residuals[is_near] if is_near.any() else np.full(1, np.inf)
             costs.append(float(np.minimum((residuals / noise_m) ** 2 / 2, CAP).mean()))
             weights.append(len(residuals) * self._per_point)
-        return StoneFit(pairs, tuple(agreeing), np.array(costs), np.array(weights))
+        return StoneFit(tuple(compared), tuple(agreeing), np.array(costs), np.array(weights))
 
     def contradicted(self, motion: Similarity, pairs: Pairs) -> float:
         """Return the observations of stones that stand where the other cloud shows plain ground.
@@ -105,6 +122,40 @@ class Evidence:
                     observations += is_free * share * len(stone.points) * self._per_point
         return observations
 
+    def surely_contradicted(self, motion: Similarity, pairs: Pairs, reach_m: float) -> float:
+        """Return the observations of `contradicted` that no small change of a motion takes away.
+
+        Args:
+            motion: The motion.
+            pairs: Pairs (source, target) of stones near each other, which are left out.
+            reach_m: How far the change moves any point of those stones; others are moved farther,
+                as they are farther from the middle of those.
+        """
+        observations = 0.0
+        if not pairs:
+            return observations  # nothing holds the motion
+        sides = (
+            (self._source, [i for i, _ in pairs], self._target, motion),
+            (self._target, [j for _, j in pairs], self._source, _inverse(motion)),
+        )
+        for own, matched, view, onto in sides:
+            middles, radii = own.discs
+            others = np.setdiff1d(np.arange(len(middles)), matched)
+            levers = np.linalg.norm(middles - middles[matched].mean(axis=0), axis=1)
+            spread_m = max(float(np.sqrt((levers[matched] ** 2).mean())), own.spacing_m)
+            moves_m = reach_m * np.maximum(levers[others] / spread_m, 1.0)
+            room_m = view.clearance_m(onto.apply(middles[others]))
+            bare = others[room_m > onto.scale * radii[others] + moves_m]
+            observations += sum(len(own.stones[k].points) for k in bare) * self._per_point
+        return observations
+
+    def weight(self, pairs: Pairs) -> float:
+        """Return the most observations that pairs of stones can be."""
+        return self._per_point * sum(
+            max(len(self._source.stones[i].points), len(self._target.stones[j].points))
+            for i, j in pairs
+        )
+
     def relief_excess(self, best: Similarity, other: Similarity) -> tuple[float, float]:
         """Return by how much an observation of the ground costs more under another motion than
         under the best one, and how many observations there are.
@@ -125,16 +176,27 @@ class Evidence:
         return rival - own, len(theirs) * _PER_SQUARE
 
     def _residuals(self, motion: Similarity, i: int, j: int, reach_m: float) -> Float:
-        """Return distances of one stone's points from the other's surface [m], inf if not near.
+        """Return distances of one stone's points from the other's surface [m], inf if not near."""
+        return self._compared(motion, i, j, reach_m)[1]
+
+    def _compared(
+        self, motion: Similarity, i: int, j: int, reach_m: float
+    ) -> tuple[Float, Float, SiteView]:
+        """Lay one stone's points on the other's surface.
 
         Of both directions that with more near points: a view from one side lies on a whole stone.
+
+        Returns:
+            The points in the other cloud's frame [m], shape (N, 3), their distances from its
+            surface [m], inf if not near, and the view of that cloud.
         """
         here, there = self._source.stones[i], self._target.stones[j]
+        moved, back = motion.apply(here.points), _inverse(motion).apply(there.points)
         ways = (
-            _heights(there, motion.apply(here.points), reach_m),
-            _heights(here, _inverse(motion).apply(there.points), reach_m),
+            (moved, _heights(there, moved, reach_m), self._target),
+            (back, _heights(here, back, reach_m), self._source),
         )
-        return max(ways, key=lambda way: float(np.isfinite(way).mean()))
+        return max(ways, key=lambda way: float(np.isfinite(way[1]).mean()))
 
 
 def _heights(surface: Surface, points: Float, reach_m: float) -> Float:

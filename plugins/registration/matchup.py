@@ -47,6 +47,11 @@ class Matchup:
         return self.stones.joined(ground)
 
     @cached_property
+    def stone_points(self) -> Float:
+        """Points of all source segments, thinned [m], shape (N, 3)."""
+        return thinned(joined(self.source.segments), self.settings.fine_voxel_m)
+
+    @cached_property
     def ground_points(self) -> Float:
         """The source's ground, thinned [m], shape (N, 3)."""
         points = sampled(self.source.ground.points, _MOST_GROUND)

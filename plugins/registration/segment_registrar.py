@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from executive_plugins.registration.constellation import Constellation
 from executive_plugins.registration.gate import refusal
-from executive_plugins.registration.matchup import Matchup, joined
+from executive_plugins.registration.matchup import Matchup
 from executive_plugins.registration.motion_proposer import MotionProposer
 from executive_plugins.registration.settings import SegmentSettings
 from executive_plugins.registration.similarity import (
@@ -17,6 +17,7 @@ from executive_plugins.registration.similarity import (
     refine,
 )
 from executive_plugins.registration.single_object import ObjectFinder
+from executive_plugins.registration.site_view import compile_site_view
 from executive_plugins.registration.stopwatch import Stopwatch
 from executive_plugins.registration.thinning import sampled, thinned
 from executive_plugins.registration.uncertainty import motion_uncertainty
@@ -35,9 +36,11 @@ from executive.messages.segment import Segmentation
 # A misfit below this share of the truncation needs no rival. In 20 scenes 95 right candidates had
 # 0.7 to 1.1, 234 wrong ones 1.5 and more; a wrong one below is left to the gate.
 _CLEAR = 1.2
-# So that a verdict takes bounded time: points of the source at a candidate and in a refinement, and
-# stones of either cloud beyond which the arrangement alone has to propose the motions.
-_MOST_COARSE, _MOST_FINE, _MOST_DESCRIBED = 800, 4_000, 40
+# So that a verdict takes bounded time: points of the source at a candidate, and of its stones and
+# its ground in a refinement (noise of some centimetres then leaves below a millimetre of the
+# motion, a tenth of what the bends of a survey leave); and stones of either cloud beyond which the
+# arrangement alone has to propose the motions.
+_MOST_COARSE, _MOST_FINE, _MOST_DESCRIBED = 800, 2_000, 40
 
 
 class SegmentRegistrar(Registrar):
@@ -60,6 +63,7 @@ class SegmentRegistrar(Registrar):
         """Compile the inner loops, so that no registration has to wait for them."""
         Constellation.compile()
         compile_refinement()
+        compile_site_view()
 
     @abstractmethod
     def _proposers(self) -> tuple[MotionProposer, ...]:
@@ -188,7 +192,7 @@ class SegmentRegistrar(Registrar):
         candidates are tried, and the first clear fit ends the search.
         """
         s = self._settings
-        points = sampled(thinned(joined(clouds.source.segments), 2 * s.fine_voxel_m), _MOST_COARSE)
+        points = sampled(thinned(clouds.stone_points, 2 * s.fine_voxel_m), _MOST_COARSE)
         votes = [len(clouds.matched(Similarity(T, 1.0))) for T in candidates]
         best, best_misfit = None, np.inf
         for i in sorted(range(len(candidates)), key=lambda i: -votes[i]):
@@ -207,7 +211,7 @@ class SegmentRegistrar(Registrar):
         most wrong ones, before the costly refinement.
         """
         s = self._settings
-        points = sampled(thinned(joined(clouds.source.segments), s.fine_voxel_m), _MOST_FINE // 2)
+        points = sampled(clouds.stone_points, _MOST_COARSE)
         reaches = tuple(s.truncation_m * factor for factor in (3, 3, 2))
         return refine(clouds.stones, points, coarse, reaches, s.max_scale_error)
 
@@ -220,7 +224,7 @@ class SegmentRegistrar(Registrar):
             The target's surface, the source's points, and the motion between them.
         """
         s, target, source = self._settings, clouds.target, clouds.source
-        moving = sampled(thinned(joined(source.segments), s.fine_voxel_m), _MOST_FINE)
+        moving = sampled(clouds.stone_points, _MOST_FINE)
         few = sampled(moving, _MOST_FINE // 2)
         parts = Cloud(target.frame, clouds.stones.points), Cloud(source.frame, few)
         aligned = self._alignment.align(*parts, start.T_target_source, 0.6 * s.coarse_reach_m)

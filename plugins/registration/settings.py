@@ -81,12 +81,12 @@ class SegmentSettings(PluginSettings):
         le=1,
         description="Standard deviation of a survey's smooth bends, for the covariance [m].",
     )
-    max_rival_ratio: float = Field(
-        1e-12,
+    max_wrong_probability: float = Field(
+        1e-4,
         ge=0,
         le=1,
-        description="Largest likelihood of another motion, in that of the best, at which the best "
-        "is accepted.",
+        description="Largest probability that one of the other motions that were tried is the true "
+        "one, at which the best is accepted.",
     )
 
 

@@ -8,12 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 import small_gicp
+from executive_plugins.registration.thinning import thinned
 from numba import njit
 from scipy.spatial import cKDTree
 
 from executive.arrays import Float, Int
 from executive.geometry.pose import pose
 from executive.geometry.rotation import exp_so3
+
+_NEIGHBOURS = 12  # points that shape a normal
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,9 +44,10 @@ class Surface:
     @classmethod
     def thinned(cls, points: Float, voxel_m: float) -> "Surface":
         """Thin points to a grid and find their normals."""
-        cloud, _ = small_gicp.preprocess_points(points, voxel_m, 12, 1)
-        rows = (cloud.points()[:, :3], cloud.normals()[:, :3])
-        return cls(*(np.array(one, order="C") for one in rows))
+        even = thinned(points, voxel_m)
+        cloud = small_gicp.PointCloud(even)
+        small_gicp.estimate_normals(cloud, num_neighbors=_NEIGHBOURS)
+        return cls(even, np.array(cloud.normals()[:, :3], order="C"))
 
     def joined(self, other: "Surface") -> "Surface":
         """Return both as one surface."""

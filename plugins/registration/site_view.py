@@ -6,6 +6,8 @@ import numpy as np
 from executive_plugins.registration.constellation import level_pose
 from executive_plugins.registration.similarity import Surface
 from executive_plugins.registration.thinning import thinned
+from numba import njit
+from scipy.ndimage import distance_transform_edt
 
 from executive.arrays import Bool, Float, Int
 from executive.geometry.pose import transform
@@ -13,9 +15,18 @@ from executive.messages.segment import Segmentation
 
 _GROUND_VOXEL_M = 0.10  # density of the ground's points
 _CELL_M = 0.25  # cells in which it is told whether plain ground was seen
-_LEAST_COUNT = 3  # points that make a cell seen
+_LEAST_COUNT = 3  # ninths of a cell with points that make it seen
 _RELIEF_M = 1.0  # edge of the squares whose mean heights are compared
 _LEAST_RELIEF_COUNT = 16  # points that give a square a height
+
+
+def compile_site_view() -> None:
+    """Compile the inner loop, for ground of a cloud, which may not be written to, and of a part."""
+    few, shown = np.zeros((1, 3)), np.zeros((1, 3))
+    shown.flags.writeable = False
+    for ground in (few, shown):
+        _plain_cells(np.eye(4), ground, few)
+        thinned(ground, _GROUND_VOXEL_M)
 
 
 class SiteView:
@@ -43,24 +54,70 @@ class SiteView:
         return _heights_of(transform(self._T_level_cloud, self.ground))
 
     @cached_property
-    def _plain(self) -> tuple[Int, Bool]:
-        """The first cell, and which cells show the ground and nothing on it, shape (nx, ny)."""
-        cells = self._cells(self.ground)
-        rising = np.vstack([self._cells(stone.points) for stone in self.stones])
-        both = np.vstack([cells, rising])
-        low = both.min(axis=0)
-        shape = both.max(axis=0) - low + 1
-        counts = np.zeros(shape, dtype=np.int64)
-        np.add.at(counts, tuple((cells - low).T), 1)
-        counts[tuple((rising - low).T)] = 0
-        return low, counts >= _LEAST_COUNT
+    def _plain(self) -> tuple[Int, Bool, Float]:
+        """The first cell, which cells show the ground and nothing on it, and how high each is
+        covered [m]: up to the top of a stone; −inf on plain ground, +inf where nothing is seen.
+        """
+        T = self._T_level_cloud
+        stones = np.vstack([stone.points for stone in self.stones])
+        low, is_plain, tops = _plain_cells(
+            T, np.ascontiguousarray(self._seen.ground.points), stones
+        )
+        return low, is_plain, tops
+
+    @cached_property
+    def _clearances_m(self) -> Float:
+        """By how much each cell is farther from the next cell that is no plain ground than a point
+        in it may be from its middle [m]; beyond the border nothing was seen.
+        """
+        is_plain = np.pad(self._plain[1], 1)
+        apart = distance_transform_edt(is_plain)[1:-1, 1:-1] - 1.0 - np.sqrt(0.5)
+        return np.asarray(apart * _CELL_M)
+
+    def clearance_m(self, points_cloud: Float) -> Float:
+        """Return how far around each point plain ground was seen, at least [m], shape (N,).
+
+        It is negative where it was not. Points are in this cloud's frame [m], shape (N, 3).
+        """
+        cells = self._cells(points_cloud) - self._plain[0]
+        clearances = self._clearances_m
+        inside = ((cells >= 0) & (cells < clearances.shape)).all(axis=1)
+        found = np.full(len(cells), -np.inf)
+        found[inside] = clearances[tuple(cells[inside].T)]
+        return found
+
+    @cached_property
+    def discs(self) -> tuple[Float, Float]:
+        """A middle of each stone [m], shape (N, 3), and the distance of its farthest point from it
+        [m], shape (N,).
+        """
+        middles = np.array([stone.points.mean(axis=0) for stone in self.stones])
+        reaches = [
+            np.sqrt(((stone.points - middle) ** 2).sum(axis=1).max())
+            for stone, middle in zip(self.stones, middles, strict=True)
+        ]
+        return middles, np.array(reaches)
+
+    def is_open(self, points_cloud: Float, margin_m: float) -> Bool:
+        """Return where this cloud shows that nothing is, shape (N,).
+
+        That is above plain ground, and above the top of a stone by more than a margin [m]; what is
+        lower than that top is inside the stone or hidden by it. Points are in this cloud's frame
+        [m], shape (N, 3).
+        """
+        low, _, tops = self._plain
+        cells = self._cells(points_cloud) - low
+        inside = ((cells >= 0) & (cells < tops.shape)).all(axis=1)
+        covered = np.full(len(cells), np.inf)
+        covered[inside] = tops[tuple(cells[inside].T)]
+        return np.asarray(self._levels(points_cloud) > covered + margin_m)
 
     def share_on_plain_ground(self, points_cloud: Float) -> float:
         """Return which share of the cells under some points shows the ground and nothing on it.
 
         Points are in this cloud's frame [m], shape (N, 3).
         """
-        low, is_plain = self._plain
+        low, is_plain, _ = self._plain
         cells = np.unique(self._cells(points_cloud), axis=0) - low
         inside = ((cells >= 0) & (cells < is_plain.shape)).all(axis=1)
         return float(is_plain[tuple(cells[inside].T)].sum() / max(len(cells), 1))
@@ -78,6 +135,44 @@ class SiteView:
     def _cells(self, points_cloud: Float) -> Int:
         places = transform(self._T_level_cloud, points_cloud)[:, :2]
         return np.asarray(np.floor(places / _CELL_M).astype(np.int64))
+
+    def _levels(self, points_cloud: Float) -> Float:
+        return transform(self._T_level_cloud, points_cloud)[:, 2]
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _plain_cells(T: Float, ground: Float, stones: Float) -> tuple[Int, Bool, Float]:
+    """Return the first cell, which cells are plain, and how high each is covered; see `_plain`.
+
+    A cell is plain if points lie in `_LEAST_COUNT` of its nine parts, and none of a stone.
+    """
+    low, high = np.full(2, np.inf), np.full(2, -np.inf)
+    levels = np.empty((len(ground) + len(stones), 3))
+    for n in range(len(levels)):
+        x, y, z = ground[n] if n < len(ground) else stones[n - len(ground)]
+        for a in range(3):
+            levels[n, a] = T[a, 0] * x + T[a, 1] * y + T[a, 2] * z + T[a, 3]
+        for a in range(2):
+            low[a], high[a] = min(low[a], levels[n, a]), max(high[a], levels[n, a])
+    first = np.floor(low / _CELL_M).astype(np.int64)
+    shape = np.floor(high / _CELL_M).astype(np.int64) - first + 1
+    seen, counts = np.zeros((shape[0], shape[1], 9), dtype=np.bool_), np.zeros((shape[0], shape[1]))
+    tops = np.full((shape[0], shape[1]), -np.inf)
+    for n in range(len(levels)):
+        u, v = levels[n, 0] / _CELL_M - first[0], levels[n, 1] / _CELL_M - first[1]
+        i, j = int(u), int(v)
+        if n >= len(ground):
+            tops[i, j] = max(tops[i, j], levels[n, 2])
+            continue
+        part = 3 * min(int(3 * (u - i)), 2) + min(int(3 * (v - j)), 2)
+        counts[i, j] += not seen[i, j, part]
+        seen[i, j, part] = True
+    is_plain = (counts >= _LEAST_COUNT) & (tops == -np.inf)
+    for i in range(shape[0]):
+        for j in range(shape[1]):
+            if not is_plain[i, j] and tops[i, j] == -np.inf:
+                tops[i, j] = np.inf
+    return first, is_plain, tops
 
 
 def _heights_of(points_level: Float) -> tuple[Int, Float]:

@@ -1,14 +1,12 @@
 """Clouds of even density."""
 
-import numpy as np
-import small_gicp
-
 from executive.arrays import Float
+from executive.geometry.voxels import voxel_means
 
 
 def thinned(points: Float, voxel_m: float) -> Float:
-    """Return the mean of the points in each occupied voxel [m], shape (M, 3); one thread."""
-    return np.array(small_gicp.voxelgrid_sampling(points, voxel_m, 1).points()[:, :3])
+    """Return the mean of the points in each occupied voxel [m], shape (M, 3)."""
+    return voxel_means(points, voxel_m)
 
 
 def sampled(points: Float, most: int) -> Float:

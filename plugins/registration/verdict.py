@@ -51,11 +51,15 @@ def against_rivals(clouds: Matchup, found: Alignment, candidates: Sequence[Float
         candidates: Motions among which a rival is looked for, each (4, 4).
     """
     best = Similarity(found.T_target_source, found.scale)
-    rival = RivalSearch(clouds).best_rival(best, found.matched_segments, candidates)
+    search = RivalSearch(clouds, len(candidates))
+    rival = search.best_rival(best, found.matched_segments, candidates)
     if rival is None:
-        return replace(found, reason=f"{found.reason}; no other motion fits two stones")
+        told = "no other motion fits two stones"
+        if search.excluded:
+            told += f" (plain ground under other stones excludes {search.excluded})"
+        return replace(found, reason=f"{found.reason}; {told}")
     told = _told(rival, best, centroids(clouds.source.segments).mean(axis=0))
-    if rival.likelihood_ratio <= clouds.settings.max_rival_ratio:
+    if rival.likelihood_ratio <= search.limit:
         return replace(found, rival=rival, reason=f"{found.reason}; {told}")
     reason = f"two motions explain the site: {found.reason}; {told}"
     return replace(found, rival=rival, reason=reason, accepted=False)

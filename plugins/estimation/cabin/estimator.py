@@ -2,7 +2,6 @@
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from executive_plugins.estimation.cabin.aligning import Aligning
@@ -18,6 +17,7 @@ from executive_plugins.estimation.start.chassis import StandstillDetector, TurnJ
 from executive_plugins.estimation.start.chassis_level import ChassisLevel
 from executive_plugins.estimation.start.first_state import FirstState
 from executive_plugins.estimation.start.found import Found
+from typing_extensions import Buffer
 
 from executive.arrays import Float
 from executive.geometry.geodesy import enu_from_geodetic
@@ -65,6 +65,8 @@ class CabinEstimator(Estimator):
         if not body.is_described:
             known["rest"] = {"max_rate_std_rad_s": _IDLING_RAD_S}
             known["clock_std_s"] = _UNKNOWN_CLOCK_S
+        if body.clock_std_s is not None:
+            known["clock_std_s"] = body.clock_std_s
         return known
 
     @property
@@ -99,16 +101,16 @@ class CabinEstimator(Estimator):
     def revision(self) -> int:  # type: ignore[override]
         return int(self._datum is not None)
 
-    def keep(self) -> Mapping[str, Any]:
+    def keep(self) -> Mapping[str, Float]:
         """Return the map's origin: the state itself is estimated anew from it."""
         return {} if self._datum is None else {"datum": self._datum}
 
-    def restore(self, kept: Mapping[str, Any]) -> None:
+    def restore(self, kept: Mapping[str, object]) -> None:
         """Take back the origin, so that the map stays where it was."""
         if "datum" in kept:
-            self._datum = np.array(kept["datum"])
+            self._datum = np.array(kept["datum"], dtype=np.float64)
 
-    def _shared_memory(self) -> Any:
+    def _shared_memory(self) -> Buffer | None:
         """Return memory for the propagator that another process reads; None if none does."""
         return None
 

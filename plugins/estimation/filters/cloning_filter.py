@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.estimation.inertial.exponential import turn_along
 from executive_plugins.estimation.inertial.state import (
     DIMENSION,
     POSITION,
@@ -76,11 +77,15 @@ class CloningFilter(ErrorStateFilter):
         """Correct by a motion; return whether it was within a gate and was used."""
         return self._correct_jointly(innovation.residual, innovation.H, innovation.noise, gate)
 
-    def _move_companions(self, error: Float) -> None:
-        super()._move_companions(error)
+    def _move_companions(self, error: Float) -> Float:
+        """Apply a correction to clock and clone, which turns the clone's position along."""
+        J = super()._move_companions(error)
         if np.isfinite(self._clone_s):
             turn, shift = error[self._clocks :].reshape(2, 3)
-            self._R, self._p = self._R @ rotation_step(turn), self._p + shift
+            P, R = slice(self._clocks + 3, None), slice(self._clocks, self._clocks + 3)
+            turn_along(self._R, turn, shift, J[P, P], J[P, R], J[R, R])
+            self._R, self._p = self._R @ rotation_step(turn), self._p + J[P, P] @ shift
+        return J
 
     def _increment_residual(self, T_from_to: Float) -> tuple[Float, Float, Float]:
         """Return measured − predicted (6,), its derivative by all errors, and a rotation.

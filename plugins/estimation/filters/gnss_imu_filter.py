@@ -1,11 +1,13 @@
 """Estimation by the cabin's inertial sensor, the satellite antennas and the turn joint."""
 
+from collections import deque
 from collections.abc import Callable, Mapping
 
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
 from executive_plugins.estimation.filters.settings import GnssImuSettings
 from executive_plugins.estimation.gate.frozen_samples import FrozenSamples
+from executive_plugins.estimation.gate.growing_refusals import GrowingRefusals
 from executive_plugins.estimation.gate.innovation_alarm import InnovationAlarm
 from executive_plugins.estimation.gate.innovation_bias import InnovationBias
 from executive_plugins.estimation.gate.innovation_scale import LARGEST_SCALE, InnovationScale
@@ -31,7 +33,7 @@ from executive.messages.odometry import LidarIncrement
 
 GLOBAL, SUSPECT, FALLBACK = "GLOBAL", "SUSPECT", "FALLBACK"
 _TRUSTED = 3  # fixes in a row within the gate that end a doubt about the state
-_FADING = 4.0  # largest factor on the covariance at one fix, if the prediction is wrong
+_STEP_AGO_S = 1.0  # by which a step of the biases may have begun to show
 _DOUBT_S = 2.0  # time after a motion of the chassis during which standstill is ignored
 
 
@@ -60,7 +62,7 @@ class GnssImuFilter(CabinEstimator):
 
     def _restart(self) -> None:
         super()._restart()
-        self._trailing: TrailingFilter | None = None
+        self._trailing: TrailingFilter[ErrorStateFilter] | None = None
         self._used_fix_s = -np.inf
         self._scales: dict[str, InnovationScale] = {}
         self._biases: dict[str, InnovationBias] = {}
@@ -68,8 +70,10 @@ class GnssImuFilter(CabinEstimator):
         self._periods: dict[str, StreamPeriod] = {}
         self._doubt: WindowStart | None = None
         self._doubted_s, self._used_in_row = np.inf, 0
-        self._moving_s = -np.inf
+        self._moving_s = self._explained_s = -np.inf
+        self._clocks: deque[tuple[float, float]] = deque()  # times with the clock, both [s]
         self._frozen = FrozenSamples()
+        self._refusals = GrowingRefusals()
 
     def _start_at(self, found: Found) -> None:
         self._trailing = TrailingFilter(
@@ -125,9 +129,11 @@ class GnssImuFilter(CabinEstimator):
         antenna = fix.antenna
         residual, H, by_clock, noise = fix_residual(kalman, fix, late_s)
         noise = self._judged(kalman, antenna, residual, (H, by_clock), noise)
+        self._hold_both(kalman, residual, kalman.predicted(H, by_clock), noise)
         if kalman.correct(residual, H, noise, self._settings.gate, by_clock):
             self._used_fix_s = max(self._used_fix_s, kalman.state.stamp_s)
             self._used_in_row += 1
+            self._refusals.clear()
             if self._used_in_row >= _TRUSTED:
                 self._begin_trust()
             return
@@ -149,8 +155,8 @@ class GnssImuFilter(CabinEstimator):
     ) -> Float:
         """Return the covariance of a fix that the newest innovations explain, shape (3, 3).
 
-        If they show that the prediction is wrong instead, its covariance grows (fading memory,
-        Fagin 1964) and the fix counts as declared.
+        If they show that the prediction is wrong instead, its covariance grows by a step of the
+        sensor's biases that explains them, and the fix counts as declared.
         """
         predicted = kalman.predicted(*derivatives)
         scale, bias = self._scales[antenna], self._biases[antenna]
@@ -160,12 +166,42 @@ class GnssImuFilter(CabinEstimator):
         distance2 = float(residual @ np.linalg.solve(predicted + noise, residual))
         is_near = distance2 <= self._settings.gate  # outliers say nothing of the prediction
         if is_near:
-            bias.add(residual, predicted + noise)
+            bias.add(residual, predicted + noise, period_s)
         if not is_near or not bias.is_biased:
             scale.add(residual, predicted, noise)
+            self._follow_clock(kalman)
             return scale.factor() * noise
-        kalman.fade(float(np.clip(distance2 / len(residual), 1.0, _FADING)))
+        self._hold_clock(kalman)
+        kalman.explain(residual, derivatives, noise, _STEP_AGO_S)
         return noise
+
+    def _follow_clock(self, kalman: ErrorStateFilter) -> None:
+        """Remember the clock of a sound prediction, and estimate it again some time after a doubt.
+
+        Until then, what an inertial sensor errs would pass for an offset of the clock.
+        """
+        now_s = kalman.state.stamp_s
+        kalman.holds_clock = now_s - self._explained_s < self._settings.reacquire_after_s
+        if kalman.holds_clock:
+            return
+        self._clocks.append((now_s, kalman.clock_s))
+        while len(self._clocks) > 1 and self._clocks[1][0] <= now_s - _STEP_AGO_S:
+            self._clocks.popleft()
+
+    def _hold_clock(self, kalman: ErrorStateFilter) -> None:
+        """Take back the clock of before the sensor's step, and leave it there for some time."""
+        if not kalman.holds_clock and self._clocks:
+            kalman.restore_clock(self._clocks[0][1])
+        kalman.holds_clock, self._explained_s = True, kalman.state.stamp_s
+
+    def _hold_both(
+        self, kalman: ErrorStateFilter, residual: Float, predicted: Float, noise: Float
+    ) -> None:
+        """Widen the state's covariance to hold the fixes too if the prediction runs away."""
+        distance2 = float(residual @ np.linalg.solve(predicted + noise, residual))
+        is_refused = distance2 > self._settings.gate
+        if is_refused and self._refusals.is_running_away(residual, noise):
+            kalman.fade(distance2 / len(residual))
 
     def _begin_trust(self) -> None:
         self._doubt, self._doubted_s = None, np.inf

@@ -14,7 +14,7 @@ from executive.arrays import Float
 
 _COUNT = 6  # windows: the newest innovation, the two newest, …
 _CALM = 3  # innovations that end an alarm
-_FALSE_ALARM_S = 3600.0  # mean time between two alarms of a sensor that errs as it declares
+FALSE_ALARM_S = 3600.0  # mean time between two alarms of a sensor that errs as it declares
 _USUAL = 0.95
 
 
@@ -59,18 +59,18 @@ class InnovationAlarm:
         counts = np.arange(1, len(newest) + 1)
         squares = np.square(np.cumsum(newest, axis=0)).sum(axis=1) / counts
         self._since += 1
-        if squares.max() > _limit(self._degrees, _binary(period_s)):
+        if squares.max() > _limit(self._degrees, binary(period_s)):
             self.is_raised, self._since = True, 0
         elif self._since >= _CALM and squares[_CALM - 1] < self._usual:
             self.is_raised = False
 
 
-def _binary(period_s: float) -> float:
+def binary(period_s: float) -> float:
     """Return the next smaller power of two: few limits are computed, and none is too low."""
     return float(2.0 ** np.floor(np.log2(np.clip(period_s, 1e-3, 60.0))))
 
 
 @lru_cache(maxsize=64)
 def _limit(degrees: int, period_s: float) -> float:
-    """Return the bound on a squared mean that is exceeded by chance once in `_FALSE_ALARM_S`."""
-    return float(chi2.isf(period_s / (_FALSE_ALARM_S * _COUNT), degrees))
+    """Return the bound on a squared mean that is exceeded by chance once in `FALSE_ALARM_S`."""
+    return float(chi2.isf(period_s / (FALSE_ALARM_S * _COUNT), degrees))

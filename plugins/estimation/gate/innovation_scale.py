@@ -1,6 +1,7 @@
 """How much larger a sensor's errors are than it declares, by its newest innovations."""
 
 from collections import deque
+from statistics import median
 
 import numpy as np
 from scipy.stats import chi2
@@ -34,7 +35,7 @@ class InnovationScale:
         """Return the factor on the variance, from 1 to 25; 1 until there are enough innovations."""
         if len(self._squares) < _ENOUGH:
             return 1.0
-        return float(np.clip(np.median(self._squares) / self._median, 1.0, LARGEST_SCALE))
+        return min(max(median(self._squares) / self._median, 1.0), LARGEST_SCALE)
 
     def add(self, innovation: Float, predicted: Float, declared: Float) -> None:
         """Take an innovation.

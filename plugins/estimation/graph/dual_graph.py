@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
@@ -16,6 +15,7 @@ from executive_plugins.estimation.graph.smoother_process import (
 )
 from executive_plugins.estimation.live.modes import Mode, ModeChange
 from executive_plugins.estimation.start.found import Found
+from typing_extensions import Buffer
 
 from executive.arrays import Float
 from executive.geometry.pose import adjoint, inverse
@@ -57,7 +57,7 @@ class DualGraph(CabinEstimator):
         self._refused: Counter[str] = Counter()
         self.changes: list[ModeChange] = []
 
-    def _shared_memory(self) -> Any:
+    def _shared_memory(self) -> Buffer | None:
         self._host = self._started = self._made_host()
         return self._host.memory
 

@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
-from typing import Any
 
 import numpy as np
 from executive_plugins.estimation.gate.measurements import Measurement
@@ -22,6 +21,7 @@ from executive_plugins.estimation.live.estimate import Estimate
 from executive_plugins.estimation.live.layout import ANSWERS, LIVE
 from executive_plugins.estimation.live.modes import ModeChange
 from executive_plugins.estimation.live.packing import is_finite, pack_into, samples_from
+from typing_extensions import Buffer
 
 from executive.arrays import Float
 
@@ -59,7 +59,7 @@ class SmootherChild:
         process: The process.
     """
 
-    def __init__(self, settings: SmootherSettings, noise: InertialNoise, memory: Any) -> None:
+    def __init__(self, settings: SmootherSettings, noise: InertialNoise, memory: Buffer) -> None:
         context = multiprocessing.get_context("spawn")
         self._connection, theirs = context.Pipe()
         self.process = context.Process(
@@ -116,7 +116,7 @@ class SmootherChild:
 
 
 def _serve(
-    connection: Connection, memory: Any, settings: SmootherSettings, noise: InertialNoise
+    connection: Connection, memory: Buffer, settings: SmootherSettings, noise: InertialNoise
 ) -> None:
     """Answer measurements with estimates until the parent ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
@@ -138,10 +138,14 @@ class _Work:
     """The smoother in the child, and its state of reading and writing the shared block."""
 
     def __init__(
-        self, connection: Connection, memory: Any, settings: SmootherSettings, noise: InertialNoise
+        self,
+        connection: Connection,
+        memory: Buffer,
+        settings: SmootherSettings,
+        noise: InertialNoise,
     ) -> None:
         self._connection = connection
-        self._block = np.frombuffer(memory, LIVE, 1)
+        self._block = np.frombuffer(memoryview(memory), LIVE, 1)
         self._made = (settings, noise)
         self._smoother: GraphSmoother | None = None
         self._epoch, self._read, self._messages, self._batches = 0, 0, 0, 0

@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from multiprocessing import get_context
-from typing import Any
 
 import numpy as np
 from executive_plugins.estimation.gate.measurements import Measurement
@@ -21,6 +20,7 @@ from executive_plugins.estimation.live.layout import ANSWERS, LIVE
 from executive_plugins.estimation.live.modes import Mode, ModeChange
 from executive_plugins.estimation.live.packing import MODES, packed, packed_estimate, unpacked
 from executive_plugins.estimation.live.propagator import LivePropagator
+from typing_extensions import Buffer
 
 from executive.arrays import Float
 from executive.messages.imu import ImuSample
@@ -56,7 +56,7 @@ class SmootherHost(ABC):
         memory: Shared memory for the propagator's block; None if no other process reads it.
     """
 
-    memory: Any = None
+    memory: Buffer | None = None
 
     @abstractmethod
     def begin(self, propagator: LivePropagator, state: InertialState, covariance: Float) -> None:
@@ -141,10 +141,11 @@ class ProcessSmoother(SmootherHost):
         self._settings = settings
         self._noise = noise
         self._answer_within_s = answer_within_s
-        self.memory = get_context("spawn").RawArray("b", LIVE.itemsize)
-        self._block = np.frombuffer(self.memory, LIVE, 1)
+        memory: Buffer = get_context("spawn").RawArray("b", LIVE.itemsize)
+        self.memory = self._memory = memory
+        self._block = np.frombuffer(memoryview(memory), LIVE, 1)
         self._published, self._handled = (
-            _counter(self.memory, name) for name in ("published", "handled")
+            _counter(memory, name) for name in ("published", "handled")
         )
         self.restarts = 0
         self._outbox: Batch = []
@@ -155,7 +156,7 @@ class ProcessSmoother(SmootherHost):
         self.spare: SmootherChild | None = None
 
     def _spawned(self) -> SmootherChild:
-        return SmootherChild(self._settings, self._noise, self.memory)
+        return SmootherChild(self._settings, self._noise, self._memory)
 
     def begin(self, propagator: LivePropagator, state: InertialState, covariance: Float) -> None:
         epoch = 1 if self._begun is None else self._begun.epoch + 1
@@ -280,10 +281,10 @@ class ProcessSmoother(SmootherHost):
                 child.close()
 
 
-def _counter(memory: Any, name: str) -> memoryview:
+def _counter(memory: Buffer, name: str) -> memoryview:
     """Return one number of the block as a memory view.
 
     Python reads and writes it in one access, in program order.
     """
     offset = LIVE.fields[name][1]  # type: ignore[index]
-    return memoryview(np.frombuffer(memory, np.uint8)[offset : offset + 8]).cast("q")  # type: ignore[arg-type]
+    return memoryview(np.frombuffer(memoryview(memory), np.uint8)[offset : offset + 8]).cast("q")  # type: ignore[arg-type]

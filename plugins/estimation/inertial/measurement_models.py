@@ -31,11 +31,6 @@ def antenna_residual(
     return p_map_antenna - state.p_map_imu - state.R_map_imu @ arm_imu, H
 
 
-def antenna_velocity(state: InertialState, arm_imu: Float) -> Float:
-    """Return the velocity of an antenna, v_imu + R (ω × l) [m/s], map axes, shape (3,)."""
-    return state.v_map_imu + state.R_map_imu @ (skew(state.rate) @ arm_imu)
-
-
 def standstill_residual(state: InertialState, arm_imu: Float) -> tuple[Float, Float]:
     """Compare the velocity of a point on the turn axis, v_imu + R (ω × l), with zero.
 

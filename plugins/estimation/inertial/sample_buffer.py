@@ -1,8 +1,12 @@
 """Buffer of recent inertial samples, for integration between any two times."""
 
 from bisect import bisect_left, bisect_right
+from collections.abc import Iterator
 
+import numpy as np
 from executive_plugins.estimation.inertial.state import Inertial
+
+from executive.arrays import Float
 
 LONG_GAP_S = 0.1  # over a longer gap, the samples do not describe the motion
 
@@ -14,6 +18,9 @@ class SampleBuffer:
         self._stamps_s: list[float] = []
         self._samples: list[Inertial] = []
 
+    def __iter__(self) -> Iterator[Inertial]:
+        return iter(self._samples)
+
     @property
     def newest_s(self) -> float:
         """Time of the newest sample [s]."""
@@ -23,6 +30,12 @@ class SampleBuffer:
     def oldest_s(self) -> float:
         """Time of the oldest sample [s]."""
         return self._stamps_s[0]
+
+    def arrays(self) -> tuple[Float, Float, Float]:
+        """Return times [s], (n,), angular velocities and specific forces, shapes (n, 3)."""
+        rates = np.array([sample.rate for sample in self._samples]).reshape(-1, 3)
+        forces = np.array([sample.force for sample in self._samples]).reshape(-1, 3)
+        return np.array(self._stamps_s), rates, forces
 
     def append(self, sample: Inertial) -> None:
         """Add a sample that is newer than all others."""

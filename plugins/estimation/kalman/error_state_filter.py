@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from executive_plugins.estimation.inertial.exponential import linear_covariance, moved
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import (
     DIMENSION,
@@ -14,18 +15,26 @@ from executive_plugins.estimation.inertial.state import (
     carry_covariance,
     carry_cross,
     propagate,
-    retract,
 )
+from executive_plugins.estimation.inertial.usual_motion import UsualMotion
+from executive_plugins.estimation.kalman.bias_step import explaining_factor, step_covariance
 from executive_plugins.estimation.kalman.compiled_correction import corrected
 from executive_plugins.estimation.start.found import ClockOffset
 
 from executive.arrays import Float
 
 _LONG_GAP_S = 0.1  # over a longer gap, the samples do not describe the motion
-_GAP_ACCELERATION_M_S2 = 1.0  # possible motion of the machine during such a gap
-_GAP_RATE_RAD_S = 0.8
 _CLOCK_WALK_S = 1e-4  # of the receiver's clock, in one second: quartzes differ by 100 ppm
 _NO_CLOCK = ClockOffset()
+
+
+def _without_clock(P: Float, H: Float, residual: Float, noise: Float) -> tuple[Float, Float]:
+    """Return covariance and error after a correction that considers the clock (Schmidt 1966)."""
+    S = H @ P @ H.T + noise
+    K = np.linalg.solve(S, H @ P).T
+    K[DIMENSION] = 0.0
+    J = np.eye(len(P)) - K @ H
+    return J @ P @ J.T + K @ noise @ K.T, K @ residual
 
 
 class ErrorStateFilter:
@@ -39,6 +48,7 @@ class ErrorStateFilter:
         state: The state.
         covariance: Of its error, shape (15, 15).
         clock_s: Stamps of the fixes minus times of measurement [s].
+        holds_clock: Whether corrections leave the clock as it is, and only consider its error.
     """
 
     def __init__(
@@ -51,7 +61,10 @@ class ErrorStateFilter:
         self.state = state
         self.covariance = covariance
         self.clock_s = clock.offset_s
+        self.holds_clock = False
         self._noise = noise
+        self._usual = UsualMotion()
+        self._mean_rate = state.sample.rate  # over the time by which the clock is unknown
         self._clocks = int(clock.std_s > 0)  # number of companions that are clocks
         # Covariances of the state's error with the companions', (15, k), and of these, (k, k).
         self._cross = clock.cross[:, None][:, : self._clocks].copy()
@@ -71,17 +84,22 @@ class ErrorStateFilter:
             self._cross = carry_cross(self.state, self._cross, dt_s)
         if self._clocks:
             self._own[0, 0] += dt_s * _CLOCK_WALK_S**2
+            weight = dt_s / (dt_s + self.clock_std_s)
+            self._mean_rate = self._mean_rate + weight * (sample.rate - self._mean_rate)
         self.covariance = self.covariance_after(dt_s)
         if sample.since_last_s > _LONG_GAP_S:
             self._inflate_by_gap(sample.since_last_s, dt_s)
             sample = self._at_constant_velocity(sample)
+        elif self._usual.is_due(sample.stamp_s):
+            self._usual.add(sample.stamp_s, self.acceleration(), self.state.rate)
         self.state = propagate(self.state, sample, self._noise.gravity_m_s2)
 
     def _inflate_by_gap(self, since_last_s: float, dt_s: float) -> None:
         """Add a share of a gap's variance, since the gap may be integrated in several parts."""
         share_s = float(np.sqrt(since_last_s * dt_s))
-        velocity_m_s = _GAP_ACCELERATION_M_S2 * share_s
-        self.inflate(0.5 * since_last_s * velocity_m_s, velocity_m_s, _GAP_RATE_RAD_S * share_s)
+        velocity_m_s = self._usual.acceleration_m_s2 * share_s
+        rotation_rad = self._usual.rate_rad_s * share_s
+        self.inflate(0.5 * since_last_s * velocity_m_s, velocity_m_s, rotation_rad)
 
     def _at_constant_velocity(self, sample: Inertial) -> Inertial:
         """Return a sample of unaccelerated motion: one after a gap does not tell of the gap."""
@@ -96,7 +114,7 @@ class ErrorStateFilter:
 
     def reported_covariance(self) -> Float:
         """Return the covariance that is reported with the state, shape (15, 15)."""
-        return self.covariance
+        return linear_covariance(self.state, self.covariance)
 
     def covariance_after(self, dt_s: float) -> Float:
         """Return the covariance after a step at the present rate and force, shape (15, 15)."""
@@ -151,34 +169,117 @@ class ErrorStateFilter:
 
     def _correct_jointly(self, residual: Float, H: Float, noise: Float, gate: float) -> bool:
         """Correct the state and its companions, whose error has 15 + k dimensions."""
-        answer = corrected(self._joint_covariance(), H, residual, noise, gate)
+        before = self._joint_covariance()
+        answer = corrected(before, H, residual, noise, gate)
         if answer is None:
             return False
         P, error = answer
+        if self._clocks and self.holds_clock:
+            P, error = _without_clock(before, H, residual, noise)
         self._take(P, error)
         return True
 
     def _take(self, P: Float, error: Float) -> None:
         """Apply a correction with the covariance after it, of 15 + k dimensions."""
+        before, J = self.state, np.eye(len(P))
+        self.state, J[:DIMENSION, :DIMENSION] = self._moved(error[:DIMENSION])
+        if self._own.size:
+            J[DIMENSION:, DIMENSION:] = self._move_companions(error[DIMENSION:])
+        P = J @ P @ J.T
         if self._own.size:
             self._cross, self._own = P[:DIMENSION, DIMENSION:], P[DIMENSION:, DIMENSION:]
-            self._move_companions(error[DIMENSION:])
-            P = P[:DIMENSION, :DIMENSION]
-        self.covariance = P
-        self.state = retract(self.state, error[:DIMENSION])
+        self.covariance = P[:DIMENSION, :DIMENSION]
+        if self._clocks:
+            self._follow_shift(before, J[:DIMENSION, :DIMENSION])
 
-    def _move_companions(self, error: Float) -> None:
-        """Apply a correction to the companions, shape (k,)."""
+    def _moved(self, error: Float) -> tuple[InertialState, Float]:
+        """Return the state after a correction, and the derivative of its error by the error."""
+        return moved(self.state, error)
+
+    def _follow_shift(self, before: InertialState, J: Float) -> None:
+        """Keep the state at the receiver's time where it was when a correction changes the motion.
+
+        A clock that is late by more, with a state that is later by as much, explains every fix as
+        well as before unless the motion changes. The correlations of the clock's error hold the
+        motion of the state before the correction. Left so, each correction of the velocity, mere
+        noise, would tell of the clock, as with any direction that linearisations at differing
+        estimates make observable (Huang 2010, observability-based rules).
+        """
+        change = self._shift(self.state) - J @ self._shift(before)
+        with_clock = np.outer(change, self._cross[:, 0])
+        self.covariance = (
+            self.covariance + with_clock + with_clock.T + self._own[0, 0] * np.outer(change, change)
+        )
+        self._cross = self._cross + np.outer(change, self._own[0])
+
+    def _shift(self, state: InertialState) -> Float:
+        """Return the change of a state over time, as an error per second, shape (15,)."""
+        answer = np.zeros(DIMENSION)
+        force = state.R_map_imu @ (state.sample.force - state.accel_bias)
+        answer[ROTATION] = state.rate
+        answer[VELOCITY] = force - [0.0, 0.0, self._noise.gravity_m_s2]
+        answer[POSITION] = self._shown(state.v_map_imu)
+        return answer
+
+    def _shown(self, velocity: Float) -> Float:
+        """Return a velocity without what may be its own error, shape (3,) [m/s].
+
+        The error of a body at rest would tell of the clock at each fix. Source: the estimate of
+        James and Stein 1961, which shrinks towards zero.
+        """
+        variance = float(np.trace(self.covariance[VELOCITY, VELOCITY]))
+        return max(0.0, 1.0 - variance / max(float(velocity @ velocity), 1e-12)) * velocity
+
+    def antenna_shift(self, arm_imu: Float) -> Float:
+        """Return the derivative of an antenna's position by time, as far as it is known [m/s].
+
+        Args:
+            arm_imu: The antenna in IMU axes [m], shape (3,).
+        """
+        rate = self._mean_rate - self.state.gyro_bias
+        return self._shown(self.state.v_map_imu) + self.state.R_map_imu @ np.cross(rate, arm_imu)
+
+    def _move_companions(self, error: Float) -> Float:
+        """Apply a correction to the companions, shape (k,).
+
+        Returns:
+            The derivative of what is left of their error by it, shape (k, k).
+        """
         if self._clocks:
             self.clock_s += float(error[0])
+        return np.eye(len(error))
 
     def fade(self, factor: float) -> None:
         """Multiply the covariance of the state, not of its companions, by a factor."""
         self.covariance = factor * self.covariance
         self._cross = np.sqrt(factor) * self._cross
 
+    def explain(
+        self, residual: Float, derivatives: tuple[Float, Float | None], noise: Float, since_s: float
+    ) -> None:
+        """Add the covariance of a step of the biases that explains an innovation.
+
+        Args:
+            residual: Measured minus predicted, shape (m,).
+            derivatives: By the errors of state and clock; see `correct`.
+            noise: Covariance of the measurement, shape (m, m).
+            since_s: Time since the step [s].
+        """
+        usual = self._usual
+        C = step_covariance(self.state, since_s, usual.rate_rad_s, usual.acceleration_m_s2)
+        H, S = derivatives[0], self.predicted(*derivatives) + noise
+        self.covariance = self.covariance + explaining_factor(residual, S, H @ C @ H.T, 1.0) * C
+
+    def restore_clock(self, clock_s: float) -> None:
+        """Take back an earlier estimate of the clock; what it has moved since may be wrong."""
+        if self._clocks:
+            own = self._own.copy()
+            own[0, 0] += (clock_s - self.clock_s) ** 2
+            self.clock_s, self._own = clock_s, own
+
     def inflate(self, position_m: float, velocity_m_s: float, rotation_rad: float) -> None:
         """Add variance to the state: standard deviations of position, velocity and rotation."""
+        self.covariance = self.covariance.copy()  # it may have been given out
         for block, std in (
             (POSITION, position_m),
             (VELOCITY, velocity_m_s),

@@ -2,10 +2,7 @@
 
 import numpy as np
 from executive_plugins.estimation.gate.measurements import Fix
-from executive_plugins.estimation.inertial.measurement_models import (
-    antenna_residual,
-    antenna_velocity,
-)
+from executive_plugins.estimation.inertial.measurement_models import antenna_residual
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 
 from executive.arrays import Float
@@ -34,7 +31,7 @@ def fix_residual(
     std_s = kalman.clock_std_s
     if std_s == 0.0:
         return residual, H, None, fix.covariance
-    by_clock = -antenna_velocity(state, fix.arm_imu)
+    by_clock = -kalman.antenna_shift(fix.arm_imu)
     residual = residual - by_clock * (kalman.clock_s - late_s)
     bend = 0.5 * std_s**2 * kalman.acceleration()
     return residual, H, by_clock, fix.covariance + float(bend @ bend) * np.eye(3)

@@ -4,11 +4,13 @@ from bisect import insort
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Generic, Protocol, TypeVar
 
-from executive_plugins.estimation.inertial.state import Inertial
-from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.inertial.state import Inertial, InertialState
 from executive_plugins.estimation.live.packing import packed
 from executive_plugins.estimation.live.propagator import LivePropagator
+
+from executive.arrays import Float
 
 _MARGIN = 1.2  # of the lag over the largest delay so far
 _LONGEST_S = 2.0  # a measurement that is later is of no use in time
@@ -28,7 +30,24 @@ class Correction:
     apply: Callable[[], None] = field(compare=False)
 
 
-class TrailingFilter:
+class Predicted(Protocol):
+    """What trails: a filter, or a bank of them."""
+
+    @property
+    def state(self) -> InertialState:
+        """Its state."""
+
+    def predict(self, sample: Inertial) -> None:
+        """Propagate to a later sample."""
+
+    def reported_covariance(self) -> Float:
+        """Return the covariance that is reported with the state, shape (15, 15)."""
+
+
+K = TypeVar("K", bound=Predicted)
+
+
+class TrailingFilter(Generic[K]):
     """Uses measurements at their own time and in order, if they are late by less than the lag.
 
     The lag grows with the delays that are met, up to two seconds.
@@ -37,7 +56,7 @@ class TrailingFilter:
         kalman: The filter, `lag_s` behind the propagator.
     """
 
-    def __init__(self, kalman: ErrorStateFilter, lag_s: float, propagator: LivePropagator) -> None:
+    def __init__(self, kalman: K, lag_s: float, propagator: LivePropagator) -> None:
         self.kalman = kalman
         self._lag_s = lag_s
         self._propagator = propagator

@@ -17,9 +17,10 @@ from executive_plugins.estimation.inertial.strapdown import (
     multiply,
     turn_into,
 )
-from executive_plugins.estimation.live.layout import ANSWERS, ESTIMATE, LIVE, SAMPLES
+from executive_plugins.estimation.live.layout import ESTIMATE, LIVE, SAMPLES
 from executive_plugins.estimation.live.packed_state import ROW
 from numba import from_dtype, njit, types
+from numpy.typing import NDArray
 
 from executive.arrays import Float
 
@@ -29,12 +30,11 @@ _MAX_FORCE_M_S2 = 160.0  # 16 g
 _COVARIANCE_PERIOD_S = 0.049  # the covariance grows slowly: one of up to 50 ms ago is reported
 _TURN_AHEAD_S = 0.1  # the turn joint's angle is extrapolated by at most this time
 
-Block = np.ndarray[Any, Any]
+Block = NDArray[np.void]
 _LIVE, _ROW = from_dtype(LIVE)[::1], from_dtype(ROW)[::1]
 _ESTIMATE = from_dtype(ESTIMATE)[::1]
 _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 _N = 15
-MODES = 8  # more than there are modes
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -67,25 +67,56 @@ def _propagate(s: Any, stamp_s: float, rate: Float, force: Float) -> None:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _carry_covariance(s: Any) -> None:
-    """Compute the covariance of the cabin's pose, in its axes, from that of the last estimate."""
+    """Compute the covariance of the sensor's pose, map axes, from that of the last estimate.
+
+    In map axes it does not turn with the body, so that it holds until it is computed anew.
+    """
     dt_s = s.stamp_s - s.from_s
     carry_covariance_into(s.from_P, s.from_R, s.from_rate, s.from_force, s.densities, dt_s, s.P)
-    T, R = s.T_imu_cabin, s.R
-    J = np.zeros((6, 6))
-    for i in range(3):
-        for j in range(3):
-            J[i, j] = T[j, i]
-            J[3 + i, 3 + j] = T[0, i] * R[j, 0] + T[1, i] * R[j, 1] + T[2, i] * R[j, 2]
-            k, m = (j + 1) % 3, (j + 2) % 3
-            J[3 + i, j] = T[k, 3] * T[m, i] - T[m, 3] * T[k, i]
+    turn_into(dt_s * s.from_rate[0], dt_s * s.from_rate[1], dt_s * s.from_rate[2], s.half_turn)
+    multiply(s.from_R, s.half_turn, s.R_middle)  # the attitude whose axes its rotations have
+    J = np.eye(6)
+    J[:3, :3] = s.R_middle
+    P = np.empty((6, 6))
+    for i in range(6):
+        for j in range(6):
+            P[i, j] = s.P[_pose_index(i), _pose_index(j)]
+    _sandwich(J, P, s.map_covariance)
+    s.carried_s = s.stamp_s
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _sandwich(J: Float, P: Float, after: Float) -> None:
+    """Compute J P Jᵀ, shapes (6, 6)."""
+    half = np.empty((6, 6))
     for i in range(6):
         for j in range(6):
             total = 0.0
-            for a in range(6):
-                for b in range(6):
-                    total += J[i, a] * s.P[_pose_index(a), _pose_index(b)] * J[j, b]
-            s.covariance[i, j] = total
-    s.carried_s = s.stamp_s
+            for k in range(6):
+                total += J[i, k] * P[k, j]
+            half[i, j] = total
+    for i in range(6):
+        for j in range(6):
+            total = 0.0
+            for k in range(6):
+                total += half[i, k] * J[j, k]
+            after[i, j] = total
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _report_covariance(s: Any, T_map_cabin: Float, after: Float) -> None:
+    """Write the covariance of the cabin's pose in its axes, shape (6, 6)."""
+    J = np.zeros((6, 6))
+    arm = T_map_cabin[:3, 3] - s.p
+    for i in range(3):
+        x, y, z = T_map_cabin[0, i], T_map_cabin[1, i], T_map_cabin[2, i]
+        J[i, 0], J[i, 1], J[i, 2] = x, y, z
+        J[3 + i, 3], J[3 + i, 4], J[3 + i, 5] = x, y, z
+        # A rotation θ of the sensor moves the cabin by θ × arm; along an axis, by (arm × axis) θ.
+        J[3 + i, 0] = arm[1] * z - arm[2] * y
+        J[3 + i, 1] = arm[2] * x - arm[0] * z
+        J[3 + i, 2] = arm[0] * y - arm[1] * x
+    _sandwich(J, s.map_covariance, after)
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -128,9 +159,7 @@ def _report(s: Any, row: Any) -> None:
     for i in range(3):
         row.v_map_cabin[i] = s.v[i] + s.R[i, 0] * a + s.R[i, 1] * b + s.R[i, 2] * c
         row.w_map_cabin_in_cabin[i] = T[0, i] * x + T[1, i] * y + T[2, i] * z
-    for i in range(6):
-        for j in range(6):
-            row.covariance[i, j] = s.covariance[i, j]
+    _report_covariance(s, row.T_map_cabin, row.covariance)
 
 
 @njit(types.void(_LIVE, _ROW), cache=True)  # type: ignore[untyped-decorator]
@@ -260,19 +289,3 @@ def take(live: Block, estimate: Block, moves_map: bool) -> None:
         _propagate(s, sample.stamp_s, sample.rate, sample.force)
     if moves_map:
         _correct_odometry(s)
-
-
-@njit(types.int64(_LIVE, types.int64), cache=True)  # type: ignore[untyped-decorator]
-def take_answer(live: Block, number: int) -> int:
-    """Do what `take` does with an estimate that the smoother's process has written into the block.
-
-    Returns:
-        Its mode plus `MODES` times the number of messages that were sent before it; −1 if the
-        estimate belongs to an earlier start and nothing was done.
-    """
-    k = number % ANSWERS
-    answers = live[0].answers
-    if answers[k].epoch != live[0].epoch:
-        return -1
-    take(live, answers[k : k + 1], True)
-    return int(answers[k].mode + MODES * answers[k].messages)

@@ -48,7 +48,7 @@ LIVE = np.dtype(
         ("from_P", "f8", (15, 15)),
         ("carried_s", "f8"),
         ("P", "f8", (15, 15)),
-        ("covariance", "f8", (6, 6)),
+        ("map_covariance", "f8", (6, 6)),  # of rotation and position, map axes
         # Constants, and the turn joint.
         ("gravity_m_s2", "f8"),
         ("gap_s", "f8"),

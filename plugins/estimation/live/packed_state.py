@@ -1,8 +1,7 @@
 """A state of the machine over one row of memory, whose arrays are made on access."""
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import NDArray
 
 from executive.arrays import Float
 from executive.messages.base_state import BaseState
@@ -28,16 +27,16 @@ class PackedState(BaseState):
     """
 
     __slots__ = ("_row",)
-    _row: np.ndarray[Any, Any]
+    _row: NDArray[np.void]
 
-    def __init__(self, stamp_s: float, row: np.ndarray[Any, Any], status: str) -> None:
+    def __init__(self, stamp_s: float, row: NDArray[np.void], status: str) -> None:
         """Make a state of a read-only row, shape (1,), dtype `ROW`."""
         put = object.__setattr__
         put(self, "stamp_s", stamp_s)
         put(self, "_row", row)
         put(self, "status", status)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         arrays = (getattr(self, name) for name in ROW.names or ())
         return BaseState, (self.stamp_s, *arrays, self.status)
 

@@ -15,13 +15,19 @@ MODES = tuple(Mode)
 def samples_from(block: Block, first: int, end: int) -> list[Inertial]:
     """Return copies of samples, as far as the block still holds them.
 
+    Another process may write further ones meanwhile: those that it may have written over while they
+    were copied are left out.
+
     Args:
         block: Shape (1,), dtype `LIVE`.
         first: Number of the first sample, counted from 0.
         end: Number after the last.
     """
-    kept = np.arange(max(first, end - SAMPLES, 0), end) % SAMPLES
-    return [sample_of(row) for row in block["samples"][0][kept]]
+    kept = np.arange(max(first, end - SAMPLES, 0), end)
+    rows = block["samples"][0][kept % SAMPLES]
+    # The place of sample n is that of sample n + SAMPLES, which is written before it is counted.
+    whole = kept > int(block["written"][0]) - SAMPLES
+    return [sample_of(row) for row in rows[whole]]
 
 
 def sample_of(row: Block) -> Inertial:

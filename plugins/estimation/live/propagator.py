@@ -1,24 +1,21 @@
 """The state at the newest inertial sample, propagated from the last estimate."""
 
-from typing import Any
-
 import numpy as np
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.live.kernels import (
     GAP,
-    MODES,
     OUT_OF_RANGE,
     Block,
     anchor,
     report,
     step,
     take,
-    take_answer,
 )
-from executive_plugins.estimation.live.layout import LIVE
+from executive_plugins.estimation.live.layout import ANSWERS, LIVE
 from executive_plugins.estimation.live.packed_state import ROW, PackedState
 from executive_plugins.estimation.live.packing import is_finite
 from executive_plugins.estimation.start.chassis import TurnJoint
+from typing_extensions import Buffer
 
 from executive.arrays import Float
 from executive.messages.base_state import BaseState
@@ -45,7 +42,7 @@ class LivePropagator:
         turn: TurnJoint,
         noise: InertialNoise,
         gap_s: float,
-        memory: Any = None,
+        memory: Buffer | None = None,
     ) -> None:
         """Make a propagator without a state.
 
@@ -56,7 +53,9 @@ class LivePropagator:
             gap_s: Longest time between two samples over which a state is propagated [s].
             memory: A buffer of `LIVE.itemsize` bytes that is shared with another process.
         """
-        self.block: Block = np.zeros(1, LIVE) if memory is None else np.frombuffer(memory, LIVE, 1)
+        self.block: Block = (
+            np.zeros(1, LIVE) if memory is None else np.frombuffer(memoryview(memory), LIVE, 1)
+        )
         self._turn = turn
         self._has_state = False
         self._rows: list[tuple[Block, Block]] = []
@@ -141,12 +140,25 @@ class LivePropagator:
             The number of its mode, negative if the estimate belongs to an earlier start and was
             ignored; and the number of messages that were sent before it.
         """
-        answer = take_answer(self.block, number)
-        if answer < 0:
-            return answer, 0
+        answer = self._answer(number)
+        if answer["epoch"][0] != self.epoch:
+            return -1, 0
+        take(self.block, answer, True)
         self._row = None
-        messages, mode = divmod(answer, MODES)
-        return mode, messages
+        return int(answer["mode"][0]), int(answer["messages"][0])
+
+    def _answer(self, number: int) -> Block:
+        """Return a copy of an estimate, or of a later one if it may have been written over.
+
+        The smoother's process goes on while this one is held up, as on a busy computer.
+        """
+        while True:
+            k = number % ANSWERS
+            copy: Block = self.block["answers"][0][k : k + 1].copy()
+            newest = int(self.block["answered"][0])
+            if newest - number < ANSWERS - 1:  # the next one is written before it is counted
+                return copy
+            number = newest
 
     @property
     def epoch(self) -> int:

@@ -27,6 +27,7 @@ CLOCK = gtsam.symbol("d", 0)  # key of the error of the receiver's clock, as far
 _TILT_STD_RAD = 0.3
 _HEADING_STD_RAD = 10.0  # no information (Nubert 2025)
 _VELOCITY_STD_M_S = 30.0
+_HELD_STD_RAD = 0.05  # of a heading that is held: far less than what a heading is known to
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,16 +76,11 @@ class WindowProblem:
 
     def _add_priors(self) -> None:
         """Constrain what the window may leave open: the biases, and weakly pose and velocity."""
-        x, v, b = keys(0)
+        _x, v, b = keys(0)
         known, diagonal = self._known, gtsam.noiseModel.Diagonal.Sigmas
-        R = self._reckoned[0].R_map_imu
-        P = np.eye(6) * 1e6
-        tilt, heading = _TILT_STD_RAD**2, _HEADING_STD_RAD**2
-        P[:3, :3] = R.T @ np.diag([tilt, tilt, heading]) @ R
-        wide = gtsam.noiseModel.Gaussian.Covariance(P)
-        level = gtsam.Pose3(gtsam.Rot3(R), np.zeros(3))
         # A prior of each first guess' own heading would favour none; this one costs π²/200 at most.
-        self.graph.add(gtsam.PriorFactorPose3(x, level, wide))
+        level = self._reckoned[0].R_map_imu
+        self.graph.add(self._pose_prior(level, _HEADING_STD_RAD, _TILT_STD_RAD))
         speed = gtsam.noiseModel.Isotropic.Sigma(3, _VELOCITY_STD_M_S)
         self.graph.add(gtsam.PriorFactorVector(v, np.zeros(3), speed))
         bias = gtsam.imuBias.ConstantBias(np.zeros(3), known.gyro_bias)
@@ -129,6 +125,37 @@ class WindowProblem:
         if self._known.clock_std_s > 0:
             values.insert(CLOCK, np.zeros(1))
         return values
+
+    def held(
+        self, values: gtsam.Values, turn_rad: float
+    ) -> tuple[gtsam.NonlinearFactorGraph, gtsam.Values]:
+        """Return the problem with the heading held elsewhere, and first values for it.
+
+        Args:
+            values: A solution.
+            turn_rad: By how much the heading is turned from it [rad].
+        """
+        turn, guess = from_rpy(0.0, 0.0, turn_rad), gtsam.Values(values)
+        for i, (_, fixes) in enumerate(self._nodes):
+            x, _v, _b = keys(i)
+            T, arm = values.atPose3(x), np.mean([fix.arm_imu for fix in fixes], axis=0)
+            R = turn @ T.rotation().matrix()
+            p = T.translation() + T.rotation().matrix() @ arm - R @ arm
+            guess.update(x, gtsam.Pose3(gtsam.Rot3(R), p))
+        first, _v, _b = keys(0)
+        graph = gtsam.NonlinearFactorGraph(self.graph)
+        graph.add(self._pose_prior(guess.atPose3(first).rotation().matrix(), _HELD_STD_RAD, 1e3))
+        return graph, guess
+
+    def _pose_prior(
+        self, R: Float, heading_std_rad: float, tilt_std_rad: float
+    ) -> gtsam.NonlinearFactor:
+        """Return a factor on the first attitude that leaves its position open."""
+        P = np.eye(6) * 1e6
+        tilt, heading = tilt_std_rad**2, heading_std_rad**2
+        P[:3, :3] = R.T @ np.diag([tilt, tilt, heading]) @ R
+        level = gtsam.Pose3(gtsam.Rot3(R), np.zeros(3))
+        return gtsam.PriorFactorPose3(keys(0)[0], level, gtsam.noiseModel.Gaussian.Covariance(P))
 
     def residuals2(self, values: gtsam.Values) -> Float:
         """Return the squared Mahalanobis distance of each fix from a solution, shape (F,)."""

@@ -6,7 +6,7 @@ is solved from several, and what they leave open is part of the covariance.
 """
 
 from collections import deque
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -34,6 +34,7 @@ from executive_plugins.estimation.start.window_problem import (
 from executive_plugins.estimation.start.window_solution import Solution, solved
 
 from executive.arrays import Float
+from executive.geometry.rotation import wrap_angle
 
 _NODES = 30  # at most, in a window
 _HEADINGS = 4  # first guesses; the basin of attraction is wider than a quarter of a turn
@@ -145,17 +146,29 @@ class WindowStart:
             self._rest_bias, self._rest_std_rad_s, self._bias, self._late_s, self._clock_std_s
         )
         problem = WindowProblem(nodes, self._samples, self._noise, known)
-        hypotheses = []
+        solutions = []
         for k in range(_HEADINGS):
             yield
             guess = problem.guess(2 * np.pi * k / _HEADINGS)
             solution = solved(problem.graph, guess)
             if solution is not None:
-                hypotheses.append(self._hypothesis(solution, problem, nodes))
+                solutions.append(solution)
+        hypotheses = [self._hypothesis(one, problem, nodes) for one in solutions]
+        held = []
+        if solutions:
+            best = min(solutions, key=lambda one: one.cost)
+            for k in range(1, _HEADINGS):
+                yield
+                turn_rad = wrap_angle(2 * np.pi * k / _HEADINGS)
+                other = solved(*problem.held(best.values, turn_rad))
+                if other is not None:
+                    held.append((turn_rad, other.cost - best.cost))
         yield
-        return self._judged(hypotheses, nodes)
+        return self._judged(hypotheses, held, nodes)
 
-    def _judged(self, hypotheses: list[Hypothesis], nodes: _Nodes) -> Found | None:
+    def _judged(
+        self, hypotheses: list[Hypothesis], held: Sequence[tuple[float, float]], nodes: _Nodes
+    ) -> Found | None:
         """Return the likeliest state, with all other headings that are likely in its covariance.
 
         None if clock or accuracy of the receiver are so different from what was assumed that the
@@ -164,7 +177,7 @@ class WindowStart:
         if not hypotheses:
             self.waits_for = "fixes that fit the inertial samples"
             return None
-        found, headings, std_rad = most_likely(hypotheses, self._settings.max_heading_std_rad)
+        found, headings, std_rad = most_likely(hypotheses, held, self._settings.max_heading_std_rad)
         moved_s, self._late_s = abs(found.clock.offset_s - self._late_s), found.clock.offset_s
         self._bias, self.waits_for = found.state.gyro_bias, ""
         is_curved = self._clock_std_s > 0 and moved_s > longest_straight_s(nodes[-1][1][0])

@@ -1,0 +1,131 @@
+"""A bank of filters that differ in heading, for a body whose heading is not known.
+
+Source: the Gaussian sum filter (Alspach and Sorenson 1972). Each filter is linear about its own
+heading, and the fixes tell by their likelihood which headings explain them.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.inertial.exponential import left_jacobian, moved_far
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import (
+    ACCEL_BIAS,
+    DIMENSION,
+    GYRO_BIAS,
+    POSITION,
+    ROTATION,
+    VELOCITY,
+    Inertial,
+    InertialState,
+)
+from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.kalman.fix_residual import fix_residual
+from executive_plugins.estimation.start.found import ClockOffset, Found
+from executive_plugins.estimation.start.wide_heading import UNIFORM_STD_RAD, heading_gradient
+
+from executive.arrays import Float
+from executive.geometry.rotation import log_so3
+
+_HEADINGS = 8
+# Of the headings between two members, which are equally likely. One member is enough for a heading
+# that is known better than that.
+_MEMBER_STD_RAD = 2 * np.pi / _HEADINGS / np.sqrt(12)
+_REFUTED = 7.0  # a member under which the fixes are e⁷ = 1,100 times less likely is dropped
+
+
+class HeadingBank:
+    """Filters with the likelihood of each."""
+
+    def __init__(self, found: Found, noise: InertialNoise) -> None:
+        """Make the filters that a state without a heading stands for."""
+        self._noise = noise
+        self._members = list(_members(found, noise))
+        self._weights = np.array([weight for weight, _ in self._members])  # logarithms
+        self._filters = [kalman for _, kalman in self._members]
+
+    @property
+    def state(self) -> InertialState:
+        """The likeliest state."""
+        return self._filters[int(np.argmax(self._weights))].state
+
+    def predict(self, sample: Inertial) -> None:
+        """Propagate to a later sample."""
+        for kalman in self._filters:
+            kalman.predict(sample)
+
+    def correct(self, fix: Fix, late_s: float, scale: float, gate: float) -> bool:
+        """Correct by a fix; return whether it was within the gate of any filter.
+
+        Args:
+            fix: The fix.
+            late_s: By how much its stamp was thought to be late when it was queued [s].
+            scale: Factor on its variance.
+            gate: Largest squared Mahalanobis distance.
+        """
+        likelihoods = np.full(len(self._filters), -np.inf)
+        for i, kalman in enumerate(self._filters):
+            residual, H, by_clock, noise = fix_residual(kalman, fix, late_s)
+            S = kalman.predicted(H, by_clock) + scale * noise
+            distance2 = float(residual @ np.linalg.solve(S, residual))
+            if kalman.correct(residual, H, scale * noise, gate, by_clock):
+                likelihoods[i] = -0.5 * (distance2 + np.linalg.slogdet(S)[1])
+        if not np.isfinite(likelihoods).any():
+            return False
+        self._weigh(likelihoods)
+        return True
+
+    def _weigh(self, likelihoods: Float) -> None:
+        """Add logarithms of likelihoods, and drop the filters that they refute."""
+        self._weights = self._weights + likelihoods
+        kept = np.flatnonzero(self._weights > self._weights.max() - _REFUTED)
+        self._filters = [self._filters[i] for i in kept]
+        self._weights = self._weights[kept] - self._weights.max()
+
+    def reported_covariance(self) -> Float:
+        """Return the second moment of the likeliest state's error in map axes, shape (15, 15)."""
+        shares = np.exp(self._weights - self._weights.max())
+        best, P = self.state, np.zeros((DIMENSION, DIMENSION))
+        for share, kalman in zip(shares / shares.sum(), self._filters, strict=True):
+            error, J = _difference(best, kalman.state)
+            P += share * (J @ kalman.reported_covariance() @ J.T + np.outer(error, error))
+        return P
+
+
+def _members(found: Found, noise: InertialNoise) -> Iterator[tuple[float, ErrorStateFilter]]:
+    """Yield filters with the logarithms of their weights."""
+    h = np.append(heading_gradient(found.state), 0.0)
+    P = np.empty((DIMENSION + 1, DIMENSION + 1))
+    P[:DIMENSION, :DIMENSION], P[-1, -1] = found.covariance, found.clock.std_s**2
+    P[:DIMENSION, -1] = P[-1, :DIMENSION] = found.clock.cross
+    variance = float(h @ P @ h)
+    if variance <= _MEMBER_STD_RAD**2:
+        yield 0.0, ErrorStateFilter(found.state, found.covariance, noise, found.clock)
+        return
+    by_heading = P @ h / variance
+    rest = P - (variance - _MEMBER_STD_RAD**2) * np.outer(by_heading, by_heading)
+    narrowness = max(0.0, 1 / variance - 1 / UNIFORM_STD_RAD**2)  # 0 if all are equally likely
+    for k in range(_HEADINGS):
+        heading_rad = 2 * np.pi * (k - _HEADINGS // 2) / _HEADINGS
+        error = heading_rad * by_heading
+        state, J = moved_far(found.state, error[:DIMENSION])
+        late_s = found.clock.offset_s + float(error[-1])
+        clock = ClockOffset(
+            late_s, float(np.sqrt(max(rest[-1, -1], 0.0))), J @ rest[:DIMENSION, -1]
+        )
+        covariance = J @ rest[:DIMENSION, :DIMENSION] @ J.T
+        weight = -0.5 * narrowness * heading_rad**2
+        yield weight, ErrorStateFilter(state, covariance, noise, clock)
+
+
+def _difference(best: InertialState, other: InertialState) -> tuple[Float, Float]:
+    """Return the error of one state if another is true, (15,), and its derivative, (15, 15)."""
+    error, J = np.zeros(DIMENSION), np.eye(DIMENSION)
+    error[ROTATION] = log_so3(best.R_map_imu.T @ other.R_map_imu)
+    error[VELOCITY] = other.v_map_imu - best.v_map_imu
+    error[POSITION] = other.p_map_imu - best.p_map_imu
+    error[GYRO_BIAS] = other.gyro_bias - best.gyro_bias
+    error[ACCEL_BIAS] = other.accel_bias - best.accel_bias
+    J[ROTATION, ROTATION] = np.linalg.inv(left_jacobian(-error[ROTATION]))
+    return error, J

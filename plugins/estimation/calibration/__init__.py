@@ -1,0 +1,1 @@
+"""Mounting, clocks and noise of the sensors on one body, found from a recording."""

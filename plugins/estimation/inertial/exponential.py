@@ -1,0 +1,200 @@
+"""Corrections of a strapdown state that turn velocity and position along with its attitude.
+
+Source: the left-invariant error of Barrau and Bonnabel 2017 (The invariant extended Kalman filter
+as a stable observer). A heading that is wrong by an angle puts the carrier of a well-measured
+antenna on a circle, and what was integrated since a known velocity too. With the exponential of
+the group of extended poses, an error is exactly of that form however large the angle is: velocity
+and position differ from the state's by J(θ) w, with the left Jacobian J of rotations.
+"""
+
+import math
+
+import numpy as np
+from executive_plugins.estimation.inertial.state import (
+    ACCEL_BIAS,
+    DIMENSION,
+    GYRO_BIAS,
+    POSITION,
+    ROTATION,
+    VELOCITY,
+    InertialState,
+    rotation_step,
+)
+from numba import njit, types
+
+from executive.arrays import Float
+from executive.geometry.rotation import skew
+
+_VECTOR = types.Array(types.float64, 1, "A", readonly=True)
+_MATRIX = types.Array(types.float64, 2, "A", readonly=True)
+_NEW_MATRIX = types.float64[:, ::1]
+_TERMS = 30  # of the series of a turn by π: the next one is below 1e-17
+_SMALL_RAD2 = 1e-10  # below, the next terms of the series are below 1e-11
+
+
+def moved(state: InertialState, error: Float) -> tuple[InertialState, Float]:
+    """Apply a correction; to first order it is `retract`.
+
+    Args:
+        state: The state.
+        error: Its error, shape (15,).
+
+    Returns:
+        The state after it, and the derivative of what is left of the error by the error, shape
+        (15, 15).
+    """
+    R, theta = state.R_map_imu, error[ROTATION]
+    J = np.eye(DIMENSION)
+    for block in (VELOCITY, POSITION):
+        turn_along(R, theta, error[block], J[block, block], J[block, ROTATION], J[:3, :3])
+    answer = InertialState(
+        state.sample,
+        R @ rotation_step(theta),
+        state.p_map_imu + J[POSITION, POSITION] @ error[POSITION],
+        state.v_map_imu + J[VELOCITY, VELOCITY] @ error[VELOCITY],
+        state.gyro_bias + error[GYRO_BIAS],
+        state.accel_bias + error[ACCEL_BIAS],
+    )
+    return answer, J
+
+
+def moved_far(state: InertialState, error: Float) -> tuple[InertialState, Float]:
+    """Do what `moved` does, with a derivative that holds for turns of up to π; it is slower."""
+    R, answer = state.R_map_imu, np.eye(DIMENSION)
+    after, _ = moved(state, error)
+    across = skew(error[ROTATION])
+    adjoint = np.zeros((9, 9))
+    for block in (VELOCITY, POSITION):
+        adjoint[block, block], adjoint[block, ROTATION] = across, skew(R.T @ error[block])
+    adjoint[ROTATION, ROTATION] = across
+    term = series = np.eye(9)
+    for n in range(1, _TERMS):
+        term = -term @ adjoint / (n + 1)
+        series = series + term
+    before, turned = np.eye(9), np.eye(9)
+    for block in (VELOCITY, POSITION):
+        before[block, block], turned[block, block] = R.T, after.R_map_imu
+    answer[:9, :9] = turned @ series @ before
+    return after, answer
+
+
+def left_jacobian(theta: Float) -> Float:
+    """Return J with J(θ) [θ]× = exp([θ]×) − 1 of a rotation vector [rad], shape (3, 3)."""
+    answer, unused = np.empty((3, 3)), np.empty((3, 3))
+    turn_along(np.eye(3), theta, np.zeros(3), answer, unused, np.empty((3, 3)))
+    return answer
+
+
+def linear_covariance(state: InertialState, covariance: Float) -> Float:
+    """Return the covariance of errors as differences in map axes, shape (15, 15).
+
+    A position whose error is J(θ) w differs from the state's by w + θ × w / 2 and smaller terms.
+    The second moment of θ × w / 2 is added: it is what remains across a direction in which the
+    linear terms cancel.
+    """
+    answer = covariance.copy()
+    for block in (VELOCITY, POSITION):
+        own, cross = covariance[block, block], covariance[ROTATION, block]
+        _add_curvature(
+            state.R_map_imu, covariance[ROTATION, ROTATION], own, cross, answer[block, block]
+        )
+    return answer
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _cross_matrix(v: Float) -> Float:
+    """Return [v]×, shape (3, 3)."""
+    answer = np.zeros((3, 3))
+    answer[0, 1], answer[0, 2], answer[1, 2] = -v[2], v[1], -v[0]
+    answer[1, 0], answer[2, 0], answer[2, 1] = v[2], -v[1], v[0]
+    return answer
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _product(A: Float, B: Float) -> Float:
+    """Return A B, shapes (3, 3)."""
+    answer = np.zeros((3, 3))
+    for i in range(3):
+        for j in range(3):
+            for k in range(3):
+                answer[i, j] += A[i, k] * B[k, j]
+    return answer
+
+
+_SLICE = types.Array(types.float64, 2, "A")
+
+
+@njit(  # type: ignore[untyped-decorator]
+    types.void(_MATRIX, _VECTOR, _VECTOR, _SLICE, _SLICE, _SLICE), cache=True
+)
+def turn_along(
+    R: Float, theta: Float, w: Float, by_self: Float, by_rotation: Float, rotation: Float
+) -> None:
+    """Write the derivatives of the error that a correction leaves.
+
+    Args:
+        R: Attitude before the correction, shape (3, 3).
+        theta: Its correction [rad], body axes, shape (3,).
+        w: Correction of the velocity or the position, map axes, shape (3,).
+        by_self: R J(θ) Rᵀ, by which the vector moves and the error that is left turns, (3, 3).
+        by_rotation: Derivative of J(θ) w by θ, to second order, shape (3, 3).
+        rotation: Derivative of the rotation that is left, J(−θ), shape (3, 3).
+    """
+    angle2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
+    b, c = 0.5 - angle2 / 24, 1 / 6 - angle2 / 120
+    if angle2 > _SMALL_RAD2:
+        angle = math.sqrt(angle2)
+        b, c = (1 - math.cos(angle)) / angle2, (angle - math.sin(angle)) / (angle * angle2)
+    across = _cross_matrix(theta)
+    twice = _product(across, across)
+    J, body = np.empty((3, 3)), np.zeros(3)
+    for i in range(3):
+        for j in range(3):
+            unit = 1.0 if i == j else 0.0
+            J[i, j] = unit + b * across[i, j] + c * twice[i, j]
+            rotation[i, j] = unit - b * across[i, j] + c * twice[i, j]
+            body[i] += R[j, i] * w[j]
+    back = np.ascontiguousarray(R.T)
+    by_self[:, :] = _product(_product(R, J), back)
+    turned = np.zeros(3)
+    for i in range(3):
+        for j in range(3):
+            turned[i] += across[i, j] * body[j]
+    beside = _cross_matrix(body)
+    both, aside = _product(across, beside), _cross_matrix(turned)
+    curved = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            second = (both[i, j] + aside[i, j]) / 6 + turned[i] * theta[j] / 12
+            curved[i, j] = -0.5 * beside[i, j] - second
+    by_rotation[:, :] = _product(R, curved)
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _fourth(P: Float, W: Float, X: Float, i: int, j: int, k: int, m: int) -> float:
+    """Return E θ_i w_j θ_k w_m of Gaussian errors (Isserlis 1918)."""
+    return float(P[i, k] * W[j, m] + X[i, j] * X[k, m] + X[i, m] * X[k, j])
+
+
+@njit(types.void(_MATRIX, _MATRIX, _MATRIX, _MATRIX, _SLICE), cache=True)  # type: ignore[untyped-decorator]
+def _add_curvature(R: Float, P_body: Float, W: Float, X_body: Float, after: Float) -> None:
+    """Add the second moment of θ × w / 2, map axes.
+
+    Args:
+        R: Attitude, shape (3, 3).
+        P_body: Covariance of the rotation θ, body axes, shape (3, 3).
+        W: Covariance of w, map axes, shape (3, 3).
+        X_body: Covariance of θ, body axes, with w, shape (3, 3).
+        after: What is added to, shape (3, 3).
+    """
+    P, X = _product(_product(R, P_body), np.ascontiguousarray(R.T)), _product(R, X_body)
+    for i in range(3):
+        a, b = (i + 1) % 3, (i + 2) % 3
+        for j in range(3):
+            c, d = (j + 1) % 3, (j + 2) % 3
+            after[i, j] += 0.25 * (
+                _fourth(P, W, X, a, b, c, d)
+                - _fourth(P, W, X, a, b, d, c)
+                - _fourth(P, W, X, b, a, c, d)
+                + _fourth(P, W, X, b, a, d, c)
+            )

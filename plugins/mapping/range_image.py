@@ -1,0 +1,100 @@
+"""The nearest return of a scan in each direction, to tell what two rays pass on either side.
+
+The rings of a lidar are some degrees apart, so that most places of a surface that has left are
+passed by no ray closely. Where the rays on either side of such a place, no farther apart than the
+smallest thing to be kept, both end well behind it, and no return about it is nearer, nothing of
+that size is there: it would have stopped one of them.
+"""
+
+import numpy as np
+from numba import njit
+
+from executive.arrays import Float
+
+_STEP_RAD = np.radians(0.5)  # edge of a direction: wider than the columns of a lidar are apart
+_ACROSS, _UP = 720, 360  # directions about the vertical, and from straight down to straight up
+
+_STOPPED, _UNKNOWN, _SEEN_THROUGH = -1, 0, 1  # what the rays about a place tell of it
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def nearest_returns(origin: Float, points: Float) -> Float:  # pragma: no cover - compiled
+    """Return the range of the nearest return in each direction [m], inf without one, (360, 180).
+
+    Args:
+        origin: Position of the lidar [m], shape (3,).
+        points: Its returns in the same frame [m], shape (N, 3).
+    """
+    nearest = np.full((_ACROSS, _UP), np.inf)
+    for n in range(len(points)):
+        across, up, range_m = _direction(points[n] - origin)
+        nearest[across, up] = min(nearest[across, up], range_m)
+    return nearest
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def passed_on_both_sides(
+    nearest: Float, offset: Float, width_m: float, margin_m: float
+) -> bool:  # pragma: no cover - compiled
+    """Return whether rays at most a width apart pass a place above and below, or left and right,
+    and none in the other direction ends before it.
+
+    Args:
+        nearest: What `nearest_returns` found.
+        offset: Of the place from the lidar [m], shape (3,).
+        width_m: Largest distance of the two rays, at the place [m].
+        margin_m: Distance behind the place at which they end at least [m].
+    """
+    across, up, range_m = _direction(offset)
+    least_m = range_m + margin_m
+    most = int(width_m / (range_m * _STEP_RAD)) + 1
+    upright = _passed(nearest, across, up, 0, 1, most, least_m)
+    level = _passed(nearest, across, up, 1, 0, most, least_m)
+    return bool(min(upright, level) >= _UNKNOWN and max(upright, level) == _SEEN_THROUGH)
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _passed(
+    nearest: Float, across: int, up: int, along: int, aside: int, most: int, least_m: float
+) -> int:  # pragma: no cover - compiled
+    """Look both ways for the next directions with a return; three abreast are one.
+
+    A ray through the direction itself parts what is between the two others.
+    """
+    own_m = _abreast(nearest, across, up, along, aside)
+    if own_m <= least_m:
+        return _STOPPED
+    apart, sides = 0, 0
+    for way in (-1, 1):
+        for steps in range(1, most + 1 - apart):
+            range_m = _abreast(
+                nearest, across + way * steps * along, up + way * steps * aside, along, aside
+            )
+            if range_m <= least_m:
+                return _STOPPED
+            if range_m < np.inf:
+                apart = steps if own_m == np.inf else 0
+                sides += 1
+                break
+    return _SEEN_THROUGH if sides == 2 else _UNKNOWN
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _abreast(
+    nearest: Float, across: int, up: int, along: int, aside: int
+) -> float:  # pragma: no cover - compiled
+    least_m = np.inf
+    for k in range(-1, 2):
+        i, j = (across + k * aside) % _ACROSS, up + k * along
+        if 0 <= j < _UP:
+            least_m = min(least_m, nearest[i, j])
+    return least_m
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _direction(offset: Float) -> tuple[int, int, float]:  # pragma: no cover - compiled
+    flat_m = np.sqrt(offset[0] ** 2 + offset[1] ** 2)
+    across = int((np.arctan2(offset[1], offset[0]) + np.pi) / _STEP_RAD)
+    up = int((np.arctan2(offset[2], flat_m) + 0.5 * np.pi) / _STEP_RAD)
+    range_m = np.sqrt(flat_m**2 + offset[2] ** 2)
+    return min(across, _ACROSS - 1), min(up, _UP - 1), range_m
