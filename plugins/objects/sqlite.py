@@ -4,12 +4,14 @@ Each change is one transaction, so a mission that is killed loses nothing.
 """
 
 import sqlite3
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 
 from executive_plugins.objects.association import associate_known_first, carried_m
 from executive_plugins.objects.database_file import open_file, transaction
-from executive_plugins.objects.growth import Fit, fit_of, icp_shift, merged, shifts_of
+from executive_plugins.objects.growth import merged
+from executive_plugins.objects.rows import add_event, move_row, row_of
 from executive_plugins.objects.scene import surface_within, surroundings, unexplained
 from executive_plugins.objects.schema import (
     WEIGHTS,
@@ -20,11 +22,12 @@ from executive_plugins.objects.schema import (
     unpack_pose,
 )
 from executive_plugins.objects.settings import SqliteObjectsSettings
+from executive_plugins.objects.sighting import sighting_of
 from executive_plugins.objects.surface import pack
 
 from executive.arrays import Float, checked
 from executive.errors import ConfigError, DataError
-from executive.geometry.pose import inverse, pose, transform
+from executive.geometry.pose import inverse, pose
 from executive.interfaces.objects import ObjectDatabase
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment
@@ -34,14 +37,20 @@ from executive.messages.weight import Weight
 
 
 class SqliteObjects(ObjectDatabase):
-    """Stones with identities, surfaces and poses (Mascaro 2020, Sec. 4.5)."""
+    """Stones with identities, surfaces and poses (Mascaro 2020, Sec. 4.5).
+
+    A thread beside the tick may ask for surroundings: it holds the lock while it reads the stones,
+    and not while it computes.
+    """
 
     Settings = SqliteObjectsSettings
+    beside_tick = ("surroundings", "unexplained")
 
     def __init__(self, settings: SqliteObjectsSettings) -> None:
         self._settings = settings
         self._open: sqlite3.Connection | None = None
         self._is_read_only = False
+        self._lock = threading.RLock()  # the connection belongs to one thread at a time
 
     def open(self, path: str, read_only: bool = False) -> None:
         """Open or create the file, see `open_file`; `:memory:` stores nothing on disk."""
@@ -87,22 +96,27 @@ class SqliteObjects(ObjectDatabase):
 
     def stones(self) -> tuple[Stone, ...]:
         """Return all stones, by id."""
-        with closing(self._connection().execute("SELECT * FROM stones ORDER BY id")) as rows:
+        with (
+            self._lock,
+            closing(self._connection().execute("SELECT * FROM stones ORDER BY id")) as rows,
+        ):
             weights = read_weights(self._connection())
             return tuple(read_stone(row, weights.get(row["id"])) for row in rows)
 
     def stone(self, stone_id: int) -> Stone:
         """Return one stone as it is now."""
-        return read_stone(self._row(stone_id), read_weights(self._connection()).get(stone_id))
+        with self._lock:
+            return read_stone(self._row(stone_id), read_weights(self._connection()).get(stone_id))
 
     def history(self, stone_id: int) -> tuple[StoneEvent, ...]:
         """Return the events of a stone, oldest first."""
-        self._row(stone_id)
-        rows = (
-            self._connection()
-            .execute("SELECT * FROM events WHERE stone_id = ? ORDER BY id", (stone_id,))
-            .fetchall()
-        )
+        with self._lock:
+            self._row(stone_id)
+            rows = (
+                self._connection()
+                .execute("SELECT * FROM events WHERE stone_id = ? ORDER BY id", (stone_id,))
+                .fetchall()
+            )
         return tuple(read_event(row) for row in rows)
 
     def grasp(self, stone_id: int, T_map_gripper: Float, stamp_s: float) -> Stone:
@@ -118,7 +132,7 @@ class SqliteObjects(ObjectDatabase):
             db.execute(
                 "UPDATE stones SET T_map_gripper_grasp = ? WHERE id = ?", (pack_pose(T), stone_id)
             )
-            self._note(db, stone_id, stamp_s, "grasp", StoneState.HELD)
+            add_event(db, stone_id, stamp_s, "grasp", StoneState.HELD)
         return self.stone(stone_id)
 
     def release(
@@ -139,16 +153,16 @@ class SqliteObjects(ObjectDatabase):
         T_map_map = T_release @ inverse(unpack_pose(row["T_map_gripper_grasp"]))
         with self._transaction() as db:
             db.execute("UPDATE stones SET T_map_gripper_grasp = NULL WHERE id = ?", (stone_id,))
-            self._move(db, row, T_map_map)
-            self._note(db, stone_id, stamp_s, "release", state, "by the gripper's motion")
+            move_row(db, row, T_map_map)
+            add_event(db, stone_id, stamp_s, "release", state, "by the gripper's motion")
         return self.stone(stone_id)
 
     def realign(self, stone_id: int, T_map_map: Float, stamp_s: float, note: str = "") -> Stone:
         """Move the stone in the map; its state is kept."""
         row, T = self._row(stone_id), checked("T_map_map", T_map_map, 4, 4)
         with self._transaction() as db:
-            self._move(db, row, T)
-            self._note(db, stone_id, stamp_s, "realign", StoneState(row["state"]), note)
+            move_row(db, row, T)
+            add_event(db, stone_id, stamp_s, "realign", StoneState(row["state"]), note)
         return self.stone(stone_id)
 
     def weigh(self, stone_id: int, weight: Weight, stamp_s: float) -> Stone:
@@ -175,7 +189,7 @@ class SqliteObjects(ObjectDatabase):
             )
         with self._transaction() as db:
             db.execute("UPDATE stones SET T_map_gripper_grasp = NULL WHERE id = ?", (stone_id,))
-            self._note(db, stone_id, stamp_s, "state", state)
+            add_event(db, stone_id, stamp_s, "state", state)
         return self.stone(stone_id)
 
     def surroundings(self, map_cloud: Cloud, without: int | None = None) -> Cloud:
@@ -213,22 +227,12 @@ class SqliteObjects(ObjectDatabase):
         db = self._connection()
         if self._is_read_only:
             raise ConfigError("the object database is open for reading only; open it for writing")
-        with transaction(db):
+        with self._lock, transaction(db):
             yield db
 
     def _row(self, stone_id: int) -> sqlite3.Row:
-        row = (
-            self._connection().execute("SELECT * FROM stones WHERE id = ?", (stone_id,)).fetchone()
-        )
-        if row is None:
-            known = [
-                str(r["id"])
-                for r in self._connection().execute("SELECT id FROM stones ORDER BY id")
-            ]
-            raise DataError(
-                f"no stone {stone_id} in the object database; there is {', '.join(known) or 'none'}"
-            )
-        return row  # type: ignore[no-any-return]
+        with self._lock:
+            return row_of(self._connection(), stone_id)
 
     def _add(
         self, db: sqlite3.Connection, segment: Segment, stamp_s: float, seen_from_above: bool
@@ -247,7 +251,7 @@ class SqliteObjects(ObjectDatabase):
             ),
         )
         stone_id = int(cursor.lastrowid or 0)
-        self._note(db, stone_id, stamp_s, "found", StoneState.ON_GROUND, _sensors(seen_from_above))
+        add_event(db, stone_id, stamp_s, "found", StoneState.ON_GROUND, _sensors(seen_from_above))
         return stone_id
 
     def _reach_m(self, stone: Stone) -> float:
@@ -256,8 +260,7 @@ class SqliteObjects(ObjectDatabase):
         if stone.state is StoneState.LOST:
             return s.max_roll_m + carried_m(self.history(stone.id))
         newest = next(one for one in reversed(self.history(stone.id)) if one.kind != "state")
-        was_released = stone.state is StoneState.ON_GROUND and newest.kind == "release"
-        return s.max_roll_m if was_released else s.max_distance_m
+        return s.max_roll_m if newest.kind == "release" else s.max_distance_m
 
     def _update(
         self,
@@ -267,85 +270,24 @@ class SqliteObjects(ObjectDatabase):
         stamp_s: float,
         seen_from_above: bool,
     ) -> int:
-        known, seen, T = stone.points_map, segment.points, stone.T_map_object
-        kind, fit, state = "seen", self._fit(known, seen), _found(stone.state)
-        if not self._agrees(fit):
-            shift, there = self._moved(known, seen)
-            is_whole = self._agrees(there)
-            kind, fit = ("moved", there) if is_whole else ("replaced", fit)
-            known, T = (known + shift if is_whole else known[:0]), pose(T[:3, :3], T[:3, 3] + shift)
-        limit = (
-            self._settings.max_growth_whole if stone.seen_from_above else self._settings.max_growth
-        )
-        note = f"{_sensors(seen_from_above)}, {fit}"
-        if kind != "replaced" and fit.growth > limit:
-            self._note(db, stone.id, stamp_s, "seen", state, f"{note}: too much, nothing added")
-        else:
-            from_above = seen_from_above or (kind != "replaced" and stone.seen_from_above)
-            self._resurface(db, stone.id, known, seen, T, from_above)
-            self._note(db, stone.id, stamp_s, kind, state, note)
-        return stone.id
-
-    def _moved(self, known: Float, seen: Float) -> tuple[Float, Fit]:
-        """Return the shift of a stone that moved without turning, shape (3,) [m], and its fit.
-
-        The shift is estimated by means, by boxes and by ICP; the best fit counts, or the means if
-        none fits.
-        """
-        by_mean, by_box = shifts_of(known, seen, self._settings.voxel_m)
-        by_icp = icp_shift(known, seen, self._settings.agreement_m)
-        fits = [(shift, self._fit(known + shift, seen)) for shift in (by_mean, by_box, by_icp)]
-        shift, fit = max(fits, key=lambda one: (self._agrees(one[1]), -one[1].rmse_m))
-        return (shift, fit) if self._agrees(fit) else fits[0]
-
-    def _fit(self, known: Float, seen: Float) -> Fit:
-        return fit_of(known, seen, self._settings.agreement_m)
-
-    def _agrees(self, fit: Fit) -> bool:
-        return fit.share >= self._settings.min_agreement and fit.rmse_m <= self._settings.max_rmse_m
-
-    def _resurface(
-        self,
-        db: sqlite3.Connection,
-        stone_id: int,
-        known: Float,
-        seen: Float,
-        T: Float,
-        from_above: bool,
-    ) -> None:
-        """Merge two surfaces, given in the map, in the frame of the object."""
-        T_object_map = inverse(T)
-        points = merged(
-            transform(T_object_map, known),
-            transform(T_object_map, seen),
-            self._settings.voxel_m,
-            self._settings.max_points,
-        )
+        sighting, state = sighting_of(stone, segment, self._settings), _found(stone.state)
+        told = f"{_sensors(seen_from_above)}, {sighting.fit}"
+        if sighting.is_too_large:
+            add_event(db, stone.id, stamp_s, "seen", state, f"{told}: too much, nothing added")
+            return stone.id
+        from_above = seen_from_above or (sighting.kind != "replaced" and stone.seen_from_above)
         db.execute(
             "UPDATE stones SET points_object = ?, seen_from_above = ?, T_map_object = "
             "? WHERE id = ?",
-            (pack(points), from_above, pack_pose(T), stone_id),
+            (
+                pack(sighting.points_object),
+                from_above,
+                pack_pose(sighting.T_map_object),
+                stone.id,
+            ),
         )
-
-    def _move(self, db: sqlite3.Connection, row: sqlite3.Row, T_map_map: Float) -> None:
-        T = T_map_map @ unpack_pose(row["T_map_object"])
-        db.execute("UPDATE stones SET T_map_object = ? WHERE id = ?", (pack_pose(T), row["id"]))
-
-    def _note(
-        self,
-        db: sqlite3.Connection,
-        stone_id: int,
-        stamp_s: float,
-        kind: str,
-        state: StoneState,
-        note: str = "",
-    ) -> None:
-        db.execute("UPDATE stones SET state = ? WHERE id = ?", (state, stone_id))
-        db.execute(
-            "INSERT INTO events (stone_id, stamp_s, kind, state, T_map_object, note) "
-            "SELECT id, ?, ?, ?, T_map_object, ? FROM stones WHERE id = ?",
-            (stamp_s, kind, state, note, stone_id),
-        )
+        add_event(db, stone.id, stamp_s, sighting.kind, state, told)
+        return stone.id
 
 
 def _found(state: StoneState) -> StoneState:

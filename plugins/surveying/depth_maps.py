@@ -1,8 +1,9 @@
 """Depth maps of posed pictures: choice of neighbours, measurement and mutual confirmation."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from executive_plugins.surveying.plane_sweep import Grey, View, sweep
@@ -16,6 +17,7 @@ from executive.arrays import Bool, Float
 from executive.errors import DataError
 
 _PLANES_MOST = 250
+_BAND_PX = 256
 _STEP_PIXELS = 1.25  # between planes: half a pixel between views 25° apart
 _CHANCE = 3  # number of the highest and of the lowest sparse points that may be wrong
 
@@ -77,20 +79,48 @@ def make_view(
     Raises:
         DataError: If it is cut short, or lies on its side by a tag that one of two readers follows.
     """
-    camera = picture.camera
+    grey = straightened(picture, folder, focal_px)
+    return View(grey, pinhole(picture.camera, focal_px)[0], T_optical_survey)
+
+
+class Camera(Protocol):
+    """What is used of a camera of COLMAP: its size [px] and focal length [px]."""
+
+    width: int
+    height: int
+
+    def mean_focal_length(self) -> float:
+        """Return the mean of the focal lengths along both axes [px]."""
+
+
+def pinhole(camera: Camera, focal_px: float) -> tuple[Float, tuple[int, int]]:
+    """Return the matrix (3, 3) of a camera thinned to a focal length [px], and width and height."""
     shrink = min(1.0, focal_px / camera.mean_focal_length())
     width, height = round(camera.width * shrink), round(camera.height * shrink)
-    grey = _grey(folder / picture.name, (camera.width, camera.height), (width, height))
     focal = camera.mean_focal_length() * width / camera.width
     K = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]])
-    u, v = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
-    rays = np.stack([u, v, np.ones_like(u)], axis=-1).reshape(-1, 3) @ np.linalg.inv(K).T
-    # COLMAP counts pixels from the corner of the first, we from its middle.
-    x, y = (camera.img_from_cam(rays) * [width / camera.width, height / camera.height] - 0.5).T
-    straight = map_coordinates(grey, np.stack([y, x]), order=1, mode="nearest").reshape(
-        height, width
-    )
-    return View(straight.astype(np.float32), K, T_optical_survey)
+    return K, (width, height)
+
+
+def straightened(picture: PosedPicture, folder: Path, focal_px: float) -> Grey:
+    """Return the brightness of such a view, shape (height, width).
+
+    Raises:
+        DataError: As `make_view`.
+    """
+    camera = picture.camera
+    K, (width, height) = pinhole(camera, focal_px)
+    grey = _grey(folder / picture.name, (camera.width, camera.height), (width, height))
+    straight = np.empty((height, width), dtype=np.float32)
+    for rows in bands(height):
+        u, v = np.meshgrid(np.arange(width, dtype=float), np.arange(rows.start, rows.stop))
+        rays = np.stack([u, v, np.ones_like(u)], axis=-1).reshape(-1, 3) @ np.linalg.inv(K).T
+        # COLMAP counts pixels from the corner of the first, we from its middle.
+        x, y = (camera.img_from_cam(rays) * [width / camera.width, height / camera.height] - 0.5).T
+        straight[rows] = map_coordinates(grey, np.stack([y, x]), order=1, mode="nearest").reshape(
+            -1, width
+        )
+    return straight
 
 
 def _grey(path: Path, size_px: tuple[int, int], wanted_px: tuple[int, int]) -> Grey:
@@ -139,29 +169,41 @@ def _unit(vectors: Float) -> Float:
 
 
 def measure_depth(
-    views: Sequence[View], neighbours: list[list[int]], planes: SweepPlanes, s: DepthSettings
-) -> list[Float]:
-    """Return one depth map for each view [m], NaN where the depth is not accepted."""
-    maps = []
-    for view, others in zip(views, neighbours, strict=True):
-        depth = np.full(view.grey.shape, np.nan)
-        if others:
-            near = [views[j] for j in others[: s.compared]]
-            depth, score = sweep(view, near, planes.normal, planes.offsets_m, s.window_px | 1)
-            depth[(score < s.least_score) | (depth > 3 * planes.distance_m)] = np.nan
-        maps.append(depth)
-    return maps
+    view: View, others: Sequence[View], planes: SweepPlanes, s: DepthSettings
+) -> Float:
+    """Return the depth map of a view [m], NaN where the depth is not accepted.
+
+    Args:
+        view: The picture.
+        others: Its neighbours, best first.
+        planes: What is swept.
+        s: How many neighbours are compared, and what is accepted.
+    """
+    if not others:
+        return np.full(view.grey.shape, np.nan)
+    near = others[: s.compared]
+    depth, score = sweep(view, near, planes.normal, planes.offsets_m, s.window_px | 1)
+    depth[(score < s.least_score) | (depth > 3 * planes.distance_m)] = np.nan
+    return depth
 
 
 def confirmed(
-    view: View, depth: Float, others: Sequence[tuple[View, Float]], settings: DepthSettings
+    view: View, depth: Float, others: Sequence[tuple[View, Float | Grey]], settings: DepthSettings
 ) -> Bool:
     """Say for each pixel whether enough other depth maps show the same point, shape (h, w)."""
-    points = view.centre + view.rays() * depth[..., None]
     votes = np.zeros(depth.shape, dtype=np.int64)
-    for other, its_depth in others:
-        _vote(points, other.K @ other.T_optical_world[:3], its_depth, settings.tolerance, votes)
+    for rows in bands(len(depth)):
+        points = view.centre + view.rays(rows) * depth[rows, :, None]
+        for other, its_depth in others:
+            P = other.K @ other.T_optical_world[:3]
+            _vote(points, P, its_depth, settings.tolerance, votes[rows])
     return np.asarray(votes >= settings.confirmed_by)
+
+
+def bands(height: int) -> Iterator[slice]:
+    """Yield rows of a picture, some at a time: arrays of a whole one's rays take a gigabyte."""
+    for top in range(0, height, _BAND_PX):
+        yield slice(top, min(top + _BAND_PX, height))
 
 
 @njit(cache=True)

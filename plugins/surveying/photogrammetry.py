@@ -1,14 +1,21 @@
 """Photogrammetry: from photographs to a cloud, without a graphics card."""
 
+import hashlib
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 from executive_plugins.surveying.camera_alignment import CameraAlignment, align_cameras
 from executive_plugins.surveying.depth_maps import (
+    bands,
     confirmed,
-    make_view,
     measure_depth,
     neighbours_of,
+    pinhole,
+    straightened,
     sweep_planes,
 )
 from executive_plugins.surveying.fusion import below_flight, fuse
@@ -18,6 +25,7 @@ from executive_plugins.surveying.settings import (
     PhotogrammetrySettings,
 )
 from executive_plugins.surveying.structure_from_motion import Model, PosedPicture, find_motion
+from executive_plugins.surveying.work_folder import Single, WorkFolder, work_folder
 
 from executive.arrays import Float
 from executive.errors import DataError
@@ -25,6 +33,12 @@ from executive.geometry.pose import pose
 from executive.messages.cloud import Cloud
 
 FRAME = "survey"
+Tell = Callable[[str], None]
+_TOLD = 10  # pictures that are read between two lines of progress
+
+
+def print_nothing(line: str) -> None:
+    """Take no notice of a line of progress."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,28 +62,44 @@ class Photogrammetry:
 
 
 def reconstruct(
-    photographs: Photographs, s: PhotogrammetrySettings, rng: np.random.Generator
+    photographs: Photographs,
+    s: PhotogrammetrySettings,
+    rng: np.random.Generator,
+    tell: Tell = print_nothing,
+    kept: Path | None = None,
 ) -> Photogrammetry:
     """Find the cameras, their scale, the depth of each picture, and one cloud (Mascaro 2020, Sec.
     4.1).
 
     Deviation from the paper, which has COLMAP's dense step: that needs a graphics card. Ours sweeps
-    planes along the ground through each picture and keeps what others confirm.
+    planes along the ground through each picture and keeps what others confirm. The number of
+    threads changes no bit of the cloud.
+
+    Args:
+        photographs: Pictures of one camera.
+        s: Settings of each step.
+        rng: Chance of the matches and of the scale.
+        tell: Is told what is done, a line a step.
+        kept: Folder that keeps what is done until the cloud is there: one that was cut off goes on.
 
     Raises:
         ConfigError: If pycolmap is not installed.
         DataError: If the pictures make no map; the message says why and what to change.
     """
-    model = find_motion(photographs, s.motion, int(rng.integers(1, 2**31)))
-    index = {name: i for i, name in enumerate(photographs.names)}
-    positions_m = photographs.positions_m[[index[picture.name] for picture in model.pictures]]
-    centres = np.array([picture.centre for picture in model.pictures])
-    alignment = align_cameras(centres, positions_m, rng)
-    _check_scale(photographs, alignment, s)
-    views, depths, neighbours = _depths(photographs, model, alignment, s)
-    cameras = np.array([view.centre for view in views])
-    parts = (_believed(i, views, depths, neighbours, cameras, s) for i in range(len(views)))
-    points, normals = fuse(parts, s.voxel_m, s.fewest)
+    seed = int(rng.integers(1, 2**31))
+    with work_folder(kept, _key(photographs, s, seed)) as work:
+        tell(f"{len(photographs.names)} pictures: features, matches and places")
+        model = find_motion(photographs, s.motion, seed, work)
+        tell(f"{len(model.pictures)} of {len(photographs.names)} pictures in place")
+        index = {name: i for i, name in enumerate(photographs.names)}
+        positions_m = photographs.positions_m[[index[picture.name] for picture in model.pictures]]
+        centres = np.array([picture.centre for picture in model.pictures])
+        alignment = align_cameras(centres, positions_m, rng)
+        _check_scale(photographs, alignment, s)
+        views, depths, neighbours = _depths(photographs, model, alignment, s, (work, tell))
+        cameras = np.array([view.centre for view in views])
+        parts = (_believed(i, views, depths, neighbours, cameras, s) for i in range(len(views)))
+        points, normals = fuse(parts, s.voxel_m, s.fewest)
     if not len(points):
         raise DataError(
             f"{photographs.folder}: no point is confirmed by {s.depth.confirmed_by} "
@@ -79,21 +109,54 @@ def reconstruct(
     return Photogrammetry(Cloud(FRAME, points, normals), len(index), alignment, cameras, names)
 
 
+def _key(photographs: Photographs, s: PhotogrammetrySettings, seed: int) -> str:
+    """Return a digest of all that depth maps depend on: pictures, positions, settings, chance."""
+    kept = s.model_dump_json(include={"motion", "depth"}, exclude={"depth": {"threads"}})
+    digest = hashlib.sha256(f"{kept} {seed} {photographs.size_px}".encode())
+    digest.update(photographs.positions_m.tobytes())
+    for name in photographs.names:
+        state = (photographs.folder / name).stat()
+        digest.update(f"{name} {state.st_size} {state.st_mtime_ns}".encode())
+    return digest.hexdigest()
+
+
 def _depths(
-    photographs: Photographs, model: Model, alignment: CameraAlignment, s: PhotogrammetrySettings
-) -> tuple[list[View], list[Float], list[list[int]]]:
+    photographs: Photographs, model: Model, alignment: CameraAlignment, s: PhotogrammetrySettings,
+    kept: tuple[WorkFolder, Tell],
+) -> tuple[list[View], list[Single], list[list[int]]]:  # fmt: skip
     """Return the views in the survey, their depth maps, and which are neighbours, best first."""
+    work, tell = kept
     sparse = alignment.apply(model.points)
     centres = alignment.apply(np.array([picture.centre for picture in model.pictures]))
     planes = sweep_planes(sparse, centres, s.depth)
     focal_px = planes.distance_m / s.depth.pixel_m
-    views = [
-        make_view(picture, photographs.folder, _T_optical_survey(picture, alignment), focal_px)
-        for picture in model.pictures
-    ]
     confirming = max(s.depth.compared, s.depth.confirmed_by) + 4
     neighbours = neighbours_of(model.pictures, model.points, s.depth.angle_rad, confirming)
-    return views, measure_depth(views, neighbours, planes, s.depth), neighbours
+    count = len(model.pictures)
+
+    def view(i: int) -> View:
+        picture = model.pictures[i]
+        T = _T_optical_survey(picture, alignment)
+        K = pinhole(picture.camera, focal_px)[0]
+        make = partial(straightened, picture, photographs.folder, focal_px)
+        grey = work.array(f"view_{i:05}", make)
+        if (i + 1) % _TOLD == 0 or i + 1 == count:
+            tell(f"pictures read: {i + 1} of {count}")
+        return View(grey, K, T)
+
+    with ThreadPoolExecutor(s.depth.threads) as pool:
+        views = list(pool.map(view, range(count)))
+
+    def depth(i: int) -> Single:
+        others = [views[j] for j in neighbours[i]]
+        found = work.array(
+            f"depth_{i:05}", lambda: measure_depth(views[i], others, planes, s.depth)
+        )
+        tell(f"depth of picture {i + 1} of {count}: {len(planes.offsets_m)} planes")
+        return found
+
+    with ThreadPoolExecutor(s.depth.threads) as pool:
+        return views, list(pool.map(depth, range(count))), neighbours
 
 
 def _T_optical_survey(picture: PosedPicture, alignment: CameraAlignment) -> Float:
@@ -104,13 +167,18 @@ def _T_optical_survey(picture: PosedPicture, alignment: CameraAlignment) -> Floa
 
 
 def _believed(
-    i: int, views: list[View], depths: list[Float], neighbours: list[list[int]], cameras: Float,
+    i: int, views: list[View], depths: list[Single], neighbours: list[list[int]], cameras: Float,
     s: PhotogrammetrySettings,
 ) -> tuple[Float, Float]:  # fmt: skip
     """Return the points of one view that others confirm, below the flight, and its camera."""
-    view, depth = views[i], depths[i]
+    view, depth = views[i], depths[i].astype(np.float64)
     keep = confirmed(view, depth, [(views[j], depths[j]) for j in neighbours[i]], s.depth)
-    points = view.centre + (view.rays() * depth[..., None])[keep]
+    points = np.vstack(
+        [
+            view.centre + (view.rays(rows) * depth[rows, :, None])[keep[rows]]
+            for rows in bands(len(depth))
+        ]
+    )
     return points[below_flight(points, cameras, s.margin_m)], view.centre
 
 

@@ -9,10 +9,14 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from executive.arrays import Float
+from executive.arrays import Float, Int
 
 Grey = NDArray[np.float32]
 _LEAST_DEVIATION = 1.5  # of grey values 0 … 255 in a window: below, there is nothing to compare
+_TILE = 32  # pixels along the side of a tile whose planes are chosen together
+_MANY_PLANES = 16  # from which planes are chosen on smaller pictures first
+_LEAST_COARSE, _LEAST_FOUND = 0.5, 0.1  # correlation, and share of a tile's pixels, that choose
+_BEYOND = 4  # planes beyond those chosen: two of the smaller pictures' steps
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,12 +39,12 @@ class View:
         T = self.T_optical_world
         return np.asarray(-T[:3, :3].T @ T[:3, 3])
 
-    def rays(self) -> Float:
+    def rays(self, rows: slice = slice(None)) -> Float:
         """Return the direction of each pixel in the world, of length one along the optical axis,
-        shape (h, w, 3).
+        shape (h, w, 3), or of some rows.
         """
         height, width = self.grey.shape
-        u, v = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
+        u, v = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float)[rows])
         pixels = np.stack([u, v, np.ones_like(u)], axis=-1)
         return np.asarray(pixels @ np.linalg.inv(self.K).T @ self.T_optical_world[:3, :3])
 
@@ -67,15 +71,80 @@ def sweep(
     Returns:
         Depth, NaN where there is none, and the score −1 … 1.
     """
+    index, score = _indices(view, neighbours, normal, offsets_m, window_px // 2)
+    offset = offsets_m[0] + index * (offsets_m[1] - offsets_m[0])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        depth = (offset - normal @ view.centre) / _climb(view, normal)
+    return np.where((index >= 0) & (depth > 0), depth, np.nan), score.astype(np.float64)
+
+
+def _climb(view: View, normal: Float) -> Float:
+    """Return by how much each pixel's ray rises along a normal, shape (h, w): `rays` @ normal."""
+    du, dv, at_first = (view.T_optical_world[:3, :3] @ normal) @ np.linalg.inv(view.K)
+    height, width = view.grey.shape
+    return np.asarray(np.add.outer(dv * np.arange(height), du * np.arange(width)) + at_first)
+
+
+def _indices(
+    view: View, neighbours: Sequence[View], normal: Float, offsets_m: Float, half: int
+) -> tuple[Grey, Grey]:
+    """Return the best plane of each pixel, between planes, and its score; −1 for none, (h, w).
+
+    Of many planes, each tile is compared on those only that every other plane on pictures of half
+    the size has shown to be near a surface there: eight times less work a level, and then as much
+    as the scene is rough.
+    """
     H = np.array(
         [[_homography(view, other, normal, offset) for other in neighbours] for offset in offsets_m]
     )
     greys = np.stack([other.grey for other in neighbours])
-    index, score = _sweep(view.grey, greys, H.astype(np.float32), window_px // 2)
-    offset = offsets_m[0] + index * (offsets_m[1] - offsets_m[0])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        depth = (offset - normal @ view.centre) / (view.rays() @ normal)
-    return np.where((index >= 0) & (depth > 0), depth, np.nan), score.astype(np.float64)
+    ranges = np.empty((*_tiles(view.grey.shape), 2), dtype=np.int64)
+    ranges[:] = 0, len(offsets_m) - 1
+    if len(offsets_m) >= _MANY_PLANES and min(view.grey.shape) >= 4 * _TILE:
+        halved = [_halved(one) for one in (view, *neighbours)]
+        coarse, score = _indices(halved[0], halved[1:], normal, offsets_m[::2], half)
+        found = np.where(score >= _LEAST_COARSE, coarse, np.float32(-1))
+        ranges = _near(2 * found, ranges.shape[:2], len(offsets_m))
+    return _sweep(np.array(view.grey), greys, H.astype(np.float32), half, ranges)  # type: ignore[no-any-return]
+
+
+def _tiles(shape: tuple[int, ...]) -> tuple[int, int]:
+    """Return the number of tiles along a picture's height and width."""
+    return -(-shape[0] // _TILE), -(-shape[1] // _TILE)
+
+
+def _halved(view: View) -> View:
+    """Return a view whose pixels are the means of four."""
+    height, width = (side // 2 for side in view.grey.shape)
+    grey = view.grey[: 2 * height, : 2 * width].reshape(height, 2, width, 2).mean(axis=(1, 3))
+    K = view.K.copy()
+    K[:2] /= 2
+    K[:2, 2] -= 0.25  # the middle of the first pixel is between four
+    return View(grey, K, view.T_optical_world)
+
+
+def _near(found: Grey, tiles: tuple[int, int], planes: int) -> Int:
+    """Return the first and last plane to compare in each tile, shape (*tiles, 2).
+
+    Args:
+        found: Best plane of each pixel of the halved picture; negative for none, shape (h, w).
+        tiles: Tiles along height and width.
+        planes: Number of planes; a tile around which hardly any pixel was found takes all of them.
+    """
+    ranges = np.empty((*tiles, 2), dtype=np.int64)
+    ranges[:] = 0, planes - 1
+    side = _TILE // 2
+    for i in range(tiles[0]):
+        for j in range(tiles[1]):
+            around = found[
+                max(i * side - side // 2, 0) : (i + 1) * side + side // 2,
+                max(j * side - side // 2, 0) : (j + 1) * side + side // 2,
+            ]
+            seen = around[around >= 0]
+            if len(seen) >= _LEAST_FOUND * around.size:
+                low, high = int(seen.min()) - _BEYOND, int(np.ceil(seen.max())) + _BEYOND
+                ranges[i, j] = max(low, 0), min(high, planes - 1)
+    return ranges
 
 
 def _homography(view: View, other: View, normal: Float, offset_m: float) -> Float:
@@ -90,15 +159,47 @@ def _homography(view: View, other: View, normal: Float, offset_m: float) -> Floa
     )
 
 
-@njit(cache=True)
-def _sweep(grey, greys, H, half):  # type: ignore[no-untyped-def]
+@njit(cache=True, nogil=True)
+def _sweep(grey, greys, H, half, ranges):  # type: ignore[no-untyped-def]
     """Return the best plane of each pixel, between planes, and its score; −1 for none,
-    both (h, w).
+    both (h, w): tile by tile, each on the planes of its range.
     """
-    planes, others = H.shape[:2]
+    height, width = grey.shape
     mean = _box(grey, half)
     deviation = np.sqrt(np.maximum(_box(grey * grey, half) - mean * mean, 0))
-    best = np.full(grey.shape, np.float32(-1))
+    index, best = np.full_like(grey, -1), np.full_like(grey, -1)
+    for i in range(ranges.shape[0]):
+        for j in range(ranges.shape[1]):
+            top, left = max(i * _TILE - half, 0), max(j * _TILE - half, 0)
+            low, right = min((i + 1) * _TILE + half, height), min((j + 1) * _TILE + half, width)
+            deviations = deviation[top:low, left:right].copy()
+            if (deviations > _LEAST_DEVIATION).sum() == 0:
+                continue
+            # Homographies count from the tile's first pixel.
+            planes = H[ranges[i, j, 0] : ranges[i, j, 1] + 1].copy()
+            for axis in range(3):
+                planes[:, :, axis, 2] += planes[:, :, axis, 0] * left + planes[:, :, axis, 1] * top
+            part, score = _sweep_tile(
+                grey[top:low, left:right].copy(),
+                mean[top:low, left:right].copy(),
+                deviations,
+                greys,
+                planes,
+                half,
+            )
+            v0, u0 = i * _TILE, j * _TILE
+            v1, u1 = min(v0 + _TILE, height), min(u0 + _TILE, width)
+            own = part[v0 - top : v1 - top, u0 - left : u1 - left]
+            index[v0:v1, u0:u1] = np.where(own >= 0, own + ranges[i, j, 0], own)
+            best[v0:v1, u0:u1] = score[v0 - top : v1 - top, u0 - left : u1 - left]
+    return index, best
+
+
+@njit(cache=True, nogil=True)
+def _sweep_tile(grey, mean, deviation, greys, H, half):  # type: ignore[no-untyped-def]
+    """Return the best plane of each pixel of a tile, between planes, and its score."""
+    planes, others = H.shape[:2]
+    best = np.full_like(grey, -1)
     index, before, after, last = best.copy(), best.copy(), best.copy(), best.copy()
     for plane in range(planes):
         first, second = np.full_like(best, -1), np.full_like(best, -1)
@@ -113,7 +214,7 @@ def _sweep(grey, greys, H, half):  # type: ignore[no-untyped-def]
     return _between(index, before, best, after, planes), best
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _keep_best(plane, score, last, best, index, before, after):  # type: ignore[no-untyped-def]
     """Enter the scores of one plane where they are the best so far, with those of the planes beside
     it.
@@ -128,7 +229,7 @@ def _keep_best(plane, score, last, best, index, before, after):  # type: ignore[
                 best[v, u], index[v, u], before[v, u], after[v, u] = s, plane, last[v, u], -1
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _between(index, before, best, after, planes):  # type: ignore[no-untyped-def]
     """Return where the parabola through three scores is highest; −1 where the best is the sweep's
     first or last.
@@ -143,7 +244,7 @@ def _between(index, before, best, after, planes):  # type: ignore[no-untyped-def
     return out
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _drawn(other, H, shape):  # type: ignore[no-untyped-def]
     """Return another picture as it appears through H, and which pixels it shows,
     both of a shape.
@@ -170,7 +271,7 @@ def _drawn(other, H, shape):  # type: ignore[no-untyped-def]
     return drawn, is_seen
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _correlation(grey, mean, deviation, drawn, is_seen, half):  # type: ignore[no-untyped-def]
     """Return the normalised cross-correlation over windows; −1 where one has no contrast or is not
     all seen.
@@ -197,11 +298,11 @@ def _correlation(grey, mean, deviation, drawn, is_seen, half):  # type: ignore[n
     return score
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _score_row(v, half, sums, mean, deviation, is_seen, score):  # type: ignore[no-untyped-def]
     """Slide the window along one row."""
     low, high = v - half, v + half
-    area = (2 * half + 1) ** 2
+    share = 1.0 / (2 * half + 1) ** 2
     a, b, c = 0.0, 0.0, 0.0
     for u in range(mean.shape[1]):
         a, b, c = a + sums[0, u], b + sums[1, u], c + sums[2, u]
@@ -218,12 +319,12 @@ def _score_row(v, half, sums, mean, deviation, is_seen, score):  # type: ignore[
             and is_seen[high, u]
         ):
             continue
-        variance = b / area - (a / area) ** 2
+        variance = share * (b - share * a * a)
         if variance > _LEAST_DEVIATION**2:
-            score[v, i] = (c / area - a / area * mean[v, i]) / (deviation[v, i] * np.sqrt(variance))
+            score[v, i] = share * (c - a * mean[v, i]) / (deviation[v, i] * np.sqrt(variance))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _box(values, half):  # type: ignore[no-untyped-def]
     """Return the mean over a square window; 0 within half a window of the edge."""
     height, width = values.shape

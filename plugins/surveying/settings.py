@@ -35,6 +35,12 @@ class DepthSettings(Settings):
     above_m: Meters = Field(
         0.5, ge=0, le=20, description="Swept above the highest sparse points [m]."
     )
+    threads: int = Field(
+        2,
+        ge=1,
+        le=64,
+        description="Pictures whose depth is measured at a time; any gives the same cloud.",
+    )
 
 
 class FlightSettings(Settings):
@@ -197,6 +203,11 @@ class ColmapSettings(PhotogrammetrySettings):
         None,
         description="CSV: name,x,y,z or name,lat,lon,alt; else positions.csv among them, else "
         "their GPS tags.",
+    )
+    work: Path | None = Field(
+        None,
+        description="Folder that keeps what is done until the cloud is there: a survey that was "
+        "cut off goes on from it.",
     )
 
     def refusals(self, machine: Machine) -> Iterator[Refusal]:

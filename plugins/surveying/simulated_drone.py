@@ -13,7 +13,7 @@ from executive.arrays import Float
 from executive.config import Settings
 from executive.errors import DataError
 from executive.geometry.voxels import voxel_means
-from executive.interfaces.facilities import Scene
+from executive.interfaces.facilities import Scene, SurveyedElsewhere
 from executive.interfaces.robot import Robot
 from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
@@ -36,6 +36,7 @@ class SimulatedDrone(Survey):
     def __init__(self, settings: SimulatedDroneSettings, robot: Robot) -> None:
         self._settings = settings
         self._robot = robot
+        self.is_remote = isinstance(robot, SurveyedElsewhere)
 
     def _scene(self) -> Scene:
         if not isinstance(self._robot, Scene):
@@ -52,6 +53,8 @@ class SimulatedDrone(Survey):
         Raises:
             DataError: If the robot is not a simulated one, or no picture shows any ground.
         """
+        if isinstance(self._robot, SurveyedElsewhere):
+            return self._robot.survey_of_site(int(rng.integers(2**31)))
         seen = self._seen(rng)
         if not len(seen):
             raise DataError(

@@ -22,7 +22,7 @@ from PIL import Image
 from executive.arrays import Float
 from executive.config import Settings
 from executive.errors import ConfigError
-from executive.interfaces.facilities import Photographer
+from executive.interfaces.facilities import Photographer, SurveyedElsewhere
 from executive.interfaces.robot import Robot
 from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
@@ -44,6 +44,7 @@ class SimulatedPhotographs(Survey):
     def __init__(self, settings: SimulatedPhotographsSettings, robot: Robot) -> None:
         self._settings = settings
         self._robot = robot
+        self.is_remote = isinstance(robot, SurveyedElsewhere)
 
     def start(self) -> None:
         """Check that there is a site to photograph, and what makes a cloud of the pictures.
@@ -51,6 +52,8 @@ class SimulatedPhotographs(Survey):
         Raises:
             ConfigError: If the robot is no simulated one, or pycolmap is not installed.
         """
+        if isinstance(self._robot, SurveyedElsewhere):
+            return
         load_pycolmap()
         self._photographer()
 
@@ -70,6 +73,8 @@ class SimulatedPhotographs(Survey):
             ConfigError: If the folder to keep them holds something already.
             DataError: If the pictures make no map; the message says why and what to change.
         """
+        if isinstance(self._robot, SurveyedElsewhere):
+            return self._robot.survey_of_site(int(rng.integers(2**31)))
         flight_rng, own_rng = rng.spawn(2)
         with _folder(self._settings.folder) as folder:
             take_photographs(self._photographer(), self._settings.flight, folder, flight_rng)

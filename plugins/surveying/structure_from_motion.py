@@ -3,15 +3,30 @@
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import Any, Protocol
 
 import numpy as np
 from executive_plugins.surveying.photograph_folder import Photographs
 from executive_plugins.surveying.settings import MotionSettings
+from executive_plugins.surveying.work_folder import WorkFolder
 
 from executive.arrays import Float, Int
 from executive.errors import DataError
 from executive.extras import require_extra
+
+
+class Camera(Protocol):
+    """What is used of pycolmap's class of the same name, which has no types."""
+
+    width: int
+    height: int
+
+    def mean_focal_length(self) -> float:
+        """Return the focal length [px]."""
+
+    def img_from_cam(self, points_optical: Float) -> Float:
+        """Return the pixels of points, shape (N, 2), with distortion; points have shape (N, 3)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,13 +35,13 @@ class PosedPicture:
 
     Attributes:
         name: Its file.
-        camera: pycolmap's camera: focal length, principal point, distortion [px].
+        camera: Its focal length, principal point and distortion, as pycolmap estimated them [px].
         T_optical_model: Pose of the model in the camera (x right, y down, z forward), shape (4, 4).
         seen: Indices of the sparse points that it shows.
     """
 
     name: str
-    camera: Any
+    camera: Camera
     T_optical_model: Float
     seen: Int
 
@@ -45,7 +60,7 @@ class Model:
     points: Float
 
 
-def load_pycolmap() -> Any:
+def load_pycolmap() -> ModuleType:
     """Import the package, which takes half a second, and silence its log.
 
     Raises:
@@ -58,20 +73,36 @@ def load_pycolmap() -> Any:
     return pycolmap
 
 
-def find_motion(photographs: Photographs, settings: MotionSettings, seed: int) -> Model:
+def find_motion(
+    photographs: Photographs, settings: MotionSettings, seed: int, work: WorkFolder
+) -> Model:
     """Match features between near pictures, and reconstruct all from a first pair on (Schönberger
     2016).
 
-    One thread and one seed: equal pictures give an equal model.
+    One thread and one seed: equal pictures give an equal model. A model that is in the folder
+    already is read from there.
 
     Raises:
         MissingExtraError: If pycolmap is not installed.
         DataError: If too few pictures find their place; the message says which do not.
     """
     colmap = load_pycolmap()
+    links = _links(photographs)
+    folder = work.folder("model", lambda part: _solve(colmap, photographs, settings, seed, part))
+    largest = colmap.Reconstruction(folder) if any(folder.iterdir()) else None
+    placed = _placed(largest) if largest else {}
+    names = dict(zip(links, photographs.names, strict=True))
+    _check_share(photographs, [names[link] for link in links if link not in placed], settings)
+    return _model(largest, names, placed)
+
+
+def _solve(
+    colmap: Any, photographs: Photographs, settings: MotionSettings, seed: int, folder: Path
+) -> None:
+    """Write the largest model of the pictures to a folder; none if no pair fits."""
     colmap.set_random_seed(seed)
-    with tempfile.TemporaryDirectory(prefix="survey_") as folder:
-        work = Path(folder)
+    with tempfile.TemporaryDirectory(prefix="survey_") as scratch:
+        work = Path(scratch)
         links = _link(photographs, work / "pictures")
         _extract(colmap, photographs, links, settings, work)
         _match(colmap, photographs, links, settings, seed, work)
@@ -79,16 +110,18 @@ def find_motion(photographs: Photographs, settings: MotionSettings, seed: int) -
             work / "features.db", work / "pictures", work, _mapping(colmap, seed)
         )
     largest = max(models.values(), key=lambda model: model.num_reg_images(), default=None)
-    placed = _placed(largest) if largest else {}
-    names = dict(zip(links, photographs.names, strict=True))
-    _check_share(photographs, [names[link] for link in links if link not in placed], settings)
-    return _model(largest, names, placed)
+    if largest is not None:
+        largest.write(folder)
+
+
+def _links(photographs: Photographs) -> list[str]:
+    return [f"{i:05}{Path(name).suffix.lower()}" for i, name in enumerate(photographs.names)]
 
 
 def _link(photographs: Photographs, folder: Path) -> list[str]:
     """Give the pictures plain names, in their order: the list of pairs knows no spaces."""
     folder.mkdir()
-    links = [f"{i:05}{Path(name).suffix.lower()}" for i, name in enumerate(photographs.names)]
+    links = _links(photographs)
     for name, link in zip(photographs.names, links, strict=True):
         (folder / link).symlink_to((photographs.folder / name).resolve())
     return links

@@ -1,0 +1,40 @@
+"""Splitting of clusters by gaps and valleys first, and of what is hollow still along its concave
+borders.
+"""
+
+from dataclasses import dataclass
+
+from executive_plugins.segmentation.cluster_splitting import ClusterSplitter
+from executive_plugins.segmentation.convex_splitting import ConvexSplitter
+
+from executive.arrays import Float, Int
+
+
+@dataclass(frozen=True, slots=True)
+class HollowSplitter:
+    """Splits clusters by what is cheap, and checks that each part is one stone.
+
+    Attributes:
+        by_gaps: Splits by gaps and valleys.
+        by_convexity: Splits what is hollow or too long for one stone.
+    """
+
+    by_gaps: ClusterSplitter
+    by_convexity: ConvexSplitter
+
+    def count_tops(self, places: Float, heights: Float) -> int:
+        """Return how many summits a part has, seen from above; arguments as in `split`."""
+        return self.by_gaps.count_tops(places, heights)
+
+    def split(self, points: Float, places: Float, heights: Float) -> list[Int]:
+        """Return the rows of each stone's points in a cluster; arguments as in
+        `ClusterSplitter.split`.
+        """
+        found = []
+        for rows in self.by_gaps.split(points, places, heights):
+            if self.by_convexity.is_one(points[rows]):
+                found.append(rows)
+            else:
+                parts = self.by_convexity.split(points[rows], places[rows], heights[rows])
+                found += [rows[part] for part in parts]
+        return found

@@ -1,0 +1,86 @@
+"""Which points may be ground, by slope: no point lies far enough below one that is.
+
+A point is ground if it is not higher above any other than the steepest ground would rise from there
+(Vosselman 2000, "Slope based filtering of laser altimetry data"). The lowest heights are taken by
+cells of a grid; cones of the steepest slope are set upon them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from scipy import ndimage
+
+from executive.arrays import Bool, Float, Int
+
+_STRAY = 3.0  # margins under the lowest heights at which a point is a reflection, no ground
+_BEHIND = ((-1, -1), (-1, 0), (-1, 1), (0, -1))  # the neighbours that a sweep has passed
+
+
+@dataclass(frozen=True, slots=True)
+class Relief:
+    """Shares of the area that are steeper than ground.
+
+    Attributes:
+        rising: That rise from their surroundings.
+        sinking: From which the surroundings rise.
+    """
+
+    rising: float
+    sinking: float
+
+
+def may_be_ground(
+    places: Float, heights: Float, cell_m: float, max_rise: float, margin_m: float
+) -> Bool:
+    """Return which points are not higher than ground can rise, shape (N,).
+
+    Single points below the ground, as of reflections, are none and lower no cone: the lowest
+    heights are taken through a median over 3 × 3 cells.
+
+    Args:
+        places: Positions along the ground [m], shape (N, 2).
+        heights: Above the ground's mean plane [m], shape (N,).
+        cell_m: Grid edge [m].
+        max_rise: Largest slope of the ground, as a tangent.
+        margin_m: Height of ground above its lowest points [m].
+    """
+    cells, _, cone = _cone(places, heights, cell_m, max_rise)
+    above = heights - cone[cells[:, 0], cells[:, 1]]
+    return np.asarray((above < margin_m) & (above > -_STRAY * margin_m))
+
+
+def relief_of(
+    places: Float, heights: Float, cell_m: float, max_rise: float, margin_m: float
+) -> Relief:
+    """Return which shares of the area are steeper than ground; arguments as in `may_be_ground`."""
+    shares = []
+    for side in (heights, -heights):
+        _, lowest, cone = _cone(places, side, cell_m, max_rise)
+        seen = np.isfinite(lowest)
+        shares.append(float((lowest[seen] > cone[seen] + margin_m).mean()))
+    return Relief(*shares)
+
+
+def _cone(
+    places: Float, heights: Float, cell_m: float, max_rise: float
+) -> tuple[Int, Float, Float]:
+    """Return the cell of each point, the lowest height in each cell, and how high ground may be."""
+    cells = ((places - places.min(axis=0)) / cell_m).astype(np.int64)
+    lowest = np.full(cells.max(axis=0) + 1, np.inf)
+    np.minimum.at(lowest, (cells[:, 0], cells[:, 1]), heights)
+    cone = ndimage.median_filter(lowest, size=3, mode="nearest")
+    _sweep(cone, max_rise * cell_m)
+    _sweep(cone[::-1, ::-1], max_rise * cell_m)
+    return cells, lowest, cone
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _sweep(cone: Float, rise_m: float) -> None:
+    """Lower each cell to what the cells before it allow, in place; twice, once a direction."""
+    for i in range(cone.shape[0]):
+        for j in range(cone.shape[1]):
+            for a, b in _BEHIND:
+                if 0 <= i + a < cone.shape[0] and 0 <= j + b < cone.shape[1]:
+                    step = rise_m * np.sqrt(float(a * a + b * b))
+                    cone[i, j] = min(cone[i, j], cone[i + a, j + b] + step)
