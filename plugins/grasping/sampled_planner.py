@@ -10,13 +10,13 @@ import numpy as np
 from executive_plugins.grasping.feasibility.approach_path import ApproachPath
 from executive_plugins.grasping.feasibility.arm_reach import ArmReach
 from executive_plugins.grasping.feasibility.fcl_check import FclCheck
+from executive_plugins.grasping.rehearsal import Rehearsed, rehearsal_of
 from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud
 from executive_plugins.grasping.sampling.pool import Pool, Sampler
 from executive_plugins.grasping.sampling.ranking import Costs, ranked_rounds, spread
 from executive_plugins.grasping.settings import SampledPlannerSettings
-from executive_plugins.grasping.simulated_lift import FALLEN_M, Lifted, SimulatedLift
-from executive_plugins.physics.belief import Belief, belief_of
-from executive_plugins.physics.surface import ContactModel
+from executive_plugins.grasping.simulated_lift import SimulatedLift
+from executive_plugins.physics.belief import belief_of
 
 from executive.arrays import Float, checked
 from executive.errors import DataError
@@ -30,13 +30,9 @@ from executive.messages.stone import Stone
 
 _ROOM_IN_CLOUD_M = 0.01  # a point deeper than this in the open gripper is a collision
 _FEW_POINTS = 20  # with fewer points the shape of a stone is unknown
-# Offset in the gripper frame [m] of the simulated lifts after the first, which has none but the
-# least friction; these have the middle one.
-_OFFSETS_M = ((-0.03, 0.0, 0.04), (-0.03, 0.0, -0.04))
-_PUSH_WEIGHT = 0.2  # weight of the motion by the closing jaws relative to the slip
-# Stop simulating once this many grasps have at most this cost: one for each attempt of a mission
-# that tries a stone three times, and one whose path is blocked.
-_FIRM_M, _ENOUGH = 0.05, 4
+# Stop simulating once this many grasps are firm: one for each attempt of a mission that tries a
+# stone three times, and one whose path is blocked.
+_ENOUGH = 4
 _SPREAD_M, _SPREAD_RAD = 0.10, np.radians(20.0)
 
 
@@ -90,7 +86,7 @@ class SampledPlanner(GraspPlanner):
         self._machine = machine
         self._arm = ArmReach(machine, motion)
         self._sampler = Sampler(settings, machine.gripper)
-        self._variants = _variants(
+        self._rehearsal = rehearsal_of(
             belief_of(settings.physics, machine.gripper, settings.steel_friction)
         )
 
@@ -169,7 +165,7 @@ class SampledPlanner(GraspPlanner):
 
         Each grasp that is returned has been lifted, as the later ones are for attempts after a
         failure. Where the worth is telling, simulation stops once there are enough firm grasps and
-        no other one can become the best: its worth is at most the score of the best.
+        no other one can become the best.
         """
         s, gripper = self._settings, self._machine.gripper
         simulated_lift = SimulatedLift(gripper, scene.body, scene.ground.normal, load.mass_kg)
@@ -178,18 +174,19 @@ class SampledPlanner(GraspPlanner):
         firm, best = 0, -np.inf
         attainable = self._attainable(scene, pool, order.indices, T_map_base, load, refused)
         for tried, (i, T_map_gripper) in enumerate(attainable, start=1):
-            if order.is_telling and firm >= _ENOUGH and best >= order.worth[i]:
+            worth, rehearsal = float(order.worth[i]), self._rehearsal
+            if order.is_telling and firm >= _ENOUGH and best >= rehearsal.highest(worth):
                 break
-            T_plan_gripper = pose(pool.R[i], pool.position[i])
-            lifted = self._rehearsed(simulated_lift, T_plan_gripper, float(pool.jaw_rad[i]))
-            cost = round(lifted.get("slip_m", 0.0) + _PUSH_WEIGHT * lifted.get("push_m", 0.0), 2)
-            firm += bool(lifted) and cost <= _FIRM_M
-            score = float(order.worth[i]) - cost / FALLEN_M  # a fallen stone costs 1
-            if cost > s.max_slip_m:
+            predicted = worth if order.is_telling else None
+            seen = self._rehearsed(simulated_lift, pool, i, predicted, best)
+            score = worth if seen is None else rehearsal.score(worth, order.is_telling, seen)
+            firm += seen is not None and rehearsal.is_firm(seen)
+            if seen is not None and rehearsal.slips(seen, s.max_slip_m):
                 refused["slips"] += 1
             elif score < order.least_score:
                 refused["unlikely"] += 1
             else:
+                lifted = {} if seen is None else {"slip_m": seen.slip_m, "push_m": seen.push_m}
                 named = {
                     name: float(values[i])
                     for name, values in (*pool.costs.items(), *order.costs.items())
@@ -200,6 +197,22 @@ class SampledPlanner(GraspPlanner):
                 break
         grasps.sort(key=lambda grasp: -grasp.score)  # stable: equal scores keep their order
         return tuple(grasps[: s.max_grasps])
+
+    def _rehearsed(
+        self,
+        simulated_lift: SimulatedLift,
+        pool: Pool,
+        i: int,
+        predicted: float | None,
+        to_beat: float,
+    ) -> Rehearsed | None:
+        """Return what came of the simulated lifts of a grasp; None if none are to be made."""
+        if not self._settings.rehearsed:
+            return None
+        T_plan_gripper = pose(pool.R[i], pool.position[i])
+        return self._rehearsal.lift(
+            simulated_lift, T_plan_gripper, float(pool.jaw_rad[i]), predicted, to_beat
+        )
 
     def _attainable(
         self,
@@ -226,7 +239,7 @@ class SampledPlanner(GraspPlanner):
                 refused["out_of_reach"] += 1
             elif not self._arm.holds(T_map_gripper, T_map_base, load.least_kg):
                 refused["too_heavy_at_radius"] += 1
-            elif self._settings.lift_capacity == "iso_10567" and (
+            elif self._machine.stance.limits_by_tipping(self._settings.lift_capacity) and (
                 told := self._arm.refusal(T_map_gripper, T_map_base, load.least_kg)
             ):
                 refused["beyond_lift_capacity"] += 1
@@ -237,30 +250,3 @@ class SampledPlanner(GraspPlanner):
                 refused["gripper_in_cloud"] += 1
             else:
                 yield i, T_map_gripper
-
-    def _rehearsed(
-        self, simulated_lift: SimulatedLift, T_plan_gripper: Float, jaw_rad: float
-    ) -> dict[str, float]:
-        """Return mean `slip_m` and `push_m` of simulated lifts at and around a pose.
-
-        `slip_m` is how far the stone moves in the jaws, `push_m` how far the closing jaws move it.
-        """
-        if not self._settings.rehearsed:
-            return {}
-        lifts: list[Lifted] = []
-        for T_off, contact in self._variants:
-            lifts.append(simulated_lift.lift(T_plan_gripper @ T_off, jaw_rad, contact))
-            if lifts[0].slip_m >= FALLEN_M:
-                break  # the stone falls even in the nominal lift
-        slip_m, push_m = (
-            float(np.mean(values))
-            for values in zip(*((x.slip_m, x.drag_m) for x in lifts), strict=True)
-        )
-        return {"slip_m": slip_m, "push_m": push_m}
-
-
-def _variants(belief: Belief) -> list[tuple[Float, ContactModel]]:
-    """Return the offset, shape (4, 4), and the contacts of each simulated lift of a grasp."""
-    first = (np.eye(4), belief.contact(belief.least))
-    middle = belief.contact(belief.middle)
-    return [first, *((pose(t=np.array(offset)), middle) for offset in _OFFSETS_M)]

@@ -18,10 +18,11 @@ class SampledPlannerSettings(SamplingSettings):
     overload: float = Field(
         1.15, ge=1, description="Refused ratio of mass to payload; above 1, as a hull is too large."
     )
-    lift_capacity: Literal["payload", "iso_10567"] = Field(
-        "payload",
+    lift_capacity: Literal["by_base", "payload", "iso_10567"] = Field(
+        "by_base",
         description="What limits a lift: the payload and the efforts of the joints; or also the "
-        "rated lift capacity by radius and side, which tipping limits (ISO 10567).",
+        "rated lift capacity by radius and side, which tipping limits (ISO 10567); by_base is the "
+        "latter where the machine may tip.",
     )
     keep_aligned: int = Field(
         40, ge=1, description="Number of grasps that pass the ranking by alignment (Sec. 5.4)."
@@ -37,7 +38,7 @@ class SampledPlannerSettings(SamplingSettings):
         "the order is kept.",
     )
     physics: Scenario = Field(
-        "kind",
+        "nominal",
         description="Contacts that simulated lifts assume: those of a scenario of the simulator, "
         "whatever the world has.",
     )

@@ -14,7 +14,8 @@ from executive_plugins.physics.gravity import GRAVITY_M_S2
 from executive_plugins.physics.surface import ContactModel
 
 from executive.arrays import Float
-from executive.geometry.rotation import angle_between, quaternion_wxyz
+from executive.geometry.pose import pose
+from executive.geometry.rotation import angle_between, exp_so3, quaternion_wxyz
 from executive.machine.gripper import SIDES, Gripper
 
 _TIMESTEP_S = 0.004
@@ -26,6 +27,9 @@ _MESH = mujoco.mjtGeom.mjGEOM_MESH
 _STONE, _GRIPPER, _GROUND = 1, 2, 4  # contact groups; gripper and ground do not collide
 _ARM_MASS_KG = 1500.0  # effective mass of the arm at the gripper
 _ARM_STIFFNESS = 2e6  # stiffness of its servos at the gripper [N/m]
+LIFTED_M = 0.2  # a stone that slips more is lost, or will be
+_SHIFT_M, _TURN_RAD = 0.05, np.radians(5.0)  # bounds of the arm's error per axis
+OPENED_RAD = 0.15  # the jaws start this much wider than planned, to allow for the errors
 FALLEN_M = 0.5  # slip at which a stone counts as fallen
 _ARM_M = 0.5  # a turn counts by the motion that it causes at this distance from the centre
 _JAW_INERTIA = (30.0, 60.0, 60.0)
@@ -206,3 +210,9 @@ def _stone_in_palm(data: mujoco.MjData) -> Float:
     T = np.eye(4)
     T[:3, :3], T[:3, 3] = R @ stone.xmat.reshape(3, 3), R @ (stone.xipos - palm.xpos)
     return T
+
+
+def drawn_offset(rng: np.random.Generator) -> Float:
+    """Return where the arm brings a gripper, seen from where it shall be, shape (4, 4)."""
+    turn, shift = rng.uniform(-_TURN_RAD, _TURN_RAD, 3), rng.uniform(-_SHIFT_M, _SHIFT_M, 3)
+    return pose(exp_so3(turn), shift)

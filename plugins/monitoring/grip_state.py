@@ -12,6 +12,9 @@ _HALF = 0.5  # of the weight, or of the force: nearer to all of it than to nothi
 _NOTHING = 0.2  # share of the force below which the jaws bear on nothing
 _APART = 4.0  # slips; a stone that seats itself in a lift has forced jaws apart by less than two
 _CREEP = 0.2  # share of the slip that counts as trouble, from which closing is creep
+# Share of the weight below which the arm presses on what is under it: an arm that has lost its load
+# swings about zero, by no more than that load, for its drives damp it.
+_PRESSED = -1.0
 _SWITCH = 1e-3  # probability that a grip changes to another given state between two windows
 
 
@@ -22,8 +25,10 @@ class GripState(StrEnum):
     CREEPING = "creeping"  # it gives way by less than counts as slip
     SLIPPING = "slipping"
     OPENING = "opening"  # the jaws press no longer, or are forced apart
+    SLID_DOWN = "slid onto the ground"  # the ground carries it, and the jaws have closed on it
     LOST = "lost"  # its weight is gone, and the jaws do not bear on it
-    TOUCHING_GROUND = "touching ground"  # the ground carries it, the jaws still bear on it
+    # The ground carries it, and the jaws still bear on it; or the arm is pressed onto it.
+    TOUCHING_GROUND = "touching ground"
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +96,10 @@ def _chi2(s: Signals) -> dict[GripState, float]:
     """Return the squared distance of the signals from the region of each state."""
     inf = np.inf
     carried, gone = s.weight.off(_HALF, inf), s.weight.off(-inf, _HALF)
+    hanging = s.weight.off(_PRESSED, inf)
+    pressed = inf if s.weight.is_unknown else s.weight.off(-inf, _PRESSED)
     unmoved, narrow = s.closed.off(-inf, 1.0), s.closed.off(1.0, inf)
+    held, slid = s.closed.off(-inf, _APART), s.closed.off(_APART, inf)
     together, apart = s.widened.off(-inf, _APART), s.widened.off(_APART, inf)
     pressing, bears = s.force.off(_HALF, inf) + together, s.force.off(_NOTHING, inf) + together
     weak = min(s.force.off(-inf, _HALF), apart)
@@ -101,11 +109,14 @@ def _chi2(s: Signals) -> dict[GripState, float]:
         weak = apart
         slack = min(narrow, apart) if s.may_stand else 0.0
         standing = 0.0 if s.may_stand else inf
+    down = min(gone + bears + standing, pressed)
     return {
         GripState.FIRM: carried + pressing + s.closed.off(-inf, _CREEP),
         GripState.CREEPING: carried + pressing + s.closed.off(_CREEP, 1.0),
         GripState.SLIPPING: carried + bears + narrow,
         GripState.OPENING: carried + unmoved + weak,
-        GripState.LOST: inf if s.weight.is_unknown else min(gone, narrow) + slack,
-        GripState.TOUCHING_GROUND: gone + bears + standing,
+        # A stone that has fallen pulls at nothing; what pushes the arm up is below the gripper.
+        GripState.LOST: inf if s.weight.is_unknown else hanging + min(gone, narrow) + slack,
+        GripState.SLID_DOWN: slid + down,
+        GripState.TOUCHING_GROUND: held + down,
     }

@@ -18,7 +18,8 @@ from executive.messages.joints import JointSample
 from executive.messages.verdict import Trouble, Verdict
 from executive.messages.weight import Weight
 
-_TROUBLE = (GripState.LOST, GripState.OPENING, GripState.SLIPPING)
+_TROUBLE = (GripState.LOST, GripState.OPENING, GripState.SLIPPING, GripState.SLID_DOWN)
+_STANDING = (GripState.TOUCHING_GROUND, GripState.SLID_DOWN)
 # Times for which trouble must last. A fall begins as a slip or with opening jaws: those wait for
 # what becomes of them, so that one event is reported once.
 _FALL_S, _SLIP_S = 2 * WINDOW_S, 3 * WINDOW_S
@@ -32,6 +33,7 @@ class _Hold:
     grip: GripFilter = field(default_factory=GripFilter)
     state: GripState = GripState.FIRM  # the likeliest trouble
     windows: int = 0  # for how many windows some trouble is sure
+    standing: float = 0.0  # probability that the ground carries the stone
     has_slipped: bool = False  # a slip was reported; only a fall may follow
 
 
@@ -61,6 +63,9 @@ class HoldState(Monitor):
     def weight(self) -> Weight | None:
         return self._weight
 
+    def standing(self) -> float | None:
+        return None if self._hold is None or self._weight is None else self._hold.standing
+
     def begin_hold(self) -> None:
         self._weight = None
         self._hold = _Hold(HoldSignals(self._settings, self._machine, self._scale))
@@ -73,8 +78,10 @@ class HoldState(Monitor):
         window = None if hold is None else hold.signals.add(sample)
         if hold is None or window is None:
             return None
-        self._weight = hold.signals.weight or self._weight
+        if not hold.has_slipped:  # later, the ground may carry any part of it
+            self._weight = hold.signals.weight or self._weight
         likely = hold.grip.update(window.signals)
+        hold.standing = sum(likely[one] for one in _STANDING)
         trouble = self._trouble(hold, window, likely)
         if trouble is None or (trouble is Trouble.SLIP and hold.has_slipped):
             return None
@@ -111,8 +118,11 @@ class HoldState(Monitor):
         return Trouble.DROP if state is GripState.OPENING and is_apart else Trouble.SLIP
 
     def _evidence(self, hold: _Hold, window: HoldWindow, likely: Mapping[GripState, float]) -> str:
+        is_empty = window.opening_m < self._settings.empty  # the angle alone tells that
         words = [
-            f"{hold.state} (p = {likely[hold.state]:.2f})",
+            "nothing is between the jaws"
+            if is_empty and likely[hold.state] < self._settings.probability
+            else f"{hold.state} (p = {likely[hold.state]:.2f})",
             f"jaws {window.opening_m:.3f} m open, {window.held_m:.3f} m before",
         ]
         if self._weight is not None:

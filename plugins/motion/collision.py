@@ -163,10 +163,5 @@ class CollisionCheck:
         for b, body in enumerate(self._bodies):
             T = frames[body.link]
             close = self._close(body, T)
-            T = T[close]
-            points = body.samples @ T[:, :3, :3].transpose(0, 2, 1) + T[:, None, :3, 3]
-            below = self._obstacles.clearances(points).min(axis=1) < 0.0
-            is_low[close[below], b] = True
-            depths = self._obstacles.depths_in_ground(points[below])
-            sunk_m[close[below], b] = depths.max(axis=1)
+            is_low[close, b], sunk_m[close, b] = self._obstacles.survey(T[close], body.samples)
         return is_low, sunk_m

@@ -6,11 +6,11 @@ from functools import cached_property
 import fcl
 import numpy as np
 from executive_plugins.physics.fcl_convex import fcl_convex
-from executive_plugins.physics.hull_mesh import mesh_of
 from scipy.spatial import ConvexHull, QhullError
 
 from executive.arrays import Float, Int
 from executive.errors import ShapeError
+from executive.geometry.hull_mesh import mesh_of
 
 _SPACING_M = 0.12  # largest distance between samples of a surface
 

@@ -8,9 +8,11 @@ from executive_plugins.motion.collision import CollisionCheck
 from executive_plugins.motion.convex_body import ConvexBody
 from executive_plugins.motion.forward_kinematics import link_frames
 from executive_plugins.motion.ground import ground_normal
+from executive_plugins.motion.height_survey import compile_survey
 from executive_plugins.motion.inverse_kinematics import InverseKinematics
 from executive_plugins.motion.move import Move, NoPath
 from executive_plugins.motion.obstacles import Obstacles
+from executive_plugins.motion.oil_flow import within_flow
 from executive_plugins.motion.path_speeds import compile_speeds
 from executive_plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
 from executive_plugins.motion.settings import HermiteSettings
@@ -51,6 +53,7 @@ class Hermite(MotionPlanner):
         self._bodies = machine_bodies(machine)
         self._machine_check = SelfCollision(machine, self._bodies, settings.machine_clearance)
         compile_speeds(len(machine.joints))
+        compile_survey()
 
     def reach(self, T_base_gripper: Float, seed: Float) -> Float | None:
         T_base_gripper = checked("T_base_gripper", T_base_gripper, 4, 4)
@@ -110,13 +113,13 @@ class Hermite(MotionPlanner):
         self, start: Float, angle_rad: float, duration_s: float, around: Around
     ) -> MotionPlan:
         check = CollisionCheck(
-            self._machine_check,
+            self._sweep_check(start, around),
             self._obstacles(around.obstacles, around.T_map_base),
             start,
             around.jaw_rad,
             self._settings.contact_tolerance,
         )
-        limits, fold, reason = self._limits(False), self._fold(start), ""
+        limits, fold, reason = self._limits(self._load(around)), self._fold(start), ""
         # Unseen ground is not taken for free: on an empty map the arm folds first.
         for way in (folding_sweep, sweep) if len(around.obstacles.points) else (sweep,):
             trajectory = way(self._machine, limits, fold, angle_rad, duration_s)
@@ -131,7 +134,7 @@ class Hermite(MotionPlanner):
         held = (
             None if request.held_gripper is None else held_body(self._machine, request.held_gripper)
         )
-        machine_check = self._machine_check_for(request, held)
+        machine_check = self._machine_check_for(request.start, request.jaw_rad, held)
         return Move(
             machine=self._machine,
             waypoints=self._waypoints,
@@ -141,23 +144,27 @@ class Hermite(MotionPlanner):
             ),
             obstacles=obstacles,
             reaching_gripper=self._reaching(request.jaw_rad, held),
-            limits=self._limits(held is not None),
+            limits=self._limits(self._load(request)),
             clearance_m=settings.clearance,
             least_arrival=settings.least_arrival,
         )
 
+    def _sweep_check(self, start: Float, around: Around) -> SelfCollision:
+        """Return the check of the machine with itself, and with a held stone if there is one."""
+        if around.held_gripper is None:
+            return self._machine_check
+        held = held_body(self._machine, around.held_gripper)
+        return self._machine_check_for(start, around.jaw_rad, held)
+
     def _machine_check_for(
-        self, request: MoveRequest | PostureRequest, held: ConvexBody | None
+        self, start: Float, jaw_rad: float, held: ConvexBody | None
     ) -> SelfCollision:
         """Return a check that keeps the clearance between parts of the machine.
 
         If the start is closer already, the check forbids contact only.
         """
         check = SelfCollision(self._machine, self._bodies, self._settings.machine_clearance, held)
-        if (
-            check.first_hit(link_frames(self._machine, request.start[None], request.jaw_rad))
-            is None
-        ):
+        if check.first_hit(link_frames(self._machine, start[None], jaw_rad)) is None:
             return check
         return SelfCollision(self._machine, self._bodies, 0.0, held)
 
@@ -173,17 +180,25 @@ class Hermite(MotionPlanner):
         parts = [hull for hulls in self._machine.gripper.hulls(jaw_rad).values() for hull in hulls]
         return np.vstack(parts if held is None else [*parts, held.corners])
 
-    def _limits(self, is_loaded: bool) -> Limits:
+    def _limits(self, load: float) -> Limits:
+        """Return the limits with a load, from 0 for none to 1 for that of the loaded limits."""
         machine, share = self._machine, self._settings.speed
-        if is_loaded:
-            return Limits(
-                machine.loaded_max_velocity * share,
-                machine.loaded_max_acceleration * share,
-                machine.max_jerk,
+        velocity, acceleration = (
+            (1.0 - load) * empty + load * loaded
+            for empty, loaded in (
+                (machine.max_velocity, machine.loaded_max_velocity),
+                (machine.max_acceleration, machine.loaded_max_acceleration),
             )
-        return Limits(
-            machine.max_velocity * share, machine.max_acceleration * share, machine.max_jerk
         )
+        return Limits(velocity * share, acceleration * share, machine.max_jerk)
+
+    def _load(self, request: MoveRequest | PostureRequest | Around) -> float:
+        """Return the load of a request as a share of that of the loaded limits."""
+        if request.held_gripper is None:
+            return 0.0
+        if request.held_kg is None or self._settings.load_limits == "fixed":
+            return 1.0
+        return float(np.clip(request.held_kg / self._machine.payload_kg, 0.0, 1.0))
 
     def _fold(self, start: Float) -> list[Float]:
         """Return postures from the present one to `scan`, without turning the cabin.
@@ -211,6 +226,8 @@ class Hermite(MotionPlanner):
         )
 
     def _planned(self, trajectory: JointTrajectory, T_map_base: Float) -> MotionPlan:
+        if self._settings.oil_flow == "limited":
+            trajectory = within_flow(trajectory, self._machine)
         every = max(1, len(trajectory.times_s) // _PATH_POINTS)
         frames = link_frames(self._machine, trajectory.position[::every], 0.0)
         return MotionPlan(

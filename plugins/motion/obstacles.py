@@ -4,6 +4,7 @@ from functools import cached_property
 
 import numpy as np
 from executive_plugins.motion.ground_heights import ground_heights
+from executive_plugins.motion.height_survey import survey
 from scipy.ndimage import maximum_filter, minimum_filter
 
 from executive.arrays import Bool, Float, Int
@@ -38,6 +39,18 @@ class Obstacles:
         """Return heights of points (..., 3) above the highest obstacle nearby [m], shape (...)."""
         column, row = np.moveaxis(self._index(points_base[..., :2]), -1, 0)
         return np.asarray(points_base[..., 2] - self._wide[column, row])
+
+    def survey(self, T_base_links: Float, samples: Float) -> tuple[Bool, Float]:
+        """Return where a body is below `clearances` of 0, and its depth in the ground [m].
+
+        Args:
+            T_base_links: Poses of the body's link, shape (K, 4, 4).
+            samples: Points of its surface in the link [m], shape (S, 3).
+
+        Returns:
+            Shapes (K,) and (K,); the depth is −inf where the body is above all obstacles.
+        """
+        return survey(T_base_links, samples, self._wide, self._floor, self._radius_m, _CELL_M)
 
     def highest_near(self, points_base: Float) -> Float:
         """Return heights that no obstacle within `NEAR_M` of points (K, 3) exceeds [m], (K,)."""

@@ -1,11 +1,13 @@
 """Settings of the motion plugins, apart from them: reading a mission imports no algorithm."""
 
-from typing import ClassVar
+from collections.abc import Iterator
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from executive.config import Meters, Radians, Settings
-from executive.interfaces.declaration import PluginSettings
+from executive.interfaces.declaration import PluginSettings, Refusal
+from executive.machine.machine import Machine
 
 
 class InverseKinematicsSettings(Settings):
@@ -49,6 +51,22 @@ class HermiteSettings(PluginSettings):
     least_arrival: float = Field(
         0.5, gt=0, le=1, description="Least share of the straight arrival that must be in reach."
     )
+    load_limits: Literal["fixed", "by_mass"] = Field(
+        "fixed",
+        description="Limits of velocity and acceleration with a stone: the loaded ones of the "
+        "machine's robot.yaml, whatever it weighs; or, once it is weighed, as far from the empty "
+        "ones to the loaded ones as its mass is on the way to the payload.",
+    )
+    oil_flow: Literal["free", "limited"] = Field(
+        "free",
+        description="Whether motions are slowed down where they would ask for more oil than the "
+        "pump gives (`hydraulics` of the machine's robot.yaml); for hydraulic drives.",
+    )
     inverse_kinematics: InverseKinematicsSettings = Field(
         InverseKinematicsSettings(), description="How positions for a pose are found."
     )
+
+    def refusals(self, machine: Machine) -> Iterator[Refusal]:
+        if self.oil_flow == "limited" and machine.hydraulics is None:
+            told = f"{machine.name} has no hydraulics (in its robot.yaml): choose `free`"
+            yield Refusal(("oil_flow",), told)

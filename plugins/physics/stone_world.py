@@ -24,6 +24,9 @@ from executive.messages.solid_stone import SolidStone
 # Two rough faces touch at asperities 3 cm apart, 5 mm off the middle (scenario.py, `nominal`).
 _ASPERITY_M, _ROLLING_M = 0.03, 0.005
 _PLANE_M = 1e-3  # ground that is a plane to this is one
+# A stone strays less than this within the window while it shakes on the spot: 2 mm, about 4 mrad
+# (of its place and of its quaternion). One that creeps at 1 cm/s strays by more.
+_WINDOW_S, _STAYING = 0.5, 2e-3
 _DEEP_M = 1.0  # thickness of the ground below its lowest point
 
 
@@ -102,16 +105,29 @@ class StoneWorld:
     def settle(self, least_s: float, most_s: float, still: float = 0.01) -> bool:
         """Step until all free stones are slower than `still` [m/s, rad/s], or the time is over.
 
+        A stone that shakes on the spot rests, too: on ground that is a height field, and in some
+        postures, contacts do not die down. It is one that has not strayed within half a second.
+
         Returns:
-            Whether they are.
+            Whether they rest.
         """
         # Twenty checks a second: a check costs less than a step.
         every = max(1, round(0.05 / self.rules.step_s))
-        begun = float(self.data.time)
+        begun = window = float(self.data.time)
+        low = high = np.array(self.data.qpos)
         while self.data.time - begun < most_s:
             self.step(every)
+            low, high = np.minimum(low, self.data.qpos), np.maximum(high, self.data.qpos)
             if self.data.time - begun >= least_s and self.speed() < still:
                 return True
+            if self.data.time - window >= _WINDOW_S:
+                if self.data.time - begun >= least_s and (high - low).max(initial=0.0) < _STAYING:
+                    return True
+                window, low, high = (
+                    float(self.data.time),
+                    self.data.qpos.copy(),
+                    self.data.qpos.copy(),
+                )
         return False
 
     def speed(self) -> float:

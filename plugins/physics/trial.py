@@ -9,6 +9,7 @@ from executive_plugins.physics.equilibrium import Touch
 from executive_plugins.physics.stone_world import StoneWorld, WorldRules
 
 from executive.arrays import Float
+from executive.geometry.pose import pose
 from executive.geometry.rotation import angle_between, exp_so3
 from executive.messages.building import AsBuilt, StandingStone
 from executive.messages.solid_stone import SolidStone
@@ -16,6 +17,9 @@ from executive.messages.solid_stone import SolidStone
 _STEP_M = 0.01  # of the lowering: a guarded descent ends within this of the first touch
 _MOST_M = 1.0  # how far a stone is raised to be free, or lowered to touch
 _LEAST_S, _MOST_S = 0.6, 4.0
+_AWAY_M = 1e3  # height of the stone until it is released: it meets nothing there
+_PARTING = 80  # pairs of steps in which overlaps are parted; each parts a tenth or more
+_REST_S, _STILL_M = 3.0, 1e-3  # until the others move less than this within `_LEAST_S`
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,18 +42,39 @@ class Outcome:
 class Trial:
     """A structure as it stands and one stone more, released as often as is asked for."""
 
-    def __init__(self, built: AsBuilt, stone: SolidStone, rules: WorldRules) -> None:
-        self._others = built.standing
+    def __init__(
+        self,
+        built: AsBuilt,
+        stone: SolidStone,
+        rules: WorldRules,
+        rest: Sequence[Float] | None = None,
+        fixed: Sequence[bool] | None = None,
+    ) -> None:
+        """Build the world.
+
+        Args:
+            built: The structure, or the part of it that the stone can reach.
+            stone: The stone that is released.
+            rules: How the world is simulated.
+            rest: Where the stones of the structure rest in it, see `rest_of`, if it is known.
+            fixed: Which of them cannot move; none if it is not given.
+        """
         self._new = len(built.standing)
-        stones = (*built.standing, StandingStone(stone, np.eye(4)))
-        self.world = StoneWorld(built.ground, stones, None, rules)
+        self._rest = rest_of(built, rules) if rest is None else rest
+        held = [False] * self._new if fixed is None else list(fixed)
+        resting = [
+            StandingStone(one.stone, T) for one, T in zip(built.standing, self._rest, strict=True)
+        ]
+        away = StandingStone(stone, pose(t=np.array([0.0, 0.0, _AWAY_M])))
+        self.world = StoneWorld(built.ground, (*resting, away), [*held, False], rules)
 
     def release(self, T_map_stone: Float, height_m: float) -> Outcome:
         """Lower the stone to first touch, raise it by `height_m`, and let it go."""
         world = self.world
         mujoco.mj_resetData(world.model, world.data)
-        for number, other in enumerate(self._others):
-            world.set_pose(number, other.T_map_stone)
+        for number in world.free:
+            if number != self._new:
+                world.set_pose(number, self._rest[number])
         T = self._touching(T_map_stone)
         T[2, 3] += height_m
         world.set_pose(self._new, T)
@@ -66,8 +91,9 @@ class Trial:
 
     def _moved_m(self) -> float:
         moved = (
-            float(np.linalg.norm(self.world.pose_of(n)[:3, 3] - other.T_map_stone[:3, 3]))
-            for n, other in enumerate(self._others)
+            float(np.linalg.norm(self.world.pose_of(n)[:3, 3] - self._rest[n][:3, 3]))
+            for n in self.world.free
+            if n != self._new
         )
         return max(moved, default=0.0)
 
@@ -96,6 +122,30 @@ class Trial:
         body = world.model.body(f"stone_{self._new}").id
         pairs = world.model.geom_bodyid[world.data.contact.geom]
         return bool((pairs == body).any())
+
+
+def rest_of(built: AsBuilt, rules: WorldRules) -> Sequence[Float]:
+    """Return where the stones of a structure rest in a world of these rules, (4, 4) each.
+
+    Poses and shapes that were measured are off by some centimetres: without this, the stones
+    would move by themselves, and each place would seem to move them. Overlaps are parted first,
+    without speed: the contact engine would throw the stones apart.
+    """
+    if not built.standing:
+        return []
+    world, count = StoneWorld(built.ground, built.standing, None, rules), len(built.standing)
+    for _ in range(_PARTING):
+        world.step(2)
+        world.data.qvel[:] = 0.0
+    every = max(1, round(_LEAST_S / rules.step_s))
+    world.step(every)
+    for _ in range(round(_REST_S / _LEAST_S)):
+        before = [world.pose_of(n)[:3, 3] for n in range(count)]
+        world.step(every)
+        after = [world.pose_of(n)[:3, 3] for n in range(count)]
+        if np.abs(np.subtract(after, before)).max() < _STILL_M:
+            break
+    return [world.pose_of(n) for n in range(count)]
 
 
 def disturbed(

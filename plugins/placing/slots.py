@@ -1,5 +1,6 @@
 """Equally spaced slots on free ground, and placements on them (Mascaro 2020, Sec. 6.1)."""
 
+from collections.abc import Iterable
 from typing import ClassVar
 
 import numpy as np
@@ -102,7 +103,8 @@ class Slots(PlacementPlanner):
 
         The centre of volume of the model's hull goes over the slot; the mean of the seen points
         would be about 0.2 m closer to the sensor. The bottom of the stone is just above the highest
-        ground under it.
+        ground under it. A slot with the pose of a stone has one placement: that pose, and as much
+        above it.
 
         Raises:
             DataError: If the cloud is not in the map, or the stone's points span no volume.
@@ -115,13 +117,17 @@ class Slots(PlacementPlanner):
         T_map_gripper = checked("T_map_gripper", T_map_gripper, 4, 4)
         held = HeldStone.of(stone.points_map, cloud.points)
         box = None
-        if slot.heading_rad is not None:
+        if slot.T_map_object is None and slot.heading_rad is not None:
             box, held = stone.box_map, held.centred(stone.box_map.centre)
         around = SlotSurroundings(
             self._machine.gripper, cloud.points, SlotFoot.of(slot, held.radius_m, box)
         )
         bottom_m = around.ground_m + s.drop_m
-        if box is None or slot.heading_rad is None:
+        motions: Iterable[Float]
+        if slot.T_map_object is not None:
+            to_rest = slot.T_map_object @ inverse(stone.T_map_object)
+            motions = [pose(t=np.array([0.0, 0.0, s.drop_m])) @ to_rest]
+        elif box is None or slot.heading_rad is None:
             motions = release_poses(held, slot.position_map, bottom_m, T_map_base, s.turns)
         else:
             turn_rad = slot.heading_rad - box.heading_rad
@@ -132,7 +138,9 @@ class Slots(PlacementPlanner):
             if around.is_free(T, transform(T_map_map, held.points)) and self._reaches(
                 T, T_map_base
             ):
-                placements.append(Placement(slot, T, T_map_map @ stone.T_map_object))
+                own = slot.T_map_object
+                at_rest = T_map_map @ stone.T_map_object if own is None else own
+                placements.append(Placement(slot, T, at_rest))
             if len(placements) == s.max_placements:
                 break
         return tuple(placements)

@@ -6,11 +6,11 @@ It is independent of the tables and polyhedra that found the grasp.
 import fcl
 import numpy as np
 from executive_plugins.physics.fcl_convex import fcl_convex
-from executive_plugins.physics.hull_mesh import hull_mesh
 from scipy.spatial import HalfspaceIntersection, QhullError
 
 from executive.arrays import Float
 from executive.geometry.convex import half_spaces
+from executive.geometry.hull_mesh import hull_mesh
 from executive.geometry.pose import inverse, transform
 from executive.machine.gripper import Gripper
 

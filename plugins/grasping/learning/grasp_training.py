@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 from executive_plugins.grasping.classifier.outcome_net import FourLayer, TwoStream, save_net
 from executive_plugins.grasping.learning.labels import Labels, read_description, read_labels
-from executive_plugins.grasping.learning.lift_trials import LIFTED_M
 from executive_plugins.grasping.learning.training import (
     Progress,
     TrainingSettings,
@@ -17,6 +16,7 @@ from executive_plugins.grasping.learning.training import (
     train,
     untrained,
 )
+from executive_plugins.grasping.simulated_lift import LIFTED_M
 
 
 def train_weights(

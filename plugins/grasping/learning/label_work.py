@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from executive_plugins.grasping.learning.labels import (
     LabelSettings,
@@ -32,7 +32,7 @@ class GraspLabels(Work):
         """Tabulate what grasps are sampled with, which takes a second."""
         sampler_of(_brought(arguments, inputs).machine)
 
-    def run(self, piece: Piece) -> Mapping[str, Any]:
+    def run(self, piece: Piece) -> Mapping[str, object]:
         label_stone(piece.folder, _brought(piece.arguments, piece.inputs), piece.seed)
         return {"file": stone_file(piece.folder, piece.seed).name}
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from executive_plugins.grasping.classifier.grasp_features import features_of
-from executive_plugins.grasping.learning.lift_trials import LIFTED_M, LiftTrials
+from executive_plugins.grasping.learning.lift_trials import LiftTrials
 from executive_plugins.grasping.learning.training_scene import (
     at_rest,
     convex_solid,
@@ -22,6 +22,7 @@ from executive_plugins.grasping.learning.training_scene import (
 from executive_plugins.grasping.sampling.pool import Pool, Sampler
 from executive_plugins.grasping.sampling.ranking import ranked_rounds
 from executive_plugins.grasping.sampling.settings import SamplingSettings
+from executive_plugins.grasping.simulated_lift import LIFTED_M
 from executive_plugins.physics.quarried_block import block
 from executive_plugins.physics.rounded_stone import rounded_stone
 from executive_plugins.physics.scenario import Scenario
@@ -130,9 +131,9 @@ def read_labels(folder: Path) -> Labels:
     return Labels(images, numbers, slip_m <= LIFTED_M, stone)
 
 
-def read_description(folder: Path) -> dict[str, Any]:
+def read_description(folder: Path) -> dict[str, object]:
     """Return the settings that the labels of a folder were made with."""
-    described: dict[str, Any] = json.loads((folder / _DESCRIPTION).read_text())
+    described: dict[str, object] = json.loads((folder / _DESCRIPTION).read_text())
     return described
 
 

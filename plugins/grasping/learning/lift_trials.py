@@ -1,21 +1,34 @@
 """The label of a grasp: the slip of the true stone in a simulated lift with random errors."""
 
+from dataclasses import dataclass
+
 import numpy as np
-from executive_plugins.grasping.simulated_lift import SimulatedLift
+from executive_plugins.grasping.simulated_lift import OPENED_RAD, SimulatedLift, drawn_offset
 from executive_plugins.physics.belief import belief_of
 from executive_plugins.physics.scenario import Scenario
+from executive_plugins.physics.surface import ContactModel
 
 from executive.arrays import Float
 from executive.geometry.convex import volume_and_centroid
-from executive.geometry.pose import pose
-from executive.geometry.rotation import exp_so3
 from executive.machine.gripper import Gripper
 
-_SHIFT_M, _TURN_RAD = 0.05, np.radians(5.0)  # bounds of the arm's error per axis
 _KIND_FRICTION = (0.4, 0.8)  # in `kind`; in another scenario that of its belief
 _DENSITY_KG_M3 = (2300.0, 2900.0)
-_OPENED_RAD = 0.15  # the jaws start this much wider than planned, to allow for the errors
-LIFTED_M = 0.2  # a stone that slips more is lost, or will be
+
+
+@dataclass(frozen=True, slots=True)
+class LiftErrors:
+    """What one lift has other than planned.
+
+    Attributes:
+        T_gripper_arrived: Where the arm brings the gripper, seen from the planned pose, (4, 4).
+        mass_kg: Mass of the stone.
+        contact: The contacts.
+    """
+
+    T_gripper_arrived: Float
+    mass_kg: float
+    contact: ContactModel
 
 
 class LiftTrials:
@@ -40,10 +53,15 @@ class LiftTrials:
 
         It is the shift plus the turn at half a metre from the centre, see `Lifted.slip_m`.
         """
-        turn, shift = rng.uniform(-_TURN_RAD, _TURN_RAD, 3), rng.uniform(-_SHIFT_M, _SHIFT_M, 3)
-        off = pose(exp_so3(turn), shift)
-        mass_kg = self._volume_m3 * rng.uniform(*_DENSITY_KG_M3)
+        drawn = self.draw(rng)
         up = np.array([0.0, 0.0, 1.0])
+        lift = SimulatedLift(self._gripper, self._hull, up, drawn.mass_kg)
+        arrived = T_plan_gripper @ drawn.T_gripper_arrived
+        return lift.lift(arrived, jaw_rad + OPENED_RAD, drawn.contact).slip_m
+
+    def draw(self, rng: np.random.Generator) -> LiftErrors:
+        """Draw the errors of one lift."""
+        off = drawn_offset(rng)
+        mass_kg = self._volume_m3 * rng.uniform(*_DENSITY_KG_M3)
         contact = self._contacts.contact(float(rng.uniform(*self._contacts.friction)))
-        lift = SimulatedLift(self._gripper, self._hull, up, mass_kg)
-        return lift.lift(T_plan_gripper @ off, jaw_rad + _OPENED_RAD, contact).slip_m
+        return LiftErrors(off, mass_kg, contact)

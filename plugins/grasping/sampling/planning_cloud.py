@@ -8,12 +8,12 @@ the same numbers and the same grasp.
 from dataclasses import dataclass
 
 import numpy as np
-from executive_plugins.grasping.sampling.frames import outward_normals
 from executive_plugins.grasping.sampling.ground import Ground, fill_ground, fit_ground
 from scipy.spatial import cKDTree
 
 from executive.arrays import Bool, Float
 from executive.geometry.convex import convex_corners, volume_and_centroid
+from executive.geometry.normals import outward_normals
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis
 from executive.geometry.voxels import voxel_means

@@ -28,12 +28,15 @@ class DropRules:
         tan_left: Lean of the left face, as a tangent.
         tan_right: Lean of the right face, as a tangent.
         stride: Places are this many nodes apart.
+        most_outside: Share of the stone off the foot of the envelope from which a place is not
+            measured: it is given the share 1 and an infinite height of its top.
     """
 
     touch_m: float
     tan_left: float
     tan_right: float
     stride: int
+    most_outside: float = 1.0
 
 
 def drops(wall: WallTop, stone: StoneRaster, rules: DropRules) -> tuple[Int, Float]:
@@ -65,7 +68,7 @@ def drops(wall: WallTop, stone: StoneRaster, rules: DropRules) -> tuple[Int, Flo
             stone.over,
             stone.first,
             places,
-            np.array([rules.touch_m, rules.tan_left, rules.tan_right]),
+            np.array([rules.touch_m, rules.tan_left, rules.tan_right, rules.most_outside]),
             found,
         )
     return places, found
@@ -77,6 +80,10 @@ def _measure(top, owner, ground, room, cell, under, over, first, places, rules, 
     reach = np.zeros(_DIRECTIONS)
     for p in range(len(places)):
         x, y = places[p, 0] + first[0], places[p, 1] + first[1]
+        if _is_off_foot(room, under, x, y, rules[3]):
+            found[p] = 0.0
+            found[p, OUTSIDE], found[p, TOP] = 1.0, np.inf
+            continue
         z = _rest(top, under, x, y)
         count[:], reach[:] = 0.0, -np.inf
         cells, touching, gaps, outside = 0, 0, 0.0, 0
@@ -106,6 +113,22 @@ def _measure(top, owner, ground, room, cell, under, over, first, places, rules, 
         found[p, SHARE] = 1.0 if on_stones < count[0] else count[1:].max() / on_stones
         found[p, OUTSIDE], found[p, DEPTH], found[p, TOP] = outside / cells, depth, tallest
         found[p, BESIDE] = _beside(top, under, over, x, y, z)
+
+
+@njit(cache=True)
+def _is_off_foot(room, under, x, y, most):  # type: ignore[no-untyped-def]
+    """Return whether more than a share of the stone is off the foot of the envelope.
+
+    A face that leans inwards leaves less room higher up, so no place that fits is lost.
+    """
+    cells, outside = 0, 0
+    for i in range(under.shape[0]):
+        for j in range(under.shape[1]):
+            if under[i, j] < np.inf:
+                cells += 1
+                u, v = x + i, y + j
+                outside += min(room[0, u, v], room[1, u, v], room[2, u, v]) < 0
+    return outside > most * cells
 
 
 @njit(cache=True)

@@ -15,23 +15,29 @@ _ALIKE_RAD = 0.35  # two sides whose normals are closer are one
 _UP = np.array([0.0, 0.0, 1.0])
 
 
-def orientations(vertices: Float, sides: int, turns: int, first_rad: float) -> list[Float]:
+def orientations(vertices: Float, sides: int | None, turns: int, first_rad: float) -> list[Float]:
     """Return rotations (3, 3) that lay a stone on its broadest sides, broadest first.
 
     Args:
         vertices: The surface about the centre of mass [m], shape (V, 3).
-        sides: Number of sides.
+        sides: Number of sides; None keeps the stone as it lies in its own frame.
         turns: Number of turns about the vertical, even over a circle.
         first_rad: Heading of the stone's longer side from above at the first turn [rad].
     """
     found = []
-    for down in _broad_sides(vertices, sides):
-        R = _turned_down(down)
+    for R in _laid(vertices, sides):
         xy = (vertices @ R.T)[:, :2]
         longest = np.linalg.svd(xy - xy.mean(axis=0), full_matrices=False)[2][0]
         level = about_axis(_UP, first_rad - float(np.arctan2(longest[1], longest[0])))
         found += [about_axis(_UP, 2 * np.pi * k / turns) @ level @ R for k in range(turns)]
     return found
+
+
+def _laid(vertices: Float, sides: int | None) -> list[Float]:
+    """Return the rotations that lay a stone on its sides, before it is turned."""
+    if sides is None:
+        return [np.eye(3)]
+    return [_turned_down(down) for down in _broad_sides(vertices, sides)]
 
 
 def _broad_sides(vertices: Float, count: int) -> list[Float]:

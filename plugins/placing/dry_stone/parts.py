@@ -4,10 +4,10 @@ A setting `part: my_package.walls:MyScorer` names the class; it is made with the
 part that it replaces. Only its one method counts.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, Protocol
+from typing import Protocol, TypeVar, cast
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from executive.errors import ConfigError, did_you_mean
 from executive.interfaces.building import MayGoOn
 from executive.messages.building import AsBuilt
 from executive.messages.solid_stone import SolidStone
+
+Part = TypeVar("Part")
+Own = TypeVar("Own", bound=Settings)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,7 +32,8 @@ class Places:
         origins_map: Its origin where it first touches, shape (P, 3) [m].
         measured: What was measured at each place, shape (P,) each, by name: `contact_share`,
             `mean_gap_m`, `support_margin_m`, `largest_support_share`, `outside_share`, `depth_m`,
-            `top_m`, `beside_share`.
+            `top_m`, `beside_share`, `void_m3` below the stone, `bottom_m` of its lowest point
+            above the ground, taken from its top.
     """
 
     stone: SolidStone
@@ -98,7 +102,9 @@ class StabilityCheck(Protocol):
         """Return where the stone comes to rest, or why it does not hold."""
 
 
-def part_of(name: str, kind: str, shipped: Mapping[str, Any], settings: Settings) -> Any:
+def part_of(
+    name: str, kind: str, shipped: Mapping[str, Callable[[Own], Part]], settings: Own
+) -> Part:
     """Return a part by its shipped name or by `package.module:Class`, made with its settings.
 
     Raises:
@@ -113,6 +119,6 @@ def part_of(name: str, kind: str, shipped: Mapping[str, Any], settings: Settings
             "one of your own is written as package.module:Class"
         )
     try:
-        return getattr(import_module(module), attribute)(settings)
+        return cast(Part, getattr(import_module(module), attribute)(settings))
     except (ImportError, AttributeError, TypeError) as error:
         raise ConfigError(f"building.{kind}.part: '{name}' cannot be used: {error}") from error

@@ -15,6 +15,7 @@ from executive_plugins.placing.dry_stone.parts import (
     StabilityCheck,
     part_of,
 )
+from executive_plugins.placing.dry_stone.rasters import WallTop
 from executive_plugins.placing.dry_stone.settings import DryStoneSettings
 from executive_plugins.placing.dry_stone.stability import (
     Checks,
@@ -68,6 +69,8 @@ class DryStone(StructurePlanner):
     ) -> BuildPlan:
         """Return the best stone and place that every check holds, within `may_go_on`."""
         _check_names(inventory)
+        if (share := self._share_done(built)) >= self._settings.covered:
+            return BuildPlan((), "complete", {}, f"{share:.0%} of it is up to its height")
         refused: Counter[str] = Counter()
         usable = self._usable(inventory, refused)
         if reason := _why_none(inventory, usable, refused):
@@ -84,6 +87,11 @@ class DryStone(StructurePlanner):
         if not targets and not may_go_on():
             refused["out_of_time"] += 1
         return _plan(targets, refused, len(usable))
+
+    def _share_done(self, built: AsBuilt) -> float:
+        """Return which share of the structure is up to its height."""
+        wall = WallTop(built, self._settings.generator.cell)
+        return wall.share_up_to(built.structure.height_m - self._settings.level)
 
     def _held(
         self,

@@ -92,6 +92,12 @@ class WallTop:
             T = one.T_map_stone
             self._add(number, raster_at(one.stone.vertices, one.stone.triangles, T, cell_m))
 
+    def share_up_to(self, height_m: float) -> float:
+        """Return which share of the inner half of the foot is built up to a height [m], 0 to 1."""
+        inner = self.room.min(axis=0)
+        core = inner >= inner.max() / 2
+        return float((self.top - self.ground >= height_m)[core].mean())
+
     def _add(self, number: int, raster: StoneRaster) -> None:
         first = raster.first - self.corner
         low = np.maximum(first, 0)

@@ -9,17 +9,17 @@ from executive.interfaces.declaration import PluginSettings
 
 
 class Weights(Settings):
-    """Weights of the named terms of a place's score; each term is about 0 to 1, more is better."""
+    """Weights of the named terms of a place: about 0 to 1, `void` -1 to 0; more is better."""
 
     volume: float = Field(
         1.0, ge=-100, le=100, description="Volume over that of the inventory's largest stone."
     )
     contact: float = Field(1.0, ge=-100, le=100, description="Share of the underside that touches.")
-    void: float = Field(
-        1.0, ge=-100, le=100, description="1 at no gap below, 0 at a mean gap of 0.2 m."
-    )
+    void: float = Field(1.0, ge=-100, le=100, description=(
+        "0 without a hollow below, -1 if it is as large as the inventory's largest stone."
+    ))  # fmt: skip
     height: float = Field(
-        1.5, ge=-100, le=100, description="1 at the foot of the structure, 0 at its top."
+        1.5, ge=-100, le=100, description="1 if the stone lies on the ground, 0 if on the top."
     )
     face: float = Field(
         0.6, ge=-100, le=100, description="1 flush with a face, 0 at 0.3 m behind it."
@@ -41,15 +41,18 @@ class GeneratorSettings(Settings):
     part: str = Field("height_maps", description="`height_maps`, or `package.module:Class`.")
     cell: Meters = Field(0.05, gt=0.01, le=0.2, description="Distance of nodes of height maps [m].")
     stride: int = Field(2, ge=1, le=10, description="Places are so many nodes apart.")
+    attitude: Literal["any", "kept"] = Field("any", description=(
+        "`kept`: stones are turned about the vertical only, as a gripper carries them; `any`: also "
+        "onto other sides."))  # fmt: skip
     sides: int = Field(6, ge=1, le=20, description="Broad sides of each stone that are tried.")
     turns: int = Field(10, ge=1, le=36, description="Turns about the vertical of each side.")
     touch: Meters = Field(0.03, gt=0, le=0.2, description="Gap that counts as touching [m].")
     most_outside: float = Field(
         0.12, ge=0, le=1, description="Largest share of the stone, from above, off the envelope."
     )
-    over_top: Meters = Field(
-        0.10, ge=0, le=1, description="How far a stone may stand above the envelope [m]."
-    )
+    over_top: Meters | None = Field(None, ge=0, le=1, description=(
+        "How far a stone may stand above the envelope [m]; without it half of the thickness of "
+        "the stones at hand, so that tops lie about the height that is wanted."))  # fmt: skip
     stones: int = Field(10, ge=1, description="Stones of the inventory that are tried at a time.")
     kept: int = Field(5, ge=1, description="Places of each stone that are kept.")
 
@@ -100,6 +103,12 @@ class DryStoneSettings(PluginSettings):
     release_height: Meters = Field(
         0.02, ge=0, le=0.5, description="Height above its place at which a stone is let go [m]."
     )
+    level: Meters = Field(0.15, ge=0, description=(
+        "The structure is complete where its top is at most this far below its height [m]."
+    ))  # fmt: skip
+    covered: float = Field(0.9, gt=0, le=1, description=(
+        "Share of the inner half of its foot over which it must be, to end as complete."
+    ))  # fmt: skip
     targets: int = Field(1, ge=1, le=10, description="Targets after which the search ends.")
     fills: Literal["largest", "any"] = Field("largest", description=(
         "Which stones are tried first: the largest that are left, or any."))  # fmt: skip

@@ -1,19 +1,23 @@
 """The shipped checks of a place: settling under noise in physics, and a convex program."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from executive_plugins.physics.equilibrium import largest_load
 from executive_plugins.physics.stone_world import WorldRules
-from executive_plugins.physics.trial import Outcome, Trial, apart, disturbed
+from executive_plugins.physics.trial import Outcome, Trial, apart, disturbed, rest_of
 from executive_plugins.placing.dry_stone.parts import Place, Stability
 from executive_plugins.placing.dry_stone.settings import CheckSettings
 
-from executive.arrays import Float
+from executive.arrays import Bool, Float
 from executive.interfaces.building import MayGoOn
-from executive.messages.building import AsBuilt
+from executive.messages.building import AsBuilt, StandingStone
+from executive.messages.solid_stone import SolidStone
 
 _DIRECTIONS = 8  # of the horizontal load
 _FAR_M, _FAR_RAD = 0.25, 0.45  # a stone that settles farther from its place is somewhere else
 _RELEASE_M = 0.02
+_TOUCH_M = 0.05  # boxes of two stones that may touch are at most so far apart
 
 
 class Unchecked:
@@ -29,6 +33,60 @@ class Unchecked:
         return Stability("", place.T_map_stone, 0.0, 0.0, {})
 
 
+class TrialsOfStructure:
+    """Trials of the places of one plan, each with the stones near it alone.
+
+    Free to move are the stones that the new one can reach before it counts as somewhere else,
+    whatever their height. What these may lean on is fixed, and stones farther off are left out: a
+    trial of a place costs the same on a long wall as on a short one. The structure finds its rest
+    once, and a world is built once for all releases at a place.
+    """
+
+    def __init__(self, rules: WorldRules) -> None:
+        self._rules = rules
+        self._built: AsBuilt | None = None
+        self._rest: Sequence[Float] = ()
+        self._boxes: Float = np.zeros((0, 2, 2))
+        self._trials: dict[tuple[SolidStone, bytes], Trial] = {}
+
+    def of(self, built: AsBuilt, place: Place) -> Trial:
+        """Return the trial of a stone at a place of a structure."""
+        if built is not self._built:
+            self._built, self._rest = built, rest_of(built, self._rules)
+            self._boxes = _boxes(built, self._rest)
+            self._trials.clear()
+        box = _box(StandingStone(place.stone, place.T_map_stone))
+        is_near = _within(box[None], self._boxes, _FAR_M)
+        is_there = is_near | _within(self._boxes[is_near], self._boxes, _TOUCH_M)
+        key = place.stone, np.stack([is_near, is_there]).tobytes()
+        if key not in self._trials:
+            there = np.flatnonzero(is_there).tolist()
+            part = built.with_standing(*(built.standing[n] for n in there))
+            rest, fixed = [self._rest[n] for n in there], [not is_near[n] for n in there]
+            self._trials[key] = Trial(part, place.stone, self._rules, rest, fixed)
+        return self._trials[key]
+
+
+def _boxes(built: AsBuilt, rest: Sequence[Float]) -> Float:
+    """Return the boxes from above of stones at rest, least and largest x and y, (N, 2, 2)."""
+    stones = zip(built.standing, rest, strict=True)
+    boxes = [_box(StandingStone(one.stone, T)) for one, T in stones]
+    return np.array(boxes).reshape(-1, 2, 2)
+
+
+def _box(one: StandingStone) -> Float:
+    xy = one.vertices_map()[:, :2]
+    return np.stack([xy.min(axis=0), xy.max(axis=0)])
+
+
+def _within(these: Float, others: Float, distance_m: float) -> Bool:
+    """Return which of the others are at most a distance away from any of these, from above."""
+    gaps = np.maximum(
+        these[:, None, 0] - others[None, :, 1], others[None, :, 0] - these[:, None, 1]
+    )
+    return np.asarray((gaps <= distance_m).all(axis=2).any(axis=0))
+
+
 class Checks:
     """Nominal settling, then the balance of forces at rest, then settling under noise."""
 
@@ -36,21 +94,21 @@ class Checks:
 
     def __init__(self, settings: CheckSettings) -> None:
         self._settings = settings
+        s = settings
+        self._trials = TrialsOfStructure(WorldRules(s.step_s, s.friction, s.pieces))
 
     def check(
         self, place: Place, built: AsBuilt, rng: np.random.Generator, may_go_on: MayGoOn
     ) -> Stability:
         """Return where the stone comes to rest, or why it does not hold."""
-        s = self._settings
-        rules = WorldRules(step_s=s.step_s, friction=s.friction, pieces=s.pieces)
-        trial = Trial(built, place.stone, rules)
+        trial = self._trials.of(built, place)
         nominal = trial.release(place.T_map_stone, _RELEASE_M)
         refusal = self._refusal(nominal, place.T_map_stone, _FAR_M, _FAR_RAD)
         terms: dict[str, float] = {}
         if not refusal and self._has_equilibrium:
             load = self._load(trial, nominal.T_map_settled, place.stone.mass_kg)
             terms["bears_load"] = load if load is not None else 0.0
-            if load is None or load < s.load:
+            if load is None or load < self._settings.load:
                 refusal = "bears_no_load"
         if refusal or not self._has_settling:
             return Stability(refusal, nominal.T_map_settled, *self._apart(nominal), terms)

@@ -1,4 +1,9 @@
-"""The shipped scorer: named terms of about 0 to 1, times their weights."""
+"""The shipped scorer: named terms of about 0 to 1, times their weights.
+
+`volume` less `void` is the stone that a place adds to the structure, and the hollow that it shuts.
+`height` is that of the stone's bottom: that of its top would have flat stones first, and those
+leave a low course.
+"""
 
 from collections.abc import Mapping, Sequence
 
@@ -11,7 +16,7 @@ from executive.messages.building import AsBuilt
 from executive.messages.solid_stone import SolidStone
 
 # Lengths at which a term has reached the end of its scale.
-_GAP_M, _FACE_M, _MARGIN_M = 0.2, 0.3, 0.2
+_FACE_M, _MARGIN_M = 0.3, 0.2
 
 
 class Weighted:
@@ -29,8 +34,8 @@ class Weighted:
         terms = {
             "volume": np.full(len(places.origins_map), places.stone.volume_m3 / largest),
             "contact": m["contact_share"],
-            "void": 1 - np.minimum(1.0, m["mean_gap_m"] / _GAP_M),
-            "height": 1 - m["top_m"] / built.structure.height_m,
+            "void": -m["void_m3"] / largest,
+            "height": 1 - np.maximum(0.0, m["bottom_m"]) / built.structure.height_m,
             "face": 1 - np.clip(m["depth_m"] / _FACE_M, 0.0, 1.0),
             "interlock": 1 - m["largest_support_share"],
             "margin": np.minimum(1.0, m["support_margin_m"] / _MARGIN_M),
