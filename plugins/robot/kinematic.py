@@ -4,24 +4,25 @@ Joints follow exactly, sensors are ideal, and lidars measure nothing.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TypedDict, cast
 
 import numpy as np
 from executive_plugins.physics.gravity import GRAVITY_M_S2
+from executive_plugins.robot.base_driver import BaseDriver, KeptBase
 from executive_plugins.robot.latch import Latch
 from executive_plugins.robot.sensor_noise import SensorNoise
 from executive_plugins.robot.settings import KinematicSettings
-from executive_plugins.robot.trajectory_follower import Follower
+from executive_plugins.robot.trajectory_follower import Follower, KeptPath
 
 from executive.arrays import Float
 from executive.errors import RobotError
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.pose import pose
-from executive.geometry.rotation import log_so3
+from executive.geometry.rotation import about_axis, log_so3
 from executive.interfaces.robot import Robot
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
-from executive.messages.command import Command, Follow, MoveJaws
+from executive.messages.command import Command, Drive, Follow, MoveJaws
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
@@ -29,10 +30,22 @@ from executive.messages.observation import Observation
 
 _STEP_S = 0.01  # 100 Hz: the rate of the IMUs and the encoders
 _GNSS_EVERY = 5  # steps: 20 Hz
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+class KeptMachine(TypedDict):
+    """The state of the simulated machine."""
+
+    steps: int
+    arm: tuple[Float, Float]
+    jaw: tuple[float, float]
+    poses: list[dict[str, Float]]
+    follower: KeptPath
+    driver: KeptBase
 
 
 class KinematicRobot(Robot):
-    """Moves exactly as commanded; its base is at the origin of the map."""
+    """Moves exactly as commanded; its base starts at the origin of the map, on level ground."""
 
     Settings = KinematicSettings
     lacks = frozenset({"lidar"})
@@ -53,9 +66,10 @@ class KinematicRobot(Robot):
         self._jaw = self._jaw_goal = machine.gripper.open_rad
         self._jaw_held: float | None = None  # in a pause: the goal of jaws that moved
         self._follower = Follower(machine, self._q)
+        self._driver = BaseDriver(machine)
         self._latch = Latch()
         self._steps = 0
-        self._T_map_base = pose(t=np.array([0.0, 0.0, machine.stance.base_height_m]))
+        self._T_map_base = self._stand(self._driver.pose_map)
         self._sensors = {n: s for n, s in machine.sensors.items() if s.kind in ("imu", "gnss")}
         # Poses of the last three steps, whose second differences give accelerations.
         self._poses = [self._sensor_poses()] * 3
@@ -64,7 +78,7 @@ class KinematicRobot(Robot):
     def revision(self) -> int:  # type: ignore[override]
         return self._steps
 
-    def keep(self) -> Mapping[str, Any]:
+    def keep(self) -> KeptMachine:
         """Return the state of the simulated machine."""
         return {
             "steps": self._steps,
@@ -72,13 +86,17 @@ class KinematicRobot(Robot):
             "jaw": (self._jaw, self._jaw_goal),
             "poses": self._poses,
             "follower": self._follower.keep(),
+            "driver": self._driver.keep(),
         }
 
-    def restore(self, kept: Mapping[str, Any]) -> None:
+    def restore(self, kept: Mapping[str, object]) -> None:
         """Go on with a machine whose process has ended."""
-        self._steps, self._poses = kept["steps"], kept["poses"]
-        (self._q, self._dq), (self._jaw, self._jaw_goal) = kept["arm"], kept["jaw"]
-        self._follower.restore(kept["follower"])
+        own = cast(KeptMachine, kept)
+        self._steps, self._poses = own["steps"], own["poses"]
+        (self._q, self._dq), (self._jaw, self._jaw_goal) = own["arm"], own["jaw"]
+        self._follower.restore(own["follower"])
+        self._driver.restore(own["driver"])
+        self._T_map_base = self._stand(self._driver.pose_map)
 
     def read(self, until_s: float) -> Sequence[Observation]:
         fails_at_s = self._settings.fails_at_s
@@ -91,7 +109,10 @@ class KinematicRobot(Robot):
 
     def command(self, command: Command) -> None:
         self._latch.check(command)
-        if isinstance(command, Follow):
+        if isinstance(command, Drive):
+            self._driver.command(command, self._q, arm_moves=self._follower.is_moving)
+        elif isinstance(command, Follow):
+            self._driver.check_at_rest()
             self._follower.follow(command.trajectory, self._q)
         elif isinstance(command, MoveJaws):
             self._jaw_held = None
@@ -104,6 +125,7 @@ class KinematicRobot(Robot):
 
     def stop(self) -> None:
         self._follower.stop()
+        self._driver.stop()
 
     def resume(self) -> None:
         self._follower.resume()
@@ -123,10 +145,11 @@ class KinematicRobot(Robot):
     def safe_stop(self, reason: str) -> None:
         self._latch.engage(reason)
         self._follower.give_up()
+        self._driver.stop()
         self._jaw_goal, self._jaw_held = self._jaw, None
 
     def reset(self) -> None:
-        self._latch.release(is_moving=self._follower.is_moving)
+        self._latch.release(is_moving=self._follower.is_moving or self._driver.is_moving)
 
     def latched(self) -> str:
         return self._latch.reason
@@ -134,6 +157,7 @@ class KinematicRobot(Robot):
     def _step(self) -> list[Observation]:
         self._steps += 1
         self._q, self._dq = self._follower.advance(_STEP_S)
+        self._T_map_base = self._stand(self._driver.advance(_STEP_S))
         most = self._machine.jaw.max_velocity * _STEP_S
         jaw_step = float(np.clip(self._jaw_goal - self._jaw, -most, most))
         self._jaw += jaw_step
@@ -160,6 +184,12 @@ class KinematicRobot(Robot):
             ]
         samples = [*imus, *fixes, joints]
         return samples if self.is_ideal else [self._noise.on(sample) for sample in samples]
+
+    def _stand(self, pose_map: Float) -> Float:
+        """Return T_map_base on level ground at x, y and heading (3,), shape (4, 4)."""
+        x, y, yaw = pose_map
+        height_m = self._machine.stance.base_height_m
+        return pose(about_axis(_UP, yaw), np.array([x, y, height_m]))
 
     def _sensor_poses(self) -> dict[str, Float]:
         frames = self._kinematics.frames(self._q)

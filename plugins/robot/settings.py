@@ -12,6 +12,7 @@ class KinematicSettings(RobotSettings):
     """Settings of the robot without physics."""
 
     needs: ClassVar[tuple[str, ...]] = ("machine", "rng")
+    is_simulated: ClassVar[bool] = True
 
     jaws_stop_at: Radians = Field(
         0.4, ge=0, le=2, description="Angle at which closing jaws stop at a stone [rad]."

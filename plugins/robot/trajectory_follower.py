@@ -1,7 +1,6 @@
 """Follows a trajectory, and stops along its path by slowing down the time of the path."""
 
-from collections.abc import Mapping
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -16,6 +15,15 @@ _SPEED_TOLERANCE = 1.05  # cubic pieces slightly exceed the speeds at the sample
 _PROBE_S = 1e-3  # step of the difference quotient for the acceleration of the path
 _QUICKEST_STOP_S = 0.1  # shortest time in which ds/dt falls from 1 to 0
 _LOOK_S = 0.01  # step in which a coming acceleration is computed
+
+
+class KeptPath(TypedDict):
+    """The reference and the path that is followed."""
+
+    held: Float
+    trajectory: JointTrajectory | None
+    columns: Int
+    progress: tuple[float, float, bool]
 
 
 class Follower:
@@ -102,34 +110,50 @@ class Follower:
 
         It is negative if the arm will be ahead, and 0 where there is nothing to go on along.
         """
-        if self._trajectory is None or self._is_given_up:
+        path = self._trajectory
+        if path is None or self._is_given_up:
             return 0.0
         s, rate, lost_s = self._s, self._rate, 0.0
-        while rate < 1.0 and s < self._trajectory.duration_s:
-            rate = min(rate + self._room(1.0, s, rate) * _LOOK_S, 1.0)
+        while rate < 1.0 and s < path.duration_s:
+            rate = min(rate + self._room(path, 1.0, s, rate) * _LOOK_S, 1.0)
             s += rate * _LOOK_S
             lost_s += (1.0 - rate) * _LOOK_S
         return lost_s - self._lead_s
 
-    def advance(self, dt_s: float) -> tuple[Float, Float]:
-        """Advance by one step; return reference position and velocity, each shape (n,)."""
-        if self._trajectory is None:
+    def position(self) -> Float:
+        """Return the reference now, shape (n,)."""
+        return self._reference()[0]
+
+    def velocity(self) -> Float:
+        """Return the velocity of the reference now, at a pace of 1, shape (n,)."""
+        return self._reference()[1]
+
+    def advance(self, dt_s: float, pace: float = 1.0) -> tuple[Float, Float]:
+        """Advance by one step; return reference position and velocity, each shape (n,).
+
+        Args:
+            dt_s: The step [s].
+            pace: Share of its speed that the path has for want of oil flow.
+        """
+        path = self._trajectory
+        if path is None:
             return self._held, np.zeros_like(self._held)
         if self._is_stopping:
-            self._rate = max(self._rate - self._room(-1.0, self._s, self._rate) * dt_s, 0.0)
+            self._rate = max(self._rate - self._room(path, -1.0, self._s, self._rate) * dt_s, 0.0)
         elif self._wait_s > 0.5 * dt_s:
             self._wait_s -= dt_s
         elif self._rate < 1.0:
-            self._rate = min(self._rate + self._room(1.0, self._s, self._rate) * dt_s, 1.0)
-        self._s += self._rate * dt_s
+            self._rate = min(self._rate + self._room(path, 1.0, self._s, self._rate) * dt_s, 1.0)
+        self._s += pace * self._rate * dt_s
         self._lead_s += (self._rate - (not self._is_paused)) * dt_s
         position, velocity = self._reference()
-        if self._s >= self._trajectory.duration_s:
+        velocity = pace * velocity
+        if self._s >= path.duration_s:
             self._held, self._trajectory = position, None
             velocity = np.zeros_like(velocity)
         return position, velocity
 
-    def keep(self) -> Mapping[str, Any]:
+    def keep(self) -> KeptPath:
         """Return the reference and the path that is followed."""
         return {
             "held": self._held,
@@ -138,7 +162,7 @@ class Follower:
             "progress": (self._s, self._rate, self._is_stopping),
         }
 
-    def restore(self, kept: Mapping[str, Any]) -> None:
+    def restore(self, kept: KeptPath) -> None:
         """Take back what `keep` returned."""
         self._held, self._trajectory = kept["held"], kept["trajectory"]
         self._columns = kept["columns"]
@@ -151,16 +175,14 @@ class Follower:
             velocity[self._columns] = slope * self._rate
         return position, velocity
 
-    def _room(self, direction: float, s: float, rate: float) -> float:
+    def _room(self, path: JointTrajectory, direction: float, s: float, rate: float) -> float:
         """Return the largest |d²s/dt²| within the acceleration limits of all joints.
 
         The direction is 1 for speeding up and −1 for slowing down.
         """
-        if self._trajectory is None:
-            return 0.0
         limit = self._machine.max_acceleration[self._columns]
-        slope = self._trajectory.at(s)[1]
-        curve = (self._trajectory.at(s + _PROBE_S)[1] - slope) / _PROBE_S * rate**2
+        slope = path.at(s)[1]
+        curve = (path.at(s + _PROBE_S)[1] - slope) / _PROBE_S * rate**2
         moves = np.abs(slope) > 1e-9
         room = (limit - direction * np.sign(slope) * curve)[moves] / np.abs(slope[moves])
         return float(np.clip(np.min(room, initial=1 / _QUICKEST_STOP_S), 0.0, 1 / _QUICKEST_STOP_S))

@@ -1,21 +1,29 @@
 """A machine in another process, real or simulated, that speaks the robot wire."""
 
+import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any, cast
 
 from executive_plugins.robot.settings import WireSettings
 
-from executive.errors import ConfigError, RobotError
+from executive.errors import ConfigError, DataError, RobotError
+from executive.interfaces.facilities import SurveyedElsewhere
 from executive.interfaces.robot import Robot
+from executive.messages.cloud import Cloud
 from executive.messages.command import Command
 from executive.messages.observation import Observation
 from executive.wire.address import Address
 from executive.wire.connection import Connection
-from executive.wire.frame import Frame, Kind
+from executive.wire.frame import Frame, Kind, WireError
 from executive.wire.payload import pack, unpack
+from executive.wire.survey import cloud_of
+
+_ON_THE_WAY_S = 0.02  # two periods of the fastest sensors, in which nothing may arrive
+_LOOK_S = 1.0  # between two looks whether a survey is still awaited
 
 
-class WireRobot(Robot):
+class WireRobot(Robot, SurveyedElsewhere):
     """Sends commands to a machine, and hears from it.
 
     Each `read` tells the machine that the executive is alive. As the driver of what lives by its
@@ -34,7 +42,9 @@ class WireRobot(Robot):
         self._connection: Connection | None = None
         self._sequence = 0
         self._offset_s: float | None = None  # machine's clock at the mission's start
-        self._machine_s = 0.0
+        self._has_read = False
+        self._status: Mapping[str, Any] = {}  # the machine's newest, and when it arrived
+        self._is_simulated = False
         self._heard_s = 0.0
         self._latched = ""
         self._stops_itself = True  # a stop that is latched was not asked for
@@ -60,7 +70,10 @@ class WireRobot(Robot):
         try:
             hello = {"role": "executive", "model": self._settings.model}
             welcome = self._ask(Frame(Kind.HELLO, hello))
+            self._status = welcome.head
             self.is_ideal = bool(welcome.head.get("is_ideal", False))
+            self._is_simulated = bool(welcome.head.get("is_simulated", False))
+            self.lacks = frozenset(map(str, welcome.head.get("lacks", ())))
             if self._settings.reset_at_start:
                 self.reset()
         except RobotError:
@@ -75,14 +88,16 @@ class WireRobot(Robot):
 
     def read(self, until_s: float) -> Sequence[Observation]:
         connection = self._open()
-        if self._offset_s is None:  # the start of other plugins took some time
+        if not self._has_read:  # the start of other plugins took some time
             self._heard_s = time.monotonic()
         connection.send(Frame(Kind.ALIVE))
         self._hear(0.0)
         observations: list[Observation] = []
         arrived, self._waiting = self._waiting, []
-        if self._offset_s is None and arrived:  # the newest was measured just now
-            self._offset_s = float(arrived[-1].head.get("time_s", 0.0)) - until_s
+        if arrived and not self._has_read:  # the newest was measured just now
+            self._has_read, newest = True, arrived[-1].head
+            if self._offset_s is None:
+                self._offset_s = float(newest.get("time_s", 0.0)) - until_s
         for frame in arrived:
             observations += self._observations(frame, self._offset_s or 0.0)
         if self._latched and self._stops_itself:
@@ -112,6 +127,55 @@ class WireRobot(Robot):
         self._latched, self._stops_itself = "", True
         for frame in self._waiting:  # they were sent before the machine took the reset
             frame.head["latched"] = ""
+
+    def behind_s(self) -> float:
+        return float(self._status.get("behind_s", 0.0))
+
+    def latest_s(self) -> float:
+        if not (self._is_simulated and self._has_read and self._offset_s is not None):
+            return math.inf
+        self._hear(0.0)
+        newest = self._waiting[-1].head if self._waiting else self._status
+        return float(newest.get("time_s", 0.0)) - self._offset_s + _ON_THE_WAY_S
+
+    def zero_s(self) -> float:
+        return self._offset_s or 0.0
+
+    def keep(self) -> Mapping[str, object]:
+        """Return what the machine's clock showed at the mission's start."""
+        return {} if self._offset_s is None else {"zero_s": self._offset_s}
+
+    def restore(self, kept: Mapping[str, object]) -> None:
+        self._offset_s = cast(float, kept["zero_s"])
+
+    def taken_up_s(self, cut_off_s: float) -> float:
+        if self._offset_s is None:
+            return cut_off_s
+        since_s = time.monotonic() - self._heard_s
+        clock_s = float(self._status.get("time_s", 0.0)) + since_s
+        found_s = max(clock_s - self._offset_s, cut_off_s)  # a machine begun anew is younger
+        self._offset_s = clock_s - found_s
+        return found_s
+
+    def survey_of_site(self, seed: int) -> Cloud:
+        """Ask over a connection of its own, so that the machine's is free for the loop."""
+        try:
+            found = Address.parse(self._settings.address).connect(self._settings.answer_limit)
+        except OSError as error:
+            raise DataError(f"the machine that makes the survey is gone: {error}") from error
+        connection = Connection(found)
+        try:
+            connection.send(Frame(Kind.SURVEY, {"seed": seed}, sequence=1))
+            while connection.is_open:
+                for answer in connection.receive(_LOOK_S):
+                    if answer.kind is Kind.REFUSED:
+                        raise DataError(f"no survey: {answer.head.get('reason', '')}")
+                    return cloud_of(answer)
+        except WireError as error:
+            raise DataError(f"no survey: {error}") from error
+        finally:
+            connection.close()
+        raise DataError("no survey: the machine that makes it has ended")
 
     def address(self) -> str:
         return self._settings.address
@@ -162,7 +226,7 @@ class WireRobot(Robot):
         return answer
 
     def _observations(self, frame: Frame, offset_s: float) -> list[Observation]:
-        self._machine_s = float(frame.head.get("time_s", self._machine_s))
+        self._status = frame.head
         self._latched = str(frame.head.get("latched", ""))
         found = unpack(frame.head.get("observations"), frame.body, offset_s)
         kept = [one for one in found if one.stamp_s >= 0.0]

@@ -4,9 +4,9 @@ from collections.abc import Iterable
 
 import numpy as np
 import rerun as rr
-from executive_plugins.physics.hull_mesh import hull_mesh
 
 from executive.arrays import Float
+from executive.geometry.hull_mesh import hull_mesh
 
 Colour = tuple[int, ...]
 

@@ -10,17 +10,16 @@ from executive_plugins.robot.mujoco.site.terrain import TERRAIN
 from executive_plugins.robot.mujoco.truth.contact_log import Span
 from executive_plugins.robot.mujoco.truth.surface import TrueSurface
 from executive_plugins.robot.mujoco.truth.touching import touching
-from executive_plugins.robot.mujoco.truth.tracking import SAME_STONE_M, Tracking
+from executive_plugins.robot.mujoco.truth.tracking import Tracking
 from executive_plugins.robot.mujoco.truth.truth_log import TruthLog
 
 from executive.arrays import Float
 from executive.geometry.polygon import outline_of
-from executive.geometry.pose import inverse, transform
+from executive.geometry.pose import transform
 from executive.geometry.rotation import angle_between
 from executive.interfaces.oracle import Attempt, MissionView, Oracle
 from executive.interfaces.robot import Robot
 from executive.messages.base_state import BaseState
-from executive.messages.stone import Stone
 
 _LIFTED_M = 0.15  # rise from which a stone counts as lifted
 _DROPPED_M = 0.15  # fall from which a stone counts as dropped; releases are lower
@@ -42,19 +41,20 @@ class MujocoOracle(Oracle):
         self._legs = robot.world.legs
         self._hand = {robot.world.machine.gripper_link, *robot.world.machine.gripper.links}
 
-    def truth(self, view: MissionView) -> dict[str, Any]:
+    def truth(self, view: MissionView) -> dict[str, object]:
         """Return `scenario`, `stance`, `stones`, `grasps`, `collisions`, `ground_contacts`,
         `estimate`, `objects`, `realignments`, `map`, `registration`.
 
         `ground_contacts` counts contacts of gripper or jaws with the ground. They are not
         collisions, since the jaws close around a stone that lies on it.
         """
+        tracking = Tracking(self._log, view.histories or {})
         targets = [(attempt.started_s, self._nearest(attempt)) for attempt in view.attempts]
         spans = self._log.spans()
         return {
             "scenario": self._scenario,
             "stance": _stance(self._legs),
-            "stones": self._stones(view),
+            "stones": self._stones(view, tracking),
             "grasps": [
                 self._grasp(view.attempts, i, target) for i, (_, target) in enumerate(targets)
             ],
@@ -63,7 +63,8 @@ class MujocoOracle(Oracle):
                 span.link in self._hand and span.other == TERRAIN for span in spans
             ),
             "estimate": _estimate(view.states, self._log),
-            **self._database(view),
+            "objects": {} if view.histories is None else tracking.objects(),
+            "realignments": tracking.realignments(),
             **self._clouds(view),
         }
 
@@ -78,13 +79,6 @@ class MujocoOracle(Oracle):
             found["registration"] = at_first.misplacement(view.registered_survey.points)
         return found
 
-    def _database(self, view: MissionView) -> dict[str, Any]:
-        """Return `objects` and `realignments`; both are empty without a database."""
-        if view.histories is None:
-            return {"objects": {}, "realignments": []}
-        tracking = Tracking(self._log, view.histories)
-        return {"objects": tracking.objects(), "realignments": tracking.realignments()}
-
     def _nearest(self, attempt: Attempt) -> int:
         """Return the index of the stone that an attempt was for, by true centroids.
 
@@ -95,16 +89,10 @@ class MujocoOracle(Oracle):
         )
         return int(np.argmin(distances)) if len(distances) else -1
 
-    def _stones(self, view: MissionView) -> list[dict[str, Any]]:
-        now = {stone.id: stone for stone in view.stones}
+    def _stones(self, view: MissionView, tracking: Tracking) -> list[dict[str, Any]]:
         touched = touching(self._site, self._at_end())
-        sightings: dict[int, tuple[Stone, float]] = {}
-        for first in view.first_stones:
-            match = _match(self._log, first)
-            if match is not None:
-                sightings.setdefault(match[0], (first, match[1]))
         return [
-            self._stone(i, sightings.get(i), now, view) | {"touches": touched[i]}
+            self._stone(i, view, tracking) | {"touches": touched[i]}
             for i in range(len(self._log.stones))
         ]
 
@@ -112,27 +100,22 @@ class MujocoOracle(Oracle):
         """Return the pose of each stone at the end, (4, 4) each."""
         return [self._log.T_world_stone(i, self._log.end_s) for i in range(len(self._log.stones))]
 
-    def _stone(
-        self, i: int, sighting: tuple[Stone, float] | None, now: dict[int, Stone], view: MissionView
-    ) -> dict[str, Any]:
+    def _stone(self, i: int, view: MissionView, tracking: Tracking) -> dict[str, Any]:
         report: dict[str, Any] = {"id": i + 1, "held_object": None, "slot_error_m": None}
-        report |= {"database_error_m": None, "database_error_rad": None}
+        report |= {"database_error_m": None, "database_error_rad": None, "models": 0}
         report |= self._at_the_end(i)
-        if sighting is None:
+        number = tracking.found_as(i)
+        if number is None:
             return report
-        first, seen_s = sighting
-        report["held_object"] = first.id
+        report["held_object"] = number
         T_end = self._log.T_world_stone(i, self._log.end_s)
-        if first.id in view.slots:
+        if number in view.slots:
             report["slot_error_m"] = float(
-                np.linalg.norm(T_end[:2, 3] - view.slots[first.id].position_map[:2])
+                np.linalg.norm(T_end[:2, 3] - view.slots[number].position_map[:2])
             )
-        if first.id in now:
-            # The object's frame should have moved like the stone, by T_end T_seen⁻¹.
-            T_expected = T_end @ inverse(self._log.T_world_stone(i, seen_s)) @ first.T_map_object
-            T_tracked = now[first.id].T_map_object
-            report["database_error_m"] = float(np.linalg.norm(T_tracked[:3, 3] - T_expected[:3, 3]))
-            report["database_error_rad"] = angle_between(T_expected[:3, :3], T_tracked[:3, :3])
+        now = next((stone for stone in view.stones if stone.id == number), None)
+        if now is not None:
+            report |= tracking.error(number, now.T_map_object)
         return report
 
     def _at_the_end(self, i: int) -> dict[str, Any]:
@@ -155,7 +138,9 @@ class MujocoOracle(Oracle):
         heights, distances = (
             self._log.holding(target, attempt.started_s, until_s) if target >= 0 else (_NONE, _NONE)
         )
-        is_lifted = bool(len(heights)) and float(heights.max() - heights[0]) > _LIFTED_M
+        # Where it lay: the attempt may have begun in a process that has ended.
+        lay_m = self._log.centroids(attempt.started_s)[target, 2] if target >= 0 else 0.0
+        is_lifted = bool(len(heights)) and float(heights.max() - lay_m) > _LIFTED_M
         return {
             "object": attempt.stone_id,
             "lifted": is_lifted,
@@ -183,23 +168,6 @@ def _stance(legs: Legs | None) -> dict[str, float]:
     if legs is None:
         return {}
     return {"most_tilt_rad": legs.most_tilt_rad, "least_margin_m": legs.least_margin_m}
-
-
-def _match(log: TruthLog, first: Stone) -> tuple[int, float] | None:
-    """Return which stone a first sighting was of, and when it was there [s], or None."""
-    if not log.stones:
-        return None
-    distances = np.linalg.norm(log.centroids(0.0) - first.centroid_map, axis=1)
-    if distances.min() < SAME_STONE_M:
-        return int(np.argmin(distances)), 0.0
-    times = np.arange(0.0, log.end_s, 1.0)
-    later: Float = np.array(
-        [np.linalg.norm(log.centroids(t) - first.centroid_map, axis=1) for t in times]
-    )
-    if not later.size or later.min() >= SAME_STONE_M:
-        return None
-    k, stone = np.unravel_index(int(np.argmin(later)), later.shape)
-    return int(stone), float(times[k])
 
 
 def _fell(heights: Float, distances: Float) -> bool:

@@ -4,6 +4,7 @@ from executive_plugins.physics.contact_settings import ContactSettings
 from pydantic import Field
 
 from executive.config import Newtons, Seconds, Settings
+from executive.errors import ConfigError
 
 
 class PhysicsSettings(ContactSettings):
@@ -19,6 +20,19 @@ class PhysicsSettings(ContactSettings):
     grip_force_n: Newtons = Field(
         35000.0, gt=0, description="Tip force before the first command [N]."
     )
+
+    def substeps(self, period_s: float) -> int:
+        """Return the number of integration steps in a period.
+
+        Raises:
+            ConfigError: If the step does not divide the period.
+        """
+        substeps = round(period_s / self.timestep_s)
+        if abs(substeps * self.timestep_s - period_s) > 1e-9:
+            raise ConfigError(
+                f"physics.timestep_s must divide {period_s} s, such as 0.002 or 0.0025 s"
+            )
+        return substeps
 
 
 class LegSettings(Settings):

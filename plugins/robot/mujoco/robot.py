@@ -1,29 +1,40 @@
 """The robot of simulated missions: a machine in a MuJoCo world."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, ClassVar
+from pathlib import Path
+from typing import ClassVar, TypedDict, cast
 
 import numpy as np
 from executive_plugins.robot.latch import Latch
-from executive_plugins.robot.mujoco.sensors.suite import SensorSuite
+from executive_plugins.robot.mujoco.sensors.suite import KeptSensors, SensorSuite
 from executive_plugins.robot.mujoco.settings import MujocoSettings
-from executive_plugins.robot.mujoco.site.photographs import photograph_site
 from executive_plugins.robot.mujoco.site.site import make_site
+from executive_plugins.robot.mujoco.site.site_copy import SiteCopy
+from executive_plugins.robot.mujoco.truth.truth_file import read_records, write_records
 from executive_plugins.robot.mujoco.truth.truth_log import TruthLog
-from executive_plugins.robot.mujoco.world import CONTROL_STEP_S, World
+from executive_plugins.robot.mujoco.world import CONTROL_STEP_S, KeptWorld, World
 from numpy.typing import NDArray
 
 from executive.arrays import Float
 from executive.config import Settings
 from executive.errors import RobotError
-from executive.interfaces.facilities import Breakable, Photographer, Scene
+from executive.interfaces.facilities import Breakable, Photographer, Scene, SurveyedAside
+from executive.interfaces.oracle import Witness
 from executive.interfaces.robot import Robot
 from executive.machine.machine import Machine
-from executive.messages.command import Command, Follow, MoveJaws, SwitchLidars
+from executive.messages.command import Command, Drive, Follow, MoveJaws, SwitchLidars
 from executive.messages.observation import Observation
 
 
-class MujocoRobot(Robot, Scene, Photographer, Breakable):
+class KeptRobot(TypedDict):
+    """The state of the world and of the sensors, and where the stones lay."""
+
+    world: KeptWorld
+    sensors: KeptSensors
+    truth: Sequence[tuple[Float, Float]]
+
+
+class MujocoRobot(Robot, Scene, Photographer, SurveyedAside, Breakable, Witness):
     """Simulates the machine on a random site, with its sensors; equal seeds give equal runs.
 
     `world` and `truth_log` hold the truth; only the sensors and the oracle read them.
@@ -48,7 +59,11 @@ class MujocoRobot(Robot, Scene, Photographer, Breakable):
         physics, scenario = self.settings.physics, self.settings.scenario
         site = make_site(self.settings.site, self._machine, physics, site_rng, scenario)
         legs = self.settings.legs if self.settings.base == "on_legs" else None
-        self._world = World(self._machine, site, physics, scenario, legs)
+        on_wheels = self.settings.base == "on_wheels"
+        valves = self._rng.spawn(1)[0] if self.settings.drive == "hydraulic" else None
+        self._world = World(
+            self._machine, site, physics, scenario, legs, valves, on_wheels=on_wheels
+        )
         self._sensors = SensorSuite(
             self._machine, site, self.settings.sensors, self._world.model, sensor_rng
         )
@@ -80,15 +95,36 @@ class MujocoRobot(Robot, Scene, Photographer, Breakable):
     def revision(self) -> int:  # type: ignore[override]
         return 0 if self._world is None else round(self.world.time_s / CONTROL_STEP_S)
 
-    def keep(self) -> Mapping[str, Any]:
-        """Return the state of the world and of the sensors."""
-        return {"world": self.world.keep(), "sensors": self._sensors.keep()}
+    def keep(self) -> KeptRobot:
+        """Return the state of the world and of the sensors, and where the stones lay."""
+        return {
+            "world": self.world.keep(),
+            "sensors": self._sensors.keep(),
+            "truth": self.truth_log.keep(),
+        }
 
-    def restore(self, kept: Mapping[str, Any]) -> None:
-        """Go on with the world of a process that has ended; its truth is known from then on."""
-        self.world.restore(kept["world"])
-        self._sensors.restore(kept["sensors"], self.world.time_s)
-        self.truth_log.begin_at(self.world.time_s, self.world.model, self.world.data)
+    def restore(self, kept: Mapping[str, object]) -> None:
+        """Go on with the world of a process that has ended.
+
+        Its truth is known from then on; of what was before, where the stones lay.
+        """
+        own = cast(KeptRobot, kept)
+        self.world.restore(own["world"])
+        self._sensors.restore(own["sensors"], self.world.time_s)
+        world = self.world
+        self.truth_log.begin_at(world.time_s, world.model, world.data, own["truth"])
+
+    def write_truth(self, path: Path) -> None:
+        legs = self.world.legs
+        stance = [] if legs is None else [legs.most_tilt_rad, legs.least_margin_m]
+        write_records(path, {**self.truth_log.records(), "stance": np.array(stance)})
+
+    def read_truth(self, path: Path, zero_s: float) -> None:
+        records = read_records(path)
+        self.truth_log.take(records, zero_s)
+        if self.world.legs is not None and len(records["stance"]):
+            legs = self.world.legs
+            legs.most_tilt_rad, legs.least_margin_m = map(float, records["stance"])
 
     def read(self, until_s: float) -> Sequence[Observation]:
         """Advance the world to a machine time [s]; return the observations since the last call."""
@@ -107,6 +143,8 @@ class MujocoRobot(Robot, Scene, Photographer, Breakable):
         match command:
             case Follow():
                 self.world.follow(command)
+            case Drive():
+                self.world.drive(command)
             case MoveJaws():
                 self.world.move_jaws(command)
             case SwitchLidars():
@@ -157,7 +195,9 @@ class MujocoRobot(Robot, Scene, Photographer, Breakable):
         self, T_world_opticals: Sequence[Float], size_px: tuple[int, int], view_angle_rad: float
     ) -> Iterator[NDArray[np.uint8]]:
         """Yield pictures of the site as it is now, without the machine; see `Photographer`."""
-        T_world_stones = [self.world.T_world_body(stone.name) for stone in self.world.site.stones]
-        return photograph_site(
-            self.world.site, T_world_stones, T_world_opticals, size_px, view_angle_rad
-        )
+        return self.site_now().photograph(T_world_opticals, size_px, view_angle_rad)
+
+    def site_now(self) -> SiteCopy:
+        """Return the site as it is now."""
+        stones = [self.world.T_world_body(stone.name) for stone in self.world.site.stones]
+        return SiteCopy(self.world.site, stones)

@@ -19,15 +19,21 @@ class MujocoSettings(RobotSettings):
     """Settings of the site, the physics and the sensors."""
 
     needs: ClassVar[tuple[str, ...]] = ("machine", "rng")
+    is_simulated: ClassVar[bool] = True
     gives: ClassVar[tuple[str, ...]] = ("scene", "photographs")
 
     scenario: Scenario = Field(
-        "kind", description="Physics of the world, from kind to harsh; see docs/simulator.md."
+        "nominal", description="Physics of the world, from kind to harsh; see docs/simulator.md."
     )
-    base: Literal["welded", "on_legs"] = Field(
+    base: Literal["welded", "on_legs", "on_wheels"] = Field(
         "welded",
-        description="Whether the chassis is fixed to the ground, or stands on its legs: it sways, "
-        "and may tip.",
+        description="Whether the chassis is fixed to the ground, stands on its legs (it sways, and "
+        "may tip), or on its wheels (it drives).",
+    )
+    drive: Literal["servo", "hydraulic"] = Field(
+        "servo",
+        description="What moves the joints of the arm: servos without delay; or cylinders behind "
+        "valves with dead time, lag and dead band, from `hydraulics` of the machine's robot.yaml.",
     )
     legs: LegSettings = Field(LegSettings(), description="How the legs yield, with `on_legs`.")
     site: SiteSettings = Field(SiteSettings(), description="Ground and stones.")
@@ -36,15 +42,24 @@ class MujocoSettings(RobotSettings):
         SensorSettings(), description="Location on earth, and faults of the sensors."
     )
 
+    @property
+    def may_tip(self) -> bool:
+        return self.base != "welded"
+
     def refusals(self, machine: Machine) -> Iterator[Refusal]:
         for i, dropout in enumerate(self.sensors.dropouts):
             if dropout.sensor not in machine.sensors:
                 near = did_you_mean(dropout.sensor, machine.sensors)
                 told = f"{machine.name} has no sensor '{dropout.sensor}'{near}"
                 yield Refusal(("sensors", "dropouts", i, "sensor"), told)
-        if self.base == "on_legs" and len(machine.stance.supports_m) < 3:
+        if self.base != "welded" and len(machine.stance.supports_m) < 3:
             told = f"{machine.name} has no points of support (stance.supports_m of its robot.yaml)"
             yield Refusal(("base",), told)
+        if self.base == "on_wheels" and machine.driving is None:
+            yield Refusal(("base",), f"{machine.name} does not drive (driving of its robot.yaml)")
+        if self.drive == "hydraulic" and machine.hydraulics is None:
+            told = f"{machine.name} has no hydraulics (in its robot.yaml): choose `servo`"
+            yield Refusal(("drive",), told)
         folder = self.site.stones.folder
         if folder is not None and not folder.is_dir():
             told = f"'{folder}' is no folder; give one with OBJ, PLY or STL meshes"

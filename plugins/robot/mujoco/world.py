@@ -1,31 +1,51 @@
 """The simulated world: machine and site in one MuJoCo model, stepped by the control period."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TypedDict
 
 import mujoco
 import numpy as np
 from executive_plugins.physics.scenario import Scenario, contact_of
+from executive_plugins.robot.base_driver import KeptBase
 from executive_plugins.robot.mujoco.machine.arm_servos import ArmServos, make_servos
+from executive_plugins.robot.mujoco.machine.hydraulic_arm import (
+    HydraulicArm,
+    add_friction,
+)
 from executive_plugins.robot.mujoco.machine.jaw_drive import JawDrive, make_jaw_drive
 from executive_plugins.robot.mujoco.machine.legs import Legs, set_footing, set_on_legs
+from executive_plugins.robot.mujoco.machine.wheels import Wheels, set_on_wheels, standing_on
 from executive_plugins.robot.mujoco.physics import apply_physics
 from executive_plugins.robot.mujoco.physics_settings import LegSettings, PhysicsSettings
+from executive_plugins.robot.mujoco.site.person import Walk
 from executive_plugins.robot.mujoco.site.site import Site
-from executive_plugins.robot.trajectory_follower import Follower
+from executive_plugins.robot.trajectory_follower import Follower, KeptPath
 
 from executive.arrays import Float
-from executive.errors import ConfigError, RobotError
+from executive.errors import RobotError
 from executive.geometry.pose import pose
+from executive.geometry.rotation import quaternion_wxyz
+from executive.machine.hydraulics import Hydraulics
 from executive.machine.machine import Machine
 from executive.machine.mjcf import machine_spec
-from executive.messages.command import Follow, MoveJaws
+from executive.messages.command import Drive, Follow, MoveJaws
 
 CONTROL_STEP_S = 0.01  # period of the controllers, of the fastest sensors, and of observers
 
 _START_POSTURE = "scan"
 _STAND_S = 3.0  # in which the machine comes to rest on its legs, before time begins
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+
+
+class KeptWorld(TypedDict):
+    """The state of the simulation and of what drives it."""
+
+    state: Float
+    steps: int
+    follower: KeptPath
+    arm: Mapping[str, object]
+    jaws: tuple[float, float]
+    wheels: KeptBase | None
 
 
 class World:
@@ -37,7 +57,8 @@ class World:
         scenario: Name of its physics.
         model: Compiled MuJoCo model; bodies and joints have the names of the description.
         data: State of the model.
-        legs: The legs that the machine stands on, or None if its base is welded to the ground.
+        legs: The legs that the machine stands on, or None if it stands on none.
+        wheels: The wheels that it drives on, or None if it does not drive.
         T_world_base: Pose of the base at the start, shape (4, 4).
     """
 
@@ -48,20 +69,41 @@ class World:
         settings: PhysicsSettings,
         scenario: Scenario = "kind",
         legs: LegSettings | None = None,
+        valves: np.random.Generator | None = None,
+        *,
+        on_wheels: bool = False,
     ) -> None:
+        """Build the world.
+
+        Args:
+            machine: The machine.
+            site: Ground and stones.
+            settings: Integration, contacts, and gains of the drives.
+            scenario: Name of its physics.
+            legs: How the legs yield; the base is welded to the ground without.
+            valves: Draws the machine's own valves; its joints have servos without.
+            on_wheels: Whether the machine stands on wheels, and drives.
+        """
         self.machine, self.site = machine, site
         self.scenario, self._contact = scenario, contact_of(scenario, machine.gripper)
         self.T_world_base = pose(t=np.array([0.0, 0.0, machine.stance.base_height_m]))
-        self._substeps = _substeps(settings)
-        self.model = self._build(settings, legs)
+        if on_wheels:
+            self.T_world_base = standing_on(site.terrain.height_at, machine, np.zeros(3))
+        self._substeps = settings.substeps(CONTROL_STEP_S)
+        hydraulics = None if valves is None else machine.hydraulics
+        self.model = self._build(settings, legs, hydraulics, on_wheels=on_wheels)
         self.data = mujoco.MjData(self.model)
         self._set_arm(machine.posture(_START_POSTURE))
-        self.arm = ArmServos(self.model, self.data, machine)
+        self.arm = self._drives(valves)
         self.jaws = JawDrive(self.model, self.data, machine, settings)
+        self._walk = Walk(site.people, self.model)
         self._follower = Follower(machine, self.arm.position())
         self._control_steps = 0
         self._observers: list[Callable[[World], None]] = []
         self.legs = None if legs is None else Legs(self.model, self.data, machine)
+        self.wheels: Wheels | None = None
+        if on_wheels:
+            self.wheels = Wheels(self.model, self.data, machine, site.terrain.height_at)
         self._stand()
 
     @property
@@ -71,8 +113,14 @@ class World:
 
     @property
     def is_moving(self) -> bool:
-        """Whether a trajectory is being followed."""
-        return self._follower.is_moving
+        """Whether a trajectory is being followed, or the chassis moves."""
+        return self._follower.is_moving or (
+            self.wheels is not None and self.wheels.driver.is_moving
+        )
+
+    def reference(self) -> Float:
+        """Return where the arm is asked to be now, shape (n,)."""
+        return self._follower.position()
 
     def observe(self, observer: Callable[["World"], None]) -> None:
         """Register a function that is called after each control step."""
@@ -84,7 +132,19 @@ class World:
         Raises:
             RobotError: If it is refused.
         """
+        if self.wheels is not None:
+            self.wheels.driver.check_at_rest()
         self._follower.follow(command.trajectory, self.arm.position())
+
+    def drive(self, command: Drive) -> None:
+        """Drive the chassis.
+
+        Raises:
+            RobotError: If it stands on no wheels, or the command is refused; see `BaseDriver`.
+        """
+        if self.wheels is None:
+            raise RobotError("the chassis is fixed to its place: set robot.base to on_wheels")
+        self.wheels.driver.command(command, self.arm.position(), arm_moves=self._follower.is_moving)
 
     def move_jaws(self, command: MoveJaws) -> None:
         """Drive the jaws.
@@ -105,13 +165,19 @@ class World:
         self.jaws.press(command.position_rad, command.force_n)
 
     def stop(self) -> None:
-        """Slow the arm down along its path; the jaws keep pressing."""
+        """Slow the arm down along its path, and brake; the jaws keep pressing."""
         self._follower.stop()
+        self._brake()
 
     def give_up(self) -> None:
         """Slow the arm down for good; jaws that press keep pressing, and others hold."""
         self._follower.give_up()
+        self._brake()
         self.jaws.hold()
+
+    def _brake(self) -> None:
+        if self.wheels is not None:
+            self.wheels.driver.stop()
 
     def resume(self) -> None:
         """Continue along the path that `stop` interrupted."""
@@ -138,8 +204,12 @@ class World:
             RobotError: If the integration diverged, or the machine has tipped over.
         """
         dt_s = float(self.model.opt.timestep)
+        pace = 1.0
+        if isinstance(self.arm, HydraulicArm):
+            pace = self.arm.pace(self._follower.velocity())
+        self._walk.step(self.time_s + CONTROL_STEP_S, self.data)
         for _ in range(self._substeps):
-            self._substep(*self._follower.advance(dt_s))
+            self._substep(*self._follower.advance(dt_s, pace))
         # mj_step leaves the poses one substep behind the positions.
         mujoco.mj_kinematics(self.model, self.data)
         self._control_steps += 1
@@ -160,6 +230,8 @@ class World:
         """Advance by one integration step, with references of the arm, shape (n,) each."""
         self.arm.drive(position, velocity)
         self.jaws.drive()
+        if self.wheels is not None:
+            self.wheels.advance(float(self.model.opt.timestep))
         if self.legs is not None:
             self.legs.weigh()
         mujoco.mj_step(self.model, self.data)
@@ -175,7 +247,7 @@ class World:
         self.data.time = 0.0
         self.T_world_base = self.T_world_body(self.machine.base_link)
 
-    def keep(self) -> Mapping[str, Any]:
+    def keep(self) -> KeptWorld:
         """Return the state of the simulation and of what drives it; the site follows from the seed.
 
         Source: mj_getState of MuJoCo 3, with mjSTATE_INTEGRATION: all that a step depends on.
@@ -186,30 +258,53 @@ class World:
             "state": state,
             "steps": self._control_steps,
             "follower": self._follower.keep(),
-            "sag": self.arm.sag,
+            "arm": self.arm.keep(),
             "jaws": self.jaws.keep(),
+            "wheels": None if self.wheels is None else self.wheels.driver.keep(),
         }
 
-    def restore(self, kept: Mapping[str, Any]) -> None:
+    def restore(self, kept: KeptWorld) -> None:
         """Go on with the world of a process that has ended."""
         mujoco.mj_setState(self.model, self.data, kept["state"], _STATE)
         mujoco.mj_forward(self.model, self.data)
-        self._control_steps, self.arm.sag = kept["steps"], kept["sag"]
+        self._control_steps = kept["steps"]
+        self.arm.restore(kept["arm"])
         self._follower.restore(kept["follower"])
         self.jaws.restore(kept["jaws"])
+        if self.wheels is not None and kept["wheels"] is not None:
+            self.wheels.driver.restore(kept["wheels"])
 
     def T_world_body(self, name: str) -> Float:
         """Return the pose of a link or a stone by its name, shape (4, 4)."""
         body = self.data.body(name)
         return pose(body.xmat.reshape(3, 3).copy(), body.xpos.copy())
 
-    def _build(self, settings: PhysicsSettings, legs: LegSettings | None) -> mujoco.MjModel:
+    def _drives(self, valves: np.random.Generator | None) -> ArmServos:
+        if valves is None or self.machine.hydraulics is None:
+            return ArmServos(self.model, self.data, self.machine)
+        return HydraulicArm(self.model, self.data, self.machine, self.machine.hydraulics, valves)
+
+    def _build(
+        self,
+        settings: PhysicsSettings,
+        legs: LegSettings | None,
+        hydraulics: Hydraulics | None,
+        *,
+        on_wheels: bool,
+    ) -> mujoco.MjModel:
         spec = machine_spec(self.machine)
-        spec.body(self.machine.base_link).pos = self.T_world_base[:3, 3]
+        base = spec.body(self.machine.base_link)
+        base.pos = self.T_world_base[:3, 3]
+        if on_wheels:
+            base.quat = quaternion_wxyz(self.T_world_base[:3, :3])
         make_servos(spec, self.machine, settings)
         make_jaw_drive(spec, self.machine)
+        if hydraulics is not None:
+            add_friction(spec, hydraulics, self.machine)
         if legs is not None:
             set_on_legs(spec, self.machine, legs)
+        if on_wheels:
+            set_on_wheels(spec, self.machine)
         self.site.add_to(spec)
         apply_physics(spec, settings, self._contact)
         if legs is not None:
@@ -220,12 +315,3 @@ class World:
         for name, value in zip(self.machine.arm_names, position, strict=True):
             self.data.joint(name).qpos = value
         mujoco.mj_forward(self.model, self.data)
-
-
-def _substeps(settings: PhysicsSettings) -> int:
-    substeps = round(CONTROL_STEP_S / settings.timestep_s)
-    if abs(substeps * settings.timestep_s - CONTROL_STEP_S) > 1e-9:
-        raise ConfigError(
-            f"physics.timestep_s must divide {CONTROL_STEP_S} s, such as 0.002 or 0.0025 s"
-        )
-    return substeps

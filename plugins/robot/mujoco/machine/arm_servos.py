@@ -3,6 +3,9 @@
 They are position loops with velocity feed-forward and a slow integral part.
 """
 
+from collections.abc import Mapping
+from typing import TypedDict, cast
+
 import mujoco
 import numpy as np
 from executive_plugins.physics.gravity import GRAVITY_M_S2
@@ -72,6 +75,12 @@ def _integral_limit(machine: Machine) -> Float:
     return np.asarray(np.maximum(_INTEGRAL_PAYLOADS * weight, _INTEGRAL_SHARE * limit))
 
 
+class _Kept(TypedDict):
+    """What the next step depends on, besides the state of the simulation."""
+
+    sag: Float
+
+
 class ArmServos:
     """Sends references to the servos, once per physics step."""
 
@@ -85,7 +94,7 @@ class ArmServos:
         self._dofs = np.array([joint.dofadr[0] for joint in joints])
         kp, kv = model.actuator_gainprm[self._ids, 0], -model.actuator_biasprm[self._ids, 2]
         self._lead_s = kv / kp
-        self.sag = np.zeros(len(self._ids))
+        self._sag = np.zeros(len(self._ids))
         self._max_sag = _integral_limit(machine) / kp
 
     def position(self) -> Float:
@@ -112,8 +121,15 @@ class ArmServos:
 
     def drive(self, position: Float, velocity: Float) -> None:
         """Set the reference position and velocity of this step, each shape (n,)."""
-        error = position - self.position()
-        self.sag = np.clip(
-            self.sag + error * self._dt_s / _INTEGRAL_S, -self._max_sag, self._max_sag
-        )
-        self._data.ctrl[self._ids] = position + self.sag + self._lead_s * velocity
+        error = position - self._data.qpos[self._qpos]
+        sag = self._sag + error * self._dt_s / _INTEGRAL_S
+        self._sag = np.minimum(np.maximum(sag, -self._max_sag), self._max_sag)  # clip, but quick
+        self._data.ctrl[self._ids] = position + self._sag + self._lead_s * velocity
+
+    def keep(self) -> Mapping[str, object]:
+        """Return what the next step depends on, besides the state of the simulation."""
+        return {"sag": self._sag}
+
+    def restore(self, kept: Mapping[str, object]) -> None:
+        """Take back what `keep` returned."""
+        self._sag = cast(_Kept, kept)["sag"]

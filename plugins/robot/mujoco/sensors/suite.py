@@ -2,11 +2,10 @@
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TypedDict
 
 import mujoco
 import numpy as np
-from executive_plugins.physics.hull_mesh import hull_mesh
 from executive_plugins.robot.mujoco.sensors.dropout import check_dropouts, is_silent
 from executive_plugins.robot.mujoco.sensors.encoders import JointEncoders
 from executive_plugins.robot.mujoco.sensors.gnss import Antenna
@@ -19,6 +18,7 @@ from executive_plugins.robot.mujoco.site.site import Site
 from executive_plugins.robot.mujoco.site.site_scene import SiteScene
 
 from executive.arrays import Float
+from executive.geometry.hull_mesh import hull_mesh
 from executive.geometry.pose import pose
 from executive.machine.machine import Machine
 from executive.machine.sensor import Encoders, Gnss, Imu, Lidar, Sensor
@@ -26,6 +26,13 @@ from executive.messages.observation import Observation
 
 Measure = Callable[[float, mujoco.MjData], Observation | None]
 _EPSILON = 1e-6  # tolerance for rounding of times, which are sums of steps
+
+
+class KeptSensors(TypedDict):
+    """The states of the random generators and of the inertial biases."""
+
+    generators: list[Mapping[str, object]]
+    biases: list[tuple[Float, Float]]
 
 
 class SensorSuite:
@@ -50,8 +57,9 @@ class SensorSuite:
         self._stones = tuple(stone.name for stone in site.stones)
         self._lidars = [sensor for sensor in machine.sensors.values() if isinstance(sensor, Lidar)]
         span_s = max((1 / lidar.rate_hz for lidar in self._lidars), default=0.0)
-        self._history = PoseHistory(model, (*machine.links, *self._stones), span_s)
-        self._skin = link_meshes(machine)
+        people = {person.name: person.mesh() for person in site.people}
+        self._history = PoseHistory(model, (*machine.links, *self._stones, *people), span_s)
+        self._skin = link_meshes(machine) | people
         self._sensors: list[tuple[Sensor, Measure]] = []
         self._imus: list[MountedImu] = []
         self._generators = rng.spawn(len(machine.sensors))
@@ -76,7 +84,7 @@ class SensorSuite:
             case Encoders():
                 return JointEncoders(sensor, machine, model, rng).sample
 
-    def keep(self) -> Mapping[str, Any]:
+    def keep(self) -> KeptSensors:
         """Return the states of the random generators and of the inertial biases.
 
         What was on its way, and a revolution that had begun, are lost with the process.
@@ -86,7 +94,7 @@ class SensorSuite:
             "biases": [imu.biases for imu in self._imus],
         }
 
-    def restore(self, kept: Mapping[str, Any], time_s: float) -> None:
+    def restore(self, kept: KeptSensors, time_s: float) -> None:
         """Take back what `keep` returned, at a time of the world [s]."""
         for rng, state in zip(self._generators, kept["generators"], strict=True):
             rng.bit_generator.state = state

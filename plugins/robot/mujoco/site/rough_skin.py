@@ -2,9 +2,9 @@
 
 import numpy as np
 import open3d as o3d
-from executive_plugins.physics.hull_mesh import hull_mesh
 
 from executive.arrays import Float, Int
+from executive.geometry.hull_mesh import hull_mesh
 
 
 def rough_skin(

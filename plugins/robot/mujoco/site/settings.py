@@ -1,10 +1,19 @@
 """Settings of the robot plugins, apart from them: reading a mission imports no algorithm."""
 
+from itertools import pairwise
 from pathlib import Path
+from typing import Literal
 
 from pydantic import Field, model_validator
 
-from executive.config import Kilograms, KilogramsPerCubicMeter, Meters, Radians, Settings
+from executive.config import (
+    Kilograms,
+    KilogramsPerCubicMeter,
+    Meters,
+    MetersPerSecond,
+    Radians,
+    Settings,
+)
 
 _VOLUME_M3 = (0.5, 1.0)  # of the stones of Mascaro 2020: 1.35 to 2.7 t
 
@@ -26,6 +35,13 @@ class PlacementSettings(Settings):
         gt=0,
         le=6.2832,
         description="Width of the sector; the rest remains free for slots [rad].",
+    )
+    stations_m: tuple[tuple[Meters, Meters], ...] = Field(
+        ((0.0, 0.0),),
+        min_length=1,
+        max_length=20,
+        description="Places (x, y), each the middle of such a sector; stones are dealt out to "
+        "them in turn [m].",
     )
     gap_m: Meters = Field(
         0.4, ge=0, le=10, description="Least free distance between two stones [m]."
@@ -104,13 +120,64 @@ class TerrainSettings(Settings):
     pad_radius_m: Meters = Field(
         2.8, ge=0, le=20, description="Radius of the level pad about the machine [m]."
     )
+    slope_rad: Radians = Field(
+        0.0, ge=0, le=0.5, description="Slope of the ground around the level pad [rad]."
+    )
+    uphill_rad: Radians = Field(
+        0.0, ge=-3.2, le=3.2, description="Direction in which the ground rises, from x [rad]."
+    )
+
+
+class ObstacleSettings(Settings):
+    """Something that stands on the ground and never moves: a wall, a parked machine, a tree."""
+
+    shape: Literal["box", "cylinder"] = Field(
+        "box", description="A box, or an upright cylinder such as the trunk of a tree."
+    )
+    at_m: tuple[Meters, Meters] = Field(description="Its middle (x, y) [m].")
+    size_m: tuple[Meters, Meters, Meters] = Field(
+        description="Length, width and height above the ground [m]; of a cylinder, the length is "
+        "its diameter."
+    )
+    yaw_rad: Radians = Field(
+        0.0, ge=-3.2, le=3.2, description="Direction of its length, from x [rad]."
+    )
+
+    @model_validator(mode="after")
+    def _check_size(self) -> "ObstacleSettings":
+        if not all(0.05 <= side <= 100 for side in self.size_m):
+            raise ValueError(f"size_m is within 0.05 to 100 m a side, got {list(self.size_m)}")
+        return self
+
+
+class PersonSettings(Settings):
+    """Somebody who walks along a line and back, and does not mind the machine."""
+
+    path_m: tuple[tuple[Meters, Meters], ...] = Field(
+        min_length=2,
+        max_length=50,
+        description="Corners (x, y) of the line, walked there and back.",
+    )
+    speed_m_s: MetersPerSecond = Field(1.2, gt=0, le=3, description="Speed [m/s].")
+    height_m: Meters = Field(1.75, ge=0.5, le=2.5, description="Height [m].")
+    width_m: Meters = Field(0.5, ge=0.2, le=1.5, description="Width, the same on all sides [m].")
+
+    @model_validator(mode="after")
+    def _check_path(self) -> "PersonSettings":
+        if any(first == second for first, second in pairwise(self.path_m)):
+            raise ValueError("path_m has the same corner twice in a row: leave one of them out")
+        return self
 
 
 class SiteSettings(Settings):
-    """The ground and the stones."""
+    """The ground, what stands on it, and the stones."""
 
     terrain: TerrainSettings = Field(TerrainSettings(), description="Shape of the ground.")
     stones: StoneSettings = Field(StoneSettings(), description="Which stones lie on it.")
+    obstacles: tuple[ObstacleSettings, ...] = Field(
+        (), max_length=50, description="What stands on it; stones keep their gap to it."
+    )
+    people: tuple[PersonSettings, ...] = Field((), max_length=20, description="Who walks on it.")
     liftable: bool | None = Field(
         None,
         description="Whether stones lie only where the machine may lift them (ISO 10567); if not "

@@ -1,4 +1,4 @@
-"""A site: rough ground, and stones that rest on it."""
+"""A site: rough ground, what stands on it, and stones that rest on it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -7,9 +7,11 @@ import mujoco
 import numpy as np
 from executive_plugins.physics.scenario import Scenario, contact_of
 from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
+from executive_plugins.robot.mujoco.site.obstacle import Obstacle, make_obstacles
+from executive_plugins.robot.mujoco.site.person import Person, make_people
 from executive_plugins.robot.mujoco.site.settings import SiteSettings, StoneSettings
 from executive_plugins.robot.mujoco.site.stone_model import StoneModel
-from executive_plugins.robot.mujoco.site.stone_placement import Grounds, place
+from executive_plugins.robot.mujoco.site.stone_placement import Grounds, footprint, place
 from executive_plugins.robot.mujoco.site.stones import make_stones
 from executive_plugins.robot.mujoco.site.terrain import Terrain, make_terrain
 
@@ -35,18 +37,26 @@ class Site:
         terrain: The ground.
         stones: The stones, `stone_1` first; may be empty.
         T_world_stones: Pose of each stone at rest, (4, 4) each.
+        obstacles: What stands on the ground and never moves.
+        people: Who walks on it.
     """
 
     terrain: Terrain
     stones: tuple[StoneModel, ...]
     T_world_stones: tuple[Float, ...]
+    obstacles: tuple[Obstacle, ...] = ()
+    people: tuple[Person, ...] = ()
 
     def add_to(self, spec: mujoco.MjSpec) -> None:
-        """Add ground, stones and daylight to a world."""
+        """Add ground, obstacles, stones, people and daylight to a world."""
         add_daylight(spec)
         self.terrain.add_to(spec)
+        for obstacle in self.obstacles:
+            obstacle.add_to(spec)
         for stone, T_world_stone in zip(self.stones, self.T_world_stones, strict=True):
             stone.add_to(spec, T_world_stone)
+        for person in self.people:
+            person.add_to(spec)
 
 
 def make_site(
@@ -63,16 +73,24 @@ def make_site(
     """
     ground_rng, shape_rng, place_rng, density_rng = rng.spawn(4)
     terrain = make_terrain(settings.terrain, ground_rng)
+    obstacles = make_obstacles(settings.obstacles, terrain)
+    people = make_people(settings.people, terrain)
     densities = _densities(scenario, settings.stones, density_rng)
     stones = make_stones(settings.stones, machine.payload_kg, shape_rng, densities)
     if not stones:
-        return Site(terrain, (), ())
+        return Site(terrain, (), (), obstacles, people)
     is_liftable = scenario != "kind" if settings.liftable is None else settings.liftable
     capacity = LiftCapacity(machine) if is_liftable else None
     contact = contact_of(scenario, machine.gripper)
-    grounds = Grounds(terrain, settings.stones.placement, machine.reach_m, capacity)
+    grounds = Grounds(
+        terrain,
+        settings.stones.placement,
+        machine.reach_m,
+        capacity,
+        taken=tuple(footprint(obstacle.mesh()[0]) for obstacle in obstacles),
+    )
     poses = place(stones, grounds, physics, contact, place_rng)
-    return Site(terrain, stones, poses)
+    return Site(terrain, stones, poses, obstacles, people)
 
 
 def _densities(

@@ -1,9 +1,9 @@
-"""The site for rays from outside: ground and stones, without the machine."""
+"""The site for rays from outside: ground, obstacles and stones, without the machine."""
 
 from collections.abc import Sequence
 
 import numpy as np
-from executive_plugins.robot.mujoco.site.ray_mesh import Mesh, RayMesh, Rays, moved
+from executive_plugins.robot.mujoco.site.ray_mesh import Mesh, RayMesh, Rays, joined, moved
 from executive_plugins.robot.mujoco.site.site import Site
 
 from executive.arrays import Float, checked
@@ -12,14 +12,16 @@ _MOVED_M = 2e-3  # motion above which a stone does not rest
 
 
 class SiteScene:
-    """Ground and stones for ray casting.
+    """Ground, obstacles and stones for ray casting.
 
     The hierarchy is rebuilt only when a stone begins or stops moving. Moving stones are not part of
     it; a lidar casts them separately, see `sensors/lidar.py`.
     """
 
     def __init__(self, site: Site) -> None:
-        self._terrain: Mesh = site.terrain.mesh()
+        self._fixed: Mesh = joined(
+            [site.terrain.mesh(), *(obstacle.mesh() for obstacle in site.obstacles)]
+        )
         self._names = tuple(stone.name for stone in site.stones)
         self._skins: tuple[Mesh, ...] = tuple(
             (stone.vertices, stone.triangles) for stone in site.stones
@@ -72,7 +74,7 @@ class SiteScene:
 
     def _build(self) -> RayMesh:
         meshes = [
-            self._terrain,
+            self._fixed,
             *(moved(self._skins[i], self._built[i]) for i in sorted(self._resting)),
         ]
         self._top_m = max(float(vertices[:, 2].max()) for vertices, _ in meshes)
@@ -87,7 +89,7 @@ class SiteScene:
         return ranges
 
     def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
-        """Return ranges to the ground and all stones, see `executive.interfaces.robot.Scene`.
+        """Return ranges to all of the site, see `executive.interfaces.robot.Scene`.
 
         The machine is not included, since a survey is flown before it arrives.
         """

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from executive_plugins.physics.hull_mesh import hull_mesh
 
 from executive.arrays import Float, Int, checked
+from executive.geometry.hull_mesh import hull_mesh
 from executive.geometry.solid import (
     inertia_about_origin,
     volume_and_centroid,

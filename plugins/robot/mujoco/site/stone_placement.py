@@ -1,7 +1,7 @@
 """Poses of stones: drawn with gaps, dropped, and settled."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -37,12 +37,20 @@ class Grounds:
         settings: The sector, and the gaps.
         reach_m: Reach of the machine, for radii that are not given.
         capacity: What the machine may lift where; stones lie anywhere in the sector if None.
+        station_m: Middle of the sector, where the machine will stand, (x, y) [m].
+        taken: Outlines from above of what stands there already [m], (K, 2) each.
     """
 
     terrain: Terrain
     settings: PlacementSettings
     reach_m: float
     capacity: LiftCapacity | None = None
+    station_m: tuple[float, float] = (0.0, 0.0)
+    taken: tuple[Float, ...] = ()
+
+    def at(self, station_m: tuple[float, float]) -> "Grounds":
+        """Return the same about another place of the machine, (x, y) [m]."""
+        return replace(self, station_m=station_m)
 
 
 class _NoRoomError(Exception):
@@ -90,10 +98,11 @@ def _arrangement(
     """Place the stones one by one with gaps (random sequential insertion)."""
     elsewhere = rng.spawn(1)[0]
     placed: list[Float] = []
-    outlines: list[Float] = []
-    for stone in stones:
+    outlines: list[Float] = list(grounds.taken)
+    stations = grounds.settings.stations_m
+    for i, stone in enumerate(stones):
         for _ in range(_TRIES):
-            T = _liftable(stone, grounds, rng, elsewhere)
+            T = _liftable(stone, grounds.at(stations[i % len(stations)]), rng, elsewhere)
             outline = footprint(transform(T, stone.hull))
             if all(
                 _is_clear(outline, other, grounds.settings.gap_m + _ROLL_M) for other in outlines
@@ -115,7 +124,7 @@ def _liftable(
     """Draw a pose; where the machine may not lift the stone, draw others from `elsewhere`."""
     T = _draw(stone, grounds, rng)
     for _ in range(_TRIES):
-        if grounds.capacity is None or _may_be_lifted(stone, T, grounds.capacity):
+        if _may_be_lifted(stone, T, grounds):
             return T
         T = _draw(stone, grounds, elsewhere)
     raise ConfigError(
@@ -145,14 +154,18 @@ def _draw(
     azimuth = settings.sector_centre_rad + settings.sector_width_rad * rng.uniform(-0.5, 0.5)
     tilt = exp_so3(np.append(rng.normal(0.0, _TILT_RAD, 2), 0.0))
     R = about_axis(np.array([0.0, 0.0, 1.0]), rng.uniform(0, 2 * np.pi)) @ tilt @ _flat(stone)
-    corners = stone.hull @ R.T + np.array([radius * np.cos(azimuth), radius * np.sin(azimuth), 0.0])
-    height = (terrain.height_at(corners[:, :2]) - corners[:, 2]).max() + _CLEARANCE_M
-    return pose(R, np.array([radius * np.cos(azimuth), radius * np.sin(azimuth), height]))
+    x, y = grounds.station_m
+    place = np.array([x + radius * np.cos(azimuth), y + radius * np.sin(azimuth), 0.0])
+    corners = stone.hull @ R.T + place
+    place[2] = (terrain.height_at(corners[:, :2]) - corners[:, 2]).max() + _CLEARANCE_M
+    return pose(R, place)
 
 
-def _may_be_lifted(stone: StoneModel, T_world_stone: Float, capacity: LiftCapacity) -> bool:
-    x, y = T_world_stone[:2, 3]
-    there = capacity.near(float(np.hypot(x, y)), float(np.arctan2(y, x)))
+def _may_be_lifted(stone: StoneModel, T_world_stone: Float, grounds: Grounds) -> bool:
+    x, y = T_world_stone[:2, 3] - grounds.station_m
+    if grounds.capacity is None:
+        return True
+    there = grounds.capacity.near(float(np.hypot(x, y)), float(np.arctan2(y, x)))
     return there is not None and there.rated_kg >= stone.mass_kg
 
 

@@ -76,9 +76,9 @@ class Terrain:
 
 
 def make_terrain(settings: TerrainSettings, rng: np.random.Generator) -> Terrain:
-    """Draw a terrain: long waves plus roughness, both Gaussian random fields.
+    """Draw a terrain: long waves plus roughness, both Gaussian random fields, on a plane.
 
-    Both fade out towards the pad of the machine.
+    All fade out towards the pad of the machine: on a slope, a terrace is cut for it.
     """
     n = 2 * round(settings.half_size_m / settings.cell_m) + 1
     coordinates = np.linspace(-settings.half_size_m, settings.half_size_m, n)
@@ -87,6 +87,8 @@ def make_terrain(settings: TerrainSettings, rng: np.random.Generator) -> Terrain
     clods = _field(n, 1.0, rng)
     fade = _fade(coordinates, settings.pad_radius_m)
     heights = settings.undulation_m * fade * waves + settings.roughness_m * fade * clods
+    if settings.slope_rad > 0:
+        heights += fade * _hillside(coordinates, settings.slope_rad, settings.uphill_rad)
     return Terrain(coordinates, heights)
 
 
@@ -94,6 +96,14 @@ def _field(n: int, kernel_cells: float, rng: np.random.Generator) -> Float:
     noise = gaussian_filter(rng.standard_normal((n, n)), kernel_cells, mode="wrap")
     noise -= noise.mean()
     return np.asarray(noise / noise.std())
+
+
+def _hillside(coordinates_m: Float, slope_rad: float, uphill_rad: float) -> Float:
+    """Return the heights of a plane through the origin that rises in a direction [m], (n, n)."""
+    along = (
+        np.cos(uphill_rad) * coordinates_m[:, None] + np.sin(uphill_rad) * coordinates_m[None, :]
+    )
+    return np.asarray(np.tan(slope_rad) * along)
 
 
 def _fade(coordinates_m: Float, pad_radius_m: float) -> Float:

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import fcl
 from executive_plugins.physics.fcl_convex import fcl_convex
-from executive_plugins.physics.hull_mesh import hull_mesh
 from executive_plugins.robot.mujoco.site.site import Site
 from executive_plugins.robot.mujoco.site.terrain import TERRAIN
 
 from executive.arrays import Float
+from executive.geometry.hull_mesh import hull_mesh
 from executive.geometry.pose import transform
 
 _TOUCHING_M = 0.02  # between two stones at rest; contacts of the simulation are soft

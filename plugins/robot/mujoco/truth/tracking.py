@@ -1,7 +1,7 @@
 """The object database against the truth: which stones it knows, and each realigned pose."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 from executive_plugins.robot.mujoco.truth.truth_log import TruthLog
@@ -44,7 +44,29 @@ class Tracking:
             "ghosts": len(self._stones) - len(found),
         }
 
-    def realignments(self) -> list[dict[str, Any]]:
+    def found_as(self, stone: int) -> int | None:
+        """Return the number of the first object that a stone was found as; None if of none."""
+        return next((number for number, found in self._stones.items() if found == stone), None)
+
+    def error(self, number: int, T_map_object: Float) -> dict[str, float]:
+        """Return how far a pose of an object is off at the end: `database_error_m` and `_rad`, and
+        `models`, how many models it has had; errors count since the newest was seen.
+        """
+        stone = self._stones[number]
+        if stone is None:
+            return {}
+        events = self._histories[number]
+        bases = self._bases(stone, events)
+        base = events[bases[-1]]
+        at_end = replace(base, stamp_s=self._log.end_s, T_map_object=T_map_object)
+        away_m, away_rad = self._error(stone, self._T_stone_object(stone, base), at_end)
+        return {
+            "database_error_m": away_m,
+            "database_error_rad": away_rad,
+            "models": len(bases),
+        }
+
+    def realignments(self) -> list[dict[str, object]]:
         """Return an entry for each release of each known stone.
 
         `settled_error_m` and `settled_error_rad` are those of the pose after the release, which
@@ -58,12 +80,14 @@ class Tracking:
             for entry in self._of_object(stone, self._histories[number])
         ]
 
-    def _of_object(self, stone: int, events: Sequence[StoneEvent]) -> Iterator[dict[str, Any]]:
-        first = events[0]
-        T_stone_object = inverse(self._log.T_world_stone(stone, first.stamp_s)) @ first.T_map_object
+    def _of_object(self, stone: int, events: Sequence[StoneEvent]) -> Iterator[dict[str, object]]:
+        bases = self._bases(stone, events)
         releases = [i for i, event in enumerate(events) if event.kind == "release"]
         for number, i in enumerate(releases):
             last = releases[number + 1] if number + 1 < len(releases) else len(events)
+            base = max(n for n in bases if n <= i)
+            T_stone_object = self._T_stone_object(stone, events[base])
+            last = min((last, *(n for n in bases if n > i)))  # then it is another model's pose
             realigned = next((e for e in events[i:last] if e.kind == "realign"), None)
             settled_m, settled_rad = self._error(stone, T_stone_object, events[i])
             error_m, error_rad = self._error(stone, T_stone_object, realigned or events[i])
@@ -76,6 +100,20 @@ class Tracking:
                 "error_m": error_m,
                 "error_rad": error_rad,
             }
+
+    def _bases(self, stone: int, events: Sequence[StoneEvent]) -> list[int]:
+        """Return at which events an object got a model: when it was found, and when it was replaced
+        by what was seen of the same stone. The frame of a new model has a rotation of its own.
+        """
+        return [
+            i
+            for i, event in enumerate(events)
+            if i == 0 or (event.kind == "replaced" and _nearest(self._log, event) == stone)
+        ]
+
+    def _T_stone_object(self, stone: int, base: StoneEvent) -> Float:
+        """Return the pose of an object in its stone, which a model keeps, shape (4, 4)."""
+        return inverse(self._log.T_world_stone(stone, base.stamp_s)) @ base.T_map_object
 
     def _error(self, stone: int, T_stone_object: Float, event: StoneEvent) -> tuple[float, float]:
         """Return distance [m] and angle [rad] of a pose from where the stone has carried it."""

@@ -5,20 +5,32 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 from executive_plugins.robot.mujoco.truth.contact_log import ContactLog, Span
+from executive_plugins.robot.mujoco.truth.truth_file import (
+    Records,
+    rests_as_arrays,
+    rests_from,
+    spans_as_array,
+    spans_from,
+)
+from numpy.typing import NDArray
 
 from executive.arrays import Float
+from executive.errors import DataError
 from executive.geometry.pose import interpolate, pose
 from executive.machine.machine import Machine
 
 _PERIOD_S = 0.1  # between two recorded poses
 _EPSILON_S = 1e-6
+_STILL = 1e-4  # largest change of an entry of the pose of a stone at rest between two records
+_ELSEWHERE = 1e-3  # change of an entry from which a stone lies at another place [m], or as a sine
 
 
 class TruthLog:
     """The true course of a run.
 
     Poses of stones, cabin and gripper are recorded ten times a second, contacts of the machine at
-    every control step.
+    every control step. Where each stone came to rest is kept beyond the end of the process, so that
+    a mission that was cut off and resumed is judged against where its stones were found.
     """
 
     def __init__(self, machine: Machine, stones: Sequence[str], model: mujoco.MjModel) -> None:
@@ -31,12 +43,64 @@ class TruthLog:
         self._T_stones: list[list[Float]] = []
         self._T_cabin: list[Float] = []
         self._T_gripper: list[Float] = []
+        self._rests: list[list[tuple[float, Float]]] = [[] for _ in self.stones]
 
-    def begin_at(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> None:
-        """Forget everything before a time [s]: it was in a process that has ended."""
+    def keep(self) -> tuple[tuple[Float, Float], ...]:
+        """Return for each stone since when it lay [s], shape (N,), and its poses, (N, 4, 4)."""
+        return tuple(
+            (np.array([since_s for since_s, _ in rests]), np.array([T for _, T in rests]))
+            for rests in self._rests
+        )
+
+    def begin_at(
+        self,
+        time_s: float,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        kept: Sequence[tuple[Float, Float]],
+    ) -> None:
+        """Begin at a time [s] with what `keep` returned; the rest was in a process that has ended.
+
+        Poses of stones before that time are those at which they were at rest last.
+        """
         for records in (self._stamps_s, self._T_stones, self._T_cabin, self._T_gripper):
             records.clear()
+        self._rests = [list(zip(map(float, s), T, strict=True)) for s, T in kept]
         self.step(time_s, model, data)
+
+    def records(self) -> Records:
+        """Return all that was recorded, as arrays by name."""
+        return {
+            "names": np.array(self.stones, dtype=str),
+            "stamps_s": np.array(self._stamps_s),
+            "stone_poses": np.array(self._T_stones).reshape(-1, len(self.stones), 4, 4),
+            "cabin_poses": np.array(self._T_cabin),
+            "gripper_poses": np.array(self._T_gripper),
+            "contacts": spans_as_array(self.spans()),
+            **rests_as_arrays(self._rests),
+        }
+
+    def take(self, records: Records, zero_s: float) -> None:
+        """Take what another process has recorded, instead of all that was recorded here.
+
+        Args:
+            records: What `records` returned there.
+            zero_s: The time of that process's clock that is taken as zero [s].
+
+        Raises:
+            DataError: If they are of other stones, or incomplete.
+        """
+        if tuple(records.get("names", ())) != self.stones:
+            raise DataError("the truth of the run is of another site than its mission's")
+        try:
+            self._stamps_s = [float(at_s) - zero_s for at_s in records["stamps_s"].tolist()]
+            self._T_stones = [list(poses) for poses in _floats(records["stone_poses"])]
+            self._T_cabin = list(_floats(records["cabin_poses"]))
+            self._T_gripper = list(_floats(records["gripper_poses"]))
+            self.contacts.take(spans_from(records["contacts"], zero_s))
+            self._rests = rests_from(records, len(self.stones), zero_s)
+        except (KeyError, TypeError, ValueError, IndexError) as error:
+            raise DataError(f"the truth of the run is incomplete: {error}") from error
 
     def step(self, time_s: float, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Record the end of a control step; poses and contacts in `data` must be up to date."""
@@ -46,6 +110,15 @@ class TruthLog:
             self._T_stones.append([_pose(data, i) for i in self._stone_ids])
             self._T_cabin.append(_pose(data, self._cabin_id))
             self._T_gripper.append(_pose(data, self._gripper_id))
+            self._note_rests(time_s)
+
+    def _note_rests(self, time_s: float) -> None:
+        """Note each stone that has come to rest at another place than before."""
+        before = self._T_stones[-2] if len(self._T_stones) > 1 else self._T_stones[-1]
+        for T, last, rests in zip(self._T_stones[-1], before, self._rests, strict=True):
+            is_still = np.abs(T - last).max() < _STILL
+            if is_still and (not rests or np.abs(T - rests[-1][1]).max() > _ELSEWHERE):
+                rests.append((time_s, T))
 
     @property
     def end_s(self) -> float:
@@ -57,6 +130,10 @@ class TruthLog:
 
         The origin of its frame is the centroid of its volume.
         """
+        rests = self._rests[stone]
+        if rests and time_s < self._stamps_s[0] - _EPSILON_S:
+            since = sum(since_s <= time_s + _EPSILON_S for since_s, _ in rests)
+            return rests[max(since - 1, 0)][1]
         i, fraction = self._bracket(time_s)
         return interpolate(
             self._T_stones[i][stone], self._T_stones[min(i + 1, self._last)][stone], fraction
@@ -99,6 +176,10 @@ class TruthLog:
 
 def _periods(time_s: float) -> int:
     return int((time_s + _EPSILON_S) / _PERIOD_S)
+
+
+def _floats(array: NDArray[np.generic]) -> Float:
+    return np.asarray(array, dtype=np.float64)
 
 
 def _pose(data: mujoco.MjData, body: int) -> Float:
