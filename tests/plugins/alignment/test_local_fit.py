@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 from executive_plugins.alignment.gicp import Gicp
+from executive_plugins.alignment.local_fit import _within_reach
 from executive_plugins.alignment.point_to_plane import PointToPlane
 from executive_plugins.alignment.settings import GicpSettings, PointToPlaneSettings
+from executive_plugins.alignment.thinning import grid_for, spacing_m
+from scipy.spatial import cKDTree
 
 from executive.errors import DataError
 from executive.geometry.pose import inverse, pose, transform
@@ -60,17 +63,44 @@ def test_half_a_surface_is_enough() -> None:
     assert found.overlap < 0.95
 
 
-def test_a_surface_that_slides_away_is_refused() -> None:
-    """Half a boulder by its normals alone turns about itself, far beyond the reach; the gate sees
-    that.
-    """
-    seen, source = boulder(7), boulder(8)
-    half = Cloud("map", seen[seen[:, 0] + 0.4 * seen[:, 1] < 0.2])
+def test_a_fit_that_wanders_beyond_the_reach_is_refused() -> None:
     credulous = PointToPlane(PointToPlaneSettings(max_rmse_m=1.0, min_overlap=0.0))
-    T = pose(exp_so3(np.array([0.02, -0.03, 0.06])), np.array([0.06, -0.04, 0.02]))
-    found = credulous.align(half, Cloud("map", transform(inverse(T), source)), np.eye(4), 0.3)
+    away = Cloud("map", boulder(8) + [0, 0.25, 0])
+    found = credulous.align(Cloud("map", boulder(7)), away, np.eye(4), 0.06)
     assert not found.accepted
     assert "slid away" in found.reason
+
+
+def stone_on_ground(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return what is seen from one side of a block on the ground, and the block's whole surface."""
+    rng = np.random.default_rng(seed)
+    size = np.array([1.3, 0.9, 0.6])
+    whole = rng.uniform(-0.5, 0.5, (5000, 3))
+    face = rng.integers(3, size=len(whole))
+    whole[np.arange(len(whole)), face] = rng.choice([-0.5, 0.5], len(whole))
+    whole = whole * size @ exp_so3(np.array([0.15, 0.1, 0.4])).T + [0, 0, 0.5]
+    outward = (whole - [0, 0, 0.5]) @ exp_so3(np.array([0.15, 0.1, 0.4]))
+    normals = np.sign(outward) * (np.abs(np.abs(outward) - 0.5 * size) < 1e-9)
+    normals = normals @ exp_so3(np.array([0.15, 0.1, 0.4])).T
+    seen = whole[np.einsum("ij,ij->i", normals, [-6.0, -1.0, 3.0] - whole) > 0]
+    ground = np.column_stack([rng.uniform(-1.5, 1.5, (4000, 2)), np.zeros(4000)])
+    in_shadow = (np.abs(ground[:, 1]) < 0.7) & (ground[:, 0] > -0.5)
+    view = np.vstack([seen, ground[~in_shadow]])
+    return view + rng.normal(0, 0.012, view.shape), whole + rng.normal(0, 0.01, whole.shape)
+
+
+@pytest.mark.parametrize("aligner", ALIGNERS)
+@pytest.mark.parametrize("seed", range(3))
+def test_what_the_target_does_not_show_of_a_stone_does_not_turn_it(
+    aligner: Aligner, seed: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    view, whole = stone_on_ground(seed)
+    T = pose(exp_so3(rng.normal(0, 0.03, 3)), rng.normal(0, 0.05, 3))
+    model = Cloud("map", transform(inverse(T), whole))
+    found = aligner.align(Cloud("map", view), model, np.eye(4), 0.3)
+    assert found.accepted, found.reason
+    assert angle_between(found.T_target_source[:3, :3], T[:3, :3]) < 0.05
 
 
 @pytest.mark.parametrize("aligner", ALIGNERS)
@@ -159,3 +189,48 @@ def test_the_direction_that_nothing_determines_is_told() -> None:
     assert abs(axes[0, -1]) > 0.98  # along the corridor
     assert variances[-1] > 25 * variances[-2]
     assert "weak: sliding along (1.00" in found.reason
+
+
+def terrain(seed: int, apart_m: float, phase: float = 0.0) -> np.ndarray:
+    """Return hills of 12 m by 12 m whose points are so far apart."""
+    rng = np.random.default_rng(seed)
+    xy = rng.uniform(-6, 6, (int((12 / apart_m) ** 2), 2))
+    z = 0.4 * np.sin(1.1 * xy[:, 0] + phase) + 0.3 * np.cos(0.9 * xy[:, 1] + phase)
+    return np.column_stack([xy, z]) + rng.normal(0, 0.005, (len(xy), 3))
+
+
+def test_points_far_apart_are_matched_by_their_own_spacing() -> None:
+    T = pose(exp_so3(np.array([0.0, 0.01, 0.01])), np.array([0.1, -0.1, 0.05]))
+    source = Cloud("map", transform(inverse(T), terrain(2, 0.15)))
+    found = GICP.align(Cloud("map", terrain(1, 0.15)), source, np.eye(4), 0.3)
+    assert found.rmse_m > GicpSettings().max_rmse_m  # what points so far apart have anyhow
+    assert found.accepted, found.reason
+    assert np.linalg.norm(found.T_target_source[:3, 3] - T[:3, 3]) < 0.02
+
+
+def test_other_ground_is_refused_however_far_its_points_are_apart() -> None:
+    source = Cloud("map", terrain(2, 0.15, phase=0.8))
+    found = GICP.align(Cloud("map", terrain(1, 0.15)), source, np.eye(4), 0.3)
+    assert not found.accepted
+
+
+def test_spacing_is_the_edge_of_a_square_grid() -> None:
+    grid = np.mgrid[0:30, 0:30, 0:1].reshape(3, -1).T * 0.07
+    assert spacing_m(cKDTree(grid), 12) == pytest.approx(0.07, rel=0.15)  # 12 lie in two rings
+    assert spacing_m(cKDTree(grid[:1]), 12) == 0.0
+
+
+def test_a_cloud_of_many_points_is_thinned_on_a_coarser_grid() -> None:
+    plane = np.random.default_rng(3).uniform(0, 10, (100_000, 3)) * [1, 1, 0]
+    cells = len(np.unique(np.floor(plane / 0.05), axis=0))
+    assert grid_for(plane, 0.05) == pytest.approx(0.05 * np.sqrt(cells / 10_000), rel=0.05)
+    assert grid_for(plane[:5000], 0.05) == 0.05
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_points_in_reach_are_those_beside_the_others_on_every_side(axis: int) -> None:
+    others = np.array([[0.0, 0.0, 0.0], [4.0, 4.0, 4.0]])
+    places = (-1.1, -0.9, 0.5, 3.5, 4.9, 5.1)
+    points = np.full((len(places), 3), 2.0)
+    points[:, axis] = places
+    assert _within_reach(points, others, 1.0).tolist() == [False, True, True, True, True, False]

@@ -3,6 +3,7 @@ is in reach.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -85,7 +86,7 @@ def free_motion() -> MotionPlanner:
 def planner_of(machine: Machine) -> Callable[..., SampledAntipodal]:
     """Return a maker of planners by their settings and the arm's reach."""
 
-    def make(reach_m: float = np.inf, **settings: float) -> SampledAntipodal:
+    def make(reach_m: float = np.inf, **settings: Any) -> SampledAntipodal:
         return SampledAntipodal(SampledAntipodalSettings(**settings), machine, FreeMotion(reach_m))
 
     return make

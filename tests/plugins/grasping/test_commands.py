@@ -5,12 +5,16 @@ mistakes.
 import json
 import subprocess
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pytest
+import typer
+from executive_plugins.grasping import commands
 from executive_plugins.grasping.classifier.outcome_net import load_net
 
-from executive.errors import UnknownPluginError
+from executive.commands.bulk import Where
+from executive.errors import ConfigError, UnknownPluginError
 from executive.registry import VERBS, installed, load_verb
 
 
@@ -88,3 +92,43 @@ def test_an_unknown_architecture_is_a_message_and_no_traceback(tmp_path: Path) -
     assert failed.returncode == 2
     assert "'resnet' is not one of four_layer, two_stream" in failed.stderr
     assert "Traceback" not in failed.stderr
+
+
+def test_the_count_of_stones_grows_by_each_that_is_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of four stones one is there already; the second of the missing ones fails."""
+    asked: list[object] = []
+
+    def spread(work: str, arguments: Mapping[str, object], seeds: Sequence[int], where, take):
+        asked.extend((work, dict(arguments), list(seeds), where))
+        for seed in (0, 3):
+            made = tmp_path / "runs" / str(seed)
+            made.mkdir(parents=True)
+            (made / f"stone_{seed:05d}.npz").write_bytes(b"labels")
+            take(seed, made)
+        return 1
+
+    monkeypatch.setattr(commands, "spread", spread)
+    folder = tmp_path / "labels"
+    folder.mkdir()
+    (folder / "stone_00001.npz").write_bytes(b"there")
+    with pytest.raises(typer.Exit) as ended:
+        commands.grasp_data(folder, 4, 6, 9, "m545", "wet", 3, "tcp://here:1")
+    assert ended.value.exit_code == 1
+    work, arguments, seeds, where = asked
+    assert (work, seeds) == ("grasp_labels", [0, 2, 3])
+    wanted = {"machine": "m545", "seed": 9, "grasps_per_stone": 6, "physics": "wet"}
+    assert wanted.items() <= arguments.items()
+    assert where == Where(folder / "unfinished", 3, "tcp://here:1")
+    told = [part.strip() for part in capsys.readouterr().err.split("\r") if part]
+    assert [one.partition("\n")[0] for one in told] == [f"{n} of 4 stones" for n in (1, 2, 3)]
+    names = sorted(path.name for path in folder.glob("*.npz"))
+    assert names == ["stone_00000.npz", "stone_00001.npz", "stone_00003.npz"]
+    assert (folder / "stone_00001.npz").read_bytes() == b"there"
+
+
+def test_contacts_that_nobody_knows_are_refused_before_a_folder_is_made(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="--physics"):
+        commands.grasp_data(tmp_path / "labels", physics="stormy")
+    assert not (tmp_path / "labels").exists()

@@ -32,7 +32,7 @@ def plan(planner: SampledAntipodal, scene: tuple, seed: int = 0) -> GraspPlan:
 
 @pytest.fixture(scope="module")
 def planner(planner_of: Callable) -> SampledAntipodal:
-    return planner_of(samples=30, rehearsed=8)
+    return planner_of(samples=30, rehearsed=8, physics="kind")
 
 
 @pytest.fixture(scope="module")
@@ -213,15 +213,28 @@ def test_a_stone_that_was_weighed_is_judged_by_its_weight_and_the_message_has_it
     assert planner.plan(light, cloud, np.eye(4), np.random.default_rng(0)).grasps
 
 
-@pytest.mark.parametrize("rule", ["payload", "iso_10567"])
-def test_a_lift_that_would_tip_the_machine_is_refused_on_request(
-    machine: Machine, free_motion: MotionPlanner, scene: tuple, rule: str
+@pytest.mark.parametrize(
+    ("rule", "is_free", "is_refused"),
+    [
+        ("payload", True, False),
+        ("iso_10567", False, True),
+        ("by_base", True, True),
+        ("by_base", False, False),
+    ],
+)
+def test_a_lift_that_would_tip_the_machine_is_refused_on_request_or_where_it_may_tip(
+    machine: Machine,
+    free_motion: MotionPlanner,
+    scene: tuple,
+    rule: str,
+    is_free: bool,
+    is_refused: bool,
 ) -> None:
     narrow = ((0.5, 0.3), (0.5, -0.3), (-0.5, 0.3), (-0.5, -0.3))
-    stance = machine.stance.model_copy(update={"supports_m": narrow})
+    stance = machine.stance.model_copy(update={"supports_m": narrow, "is_free": is_free})
     settings = SampledAntipodalSettings(samples=10, rehearsed=0, lift_capacity=rule)
     planner = SampledAntipodal(settings, machine.model_copy(update={"stance": stance}), free_motion)
     answer = plan(planner, scene)
-    assert bool(answer.grasps) == (rule == "payload")
-    assert ("beyond_lift_capacity" in answer.refused) == (rule == "iso_10567")
-    assert ("that tip the machine, ISO 10567" in answer.detail) == (rule == "iso_10567")
+    assert bool(answer.grasps) == (not is_refused)
+    assert ("beyond_lift_capacity" in answer.refused) == is_refused
+    assert ("that tip the machine, ISO 10567" in answer.detail) == is_refused

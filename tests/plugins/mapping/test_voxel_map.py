@@ -1,16 +1,22 @@
 """The voxel map, in a yard of planes and on the machine itself."""
 
+import threading
 from collections.abc import Callable
 
 import numpy as np
 import pytest
-from executive_plugins.mapping.settings import VoxelMapSettings
+from executive_plugins.mapping.column_store import Columns
+from executive_plugins.mapping.column_surface import Choice
+from executive_plugins.mapping.map_cloud import MapCloud
+from executive_plugins.mapping.pose_graph import PoseGraph
+from executive_plugins.mapping.settings import PoseGraphSettings, VoxelMapSettings
 from executive_plugins.mapping.voxel_map import VoxelMap
 
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import transform
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
+from executive.messages.cloud import Cloud
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
 
@@ -137,12 +143,16 @@ def test_what_lies_behind_a_link_is_a_shadow(
     assert make_map(shadow_m=0.0).add_scan_pair([scan], yard.motion(1.0)) == 4
 
 
+@pytest.mark.parametrize("slid_m", [0.0, 0.35])
 def test_a_held_stone_is_masked_only_while_it_is_held(
-    make_map: Callable, make_yard: Callable, machine: Machine
+    make_map: Callable, make_yard: Callable, machine: Machine, slid_m: float
 ) -> None:
     yard, mapper = make_yard(rate_rad_s=0.0), make_map()
     d = np.random.default_rng(0).normal(size=(500, 3))
     stone_gripper = machine.gripper.grasp_centre + 0.7 * d / np.linalg.norm(d, axis=1)[:, None]
+    stone_gripper += (
+        slid_m * machine.gripper.grasp_centre / np.linalg.norm(machine.gripper.grasp_centre)
+    )  # away from the palm
     scan = yard.as_scan(transform(yard.T_cabin["gripper"], stone_gripper), "lidar_horizontal")
     seen = mapper.add_scan_pair([scan], yard.motion(1.0))
     mapper.mask_held(0.75)
@@ -150,6 +160,34 @@ def test_a_held_stone_is_masked_only_while_it_is_held(
     mapper.mask_held(0.0)
     assert (masked, mapper.add_scan_pair([scan], yard.motion(1.0))) == (0, seen)
     assert seen > 250
+
+
+@pytest.mark.parametrize("plugin", ["voxel_map", "pose_graph"])
+def test_what_is_held_is_seen_in_the_frame_of_the_gripper(
+    make_yard: Callable, machine: Machine, plugin: str
+) -> None:
+    yard = make_yard(rate_rad_s=0.0)
+    mapper = (
+        VoxelMap(VoxelMapSettings(), machine)
+        if plugin == "voxel_map"
+        else PoseGraph(PoseGraphSettings(process=False), machine)
+    )
+    mapper.start()
+    d = np.random.default_rng(0).normal(size=(500, 3))
+    stone = machine.gripper.grasp_centre + 0.7 * d / np.linalg.norm(d, axis=1)[:, None]
+    scan = yard.as_scan(transform(yard.T_cabin["gripper"], stone), "lidar_horizontal")
+    mapper.add_scan_pair([scan], yard.motion(1.0))
+    assert len(mapper.held()) == 0  # nothing is held yet
+    mapper.mask_held(0.75)
+    mapper.add_scan_pair([scan, yard.scan("lidar_horizontal", 1.0)], yard.motion(1.0))
+    seen = mapper.held()
+    assert seen.frame == "gripper"
+    assert 200 < len(seen) < 500  # but for what is in the machine's links, or in their shadow
+    away = np.linalg.norm(seen.points[:, None] - stone[None], axis=2).min(axis=1)
+    assert away.max() < 0.03  # a voxel
+    mapper.mask_held(0.0)
+    assert len(mapper.held()) == 0
+    mapper.close()
 
 
 def test_a_removed_sphere_stays_empty_until_it_is_seen_again(
@@ -196,3 +234,34 @@ def test_errors_of_bad_input_name_the_cause(
         mapper.mask_held(-1.0)
     with pytest.raises(ConfigError, match="not started"):
         VoxelMap(VoxelMapSettings(), machine).cloud()
+
+
+def test_scan_pairs_do_not_wait_for_a_thread_that_reads_the_map(
+    make_map: Callable, make_yard: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    yard, mapper, alone = make_yard(rate_rad_s=0.35), make_map(), make_map()
+    begun, go_on, read = threading.Event(), threading.Event(), MapCloud.read
+
+    def slowly(self: MapCloud, columns: Columns, choice: Choice) -> Cloud:
+        begun.set()
+        assert go_on.wait(60.0)
+        return read(self, columns, choice)
+
+    for k in range(3):
+        mapper.add_scan_pair(yard.pair(1 + 0.1 * k), yard.motion(1 + 0.1 * k))
+        alone.add_scan_pair(yard.pair(1 + 0.1 * k), yard.motion(1 + 0.1 * k))
+    before = alone.cloud().points
+    monkeypatch.setattr(MapCloud, "read", slowly)
+    found: list[Cloud] = []
+    reader = threading.Thread(target=lambda: found.append(mapper.cloud()), daemon=True)
+    reader.start()
+    assert begun.wait(60.0)
+    mapper.add_scan_pair(yard.pair(1.3), yard.motion(1.3))  # would wait for ever
+    mapper.remove_sphere(np.array([4.0, 0.0, 0.0]), 0.5)
+    go_on.set()
+    reader.join()
+    alone.add_scan_pair(yard.pair(1.3), yard.motion(1.3))
+    alone.remove_sphere(np.array([4.0, 0.0, 0.0]), 0.5)
+    np.testing.assert_array_equal(found[0].points, before)
+    np.testing.assert_array_equal(mapper.cloud().points, alone.cloud().points)
+    assert len(mapper.cloud()) != len(before)

@@ -169,6 +169,82 @@ def test_says_nothing_when_the_ground_takes_over_and_the_arm_presses_on_it(watch
     assert watch(carry)[0] == []
 
 
+def lowered() -> Carry:
+    """Return a carry whose boom sinks between the 6th and the 8th second."""
+    carry = Carry()
+    carry.boom = np.where((carry.t > 6.0) & (carry.t < 8.0), -0.1, carry.boom)
+    return carry
+
+
+def test_knows_that_the_ground_carries_the_stone_while_the_arm_still_sinks(watch) -> None:
+    carry = lowered()
+    carry.weight *= 1 - carry.after(7.0, 0.3)
+    for until_s, stands in ((6.9, False), (7.5, True)):
+        part = Carry(until_s)
+        part.boom, part.weight = carry.boom[: len(part.t)], carry.weight[: len(part.t)]
+        standing = watch(part)[1].standing()
+        assert standing > 0.95 if stands else standing < 0.05
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_stone_that_is_lowered_hangs_until_the_ground_takes_over(watch, machine, seed) -> None:
+    told = []
+    monitor = HoldState(HoldStateSettings(), machine)
+    monitor.start()
+    assert monitor.standing() is None
+    monitor.begin_hold()
+    for sample in lowered().samples(machine, PayloadScale(machine), seed):
+        monitor.update(sample)
+        told.append(monitor.standing())
+    assert told[0] is None
+    assert max(one for one in told if one is not None) < 0.95
+
+
+def test_a_stone_that_slides_onto_the_ground_out_of_closing_jaws_is_a_slip(watch) -> None:
+    """Its weight is gone, as if it had been set down, but the jaws have closed by decimetres."""
+    carry = lowered()
+    carry.weight *= 1 - carry.after(7.0, 0.2)
+    carry.jaw -= 0.1 * carry.after(7.0, 0.4)
+    told, monitor = watch(carry)
+    verdict = only(told)
+    assert (verdict.trouble, verdict.stamp_s <= 7.0 + 0.9) == (Trouble.SLIP, True)
+    assert "slid onto the ground" in verdict.detail
+    assert monitor.standing() > 0.95
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_an_arm_that_swings_up_after_a_fall_does_not_hide_it(watch, seed) -> None:
+    """It lost its load: the drives push it up and down about where it hung."""
+    carry = lowered()
+    carry.force *= 1 - carry.after(7.0, 0.05)
+    swing = np.cos(12 * (carry.t - 7.0)) * np.exp(-3 * np.clip(carry.t - 7.0, 0, None))
+    carry.weight = np.where(carry.t > 7.0, 0.8 * swing, carry.weight)
+    carry.jaw -= 0.1 * carry.after(7.0, 0.4)
+    verdict = only(watch(carry, seed)[0])
+    assert (verdict.trouble, verdict.stamp_s <= 7.0 + 0.5) == (Trouble.DROP, True)
+
+
+def test_a_stone_that_has_slipped_is_weighed_no_more(watch) -> None:
+    carry = Carry(16.0)
+    carry.jaw -= 0.03 * carry.after(6.0, 0.3)
+    carry.weight *= 1 - 0.4 * carry.after(6.5, 0.5)  # it touches the ground
+    told, monitor = watch(carry)
+    assert only(told).trouble is Trouble.SLIP
+    weight = monitor.weight()
+    assert weight.mass_kg == pytest.approx(MASS_KG, abs=3 * weight.std_kg)
+
+
+def test_a_stone_on_which_slack_jaws_are_pressed_is_not_lost(watch) -> None:
+    """The stone has slid down in the jaws, which bear on it no more, and the arm presses on it."""
+    carry = lowered()
+    pressed = carry.after(7.0, 0.3)
+    carry.weight *= 1 - 3.5 * pressed
+    carry.force *= 1 - 0.9 * pressed
+    told, monitor = watch(carry)
+    assert Trouble.DROP not in [verdict.trouble for verdict in told]
+    assert monitor.standing() > 0.95
+
+
 def test_says_nothing_while_a_lifted_stone_settles_by_a_quarter_of_a_metre(watch) -> None:
     carry = Carry()
     carry.jaw -= 0.12 * carry.after(1.5, 0.6)
@@ -199,7 +275,9 @@ def test_tells_jaws_that_hold_nothing(watch) -> None:
     carry = Carry(3.0)
     carry.weight[:] = 0.0
     carry.jaw[:] = 0.0
-    assert only(watch(carry)[0]).trouble is Trouble.EMPTY
+    told = only(watch(carry)[0])
+    assert told.trouble is Trouble.EMPTY
+    assert told.detail.startswith("nothing is between the jaws; ")
 
 
 def test_without_measured_jaw_forces_weight_and_jaws_tell(watch) -> None:

@@ -328,11 +328,13 @@ def boulder(x: float, y: float, radius: float) -> Float:
     return np.array([x, y, -0.9 + radius]) + radius * directions
 
 
-def sweep_at(make_planner, start: Float, *obstacles: Float) -> MotionPlan:
+def sweep_at(
+    make_planner, start: Float, *obstacles: Float, held: Float | None = None
+) -> MotionPlan:
     machine = load_machine("m545")
     moved = pose(from_rpy(0.0, 0.0, 1.0), np.array([20.0, -5.0, 0.3]))
     cloud = level_ground(machine, *obstacles)
-    around = Around(moved, Cloud("map", transform(moved, cloud.points)), 0.9)
+    around = Around(moved, Cloud("map", transform(moved, cloud.points)), 0.9, held)
     return make_planner("m545").swing(start, 1.4, 6.0, around)
 
 
@@ -346,6 +348,23 @@ def test_a_sweep_over_free_ground_folds_the_arm_while_the_cabin_turns(make_plann
     turns = plan.trajectory.position[:, machine.arm_names.index(machine.turn_joint)]
     assert (turns.max(), turns.min(), turns[-1]) == pytest.approx((0.7, -0.7, 0.0), abs=1e-6)
     assert_keeps_limits(machine, plan.trajectory, is_loaded=False)
+
+
+def test_a_held_stone_is_swept_along(make_planner) -> None:
+    """A post reaches to the middle of the stone's way, below that of the empty jaws."""
+    machine = load_machine("m545")
+    start = machine.posture("scan")
+    stone = np.array([1.2, 0.0, 0.0]) + boulder(0.0, 0.0, 0.5) - [0.0, 0.0, -0.4]
+    middle = transform(Kinematics(machine).gripper(start), np.array([1.2, 0.0, 0.0]))
+    at = transform(pose(from_rpy(0.0, 0.0, 0.5)), middle)
+    post = np.column_stack([np.tile(at[:2], (200, 1)), np.linspace(-0.9, at[2], 200)])
+    free, loaded = sweep_at(make_planner, start, post), sweep_at(make_planner, start, held=stone)
+    assert free.trajectory is not None, free.reason
+    assert loaded.trajectory is not None, loaded.reason
+    assert_keeps_limits(machine, loaded.trajectory, is_loaded=True)
+    refused = sweep_at(make_planner, start, post, held=stone)
+    assert refused.trajectory is None
+    assert refused.reason.startswith("sweeping: collision of held_stone with the surroundings")
 
 
 def test_a_sweep_folds_first_where_the_arm_would_hit_a_stone_beside_it(make_planner) -> None:

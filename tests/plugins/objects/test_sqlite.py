@@ -1,6 +1,7 @@
 """The object database, on segments made here."""
 
 import sqlite3
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from executive.arrays import Float
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import about_axis, from_rpy
+from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment
 from executive.messages.stone import StoneState
 
@@ -111,10 +113,14 @@ def test_a_held_stone_is_not_what_lies_where_it_was(objects: SqliteObjects) -> N
     assert objects.observe([segment(box((3, 0, 0)))], 3.0, False)[0].id != stone.id
 
 
-def test_a_stone_that_was_let_go_is_found_where_it_rolled_to(objects: SqliteObjects) -> None:
+@pytest.mark.parametrize("state", [StoneState.ON_GROUND, StoneState.PLACED])
+def test_a_stone_that_was_let_go_is_found_where_it_rolled_to(
+    objects: SqliteObjects, state: StoneState
+) -> None:
+    """Let go on the ground, or set down on a slot and not seen there since."""
     stone = objects.observe([segment(box((3, 0, 0)))], 1.0, True)[0]
     objects.grasp(stone.id, np.eye(4), 2.0)
-    objects.release(stone.id, np.eye(4), 3.0, StoneState.ON_GROUND)
+    objects.release(stone.id, np.eye(4), 3.0, state)
     tipped = box((4.5, 1, 0), sides=(0.5, 0.7, 1.0))
     found = objects.observe([segment(tipped)], 4.0, False)[0]
     assert found.id == stone.id
@@ -203,3 +209,28 @@ def test_wrong_files_say_what_is_wrong(tmp_path: Path) -> None:
     connection.close()
     with pytest.raises(DataError, match="version"):
         database.open(str(other))
+
+
+def test_the_database_does_not_wait_for_a_thread_that_computes_surroundings(
+    objects: SqliteObjects, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (stone,) = objects.observe([segment(box((5.0, 0.0, 0.3)))], 1.0, False)
+    begun, go_on = threading.Event(), threading.Event()
+
+    def slowly(points: Float, *_: object) -> Float:
+        begun.set()
+        assert go_on.wait(60.0)
+        return points
+
+    monkeypatch.setattr("executive_plugins.objects.sqlite.surroundings", slowly)
+    ground, found = Cloud("map", np.zeros((4, 3))), list[Cloud]()
+    asking = threading.Thread(
+        target=lambda: found.append(objects.surroundings(ground)), daemon=True
+    )
+    asking.start()
+    assert begun.wait(60.0)
+    objects.set_state(stone.id, StoneState.PLACED, 2.0)  # would wait for ever
+    assert objects.stone(stone.id).state is StoneState.PLACED
+    go_on.set()
+    asking.join()
+    assert len(found[0]) == 4

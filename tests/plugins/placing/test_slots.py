@@ -190,3 +190,20 @@ def test_a_cloud_in_another_frame_is_refused(planner_of: Callable, site: tuple) 
         planner_of().plan(
             stone, Slot(1, np.zeros(3)), T_map_gripper, Cloud("drone", np.zeros((1, 3))), BASE
         )
+
+
+@pytest.mark.parametrize("reach_m", [(2.0, 9.0), (7.0, 9.0)])
+def test_a_slot_with_a_pose_has_that_placement_or_none(
+    planner_of: Callable, site: tuple, reach_m: tuple[float, float]
+) -> None:
+    _, ground, _, held = site
+    stone, T_map_gripper = held((5.0, -2.0))
+    T_rest = pose(about_axis(UP, 0.4), np.array([0.0, 6.0, 0.31]))
+    slot = Slot(1, np.array([0.0, 6.0, 0.0]), None, 0.0, T_rest)
+    planner = planner_of(reach_m, drop_m=0.05)
+    ways = planner.plan(stone, slot, T_map_gripper, Cloud("map", ground()), BASE)
+    assert len(ways) == (reach_m[0] < 6.0)
+    for way in ways:
+        moved = way.T_map_gripper @ inverse(T_map_gripper) @ stone.T_map_object
+        np.testing.assert_allclose(moved, pose(t=0.05 * UP) @ T_rest, atol=1e-9)
+        np.testing.assert_allclose(way.T_map_object, T_rest, atol=1e-9)

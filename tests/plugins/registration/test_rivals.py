@@ -77,13 +77,25 @@ def test_different_blocks_in_the_same_places_are_accepted_with_their_rival() -> 
     assert found.rival is None or found.rival.likelihood_ratio < 1e-6
 
 
-def evidence(wave_m: float) -> Evidence:
+def evidence(wave_m: float, sizes: list[tuple[float, float, float]] = TWINS) -> Evidence:
     """Return what can be compared of two clouds of one row in one frame."""
     segmenter = GroundAndClusters(GroundAndClustersSettings())
     seen = [
-        segmenter.segment(Cloud("map", row(TWINS, slice(0, 6), seed, wave_m))) for seed in (1, 2)
+        segmenter.segment(Cloud("map", row(sizes, slice(0, 6), seed, wave_m))) for seed in (1, 2)
     ]
     return Evidence(SiteView(seen[0], 0.08), SiteView(seen[1], 0.08), 0.10, 0.6)
+
+
+def test_only_what_a_view_shows_to_be_empty_is_open() -> None:
+    rng = np.random.default_rng(3)
+    points = row(TWINS, slice(0, 2), 3, 0.0)
+    seen = GroundAndClusters(GroundAndClustersSettings()).segment(Cloud("map", points))
+    view = SiteView(seen, 0.08)
+    above_ground, above_block = [2.0, ALONG[0], 0.3], [0.0, ALONG[0], 0.9]
+    inside_block, beyond_view = [0.0, ALONG[0], 0.3], [0.0, ALONG[4], 0.3]
+    places = np.array([above_ground, above_block, inside_block, beyond_view])
+    places[:, :2] += rng.uniform(-0.05, 0.05, (4, 2))
+    assert view.is_open(places, 0.1).tolist() == [True, True, False, False]
 
 
 STAY, SHIFTED = Similarity(np.eye(4), 1.0), Similarity(pose(t=np.array([0.0, 1.9, 0.0])), 1.0)
@@ -111,6 +123,27 @@ def test_a_stone_where_the_other_cloud_shows_plain_ground_speaks_against_a_motio
     pairs = tuple((i, i) for i in range(6))
     assert compared.contradicted(STAY, pairs) == 0.0
     assert compared.contradicted(half, ()) > 60.0  # patches: more than five of each stone
+
+
+def test_a_small_change_of_a_motion_never_takes_away_what_surely_contradicts_it() -> None:
+    compared, rng = evidence(0.0, [(0.5, 0.4, 0.4)] * 6), np.random.default_rng(4)
+    beside, pairs = pose(t=np.array([1.6, 0.95, 0.0])), ((0, 0), (1, 1))
+    surely = compared.surely_contradicted(Similarity(beside, 1.0), pairs, 0.1)
+    assert surely > 20.0
+    for shift in rng.uniform(-0.07, 0.07, (20, 2)):
+        changed = Similarity(beside @ pose(t=np.array([*shift, 0.0])), 1.0)
+        assert compared.contradicted(changed, pairs) >= surely
+
+
+def test_stones_that_may_come_to_lie_on_others_contradict_nothing_surely() -> None:
+    shifted = Similarity(pose(t=np.array([0.0, 1.9, 0.0])), 1.0)
+    pairs = tuple((i, i + 1) for i in range(5))
+    assert evidence(0.0).surely_contradicted(shifted, pairs, 0.5) == 0.0
+
+
+def test_nothing_is_sure_of_a_motion_that_brings_no_stones_near_each_other() -> None:
+    aside = Similarity(pose(t=np.array([1.6, 0.95, 0.0])), 1.0)
+    assert evidence(0.0).surely_contradicted(aside, (), 0.1) == 0.0
 
 
 def test_a_survey_of_two_stones_is_refused_for_good() -> None:

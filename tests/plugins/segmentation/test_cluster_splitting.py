@@ -106,3 +106,16 @@ def test_points_in_close_pairs_are_not_dense() -> None:
     splitter = ClusterSplitter(0.04, 0.05, 0.3, 60, 0.25, 0.16, 0.85)
     assert not splitter._is_dense(pairs)
     assert splitter._is_dense(spots * 0.3)
+
+
+@pytest.mark.parametrize(("side", "expected"), [(2, 1), (3, 2)])
+def test_a_summit_of_its_own_has_a_quarter_of_the_least_stone(side: int, expected: int) -> None:
+    # A square of the least extent, five cells wide: a quarter of it is six cells. Beside a broad
+    # top stands a smaller one, with a deep valley between them.
+    cell_m = PARTING.cell_m
+    block = [(x, y, 0.5) for x in range(8) for y in range(8)]
+    valley = [(8, y, 0.1) for y in range(8)]
+    other = [(x, y, 0.4) for x in range(9, 9 + side) for y in range(side)]
+    rows = np.array([*block, *valley, *other], dtype=float)
+    places = np.vstack([np.zeros(2), (rows[:, :2] + 0.5) * cell_m])  # cells begin at the first
+    assert PARTING.count_tops(places, np.r_[0.5, rows[:, 2]]) == expected

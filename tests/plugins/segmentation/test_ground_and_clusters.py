@@ -8,7 +8,9 @@ from executive_plugins.segmentation.settings import GroundAndClustersSettings
 from executive.errors import DataError
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import from_rpy
+from executive.machine.machine import load_machine
 from executive.messages.cloud import Cloud
+from executive.messages.segment import PartKind
 
 SPOTS = np.array([[3.0, 0.0], [4.5, 2.5], [0.0, 5.0], [-4.0, 1.0], [5.0, -3.0]])
 
@@ -135,10 +137,11 @@ def box(size: tuple[float, float, float], place: tuple[float, float]) -> np.ndar
 @pytest.mark.parametrize(
     ("parts", "kind", "reason"),
     [
-        ([box((1.7, 1.2, 0.9), (-3, -5)), box((1.7, 1.1, 0.9), (-1.28, -5))], "too_large", "3.4"),
-        ([box((2.5, 1.0, 0.9), (-3, -5)), box((2.5, 0.9, 0.8), (-0.8, -4.8)),
-          box((1.6, 0.7, 0.25), (-1.7, -5))], "too_large|stack", " m long, more than 3.00 m"),
-        ([box((0.2, 0.15, 0.3), (-3, -5))], "too_small", "0.38 m long|0.3"),
+        ([box((3.4, 1.2, 0.9), (-3, -5))], "too_large", " m long, more than 3.00 m"),
+        ([box((0.4, 0.35, 1.7), (-3, -5))], "structure", "stands upright: 1.6"),
+        ([box((4.2, 0.6, 0.5), (-3, -5)), box((0.6, 3.2, 0.5), (-1.2, -6.9))],
+          "stack|structure|too_large", "hollow|more than 3.00 m|too large or stacks"),
+        ([box((0.2, 0.15, 0.3), (-3, -5))], "too_small", "m long, less than 0.50 m"),
         ([box((2.5, 0.02, 1.5), (-3, -5))], "structure", "of its points are on one plane"),
         ([box((24.0, 0.3, 2.0), (0, -8))], "structure", "m wide, more than any heap (20 m)"),
     ],
@@ -158,6 +161,63 @@ def test_what_is_no_stone_is_told_with_a_reason(
     total = len(found.ground) + found.scattered_points
     total += sum(len(s.points) for s in found.segments) + sum(x.points for x in found.left_out)
     assert total == len(site()) + sum(len(part) for part in parts)  # nothing is lost
+
+
+def test_two_joined_stones_longer_than_any_are_two() -> None:
+    pair = [box((1.7, 1.2, 0.9), (-3, -5)), box((1.7, 1.1, 0.9), (-1.28, -5))]
+    found = segmenter().segment(Cloud("map", np.vstack([site(), *pair])))
+    assert len(found.segments) == len(SPOTS) + 2
+    assert found.left_out == ()
+
+
+def test_sizes_are_those_of_the_machine() -> None:
+    slim = box((2.3, 0.9, 0.7), (-3, -5))
+    cloud = Cloud("map", np.vstack([site(), slim]))
+    large = GroundAndClusters(GroundAndClustersSettings(), load_machine("m545")).segment(cloud)
+    assert len(large.segments) == len(SPOTS) + 1
+    small = GroundAndClusters(GroundAndClustersSettings(), load_machine("mini")).segment(cloud)
+    assert len(small.segments) == len(SPOTS)
+    (rest,) = small.left_out
+    assert rest.kind is PartKind.TOO_LARGE
+    assert "more than 1.96 m" in rest.reason
+
+
+def test_what_the_jaws_cannot_span_is_too_large() -> None:
+    machine = load_machine("mini").model_copy()
+    cube = box((1.8, 1.75, 1.7), (-3, -5))
+    settings = GroundAndClustersSettings(max_extent_m=5.0)
+    found = GroundAndClusters(settings, machine).segment(Cloud("map", np.vstack([site(), cube])))
+    assert "more than the jaws' opening of 1.52 m" in found.left_out[0].reason
+
+
+def test_a_stone_on_a_rise_is_seen_and_the_rise_is_not() -> None:
+    points = site()
+    points[:, 2] += 0.3 * np.sin(points[:, 0] * 2 * np.pi / 8)
+    found = segmenter().segment(Cloud("map", points))
+    assert len(found.segments) == len(SPOTS)
+    assert found.left_out == ()
+
+
+def test_stones_of_a_wide_site_are_found() -> None:
+    rng = np.random.default_rng(0)
+    xy = rng.uniform(-80, 80, (300_000, 2))
+    wide = np.column_stack([xy, heights(xy)])[np.abs(xy).max(axis=1) > 10]
+    found = segmenter().segment(Cloud("map", np.vstack([site(), wide])))
+    assert len(found.segments) == len(SPOTS)
+    assert not any("z down" in one for one in found.warnings)
+
+
+def test_a_coarse_cloud_shows_what_it_can_and_says_so() -> None:
+    points = site()
+    coarse = points[np.random.default_rng(5).permutation(len(points))[::25]]
+    found = segmenter().segment(Cloud("map", coarse))
+    assert len(found.segments) >= 4
+    assert any("m apart: stones shorter than" in one for one in found.warnings)
+
+
+def test_a_site_in_feet_is_suspected() -> None:
+    found = segmenter().segment(Cloud("map", site() / 0.3048))
+    assert any("is the unit the metre?" in one for one in found.warnings)
 
 
 def test_a_cloud_with_z_down_or_y_up_is_warned_of() -> None:

@@ -3,6 +3,7 @@ twice the same.
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import open3d as o3d
@@ -10,9 +11,10 @@ import pytest
 from executive_plugins.robot.mujoco.robot import MujocoRobot
 from executive_plugins.robot.mujoco.settings import MujocoSettings
 from executive_plugins.robot.mujoco.site.ray_mesh import joined, moved
+from executive_plugins.surveying import photogrammetry, structure_from_motion
 from executive_plugins.surveying.colmap import Colmap
 from executive_plugins.surveying.grid_flight import fly, recorded
-from executive_plugins.surveying.photogrammetry import reconstruct
+from executive_plugins.surveying.photogrammetry import Photogrammetry, reconstruct
 from executive_plugins.surveying.photograph_folder import Photographs, read_photographs
 from executive_plugins.surveying.settings import (
     ColmapSettings,
@@ -104,25 +106,65 @@ def test_pictures_become_the_site_to_centimetres(flight: Flight) -> None:
     assert np.median((found.cloud.normals @ R.T)[ground, 2]) > 0.97
 
 
-def test_one_seed_gives_one_cloud_to_the_last_bit(flight: Flight) -> None:
-    few = Photographs(
-        flight.photographs.folder,
-        flight.photographs.names[:6],
-        flight.photographs.positions_m[:6],
-        flight.photographs.size_px,
+SOME = PhotogrammetrySettings.model_validate(
+    {
+        "motion": {"features": 800, "neighbours": 5},
+        "depth": {"pixel_m": 0.05},
+        "max_scale_error": 0.5,
+    }
+)
+
+
+def some(flight: Flight) -> Photographs:
+    pictures = flight.photographs
+    return Photographs(
+        pictures.folder, pictures.names[:6], pictures.positions_m[:6], pictures.size_px
     )
-    settings = PhotogrammetrySettings.model_validate(
-        {
-            "motion": {"features": 800, "neighbours": 5},
-            "depth": {"pixel_m": 0.05},
-            "max_scale_error": 0.5,
-        }
-    )
-    first, again = (reconstruct(few, settings, np.random.default_rng(7)) for _ in range(2))
-    assert len(first.cloud) > 1000
-    assert np.array_equal(first.cloud.points, again.cloud.points)
-    assert np.array_equal(first.cloud.normals, again.cloud.normals)
-    assert np.array_equal(first.centres_m, again.centres_m)
+
+
+@pytest.fixture(scope="module")
+def whole(flight: Flight) -> Photogrammetry:
+    settings = SOME.model_copy(update={"depth": SOME.depth.model_copy(update={"threads": 1})})
+    return reconstruct(some(flight), settings, np.random.default_rng(7))
+
+
+def test_one_seed_gives_one_cloud_to_the_last_bit_in_any_number_of_threads(
+    flight: Flight, whole: Photogrammetry
+) -> None:
+    told: list[str] = []
+    again = reconstruct(some(flight), SOME, np.random.default_rng(7), told.append)
+    assert len(whole.cloud) > 1000
+    assert np.array_equal(whole.cloud.points, again.cloud.points)
+    assert np.array_equal(whole.cloud.normals, again.cloud.normals)
+    assert np.array_equal(whole.centres_m, again.centres_m)
+    assert told[1] == "6 of 6 pictures in place"
+    assert sum(line.startswith("depth of picture") for line in told) == 6
+
+
+def test_one_that_was_cut_off_goes_on_where_it_was(
+    flight: Flight, whole: Photogrammetry, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    work, made, measure = tmp_path / "work", list[Float](), photogrammetry.measure_depth
+    most = 2
+
+    def cut_off(*given: Any) -> Float:
+        if len(made) == most:
+            raise KeyboardInterrupt
+        made.append(measure(*given))
+        return made[-1]
+
+    monkeypatch.setattr(photogrammetry, "measure_depth", cut_off)
+    one = SOME.model_copy(update={"depth": SOME.depth.model_copy(update={"threads": 1})})
+    with pytest.raises(KeyboardInterrupt):
+        reconstruct(some(flight), one, np.random.default_rng(7), kept=work)
+    done = sorted(path.name for path in work.glob("depth_*.npy"))
+    assert done == ["depth_00000.npy", "depth_00001.npy"]
+    monkeypatch.setattr(structure_from_motion, "_solve", None)  # places are not searched again
+    most = 6
+    again = reconstruct(some(flight), one, np.random.default_rng(7), kept=work)
+    assert len(made) == most
+    assert np.array_equal(whole.cloud.points, again.cloud.points)
+    assert not work.exists()
 
 
 def test_pictures_of_nothing_in_common_find_no_place(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pycolmap
 import pytest
+from executive_plugins.surveying import plane_sweep
 from executive_plugins.surveying.depth_maps import confirmed, make_view, sweep_planes
 from executive_plugins.surveying.fusion import below_flight, fuse
 from executive_plugins.surveying.grid_flight import look
@@ -14,7 +15,7 @@ from executive_plugins.surveying.plane_sweep import View, sweep
 from executive_plugins.surveying.settings import DepthSettings
 from executive_plugins.surveying.structure_from_motion import PosedPicture
 from PIL import Image
-from scipy.ndimage import gaussian_filter, map_coordinates
+from scipy.ndimage import gaussian_filter, map_coordinates, zoom
 
 from executive.errors import DataError
 from executive.geometry.pose import inverse
@@ -57,6 +58,15 @@ def around(step_m: float = 0.0, tilt_m: float = 0.0) -> list[View]:
     return [drawn(place, [tilt_m, 0.0, 0.0], step_m, 1 + 0.1 * i) for i, place in enumerate(places)]
 
 
+def enlarged(view: View) -> View:
+    """Return the view in four pixels for each."""
+    grey = zoom(view.grey, 2, order=1, mode="nearest", grid_mode=True)
+    K = view.K.copy()
+    K[:2] *= 2
+    K[:2, 2] += 0.5
+    return View(grey, K, view.T_optical_world)
+
+
 def points_of(view: View, depth: np.ndarray) -> np.ndarray:
     return np.asarray(view.centre + view.rays() * depth[..., None])
 
@@ -88,6 +98,31 @@ def test_sees_a_block_and_the_ground_beside_it() -> None:
     assert on_top.sum() > 300
     assert np.median(error) < 0.006
     assert np.percentile(error, 95) < 0.04
+
+
+def test_planes_that_small_pictures_choose_are_those_of_a_sweep_through_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    views = [enlarged(view) for view in around(step_m=0.4)]
+    offsets = np.linspace(-0.5, 1.5, 81)
+    chosen, score = sweep(views[0], views[1:], UP, offsets, 5)
+    monkeypatch.setattr(plane_sweep, "_MANY_PLANES", 1000)
+    through_all, its_score = sweep(views[0], views[1:], UP, offsets, 5)
+    sure = np.isfinite(through_all) & (its_score > 0.6)
+    assert sure.mean() > 0.5
+    assert (np.abs(chosen - through_all)[sure] < 1e-3).mean() > 0.99
+    wrong = np.isfinite(chosen) & (score > 0.6) & ~sure
+    assert wrong.mean() < 0.01
+
+
+def test_a_tile_is_compared_near_what_was_found_and_on_all_planes_where_nothing_was() -> None:
+    found = np.full((64, 32), -1.0, dtype=np.float32)
+    found[:20] = 30.0
+    found[5, 5] = 40.5
+    ranges = plane_sweep._near(found, (4, 2), 100)
+    assert ranges[0].tolist() == [[26, 45], [26, 34]]
+    assert ranges[3].tolist() == [[0, 99], [0, 99]]
+    assert plane_sweep._near(found - 29, (4, 2), 10)[0, 1].tolist() == [0, 5]
 
 
 def test_believes_nothing_where_there_is_no_contrast() -> None:

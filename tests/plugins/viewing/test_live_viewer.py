@@ -1,7 +1,9 @@
 """A mission is shown live: in a viewer that listens, or in one that is started on this computer."""
 
 import os
+import signal
 import socket
+import subprocess
 import sys
 import threading
 import time
@@ -164,3 +166,48 @@ def test_a_mission_is_shown_in_the_viewer_that_listens(tmp_path, silent, monkeyp
     assert ended.exit_code == 0, ended.output
     assert f"shown in the viewer that listens at 127.0.0.1:{silent}" in ended.output
     assert not (tmp_path / "run" / "recording.rrd").exists()
+
+
+class Stubborn:
+    """A viewer that ends on a signal, or late after all of them."""
+
+    pid = 4711
+
+    def __init__(self, ends_on: int | None) -> None:
+        self.heard: list[int] = []
+        self._ends_on = ends_on
+
+    def wait(self, limit_s: float | None = None) -> int:
+        if self._ends_on not in self.heard and limit_s is not None:
+            raise subprocess.TimeoutExpired("rerun", limit_s)
+        return -self.heard[-1]
+
+
+@pytest.mark.parametrize(
+    ("ends_on", "heard"),
+    [
+        (signal.SIGTERM, [signal.SIGTERM]),
+        (signal.SIGKILL, [signal.SIGTERM, signal.SIGKILL]),
+        (None, [signal.SIGTERM, signal.SIGKILL]),
+    ],
+)
+def test_a_viewer_is_asked_to_end_then_killed_and_its_status_is_told(monkeypatch, ends_on, heard):
+    viewer = Stubborn(ends_on)
+
+    def kill(group, number):
+        assert group == viewer.pid  # with the processes that it has started
+        viewer.heard.append(number)
+
+    monkeypatch.setattr(live_viewer.os, "killpg", kill)
+    assert live_viewer._end(viewer) == -heard[-1]
+    assert viewer.heard == heard
+
+
+def test_a_viewer_that_has_ended_by_itself_is_no_error(monkeypatch):
+    def kill(group, number):
+        viewer.heard.append(number)
+        raise ProcessLookupError
+
+    viewer = Stubborn(signal.SIGTERM)
+    monkeypatch.setattr(live_viewer.os, "killpg", kill)
+    assert live_viewer._end(viewer) == -signal.SIGTERM

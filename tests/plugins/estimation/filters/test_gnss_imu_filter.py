@@ -101,7 +101,7 @@ def test_the_lag_grows_with_late_fixes_and_the_first_ones_are_counted(cabin, sta
 def test_fixes_that_are_seconds_late_are_refused_and_counted(cabin, start) -> None:
     cabin.gnss_latency_s = 2.5
     estimator = start(lag_s=0.1)
-    states = run(estimator, cabin.observations(9.0))
+    states = run(estimator, cabin.observations(9.5))
     assert estimator.refused["gnss_left: too late"] >= 3
     assert states[-1].status == FALLBACK
 

@@ -107,3 +107,126 @@ def test_agreeing_fixes_are_at_most_as_old_as_recovery_takes(gate, rng) -> None:
     stamps = [compared.fix.stamp_s for compared in gate.agreed(after_s=0.0)]
     assert len(stamps) >= 15
     assert stamps[-1] - stamps[0] < 0.85
+
+
+def exact(t, off=(0.0, 0.0, 0.0), *, odometry=True, std_m=0.01, speed=VELOCITY):
+    """Compare a fix that is off by so much, without noise, with a right odometry."""
+    truth = t * np.asarray(speed)
+    fix = Fix(t, "gnss_left", np.zeros(3), truth + off, std_m**2 * np.eye(3))
+    p_odometry = R_MAP_ODOMETRY.T @ truth
+    residual = np.asarray(off, dtype=float)
+    return Compared(fix, residual, 2 * std_m**2 * np.eye(3), p_odometry, R_MAP_ODOMETRY, odometry)
+
+
+def test_the_distance_is_mahalanobis_squared() -> None:
+    covariance = np.diag([0.01, 0.04, 0.25])
+    off = np.array([0.2, 0.4, 1.0])
+    compared = Compared(exact(0.0).fix, off, covariance, np.zeros(3), np.eye(3), True)
+    assert compared.distance2 == pytest.approx(4.0 + 4.0 + 4.0)
+
+
+def test_a_fix_that_moves_with_the_odometry_has_not_moved() -> None:
+    off = np.array([0.1, 0.2, -0.3])
+    assert exact(3.0).moved_since(exact(1.0)) == pytest.approx(np.zeros(3), abs=1e-12)
+    assert exact(3.0, off).moved_since(exact(1.0)) == pytest.approx(off)
+
+
+@pytest.mark.parametrize(("count", "spacing_s"), [(5, 0.4), (12, 0.1)])
+def test_few_fixes_or_a_short_time_tell_no_drift(count: int, spacing_s: float) -> None:
+    gate = GnssGate(GnssGateSettings(innovation=1e9))
+    offs = np.linspace(0.0, 5.0, count)
+    assert not any(
+        gate.refusal(exact(spacing_s * k, (off, 0, 0), speed=np.zeros(3)))
+        for k, off in enumerate(offs)
+    )
+
+
+def test_a_step_between_the_first_and_last_third_is_told_with_its_size() -> None:
+    # 0.1 m is usual, and noise explains three standard deviations of two means of three fixes.
+    explained_m = 0.1 + 3 * np.sqrt(2 * 3 * 0.01**2 / 3)
+    for step_m, word in ((1.01 * explained_m, "drifted by 0.14 m"), (0.99 * explained_m, "")):
+        gate = GnssGate(GnssGateSettings(innovation=1e9))
+        told = [
+            gate.refusal(exact(0.2 * k, (step_m if k > 4 else 0.0, 0, 0), speed=np.zeros(3)))
+            for k in range(9)
+        ]
+        assert not any(told[:8])
+        assert told[8].startswith(word)
+        assert bool(told[8]) == bool(word)
+
+
+def test_a_fix_leaves_the_window_after_its_time() -> None:
+    gate = GnssGate(GnssGateSettings(innovation=1e9))
+    still = {"speed": np.zeros(3)}
+    for k in range(3):
+        gate.refusal(exact(0.1 * k, (3.0, 0, 0), **still))
+    later = [gate.refusal(exact(3.3 + 0.1 * k, **still)) for k in range(30)]
+    assert set(later) == {""}
+
+
+def test_when_the_odometry_starts_again_the_fixes_before_are_forgotten() -> None:
+    gate = GnssGate(GnssGateSettings(innovation=1e9))
+    still = {"speed": np.zeros(3)}
+    for k in range(10):
+        gate.refusal(exact(0.2 * k, (3.0, 0, 0), **still))
+    gate.forget_odometry()
+    assert not any(gate.refusal(exact(2.0 + 0.2 * k, **still)) for k in range(10))
+
+
+def recovered(gate: GnssGate, count: int, off_m: float = 0.0, begin_s: float = 0.0) -> list[bool]:
+    return [gate.is_in_line(exact(begin_s + 0.2 * k, (off_m, 0, 0))) for k in range(count)]
+
+
+@pytest.mark.parametrize(("count", "word"), [(4, ""), (5, "5 fixes in a row agree, 0.02 m off")])
+def test_five_fixes_over_most_of_a_second_are_trusted_again(count: int, word: str) -> None:
+    gate = GnssGate(GnssGateSettings())
+    assert all(recovered(gate, count, 0.02))
+    assert gate.verdict(0.0, 0.0) == word
+
+
+@pytest.mark.parametrize(("way_m", "lost_s", "is_near"), [(0, 0, 0), (100, 0, 1), (0, -100, 1)])
+def test_a_long_way_or_time_without_fixes_explains_more(way_m, lost_s, is_near) -> None:
+    # Three standard deviations of 1.4 cm, and 1 % of the way, and 1 cm each second.
+    gate = GnssGate(GnssGateSettings())
+    recovered(gate, 5, 0.9)
+    assert bool(gate.verdict(way_m, lost_s)) == bool(is_near)
+    assert not gate.verdict(0.8 * way_m, 0.8 * lost_s)
+
+
+def test_without_odometry_the_drift_grows_with_the_square_of_time() -> None:
+    gate = GnssGate(GnssGateSettings())
+    for k in range(5):
+        gate.is_in_line(exact(0.2 * k, (20.0, 0, 0), odometry=False))
+    assert not gate.verdict(0.0, 0.8 - 8.0)
+    assert gate.verdict(0.0, 0.8 - 9.0)
+
+
+def test_a_jump_begins_the_sequence_anew_and_so_does_a_pause() -> None:
+    gate = GnssGate(GnssGateSettings())
+    assert all(recovered(gate, 5))
+    assert recovered(gate, 5, 0.31, begin_s=1.0) == [False, True, True, True, True]
+    assert gate.verdict(100.0, 0.0).startswith("5 fixes")
+    assert gate.is_in_line(exact(1.8 + 0.79, (0.31, 0, 0)))
+    assert not gate.is_in_line(exact(1.8 + 0.79 + 0.81, (0.31, 0, 0)))
+    assert len(gate.agreed(0.0)) == 1
+
+
+def test_fixes_that_agree_long_or_are_refused_long_set_the_position() -> None:
+    gate = GnssGate(GnssGateSettings())
+    recovered(gate, 51, 5.0)
+    assert not gate.verdict(0.0, 0.0)  # for ten seconds
+    gate.is_in_line(exact(10.2, (5.0, 0, 0)))
+    assert gate.verdict(0.0, 0.0) == "fixes agree for 10 s, 5.00 m off: position reset to them"
+    for k in range(301):  # each one disagrees with the one before
+        gate.is_in_line(exact(10.2 + 0.2 * k, (5.0 + k % 2, 0, 0)))
+    assert gate.verdict(0.0, 0.0).startswith("fixes refused for 60 s, ")
+    gate.begin_recovery()
+    gate.is_in_line(exact(80.0, (5.0, 0, 0)))
+    assert gate.verdict(0.0, 80.0) == ""
+
+
+def test_the_newest_agreeing_fixes_are_handed_over() -> None:
+    gate = GnssGate(GnssGateSettings())
+    recovered(gate, 20)
+    assert [c.fix.stamp_s for c in gate.agreed(0.0)] == pytest.approx([3.0, 3.2, 3.4, 3.6, 3.8])
+    assert [c.fix.stamp_s for c in gate.agreed(3.5)] == pytest.approx([3.6, 3.8])

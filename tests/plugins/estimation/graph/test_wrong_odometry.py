@@ -115,7 +115,11 @@ def _driven(drift: float, frozen_s: tuple[float, float]) -> tuple[np.ndarray, Du
 
 
 @pytest.mark.parametrize(
-    ("drift", "frozen_s"), [(0.03, (0.0, 0.0)), (0.0, (12.0, 17.0))], ids=["drifts", "stands still"]
+    ("drift", "frozen_s"),
+    [
+        pytest.param(0.03, (0.0, 0.0), id="drifts"),
+        pytest.param(0.0, (12.0, 17.0), id="stands still", marks=pytest.mark.slow),
+    ],
 )
 def test_wrong_odometry_is_overruled_by_perfect_fixes(drift, frozen_s) -> None:
     errors, estimator = _driven(drift, frozen_s)

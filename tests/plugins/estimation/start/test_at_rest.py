@@ -172,4 +172,91 @@ def test_coarse_fixes_of_two_antennas_at_rest_give_no_heading() -> None:
         return found
 
     assert headings(0.01)[-1]
-    assert not any(headings(0.7))
+    assert not any(headings(1.0))
+
+
+def rested(samples: int, fixes: int, duration_s: float = 2.0) -> RestInitialisation:
+    """A cabin at rest, its samples and fixes spread evenly over a time that ends at 100 s."""
+    rest = RestInitialisation(RestSettings(), ARMS, NOISE)
+    for stamp_s in np.linspace(100.0 - duration_s, 100.0, samples):
+        rest.add_sample(Inertial(stamp_s, np.zeros(3), np.array([0.0, 0.0, 9.81]), 0.01))
+    for stamp_s in np.linspace(100.0 - duration_s, 100.0, fixes):
+        for name, arm in ARMS.items():
+            rest.add_fix(stamp_s, name, arm, 0.01)
+    return rest
+
+
+def test_twenty_samples_and_five_fixes_are_enough_and_fewer_are_not() -> None:
+    assert rested(20, 5).state() is not None
+    too_few = rested(19, 5)
+    assert too_few.state() is None
+    assert (too_few.waits_for, too_few.moves) == ("", False)
+    too_few = rested(20, 4)
+    assert too_few.state() is None
+    assert too_few.waits_for == "fixes of left and right: fewer than five so far"
+    assert not too_few.moves
+
+
+def test_nine_tenths_of_the_time_are_enough_and_less_is_not() -> None:
+    assert rested(100, 10, 1.81).state() is not None
+    assert rested(100, 10, 1.79).state() is None
+    assert rested(400, 10, 4.0).state() is not None  # the oldest are forgotten
+    assert RestInitialisation(RestSettings(), ARMS, NOISE).state() is None
+
+
+@pytest.mark.parametrize(
+    ("rate", "force", "moved_m", "word"),
+    [
+        (lambda k: 0.03, lambda k: 0.0, 0.0, "rest: it turns at 0.030 rad/s"),
+        (lambda k: 0.03 * (-1) ** k, lambda k: 0.0, 0.0, "rest: its rate varies by 0.030 rad/s"),
+        (lambda k: 0.0, lambda k: 0.4 * (-1) ** k, 0.0, "rest: its force varies by 0.40 m/s²"),
+        (lambda k: 0.0, lambda k: 0.0, 0.07, "rest: the fixes of left vary by 0.070 m"),
+        (lambda k: 0.01, lambda k: 0.2 * (-1) ** k, 0.05, ""),
+    ],
+)
+def test_the_sign_of_motion_is_told(rate, force, moved_m, word) -> None:
+    rest = RestInitialisation(RestSettings(), ARMS, NOISE)
+    for k in range(200):
+        f = np.array([0.0, 0.0, 9.81 + force(k)])
+        rest.add_sample(Inertial(k / 100, np.array([0.0, 0.0, rate(k)]), f, 0.01))
+        for name, arm in ARMS.items() if k % 10 == 0 else ():
+            sign = (-1) ** (k // 10) if name == "left" else 0
+            rest.add_fix(k / 100, name, arm + np.array([sign * moved_m, 0, 0]), 0.01)
+    state = rest.state()
+    assert rest.waits_for == word
+    assert rest.moves == bool(word) == (state is None)
+
+
+def test_unrest_is_the_change_from_the_first_half_to_the_second() -> None:
+    def unrest(turn_rad_s: float, tilt_rad: float) -> float:
+        rest = RestInitialisation(RestSettings(), ARMS, NOISE)
+        for k in range(200):
+            late = k >= 100
+            f = 9.81 * np.array([0.0, np.sin(late * tilt_rad), np.cos(late * tilt_rad)])
+            rest.add_sample(Inertial(k / 100, np.array([0, late * turn_rad_s, 0.0]), f, 0.01))
+        return rest.unrest_rad_s()
+
+    assert unrest(0.0, 0.0) == 0.0
+    assert unrest(-0.004, 0.001) == pytest.approx(0.004)
+    assert unrest(0.001, 0.01) == pytest.approx(0.01 / 0.99, rel=1e-3)
+
+
+def test_one_antenna_gives_a_level_attitude_of_any_heading() -> None:
+    rest = RestInitialisation(RestSettings(), {"left": ARMS["left"]}, NOISE)
+    force = 9.81 * np.array([0.1, -0.2, np.sqrt(0.95)])
+    for k in range(300):
+        rest.add_sample(Inertial(k / 100, np.array([1e-3, 2e-3, 3e-3]), force, 0.01))
+        if k % 10 == 0:
+            rest.add_fix(k / 100, "left", np.array([5.0, 6.0, 7.0]), 0.01)
+    state, P = rest.state()
+    assert state.stamp_s == 2.99
+    assert state.R_map_imu @ force == pytest.approx([0.0, 0.0, 9.81])
+    assert np.linalg.det(state.R_map_imu) == pytest.approx(1.0)
+    assert state.p_map_imu + state.R_map_imu @ ARMS["left"] == pytest.approx([5.0, 6.0, 7.0])
+    assert state.gyro_bias == pytest.approx([1e-3, 2e-3, 3e-3])
+    assert np.array_equal(state.v_map_imu, np.zeros(3))
+    up = state.R_map_imu.T[:, 2]
+    assert up @ P[ROTATION, ROTATION] @ up == pytest.approx(np.pi**2)
+    level = P[ROTATION, ROTATION] - np.pi**2 * np.outer(up, up)
+    tilt_rad = NOISE.accel_bias_m_s2 / NOISE.gravity_m_s2
+    assert np.linalg.eigvalsh(level)[1:] == pytest.approx([tilt_rad**2] * 2, rel=1e-6)

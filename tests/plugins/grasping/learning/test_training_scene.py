@@ -4,8 +4,9 @@ from itertools import product
 
 import numpy as np
 import pytest
-from executive_plugins.grasping.learning.lift_trials import LIFTED_M, LiftTrials
+from executive_plugins.grasping.learning.lift_trials import LiftTrials
 from executive_plugins.grasping.learning.training_scene import at_rest, convex_solid, look_at
+from executive_plugins.grasping.simulated_lift import LIFTED_M
 
 from executive.geometry.pose import transform
 from executive.machine.gripper import Gripper

@@ -5,9 +5,10 @@ import pytest
 from executive_plugins.grasping.sampling.frames import (
     downward_frames,
     local_frames,
-    outward_normals,
     turned_frames,
 )
+
+from executive.geometry.normals import outward_normals
 
 
 def cylinder(radius_m: float, length_m: float) -> np.ndarray:

@@ -71,3 +71,29 @@ def test_grasps_that_differ_come_before_repetitions() -> None:
 def test_half_a_turn_about_the_approach_is_no_difference() -> None:
     R = downward_frames(np.array([0.0, np.pi, np.pi / 2]))
     assert list(spread(range(3), R, np.zeros((3, 3)), 0.1, 0.3)) == [0, 2, 1]
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize(("turn_rad", "is_new"), [(0.0, False), (0.28, False), (0.32, True)])
+@pytest.mark.parametrize("is_flipped", [False, True])
+def test_grasps_differ_from_a_turn_on_whatever_their_axis(
+    seed: int, turn_rad: float, is_new: bool, is_flipped: bool
+) -> None:
+    """Turned about any axis, and half a turn more about the approach, which does not count."""
+    rng = np.random.default_rng(seed)
+    R = exp_so3(rng.normal(size=3))
+    axis = rng.normal(size=3)
+    turned = R @ exp_so3(turn_rad * axis / np.linalg.norm(axis))
+    if is_flipped:
+        turned = turned @ np.diag([1.0, -1.0, -1.0])
+    both = np.stack([R, turned, np.diag([-1.0, 1.0, -1.0]) @ R])
+    order = list(spread(range(3), both, np.zeros((3, 3)), 0.1, 0.3))
+    assert order.index(1) == (1 if is_new else 2)
+
+
+@pytest.mark.parametrize(("shift_m", "is_new"), [(0.09, False), (0.11, True)])
+def test_grasps_differ_from_a_shift_on(shift_m: float, is_new: bool) -> None:
+    R = np.tile(np.eye(3), (3, 1, 1))
+    for direction in np.eye(3):
+        position = np.array([np.zeros(3), shift_m * direction, -9.0 * direction])
+        assert list(spread(range(3), R, position, 0.1, 0.3)) == ([0, 1, 2] if is_new else [0, 2, 1])

@@ -1,17 +1,23 @@
 """The dry-stone planner on stones whose right place is known."""
 
+import time
+
 import numpy as np
 import pytest
 from executive_plugins.physics.equilibrium import Touch, largest_load
-from executive_plugins.placing.dry_stone.drops import HEIGHT, SHARE, DropRules, drops
+from executive_plugins.physics.trial import apart
+from executive_plugins.placing.dry_stone.drops import HEIGHT, OUTSIDE, SHARE, DropRules, drops
 from executive_plugins.placing.dry_stone.parts import part_of
 from executive_plugins.placing.dry_stone.planner import DryStone
 from executive_plugins.placing.dry_stone.rasters import WallTop, raster_of
 from executive_plugins.placing.dry_stone.settings import DryStoneSettings, ScorerSettings
+from executive_plugins.placing.trial_site import RigidStones
 
 from executive.errors import ConfigError, DataError
-from executive.messages.building import AsBuilt
+from executive.geometry.pose import pose
+from executive.messages.building import AsBuilt, StandingStone
 from executive.messages.height_grid import HeightGrid
+from executive.messages.solid_stone import SolidStone
 from executive.messages.structure import Structure
 from executive.testing.exercises.building import bare, box, boxes, first_course
 
@@ -45,6 +51,58 @@ def test_a_box_over_two_boxes_rests_on_both() -> None:
     middle = np.argmin(np.abs((nodes + wall.corner) * 0.05 - (0.5, 0.0)).sum(axis=1))
     assert found[middle, HEIGHT] == pytest.approx(0.4 + 0.15, abs=1e-6)
     assert found[middle, SHARE] < 0.6  # neither of the two bears it alone
+
+
+def test_places_that_fit_are_measured_alike_when_the_others_are_left_out() -> None:
+    stone = box("top", 0.9, 0.6, 0.3)
+    raster = raster_of(stone.vertices, stone.triangles, np.eye(3), 0.05)
+    wall = WallTop(first_course(), 0.05)
+    for lean in (0.0, 0.2):
+        all_of, few = (
+            drops(wall, raster, DropRules(0.03, lean, lean, 1, most))[1] for most in (1.0, 0.12)
+        )
+        fits = all_of[:, OUTSIDE] <= 0.12
+        assert 0 < fits.sum() < len(fits)
+        np.testing.assert_array_equal(few[:, OUTSIDE] <= 0.12, fits)
+        np.testing.assert_array_equal(few[fits], all_of[fits])
+
+
+def test_a_kept_attitude_is_turned_about_the_vertical_alone() -> None:
+    plan = planner(generator={**UNCHECKED["generator"], "attitude": "kept", "turns": 3}).propose(
+        bare(), (box("upright", 0.3, 0.3, 0.6),), rng()
+    )
+    R = plan.targets[0].T_map_settled[:3, :3]
+    np.testing.assert_allclose(R[2], [0.0, 0.0, 1.0], atol=1e-9)
+
+
+@pytest.mark.parametrize(("height_m", "reason"), [(0.5, "complete"), (0.9, None)])
+def test_a_structure_that_is_up_to_its_height_is_complete(
+    height_m: float, reason: str | None
+) -> None:
+    course = first_course()  # 0.4 m high, on all of the length
+    wall = Structure("wall", course.structure.line, 0.8, height_m)
+    plan = planner().propose(AsBuilt(wall, course.ground, course.standing), boxes(), rng())
+    assert plan.reason == reason
+    assert bool(plan.targets) == (reason is None)
+
+
+@pytest.mark.parametrize(
+    ("thick_m", "over_top", "fits"),
+    [(0.38, None, True), (0.48, None, False), (0.38, 0.1, False), (0.48, 0.3, True)],
+)
+def test_a_stone_may_stand_above_the_top_by_half_of_its_thickness(
+    thick_m: float, over_top: float | None, fits: bool
+) -> None:
+    """The structure stands 0.7 m high, and 0.9 m are wanted: 0.38 m more end 0.18 m above it."""
+    stands = [
+        StandingStone(box(f"foot_{k}", 0.96, 0.7, 0.7), pose(t=np.array([0.98 * (k - 1), 0, 0.35])))
+        for k in range(3)
+    ]
+    generator = {**UNCHECKED["generator"], "attitude": "kept", "over_top": over_top}
+    stone = box("next", 0.9, 0.6, thick_m)
+    plan = planner(generator=generator).propose(bare().with_standing(*stands), (stone,), rng())
+    assert (plan.reason is None) == fits
+    assert plan.refused == ({} if fits else {"no_place": 1})
 
 
 def test_heights_follow_a_slope_of_five_degrees() -> None:
@@ -134,3 +192,45 @@ def test_a_ring_has_no_ends() -> None:
     depth = ring.depth_m(np.array([[2.0, 0.0], [0.0, -2.0], [0.0, 0.0]]), np.zeros(3))
     assert (depth[:2] > 0.4).all()
     assert depth[2] < 0
+
+
+def test_a_curved_wall_keeps_its_stones_on_the_curve() -> None:
+    angles = np.linspace(0.0, np.pi / 2, 12)
+    arc = 3.0 * np.column_stack([np.cos(angles), np.sin(angles)])
+    built = AsBuilt(Structure("bend", arc, 1.0, 0.6), bare().ground)
+    settings = {"generator": {"attitude": "kept", "turns": 8, "cell": 0.1, "most_outside": 0.0}}
+    for stone in boxes():
+        target = planner(**settings).propose(built, (stone,), rng()).targets[0]
+        built = built.with_standing(*built.standing, StandingStone(stone, target.T_map_settled))
+    for one in built.standing:
+        assert (built.structure.depth_m(one.vertices_map()[:, :2], np.zeros(8)) > -0.1).all()
+    headings = [np.arctan2(*one.T_map_stone[1::-1, 3]) for one in built.standing]
+    assert np.ptp(headings) > 0.3  # side by side along the arc
+
+
+def test_half_a_second_gives_a_held_target_or_says_that_time_was_over() -> None:
+    checked = DryStone(DryStoneSettings.model_validate({"check": {"pieces": 1}}))
+    begun = time.process_time()
+    end = begun + 0.5
+    plan = checked.propose(first_course(), boxes(), rng(), lambda: time.process_time() < end)
+    # A compiled kernel is loaded, and the one trial that is under way is not cut short.
+    assert time.process_time() - begun < 5.0
+    assert bool(plan.targets) != (plan.reason == "out_of_time")
+
+
+@pytest.mark.parametrize(
+    ("heavier", "aside_m", "is_right"), [(1.3, 0.08, True), (1.0, 0.40, False)]
+)
+def test_a_stone_whose_mass_and_centre_lie_shows_it_when_it_settles(
+    heavier: float, aside_m: float, is_right: bool
+) -> None:
+    """The plan takes the middle for the centre of mass; the stone that is set down has another."""
+    believed = box("top", 0.9, 0.6, 0.3)
+    T = pose(t=np.array([0.2, 0.0, 0.55]))  # on a box that reaches to 0.48 m
+    off = np.array([aside_m, 0.0, 0.0])
+    true = SolidStone("top", believed.vertices - off, believed.triangles,
+                      heavier * believed.mass_kg)  # fmt: skip
+    alone = first_course().with_standing(first_course().standing[1])
+    settled = RigidStones().place(alone, true, T @ pose(t=off), (0.0, 0.0), rng()).poses[-1]
+    far_m, far_rad = apart(T, settled @ pose(t=-off))
+    assert (far_m < 0.10 and far_rad < np.radians(10.0)) == is_right

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from executive_plugins.physics.scenario import contact_of
+from executive_plugins.robot.mujoco.machine.legs import legs_names
 from executive_plugins.robot.mujoco.physics_settings import LegSettings, PhysicsSettings
 from executive_plugins.robot.mujoco.robot import MujocoRobot
 from executive_plugins.robot.mujoco.settings import MujocoSettings
@@ -145,3 +147,33 @@ def test_a_machine_without_points_of_support_is_refused_with_the_cure() -> None:
         on_legs(bare)
     refusals = list(MujocoSettings(base="on_legs").refusals(bare))
     assert [refusal.setting for refusal in refusals] == [("base",)]
+
+
+def test_each_foot_stands_at_its_point_of_support_as_wide_as_a_tyre_and_digs_into_the_soil() -> (
+    None
+):
+    """Its friction is the soil's, and turns it by that of an even round patch as wide as it is."""
+    machine = load_machine("m545")
+    world = on_legs(machine)
+    model, data = world.model, world.data
+    base = data.body(machine.base_link)
+    soil = contact_of("nominal", machine.gripper).soil
+    total_kg = sum(link.mass_kg for link in machine.links.values())
+    assert model.body_mass.sum() == pytest.approx(total_kg, rel=1e-3)  # the feet's is taken away
+    for name, support_m in zip(legs_names(machine), machine.stance.supports_m, strict=True):
+        foot, radius_m = model.geom(name), float(model.geom(name).size[0])
+        assert 0.1 < radius_m < 0.25  # half the width of a tyre
+        bottom = data.geom(name).xpos - [0, 0, radius_m] - base.xpos
+        np.testing.assert_allclose(bottom[:2], support_m, atol=1e-3)
+        assert bottom[2] == pytest.approx(-machine.stance.base_height_m, abs=0.01)
+        assert foot.friction[0] == pytest.approx(soil.friction)
+        assert foot.friction[1] == pytest.approx(2 / 3 * soil.friction * radius_m)
+        assert foot.condim[0] == 4
+        others = np.delete(model.geom_priority, [model.geom(n).id for n in legs_names(machine)])
+        assert foot.priority[0] > others.max()
+        low, high = model.joint(name).range
+        assert low < -0.2
+        assert high > 0.2
+        speed = 2 * LegSettings().damping_ratio
+        speed *= np.sqrt(LegSettings().stiffness_n_m * total_kg / len(machine.stance.supports_m))
+        assert model.dof_damping[model.joint(name).dofadr[0]] == pytest.approx(speed)

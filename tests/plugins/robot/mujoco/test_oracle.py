@@ -62,7 +62,6 @@ class Show:
         parts: dict[str, Any] = {
             "states": (),
             "stones": (),
-            "first_stones": (),
             "slots": {},
             "attempts": (),
         }
@@ -88,12 +87,11 @@ def attempt(
 
 def test_slot_errors_are_horizontal_distances_of_the_true_centroid() -> None:
     show = Show()
-    seen = stone(9, pose(t=position(show, "stone_2") + np.array([0.1, 0.05, 0.1])))
+    T_found = pose(t=position(show, "stone_2") + np.array([0.1, 0.05, 0.1]))
     show.put("stone_2", np.array([3.0, -4.0, 0.5]))
     show.play(0.2)
-    stones = show.truth(first_stones=[seen], slots={9: Slot(1, np.array([3.3, -4.4, 0.0]))})[
-        "stones"
-    ]
+    slots = {9: Slot(1, np.array([3.3, -4.4, 0.0]))}
+    stones = show.truth(histories={9: events_of(show, T_found)}, slots=slots)["stones"]
     assert stones[1]["id"] == 2
     assert stones[1]["held_object"] == 9
     assert stones[1]["slot_error_m"] == pytest.approx(0.5)
@@ -133,22 +131,53 @@ def test_database_errors_compare_the_tracked_frame_with_the_true_motion() -> Non
     R_start = np.zeros(9)
     mujoco.mju_quat2Mat(R_start, show.data.joint("stone_1").qpos[3:])
     T_start = pose(R_start.reshape(3, 3), start)
-    first = stone(1, pose(t=start + np.array([0.2, 0.0, 0.1])))
+    T_found = pose(t=start + np.array([0.2, 0.0, 0.1]))
+    histories = {1: events_of(show, T_found)}
     motion = pose(about_axis(np.array([0.0, 0.0, 1.0]), 1.0), np.array([0.5, -2.0, 0.1]))
     T_end = motion @ T_start
     show.put("stone_1", T_end[:3, 3], T_end[:3, :3])
     show.play(0.2)
-    faithful = stone(1, motion @ first.T_map_object)
-    report = show.truth(first_stones=[first], stones=[faithful])["stones"][0]
+    faithful = stone(1, motion @ T_found)
+    report = show.truth(histories=histories, stones=[faithful])["stones"][0]
     assert report["database_error_m"] == pytest.approx(0, abs=1e-9)
     assert report["database_error_rad"] == pytest.approx(0, abs=1e-9)
     off = pose(about_axis(np.array([1.0, 0.0, 0.0]), 0.1), np.array([0.03, 0.0, 0.04]))
     wrong = pose(
         off[:3, :3] @ faithful.T_map_object[:3, :3], faithful.T_map_object[:3, 3] + off[:3, 3]
     )
-    report = show.truth(first_stones=[first], stones=[stone(1, wrong)])["stones"][0]
+    report = show.truth(histories=histories, stones=[stone(1, wrong)])["stones"][0]
     assert report["database_error_m"] == pytest.approx(0.05)
     assert report["database_error_rad"] == pytest.approx(0.1)
+
+
+def test_errors_count_since_the_model_was_replaced_by_what_was_seen_of_the_same_stone() -> None:
+    show = Show()
+    start = position(show, "stone_1")
+    T_found = pose(t=start + np.array([0.2, 0.0, 0.1]))
+    show.put("stone_1", start + np.array([1.0, 0.0, 0.0]))
+    show.play(0.2)
+    T_new = pose(about_axis(np.array([1.0, 0.0, 0.0]), 3.0), position(show, "stone_1"))
+    known = events_of(show, T_found, release=T_found, replaced=T_new)
+    show.play(0.2)
+    report = show.truth(histories={1: known}, stones=[stone(1, T_new)])
+    (one, other) = report["stones"]
+    assert one["models"] == 2
+    assert other["models"] == 0  # nobody has seen it
+    assert one["database_error_m"] == pytest.approx(0, abs=1e-3)
+    assert one["database_error_rad"] == pytest.approx(0, abs=1e-3)
+    (entry,) = report["realignments"]
+    assert entry["error_m"] == pytest.approx(1.0, abs=1e-3)  # the release is of the first model
+
+
+def test_a_model_that_was_replaced_by_another_stone_keeps_its_errors() -> None:
+    show = Show()
+    T_found = pose(t=position(show, "stone_1"))
+    T_other = pose(t=position(show, "stone_2"))
+    show.play(0.2)
+    known = events_of(show, T_found, replaced=T_other)
+    (one, _) = show.truth(histories={1: known}, stones=[stone(1, T_other)])["stones"]
+    assert one["models"] == 1
+    assert one["database_error_m"] > 0.7
 
 
 def events_of(show: Show, found: Float, **poses: Float) -> list[StoneEvent]:
@@ -248,7 +277,28 @@ def test_a_stone_first_seen_after_it_was_moved_is_recognised_there() -> None:
     show = Show()
     show.put("stone_1", FAR)
     show.play(2.0)
-    assert show.truth(first_stones=[stone(4, pose(t=FAR))])["stones"][0]["held_object"] == 4
+    found = StoneEvent(show.time_s - STEP_S, "found", StoneState.ON_GROUND, pose(t=FAR))
+    assert show.truth(histories={4: [found]})["stones"][0]["held_object"] == 4
+
+
+def test_a_resumed_run_is_judged_against_where_its_stone_was_found() -> None:
+    """The process that found the stone was killed while the stone was carried."""
+    show = Show()
+    begin_s, start = lift(show)
+    found = [StoneEvent(begin_s, "found", StoneState.ON_GROUND, pose(t=start + [0.1, 0.0, 0.2]))]
+    log, kept = show.robot.truth_log, show.robot.truth_log.keep()
+    log.begin_at(show.time_s, show.model, show.data, kept)
+    carried = attempt(begin_s, show.time_s + 1.0, start)
+    moved = np.array([2.0, 1.0, 0.0])
+    show.put("stone_1", start + moved)
+    show.play(0.3)
+    faithful, wrong = (
+        stone(1, pose(t=start + moved + [0.1 + off, 0.0, 0.2])) for off in (0.0, 0.4)
+    )
+    for now, off_m in ((faithful, 0.0), (wrong, 0.4)):
+        truth = show.truth(histories={1: found}, stones=[now], attempts=[carried])
+        assert truth["stones"][0]["database_error_m"] == pytest.approx(off_m, abs=1e-6)
+        assert truth["grasps"] == [{"object": 1, "lifted": True, "dropped": True}]
 
 
 def lift(show: Show) -> tuple[float, Float]:
@@ -369,7 +419,7 @@ def test_a_real_run_without_commands_hits_nothing() -> None:
     robot = MujocoRobot(SETTINGS, MACHINE, np.random.default_rng(1))
     robot.start()
     robot.read(1.0)
-    truth = MujocoOracle(robot).truth(MissionView((), (), (), {}, ()))
+    truth = MujocoOracle(robot).truth(MissionView((), (), {}, ()))
     assert truth["collisions"] == []
     assert truth["grasps"] == []
     assert len(truth["stones"]) == 2
@@ -379,9 +429,7 @@ def test_a_real_run_without_commands_hits_nothing() -> None:
 def test_a_run_that_ended_before_its_first_step_has_a_truth_too() -> None:
     robot = MujocoRobot(SETTINGS, MACHINE, np.random.default_rng(1))
     robot.start()
-    truth = MujocoOracle(robot).truth(
-        MissionView((), (), (), {}, [attempt(0.0, 0.0, (5.0, 0.0, 0.3))])
-    )
+    truth = MujocoOracle(robot).truth(MissionView((), (), {}, [attempt(0.0, 0.0, (5.0, 0.0, 0.3))]))
     assert truth["grasps"] == [{"object": 1, "lifted": False, "dropped": False}]
     assert truth["collisions"] == []
 
@@ -393,8 +441,6 @@ def test_an_empty_site_has_a_truth_too() -> None:
     robot = MujocoRobot(settings, MACHINE, np.random.default_rng(1))
     robot.start()
     robot.read(0.5)
-    truth = MujocoOracle(robot).truth(
-        MissionView((), (), (), {}, [attempt(0.1, 0.2, (5.0, 0.0, 0.3))])
-    )
+    truth = MujocoOracle(robot).truth(MissionView((), (), {}, [attempt(0.1, 0.2, (5.0, 0.0, 0.3))]))
     assert truth["stones"] == []
     assert truth["grasps"] == [{"object": 1, "lifted": False, "dropped": False}]

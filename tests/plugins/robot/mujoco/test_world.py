@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from executive_plugins.physics.hull_mesh import hull_mesh
 from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 from executive_plugins.robot.mujoco.site.settings import (
     SiteSettings,
@@ -19,6 +18,7 @@ from executive_plugins.robot.mujoco.site.terrain import make_terrain
 from executive_plugins.robot.mujoco.world import World
 
 from executive.errors import ConfigError, RobotError
+from executive.geometry.hull_mesh import hull_mesh
 from executive.geometry.pose import inverse, pose
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine, load_machine

@@ -11,7 +11,7 @@ from executive_plugins.robot.mujoco.site.settings import (
     StoneSettings,
     TerrainSettings,
 )
-from executive_plugins.robot.mujoco.site.site import Site, make_site
+from executive_plugins.robot.mujoco.site.site import Site, add_daylight, make_site
 from executive_plugins.robot.mujoco.site.stone_placement import footprint, gap
 from executive_plugins.robot.mujoco.site.terrain import TERRAIN, make_terrain
 
@@ -180,3 +180,19 @@ def test_a_stone_that_the_machine_may_lift_nowhere_is_refused() -> None:
             np.random.default_rng(1),
             "nominal",
         )
+
+
+def test_daylight_falls_from_a_sky_that_a_picture_can_show() -> None:
+    """Colours are shares of full light; the sky is blue above and brighter at the horizon."""
+    spec = mujoco.MjSpec()
+    add_daylight(spec)
+    model = spec.compile()
+    assert model.light_dir[0, 2] < -0.5
+    assert model.light_castshadow[0]
+    assert ((model.light_diffuse > 0.5) & (model.light_diffuse <= 1)).all()
+    (sky,) = spec.textures
+    for colour in (sky.rgb1, sky.rgb2):
+        assert (np.asarray(colour) <= 1).all()
+        assert (np.diff(colour) > 0).all()  # more blue than green, and more green than red
+    assert (np.asarray(sky.rgb2) > sky.rgb1).all()
+    assert sky.height == 6 * sky.width  # six faces of a cube

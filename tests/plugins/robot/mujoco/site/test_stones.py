@@ -184,3 +184,11 @@ def test_each_stone_may_have_a_density_of_its_own() -> None:
     densities = [2300.0, 2700.0, 3100.0]
     stones = make_stones(StoneSettings(count=3), 9e3, np.random.default_rng(1), densities)
     assert [stone.mass_kg / stone.volume_m3 for stone in stones] == pytest.approx(densities)
+
+
+@pytest.mark.parametrize("roughness_m", [0.0, 0.01, 0.03])
+def test_the_skin_and_the_hull_of_a_generated_stone_have_one_volume(roughness_m: float) -> None:
+    settings = StoneSettings(count=3, roughness_m=roughness_m)
+    for stone in make_stones(settings, 9e3, np.random.default_rng(3)):
+        skin_m3, _ = volume_and_centroid(stone.vertices, stone.triangles)
+        assert skin_m3 == pytest.approx(ConvexHull(stone.hull).volume, rel=1e-9)

@@ -1,0 +1,89 @@
+"""What rehearsals make of lifts, with lifts that are given instead of simulated."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import pytest
+from executive_plugins.grasping.rehearsal import Rehearsal, rehearsal_of
+from executive_plugins.grasping.simulated_lift import Lifted
+from executive_plugins.physics.belief import belief_of
+from executive_plugins.physics.scenario import Scenario
+
+from executive.machine.machine import load_machine
+
+GRIPPER = load_machine("m545").gripper
+HELD, FALLEN = Lifted(0.01, 0.0, 0.0), Lifted(0.6, 0.0, 0.0)
+
+
+class Given:
+    """Lifts with outcomes that are known before."""
+
+    def __init__(self, outcomes: Iterable[Lifted]) -> None:
+        self._outcomes = iter(outcomes)
+        self.made: list[Any] = []
+
+    def lift(self, *asked: Any) -> Lifted:
+        self.made.append(asked)
+        return next(self._outcomes)
+
+
+def rehearsal(scenario: Scenario) -> Rehearsal:
+    return rehearsal_of(belief_of(scenario, GRIPPER))
+
+
+def test_in_kind_a_first_fall_ends_the_lifts_and_costs_the_whole_prediction() -> None:
+    kind, lifts = rehearsal("kind"), Given([FALLEN])
+    seen = kind.lift(lifts, np.eye(4), 0.5)  # type: ignore[arg-type]
+    assert len(lifts.made) == 1
+    assert kind.score(1.0, True, seen) == pytest.approx(0.0)
+    assert kind.slips(seen, 0.3)
+
+
+@pytest.mark.parametrize("scenario", ["nominal", "wet", "harsh"])
+def test_elsewhere_one_fall_is_evidence_and_no_verdict(scenario: Scenario) -> None:
+    drawn, lifts = rehearsal(scenario), Given([FALLEN, HELD, HELD, FALLEN])
+    seen = drawn.lift(lifts, np.eye(4), 0.5)  # type: ignore[arg-type]
+    assert len(lifts.made) == 4
+    assert drawn.score(0.8, True, seen) == pytest.approx((2 * 0.8 + 2) / 6)
+    assert drawn.score(0.8, True, seen) <= drawn.highest(0.8)
+    assert drawn.score(0.0, False, seen) == pytest.approx(0.5)
+    assert not drawn.slips(seen, 0.3)
+    assert not drawn.is_firm(seen)
+
+
+def test_a_grasp_that_falls_in_every_lift_is_refused_and_one_that_holds_in_all_is_firm() -> None:
+    nominal = rehearsal("nominal")
+    falls, holds = (nominal.lift(Given([one] * 4), np.eye(4), 0.5) for one in (FALLEN, HELD))  # type: ignore[arg-type]
+    assert nominal.slips(falls, 0.3)
+    assert not nominal.slips(falls, 0.5)  # a fall counts 0.5: nothing is refused then
+    assert nominal.is_firm(holds)
+
+
+def test_a_grasp_that_cannot_become_the_best_is_lifted_no_more_and_not_refused_for_it() -> None:
+    nominal, lifts = rehearsal("nominal"), Given([FALLEN])
+    best = nominal.highest(0.8)
+    seen = nominal.lift(lifts, np.eye(4), 0.5, 0.8, best)  # type: ignore[arg-type]
+    assert len(lifts.made) == seen.made == 1
+    assert nominal.score(0.8, True, seen) == pytest.approx(2 * 0.8 / 3)
+    assert nominal.score(0.8, True, seen) < best
+    assert not nominal.slips(seen, 0.3)
+
+
+@pytest.mark.parametrize(("worth", "to_beat"), [(0.8, 0.7), (None, 0.75), (0.8, -np.inf)])
+def test_a_grasp_that_may_still_become_the_best_is_lifted_again(
+    worth: float | None, to_beat: float
+) -> None:
+    nominal, lifts = rehearsal("nominal"), Given([FALLEN, HELD, HELD, HELD])
+    seen = nominal.lift(lifts, np.eye(4), 0.5, worth, to_beat)  # type: ignore[arg-type]
+    assert seen.made == 4
+    assert nominal.score(worth or 0.0, worth is not None, seen) >= to_beat
+
+
+def test_all_grasps_are_rehearsed_with_the_same_errors() -> None:
+    first, second = Given([HELD] * 4), Given([HELD] * 4)
+    rehearsal("nominal").lift(first, np.eye(4), 0.5)  # type: ignore[arg-type]
+    rehearsal("nominal").lift(second, np.eye(4), 0.5)  # type: ignore[arg-type]
+    for (T, _, contact), (T_again, _, contact_again) in zip(first.made, second.made, strict=True):
+        assert np.array_equal(T, T_again)
+        assert contact == contact_again

@@ -1,0 +1,76 @@
+"""The check of a place by settling: what one place leaves behind changes no other."""
+
+import numpy as np
+import pytest
+from executive_plugins.physics.stone_world import WorldRules
+from executive_plugins.placing.dry_stone import stability
+from executive_plugins.placing.dry_stone.parts import Place
+from executive_plugins.placing.dry_stone.settings import CheckSettings
+from executive_plugins.placing.dry_stone.stability import Checks, TrialsOfStructure
+
+from executive.geometry.pose import pose
+from executive.messages.building import StandingStone
+from executive.testing.exercises.building import box, first_course
+
+SETTINGS = CheckSettings(pieces=1, samples=1, noise=0.005, tilt_noise=0.005)
+STONE = box("next", 0.9, 0.6, 0.3)
+HOLDS, FALLS = (Place(STONE, pose(t=np.array([x, 0.0, 0.56])), 0.0, {}) for x in (0.0, 1.6))
+
+
+def found_at(check: Checks, place: Place, built):
+    return check.check(place, built, np.random.default_rng(3), lambda: True)
+
+
+def test_a_place_is_judged_alike_alone_and_after_another() -> None:
+    built, check = first_course(), Checks(SETTINGS)
+    alone = found_at(Checks(SETTINGS), HOLDS, built)
+    fallen = found_at(check, FALLS, built)
+    after = found_at(check, HOLDS, built)
+    assert (alone.refusal, bool(fallen.refusal)) == ("", True)
+    np.testing.assert_array_equal(after.T_map_settled, alone.T_map_settled)
+    assert (after.refusal, after.worst_m, after.terms) == ("", alone.worst_m, alone.terms)
+
+
+def test_a_structure_finds_its_rest_once_and_anew_when_it_has_changed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rested, rest_of = [], stability.rest_of
+    monkeypatch.setattr(stability, "rest_of", lambda *of: rested.append(of[0]) or rest_of(*of))
+    built, check = first_course(), Checks(SETTINGS)
+    for structure in (built, built, built.with_standing(built.standing[0])):
+        found_at(check, HOLDS, structure)
+    assert [len(one.standing) for one in rested] == [len(built.standing), 1]
+
+
+def row_of_boxes(count: int):
+    """Return boxes of 0.9 m in a row along the wall, 4 cm apart; the first is in the middle."""
+    stones = [
+        StandingStone(box(f"box_{k}", 0.9, 0.7, 0.4), pose(t=np.array([0.94 * k, 0.0, 0.2])))
+        for k in range(count)
+    ]
+    return first_course().with_standing(*stones)
+
+
+def test_only_stones_within_reach_move_and_far_ones_are_left_out() -> None:
+    # Above the first box and beside the second; the third is what the second may lean on.
+    model = TrialsOfStructure(WorldRules(pieces=1)).of(row_of_boxes(5), HOLDS).world.model
+    bodies = [model.body(number) for number in range(1, model.nbody)]
+    assert [len(body.dofadr) > 0 and body.dofadr[0] >= 0 for body in bodies] == [
+        True, True, False, True,  # the row's first two; the third, which holds still; the stone
+    ]  # fmt: skip
+
+
+def test_a_place_is_judged_as_it_is_on_a_wall_that_ends_beyond_its_reach() -> None:
+    short, long = (found_at(Checks(SETTINGS), HOLDS, row_of_boxes(n)) for n in (4, 9))
+    assert (short.refusal, short.terms) == (long.refusal, long.terms)
+    np.testing.assert_allclose(short.T_map_settled, long.T_map_settled, atol=1e-9)
+
+
+def test_a_stone_that_another_would_push_away_is_free_to_be_pushed() -> None:
+    """A neighbour within reach is no fixed support: a place that moves it is refused."""
+    slender = StandingStone(box("slender", 0.1, 0.6, 0.8), pose(t=np.array([0.55, 0.0, 0.4])))
+    built = first_course().with_standing(slender)
+    found = found_at(
+        Checks(SETTINGS), Place(STONE, pose(t=np.array([0.3, 0.0, 0.97])), 0, {}), built
+    )
+    assert found.refusal
