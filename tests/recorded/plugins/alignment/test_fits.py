@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import small_gicp
 from executive_plugins.alignment.gicp import Gicp
 from executive_plugins.alignment.local_fit import measure
 from executive_plugins.alignment.settings import AlignmentSettings, GicpSettings
@@ -55,7 +56,8 @@ def test_measure(recorded) -> None:
     grid = np.stack(np.meshgrid(*(np.arange(5.0),) * 3), axis=-1).reshape(-1, 3)
     settings = AlignmentSettings(voxel_m=0.5, gate_distance_m=0.5)
     offsets = (0.0, 0.25, 0.5, 0.75, 90.0)
-    recorded([measure(grid, grid[:40] + [d, 0, 0], settings) for d in offsets])
+    surface, _ = small_gicp.preprocess_points(grid, 0.5, settings.neighbours, 1)
+    recorded([measure(grid, surface, grid[:40] + [d, 0, 0], settings) for d in offsets])
 
 
 def test_wrong_guesses(recorded) -> None:

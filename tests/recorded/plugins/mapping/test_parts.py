@@ -6,14 +6,18 @@ from executive_plugins.mapping.cylinder import Cylinder
 from executive_plugins.mapping.density import dense_share
 from executive_plugins.mapping.deskew import cabin_poses, place, time_slices
 from executive_plugins.mapping.graph_host import InlineGraph
+from executive_plugins.mapping.map_cloud import MapCloud
 from executive_plugins.mapping.node_track import NodeTrack
 from executive_plugins.mapping.odometry_noise import OdometryNoise
 from executive_plugins.mapping.pair_graph import PairGraph, PairNode, Poses
 from executive_plugins.mapping.pair_store import PairStore
 from executive_plugins.mapping.pose_constraint import PoseConstraint
 from executive_plugins.mapping.scan_matching import ScanMatcher
-from executive_plugins.mapping.settings import OdometryNoiseSettings, ScanMatchingSettings
-from executive_plugins.mapping.smoothing import smoothed
+from executive_plugins.mapping.settings import (
+    OdometryNoiseSettings,
+    ScanMatchingSettings,
+    VoxelMapSettings,
+)
 from executive_plugins.mapping.voxel_grid import VoxelGrid
 
 from executive.errors import DataError
@@ -182,13 +186,19 @@ def test_store_is_stale_beyond_half_a_voxel(recorded) -> None:
     recorded(told)
 
 
+def surface(grid: VoxelGrid, voxel_m: float, reach_m: float) -> np.ndarray:
+    settings = VoxelMapSettings(voxel_m=voxel_m, smoothing_m=reach_m, memory=4)
+    return MapCloud(settings).cloud(grid, Cylinder(10.0)).points
+
+
 def test_grid(recorded) -> None:
     told = []
     for voxel_m, memory in ((0.5, 1), (0.25, 4), (1.0, 100)):
         grid = VoxelGrid(voxel_m, memory)
         grid.insert(cloud(5))
         grid.insert(cloud(6))
-        told += [len(grid), grid.points(), grid.surface(voxel_m), grid.surface(1.5 * voxel_m)]
+        told += [len(grid), grid.points()]
+        told += [surface(grid, voxel_m, reach * voxel_m) for reach in (0.75, 1.0)]
         twin = grid.copy()
         told.append(twin.forget_sphere(np.zeros(3), 0.5, 2))
         twin.keep(twin.points()[1] > 1)
@@ -212,13 +222,6 @@ def test_grid_ends(recorded) -> None:
             grid.insert(np.array([[0.0, x, 0.0]]))
         told.append(refused.value)
     recorded((grid.points(), told))
-
-
-def test_smoothing(recorded) -> None:
-    keys = np.arange(6) + (1 << 45)
-    means = np.array([[0.0, 0, k + 0.25 * (k % 2)] for k in range(6)])
-    counts = np.array([1, 2, 3, 1, 1, 4])
-    recorded([smoothed(keys, means, counts, reach) for reach in (0.75, 1.0, 1.25, 3.0)])
 
 
 def scan(T_map_cabin, seed: int) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from executive_plugins.monitoring.hold_signals import HoldSignals
 from executive_plugins.monitoring.hold_state import HoldState
 from executive_plugins.monitoring.payload_scale import PayloadScale
 from executive_plugins.monitoring.settings import HoldStateSettings
@@ -99,3 +100,35 @@ def test_falls(recorded, machine, changed) -> None:
                         told.append((name, sinks, force, slack, k, verdict))
                 told.append(monitor.weight())
     recorded(told)
+
+
+def test_windows(recorded, machine) -> None:
+    """All signals of a hold: lifted, carried, lowered, pressed on the ground, and lifted again."""
+    settings, rng, told = HoldStateSettings(), np.random.default_rng(8), []
+    full, half, none, pressing = weights(machine, [1000.0, 480.0, 0.0, -300.0])
+    wide, less = openings(machine, [0.5, 0.47])
+    story = [  # effort, jaw, motion of the arm, effort of the jaws, number of samples
+        (none, wide, 0.0, 0.0, 9),
+        (none, wide, 0.0, 9e4, 9),
+        (full, wide, 0.05, 9e4, 16),
+        (full, less, 0.0, 7e4, 16),
+        (half, less, -0.05, 7e4, 16),
+        (none, less, 0.0, 7e4, 110),
+        (full, less, 0.05, 9e4, 12),
+        (pressing, less, 0.0, 0.0, 110),
+    ]
+    for noise in (0.0, 0.01):
+        signals, k = HoldSignals(settings, machine, PayloadScale(machine)), 0
+        for effort, jaw, moving, force, samples in story:
+            for _ in range(samples):
+                shaken = moving + rng.normal(0.0, noise)
+                one = sample(machine, k * STEP_S, jaw, shaken, effort)
+                one.effort.flags.writeable = True
+                one.effort[-1] = -force * (1 + rng.normal(0.0, noise))
+                window, again = signals.add(one), signals.add(one)
+                assert again is None  # a sample that is not newer says nothing
+                if window is not None:
+                    told.append((k, window, signals.weight))
+                k += 1
+    for first in range(0, len(told), 20):
+        recorded(told[first : first + 20])

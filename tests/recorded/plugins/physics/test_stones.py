@@ -4,11 +4,12 @@ import mujoco
 import numpy as np
 from executive_plugins.physics.contact import apply_contact
 from executive_plugins.physics.even_directions import even_directions
-from executive_plugins.physics.hull_mesh import hull_mesh
 from executive_plugins.physics.quarried_block import block, ratios
 from executive_plugins.physics.rounded_stone import rounded_stone
 from executive_plugins.physics.settling import come_to_rest
 from executive_plugins.physics.surface import Surface, uniform
+
+from executive.geometry.hull_mesh import hull_mesh
 
 
 def test_blocks(recorded) -> None:

@@ -21,7 +21,7 @@ from executive_plugins.robot.settings import KinematicSettings
 from executive_plugins.robot.trajectory_follower import Follower
 
 from executive.errors import ConfigError, RobotError
-from executive.geometry.pose import pose
+from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import from_rpy
 from executive.machine.machine import load_machine
 from executive.messages.command import Follow, MoveJaws, SwitchLidars
@@ -40,7 +40,9 @@ SOLVED = 1e-5
 def robot():
     """A robot on a small site after a second: lidars on, turning, jaws closing on nothing."""
     dropouts = [{"sensor": "imu_cabin", "from_s": 0.3, "to_s": 0.5}]
-    settings = MujocoSettings(site=SITE, sensors={"azimuth_stride": 20, "dropouts": dropouts})
+    settings = MujocoSettings(
+        scenario="kind", site=SITE, sensors={"azimuth_stride": 20, "dropouts": dropouts}
+    )
     made = MujocoRobot(settings, MACHINE, np.random.default_rng(5))
     made.start()
     yield made
@@ -86,12 +88,20 @@ def test_truth(recorded, robot, seen) -> None:
     surface, rng = TrueSurface(robot.world.site, log, 0.5), np.random.default_rng(1)
     T_stone = log.T_world_stone(0, 0.5)
     points = rng.uniform(-1, 1, (500, 3)) * (1, 1, 0.02) + T_stone[:3, 3]
-    told += [surface.distances(points), surface.misplacement(points), surface.distances(points[:0])]
+    told += [surface.distances(points), surface.distances(points[:0])]
     told += [surface.misplacement(points[:0]), surface.misplacement(points + 90)]
     origins = np.column_stack([rng.uniform(-9, 9, (40, 2)), np.full(40, 5.0)])
     rays = np.tile([0.0, 0.0, -1.0], (40, 1))
     told += [robot.cast_rays(origins, rays), robot.cast_rays(origins, -rays)]
-    recorded(told, relative=SOLVED)
+    # Stones that settle, and cast rays that follow them, differ by millimetres between processors.
+    recorded(told, relative=0.02, absolute=5e-3)
+    # A stone's own corners determine the fit: it finds the motion that they were moved by.
+    T_off = pose(from_rpy(0.0, 0.0, 0.02), np.array([0.02, -0.01, 0.03]))
+    corners = transform(T_stone, robot.world.site.stones[0].vertices)
+    middle = corners.mean(axis=0)
+    found = surface.misplacement(transform(T_off, corners - middle) + middle)
+    assert found["error_m"] == pytest.approx(np.linalg.norm(T_off[:3, 3]), rel=0.02)
+    assert found["error_rad"] == pytest.approx(0.02, rel=0.05)
 
 
 def event(log, stamp_s: float, kind: str, off: float) -> StoneEvent:
@@ -165,8 +175,9 @@ def test_scanned_stones(recorded, tmp_path) -> None:
 
 
 def test_textures(recorded) -> None:
-    stones = make_stones(StoneSettings(count=1, edge_m=0.5), 9e3, np.random.default_rng(7))
-    mesh = stones[0].vertices, stones[0].triangles
+    # Made here, since the order of a hull's triangles differs between processors.
+    corners = np.random.default_rng(7).uniform(-0.5, 0.5, (60, 3))
+    mesh = corners, np.arange(60).reshape(20, 3)
     told = [paint(mesh, np.random.default_rng(8)) for paint in (stone_skin, ground_skin)]
     # The noise is of single precision, and rounded to whole levels.
     recorded(

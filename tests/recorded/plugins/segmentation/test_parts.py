@@ -11,7 +11,7 @@ from executive_plugins.segmentation.ground_plane import (
     fit_plane,
     plane_heights,
 )
-from executive_plugins.segmentation.ground_surface import fit_ground_surface
+from executive_plugins.segmentation.ground_surface import SurfaceFit
 from executive_plugins.segmentation.shape import (
     counts_near,
     moments,
@@ -117,13 +117,14 @@ def test_ground_surface(recorded) -> None:
         points = rng.uniform(0, 1, (900, 3)) * [*shape, 0.05]
         points[:, 2] += 0.1 * np.sin(points[:, 0]) + np.where(rng.random(900) < 0.2, 0.4, 0.0)
         plane = np.array([0.0, 0.6, 0.8, 0.1]) if shape[0] == 2 else np.array([0.0, 0, 1, 0.05])
-        surface = fit_ground_surface(points, plane, node_m, 0.3, stiffness)
+        surface = SurfaceFit(node_m, 0.1, 0.36, stiffness).on(points, plane)
         corners = rng.uniform(-1, 8, (40, 3))
         told.append(
             (surface, surface.heights_above(corners), surface.heights_above(points, corners[0]))
         )
+    wide = np.diag([1500.0, 3000.0, 0.0])
     with pytest.raises(DataError) as refused:
-        fit_ground_surface(np.diag([150.0, 300.0, 0.0]), np.array([0.0, 0, 1, 0]), 1.0, 0.3, 0.2)
+        SurfaceFit(1.0, 0.1, 0.36, 0.5).on(wide, np.array([0.0, 0, 1, 0]))
     recorded((told, refused.value))
 
 

@@ -189,7 +189,10 @@ def test_depth_maps(recorded) -> None:
         ground(6), np.array([v.centre for v in VIEWS]), DepthSettings(pixel_m=0.1)
     )
     neighbours = [[1, 2, 3], [0, 2], [0], []]
-    maps = measure_depth(VIEWS, neighbours, planes, settings)
+    maps = [
+        measure_depth(view, [VIEWS[j] for j in others], planes, settings)
+        for view, others in zip(VIEWS, neighbours, strict=True)
+    ]
     told = [
         confirmed(VIEWS[0], maps[0], [(VIEWS[j], maps[j]) for j in n], settings) for n in neighbours
     ]
