@@ -12,7 +12,7 @@ from bounds import command_line, count, verdict
 USAGE = """
 python tests/benchmarks/kills.py --kills 200
 python tests/benchmarks/kills.py --kills 10 --seed 7
-python tests/benchmarks/kills.py --kills 20 --simulated 7404
+python tests/benchmarks/kills.py --kills 20 --simulated 7406
 """
 
 

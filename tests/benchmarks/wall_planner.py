@@ -2,7 +2,8 @@
 
 A wall of 6 × 1.3 × 1.5 m is built in a trial of 40 stones a seed: scans at scale 8, drawn by the
 seed, a quarter of them replaced by generated blocks. A stone is right if it settles within 10 cm
-and 10° of its plan. Any legal drop is the same generator with a score by chance and no check.
+and 10° of its plan. Any legal drop is the same generator with a score by chance and no check, onto
+the stones of the same wall as it stood at times; drops onto the ground do not count.
 """
 
 import json

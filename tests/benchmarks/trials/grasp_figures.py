@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from bounds import Figure, judged
 from executive_plugins.grasping.learning.labels import LabelSettings
-from executive_plugins.grasping.learning.lift_trials import LIFTED_M, LiftTrials
+from executive_plugins.grasping.learning.lift_trials import LiftTrials
 from executive_plugins.grasping.learning.training_scene import StoneView, convex_solid, look_at
 from executive_plugins.grasping.sampled_antipodal import SampledAntipodal
 from executive_plugins.grasping.sampled_cnn import SampledCnn
@@ -21,6 +21,7 @@ from executive_plugins.grasping.sampling.pool import Pool, Sampler
 from executive_plugins.grasping.sampling.ranking import paper_costs
 from executive_plugins.grasping.sampling.settings import SamplingSettings
 from executive_plugins.grasping.settings import SampledAntipodalSettings, SampledCnnSettings
+from executive_plugins.grasping.simulated_lift import LIFTED_M
 from matplotlib import figure as plots
 
 from executive.arrays import Float

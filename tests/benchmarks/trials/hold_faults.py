@@ -11,6 +11,7 @@ from executive_plugins.monitoring.hold_state import HoldState
 from executive_plugins.monitoring.settings import HoldStateSettings
 
 from executive.arrays import Float
+from executive.behaviours.is_hanging import IsHangingSettings
 from executive.geometry.pose import inverse
 from executive.interfaces.monitoring import Monitor
 from executive.messages.command import MoveJaws
@@ -25,6 +26,8 @@ WET = (0.05, 0.005)  # friction of steel on a wet stone: Coulomb's, and torsiona
 EARLIEST_S, LATEST_S = 3.0, 10.0  # after the grasp; a carry takes 13 s
 MOVED_M, LOST_M = 0.03, 0.3
 IN_TIME_S = 0.5
+CLEAR_M = 0.2  # above the lowest place of the stone in a hold: the ground is some cm uneven
+STANDS = IsHangingSettings().probability
 
 
 @dataclass
@@ -36,6 +39,8 @@ class Hold:
     fault_s: float = np.nan
     stamps_s: list[float] = field(default_factory=list)
     centres_m: list[Float] = field(default_factory=list)
+    heights_m: list[float] = field(default_factory=list)  # of that centre in the map
+    standing: list[float] = field(default_factory=list)  # probability that the ground carries it
     told: list[Verdict] = field(default_factory=list)
     weight: Weight | None = None
 
@@ -43,6 +48,13 @@ class Hold:
     def moved_m(self) -> Float:
         """How far the stone has moved in the jaws."""
         return np.asarray(np.linalg.norm(np.array(self.centres_m) - self.centres_m[0], axis=1))
+
+    @property
+    def stands_in_air(self) -> bool:
+        """Whether the ground was said to carry the stone while that was far above it."""
+        heights = np.array(self.heights_m)
+        carried = heights - heights.min() > CLEAR_M
+        return bool((np.array(self.standing)[carried] >= STANDS).any())
 
     @property
     def is_lost(self) -> bool:
@@ -74,12 +86,14 @@ class Watched(Monitor):
             return None
         hold.stamps_s.append(sample.stamp_s)
         hold.centres_m.append((inverse(self._site.gripper()) @ self._site.T(i))[:3, 3])
+        hold.heights_m.append(float(self._site.T(i)[2, 3]))
         if np.isnan(hold.fault_s) and sample.stamp_s - self._begun_s > self.at_s:
             hold.fault_s = sample.stamp_s
             self._make_fault(hold.fault, i)
         if (verdict := self._monitor.update(sample)) is not None:
             hold.told.append(verdict)
         hold.weight = self._monitor.weight()
+        hold.standing.append(self._monitor.standing() or 0.0)
         return None
 
     def _make_fault(self, fault: str, i: int) -> None:
@@ -133,6 +147,7 @@ def measured(sites: Iterable[int]) -> list[Figure]:
     slid_s = [h.late_s(h.stamps_s[int(np.argmax(h.moved_m > MOVED_M))]) for h in slid]
     kept = [h for h in holds if h.fault == "none" and not h.is_lost]
     wrong = [h for h in kept if h.told]
+    grounded = [h for h in kept if h.stands_in_air]
     doubled = [h for h in holds if [v.trouble for v in h.told].count(Trouble.DROP) > 1]
     off = [
         abs(h.weight.mass_kg / h.mass_kg - 1)
@@ -145,6 +160,10 @@ def measured(sites: Iterable[int]) -> list[Figure]:
         held(
             "false verdicts in 300 holds", 300 * len(wrong) / max(len(kept), 1), Bound(1.0),
             f"{len(wrong)} of {len(kept)}",
+        ),
+        held(
+            "holds with ground below a stone in the air", len(grounded), Bound(0.0),
+            f"{len(grounded)} of {len(kept)}",
         ),
         held("falls told twice", len(doubled), Bound(0.0), f"{len(doubled)} of {len(holds)}"),
         held("mass error, p95 [%]", float(np.percentile(off, 95)) * 100, Bound(8.0, 4.0)),

@@ -37,7 +37,7 @@ from executive.machine.machine import load_machine
 from executive.messages.cloud import Cloud
 
 METHODS = ("segment_fpfh", "segment_shot")
-STAGES = ("find_motion", "measure_depth", "fuse")
+STAGES = ("find_motion", "_depths", "fuse")
 RAYS = 250_000
 
 

@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 from bounds import Bound, Figure, held
 from executive_plugins.grasping.learning.labels import LabelSettings
-from executive_plugins.grasping.learning.lift_trials import LIFTED_M, LiftTrials
+from executive_plugins.grasping.learning.lift_trials import LiftTrials
 from executive_plugins.grasping.learning.training_scene import Solid, look_at
 from executive_plugins.grasping.sampled_cnn import SampledCnn
 from executive_plugins.grasping.settings import SampledCnnSettings
+from executive_plugins.grasping.simulated_lift import LIFTED_M
 from executive_plugins.physics.scenario import Scenario
 
 from executive.arrays import Float

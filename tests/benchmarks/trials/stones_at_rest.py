@@ -11,7 +11,6 @@ from pathlib import Path
 import mujoco
 import numpy as np
 from bounds import Bound, Figure, held
-from executive_plugins.physics.hull_mesh import hull_mesh
 from executive_plugins.physics.rounded_stone import rounded_stone
 from executive_plugins.physics.scenario import Scenario, contact_of
 from executive_plugins.robot.mujoco.physics import apply_physics
@@ -23,6 +22,7 @@ from executive_plugins.robot.mujoco.site.stones import make_stones
 from executive_plugins.robot.mujoco.site.terrain import Terrain, make_terrain
 
 from executive.arrays import Float
+from executive.geometry.hull_mesh import hull_mesh
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import from_quaternion
 from executive.machine.machine import load_machine

@@ -12,6 +12,7 @@ import time
 from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from bounds import Bound, Figure, held
@@ -38,6 +39,13 @@ def machine(address: str, silence_s: float, note: Path) -> None:
     plugin = load("robot", "kinematic")
     robot = plugin(settings_of("robot", "kinematic")(), load_machine("m545"))
     server = MachineServer(robot, "m545", Address.parse(address), silence_s)
+    noting(robot, note)
+    signal.signal(signal.SIGTERM, lambda *_: setattr(server, "is_ended", True))
+    server.run()
+
+
+def noting(robot: Any, note: Path) -> None:
+    """Let a robot write down when it is told to stop for the first time, and why."""
     stop = robot.safe_stop
 
     def noted(reason: str) -> None:
@@ -48,8 +56,6 @@ def machine(address: str, silence_s: float, note: Path) -> None:
             note.with_suffix(".part").rename(note)
 
     robot.safe_stop = noted
-    signal.signal(signal.SIGTERM, lambda *_: setattr(server, "is_ended", True))
-    server.run()
 
 
 def swing(start: float) -> Follow:

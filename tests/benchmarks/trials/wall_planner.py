@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from bounds import Bound, Figure, held
-from executive_plugins.physics.hull_mesh import hull_mesh
 from executive_plugins.physics.quarried_block import block
 from executive_plugins.placing.dry_stone.parts import Places
 from executive_plugins.placing.dry_stone.planner import DryStone
@@ -17,9 +16,10 @@ from executive_plugins.placing.trial_site import RigidStones
 
 from executive.arrays import Float
 from executive.clouds.meshes.reader import mesh_of
-from executive.commands.walls.construction import TrialRules, answer_of, build
+from executive.commands.walls.construction import Trial, TrialRules, answer_of, build
 from executive.commands.walls.judging import verdict_of
 from executive.errors import ConfigError
+from executive.geometry.hull_mesh import hull_mesh
 from executive.messages.building import AsBuilt
 from executive.messages.height_grid import HeightGrid
 from executive.messages.solid_stone import SolidStone
@@ -29,6 +29,7 @@ SCALE, DENSITY_KG_M3 = 8.0, 2600.0
 SCANS, BLOCKS = 30, 10  # of an inventory
 BLOCK_M3 = (0.15, 0.6)  # volumes of generated blocks
 NOISE = (0.03, np.radians(2.0))
+ON_STONES_M = 0.10  # least height above the ground of a stone that lies on others
 ENOUGH, IN_SEEDS = 17, 0.8  # stones, in this share of the seeds
 
 
@@ -46,7 +47,9 @@ class Job:
 
 
 class ByChance:
-    """A scorer from outside the planner's package: any legal place is as good as another."""
+    """A scorer from outside the planner's package: any legal place on stones is as good as another,
+    and none on the ground counts.
+    """
 
     def __init__(self, settings: ScorerSettings) -> None:
         del settings
@@ -55,7 +58,10 @@ class ByChance:
     def score(
         self, places: Places, built: AsBuilt, inventory: Sequence[SolidStone]
     ) -> Mapping[str, Float]:
-        return {"chance": self._rng.random(len(places.origins_map))}
+        origins = places.origins_map
+        low_m = origins[:, 2] + (places.stone.vertices @ places.R.T)[:, 2].min()
+        is_on_stones = low_m - built.ground.at(origins[:, :2]) > ON_STONES_M
+        return {"chance": np.where(is_on_stones, self._rng.random(len(origins)), -1.0)}
 
 
 def wall(job: Job) -> dict[str, Any]:
@@ -66,7 +72,7 @@ def wall(job: Job) -> dict[str, Any]:
     trial = build(bare(), stones, DryStone(DryStoneSettings()), RigidStones(), rules, rng)
     told = {"seed": job.seed, **answer_of(trial)}
     if job.drops:
-        told["dropped"] = dropped(stones, job, rng)
+        told["dropped"] = dropped(trial, stones, job, rng)
     if job.is_judged and trial.placed:
         told["verdict"] = dict(verdict_of(trial.built, "rigid_stones"))
     if job.keep:
@@ -74,17 +80,29 @@ def wall(job: Job) -> dict[str, Any]:
     return told
 
 
-def dropped(stones: Sequence[SolidStone], job: Job, rng: np.random.Generator) -> list[bool]:
-    """Return which of some stones settle where they should, from any legal place."""
+def dropped(
+    trial: Trial, stones: Sequence[SolidStone], job: Job, rng: np.random.Generator
+) -> list[bool]:
+    """Return which legal drops onto the structure, as it stood at times, settle where they should.
+
+    A time at which no legal place is on stones is left out.
+    """
     chance = DryStoneSettings.model_validate({
         "scorer": {"part": "trials.wall_planner:ByChance"},
         "check": {"part": "none"},
         "generator": {"stones": 1, "kept": 1},
         "fills": "any",
     })  # fmt: skip
-    rules = TrialRules(NOISE, job.drops)
-    trial = build(bare(), stones, DryStone(chance), RigidStones(), rules, rng)
-    return [one.is_right for one in trial.placed]
+    planner, site, rules = DryStone(chance), RigidStones(), TrialRules(NOISE, 1)
+    times = np.linspace(0, len(trial.placed) - 1, min(job.drops, len(trial.placed)))
+    found = []
+    for number in np.unique(times.round().astype(int)):
+        built = trial.placed[number].built
+        used = {one.stone.name for one in built.standing}
+        left = [one for one in stones if one.name not in used]
+        one_more = build(built, left, planner, site, rules, rng)
+        found += [one.is_right for one in one_more.placed if one.plan.targets[0].score >= 0.0]
+    return found
 
 
 def bare() -> AsBuilt:
