@@ -66,6 +66,7 @@ class FakeContext(Context):
         self.troubles = []
         self.weighed = None
         self.payload = None
+        self.on_ground = None
         self.given_up = frozenset()
         self.regions = {}
         self._machine = load_machine("m545")
@@ -130,6 +131,9 @@ class FakeContext(Context):
 
     def payload_kg(self):
         return self.payload
+
+    def standing(self):
+        return self.on_ground
 
     def is_given_up(self, stone):
         return stone in self.given_up
@@ -209,6 +213,10 @@ class Scripted:
 
         return answer
 
+    def answers(self, **answers):
+        """Answer some verbs otherwise from now on."""
+        self._answers.update(answers)
+
     def calls(self, verb):
         """Return the arguments of each call of a verb."""
         return [arguments for one, arguments in self.asked if one == verb]
@@ -220,6 +228,10 @@ class PointMap(Mapper):
     def __init__(self, points):
         self.points = np.asarray(points, dtype=float).reshape(-1, 3)
         self.masks = []
+        self.seen = np.empty((0, 3))  # of what the jaws hold
+
+    def held(self):
+        return Cloud("gripper", self.seen)
 
     def add_scan_pair(self, scans, motion):
         raise NotImplementedError("no leaf adds scans")

@@ -154,3 +154,21 @@ def test_one_stone_has_no_gap(stand, database):
     ended = stand.tick(FindCourseSlots, settings={"heading": 0.0}, course=[1])
     assert ended.status == "FAILURE"
     assert ended.reason == "a course of 1 stones has no gap for a stone to rest on"
+
+
+def test_only_the_part_of_a_stone_beside_the_gap_carries_the_next(stand, database):
+    first, second = (database.stone(number) for number in (1, 2))
+    faces = first.points_map[:, 1].max(), second.points_map[:, 1].min()
+    gap = np.mean(faces)
+    settings = {"heading": np.pi / 2, "near": 0.2, "gap": 0.3}
+    ended = stand.tick(FindCourseSlots, settings=settings, course=[2, 1])  # in any order
+    (slot,) = ended.outputs["slots"]
+    tops = []
+    for stone in (first, second):
+        away = np.abs(stone.points_map[:, 1] - gap)
+        near = away < away.min() + 0.2
+        tops.append(np.quantile(stone.points_map[near, 2], 0.95))
+    across = np.mean([stone.box_map.centre[0] for stone in (first, second)])
+    assert slot.position_map == pytest.approx([across, gap, max(tops)])
+    assert (slot.id, slot.gap_m) == (1, 0.3)
+    assert ended.reason == "1 slots"

@@ -9,10 +9,9 @@ import pytest
 from executive_plugins.objects.sqlite import SqliteObjects
 
 from executive.behaviours.close_gripper import CloseGripper, CloseGripperSettings
-from executive.behaviours.execute_trajectory import ExecuteTrajectory
+from executive.behaviours.execute_trajectory import ExecuteTrajectory, ExecuteTrajectorySettings
 from executive.behaviours.open_gripper import OpenGripper, OpenGripperSettings
 from executive.behaviours.scan_swing import ScanSwing, ScanSwingSettings
-from executive.config import NoSettings
 from executive.messages.cloud import Cloud
 from executive.messages.command import Follow, MoveJaws, SwitchLidars
 from executive.messages.request import MotionPlan
@@ -70,7 +69,8 @@ def test_ends_when_the_arm_has_arrived(fakes):
     context = fakes.Context(robot=Robot())
     trajectory = turn_by(context, 0.5)
     moving(context, trajectory)
-    outcome = fakes.finish(ExecuteTrajectory(NoSettings(), context), trajectory=trajectory)
+    leaf = ExecuteTrajectory(ExecuteTrajectorySettings(), context)
+    outcome = fakes.finish(leaf, trajectory=trajectory)
     assert outcome.success
     assert context.time_s == pytest.approx(2.0, abs=2 * fakes.TICK_S)
     assert context.plugins["robot"].stops == 0
@@ -80,16 +80,38 @@ def test_an_arm_that_is_stuck_is_noticed_and_stopped(fakes):
     context = fakes.Context(robot=Robot())
     trajectory = turn_by(context, 0.5)
     moving(context, trajectory, reaches=0.7)
-    outcome = fakes.finish(ExecuteTrajectory(NoSettings(), context), trajectory=trajectory)
+    leaf = ExecuteTrajectory(ExecuteTrajectorySettings(), context)
+    outcome = fakes.finish(leaf, trajectory=trajectory)
     assert not outcome.success
     assert "J_TURN is 0.150 off its goal" in outcome.reason
     assert context.plugins["robot"].stops == 1
 
 
+def test_a_motion_with_a_scan_has_the_lidars_on_until_its_end(fakes):
+    context = fakes.Context(robot=Robot())
+    trajectory = turn_by(context, 0.5)
+    moving(context, trajectory)
+    leaf = ExecuteTrajectory(ExecuteTrajectorySettings(scan=True), context)
+    assert fakes.finish(leaf, trajectory=trajectory).success
+    on, follow, off = context.plugins["robot"].commands
+    assert (on.on, off.on) == (True, False)
+    assert follow.trajectory is trajectory
+
+
+def test_a_motion_with_a_scan_that_is_given_up_leaves_the_lidars_off(fakes):
+    context = fakes.Context(robot=Robot())
+    leaf = ExecuteTrajectory(ExecuteTrajectorySettings(scan=True), context)
+    steps = leaf.run(trajectory=turn_by(context, 0.5))
+    next(steps)
+    steps.close()
+    switches = [c.on for c in context.plugins["robot"].commands if isinstance(c, SwitchLidars)]
+    assert (switches, context.plugins["robot"].stops) == ([True, False], 1)
+
+
 def test_given_up_it_stops_the_machine(fakes):
     context = fakes.Context(robot=Robot())
     trajectory = turn_by(context, 0.5)
-    steps = ExecuteTrajectory(NoSettings(), context).run(trajectory=trajectory)
+    steps = ExecuteTrajectory(ExecuteTrajectorySettings(), context).run(trajectory=trajectory)
     next(steps)
     steps.close()
     assert isinstance(context.plugins["robot"].commands[0], Follow)
@@ -101,7 +123,8 @@ def test_an_arm_that_was_pushed_since_the_plan_does_not_move(fakes):
     trajectory = turn_by(context, 0.5)
     pushed = trajectory.position[0] + [0.06, *[0] * (trajectory.position.shape[1] - 1)]
     context.positions = lambda t: pushed
-    outcome = fakes.finish(ExecuteTrajectory(NoSettings(), context), trajectory=trajectory)
+    leaf = ExecuteTrajectory(ExecuteTrajectorySettings(), context)
+    outcome = fakes.finish(leaf, trajectory=trajectory)
     assert not outcome.success
     assert "J_TURN has moved 0.060 since the path was planned" in outcome.reason
     assert not context.plugins["robot"].commands
@@ -130,8 +153,9 @@ def test_a_scan_that_is_given_up_leaves_the_lidars_off(fakes):
     context = fakes.Context(robot=Robot(), mapping=Mapper())
     context.plugins["motion"] = Planner(context)
     steps = ScanSwing(ScanSwingSettings(), context).run()
-    steps.send(None)
-    steps.send(context.plugins["motion"].swing(None, 1.0, 20.0))
+    job = steps.send(None)
+    while job is not None:  # until the arm is driven
+        job = steps.send(job.result())
     steps.close()
     assert [c.on for c in context.plugins["robot"].commands if isinstance(c, SwitchLidars)] == [
         True,

@@ -10,7 +10,8 @@ from executive.behaviours.plan_grasp import PlanGrasp
 from executive.behaviours.plan_pick import PlanPick
 from executive.behaviours.plan_retreat import PlanRetreat
 from executive.events.stone import AttemptStarted, GraspsPlanned, JawsClosedOnNothing, StoneGrasped
-from executive.geometry.pose import pose
+from executive.geometry.pose import inverse, pose
+from executive.geometry.rotation import from_rpy
 from executive.interfaces.grasping import GraspPlanner
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.robot import Robot
@@ -177,6 +178,23 @@ def test_the_retreat_is_as_high_as_there_is_a_path(stage, world):
     assert first.T_map_gripper[2, 3] == pytest.approx(z + 1.5)
     assert z < second.T_map_gripper[2, 3] < z + 1.5
     assert second.leave_m == pytest.approx(second.T_map_gripper[2, 3] - z)
+
+
+def test_the_retreat_turns_the_cabin_at_its_top(stage, world):
+    plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=world.found)
+    ended = world.tick(PlanRetreat, settings={"height": 1.5, "turn": 0.2})
+    assert (ended.status, ended.reason) == ("SUCCESS", "1.5 m up, turned by 11°")
+    T_map_gripper = world.leaf_context.gripper()
+    (asked,) = (one["request"] for one in plugins(world)["motion"].calls("move"))
+    moved = asked.T_map_gripper @ inverse(T_map_gripper)  # about the machine, which stands at 0
+    np.testing.assert_allclose(moved, pose(from_rpy(0.0, 0.0, 0.2), [0.0, 0.0, 1.5]), atol=1e-12)
+    assert asked.leave_m == 1.5
+
+
+def test_the_retreat_is_straight_where_no_turn_is_free(stage, world):
+    plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=[NO_WAY, world.found])
+    ended = world.tick(PlanRetreat, settings={"height": 1.5, "turn": 0.2})
+    assert (ended.status, ended.reason) == ("SUCCESS", "1.5 m up")
 
 
 def test_no_path_up_is_a_failure(world):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 
 from executive.behaviours.check_placed import CheckPlaced
 from executive.behaviours.detect_slip import DetectSlip
@@ -9,12 +10,15 @@ from executive.behaviours.find_again import FindAgain
 from executive.behaviours.find_lost import FindLost
 from executive.behaviours.forget_place import ForgetPlace
 from executive.behaviours.has_arrived import HasArrived
+from executive.behaviours.is_hanging import IsHanging
 from executive.behaviours.is_holding import IsHolding
+from executive.behaviours.lower_until_down import LowerUntilDown
 from executive.behaviours.plan_grasp import PlanGrasp
 from executive.behaviours.plan_placement import PlanPlacement
 from executive.behaviours.plan_set_down import PlanSetDown
 from executive.behaviours.release_stone import ReleaseStone
 from executive.behaviours.relocate_and_realign import RelocateAndRealign
+from executive.behaviours.see_held import SeeHeld
 from executive.behaviours.set_aside import SetAside
 from executive.behaviours.verify_placement import VerifyPlacement
 from executive.errors import DataError
@@ -26,19 +30,25 @@ from executive.events.stone import (
     StoneLost,
     StoneRealigned,
     StoneReleased,
+    StoneSeenInJaws,
     StoneSoughtAgain,
+    StoneTouchedDown,
 )
-from executive.geometry.pose import inverse, pose
+from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import from_rpy
 from executive.interfaces.alignment import Aligner
 from executive.interfaces.grasping import GraspPlanner
+from executive.interfaces.mapping import Mapper
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.placing import PlacementPlanner
 from executive.interfaces.registration import Registrar
 from executive.interfaces.robot import Robot
 from executive.interfaces.segmentation import Segmenter
-from executive.messages.alignment import Alignment
+from executive.leaf.surroundings import held_surface
+from executive.machine.kinematics import Kinematics
+from executive.messages.alignment import Alignment, Uncertainty
 from executive.messages.cloud import Cloud
+from executive.messages.command import SwitchLidars
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement, Slot
 from executive.messages.request import MotionPlan
@@ -106,6 +116,54 @@ def test_the_first_placement_with_a_path_is_taken(stage, world, database):
     assert {request.jaw_rad for request in requests} == {0.6}
 
 
+def tilted_in_jaws(database, tilt_rad):
+    """Tilt the held stone 1 about its centroid, and turn it about the vertical."""
+    centre = pose(t=database.stone(1).centroid_map)
+    T = centre @ pose(from_rpy(tilt_rad, 0.0, 0.7)) @ inverse(centre)
+    return database.realign(1, T, 3.0, "in the jaws")
+
+
+def test_a_stone_that_was_tilted_in_the_jaws_is_turned_back_to_the_side_on_which_it_lay(
+    stage, world, database
+):
+    held = tilted_in_jaws(database, 0.48)
+    planner = stage.Scripted(PlacementPlanner, plan=[(placement(SLOTS[0]),)])
+    plugins(world).update(placing=planner, motion=stage.Scripted(MotionPlanner, move=[world.found]))
+    ended = world.tick(PlanPlacement, hold=world.hold, free_slots=SLOTS[:1])
+    assert (ended.status, ended.reason) == ("SUCCESS", "slot 1, turned back by 27.5°")
+    (asked,) = planner.calls("plan")
+    np.testing.assert_allclose(asked["stone"].T_map_object[2, :3], [0, 0, 1], atol=1e-9)
+    np.testing.assert_allclose(asked["stone"].centroid_map, held.centroid_map, atol=1e-9)
+    # The gripper moves with the stone.
+    in_jaws = [inverse(T) @ one.T_map_object for T, one in (
+        (asked["T_map_gripper"], asked["stone"]), (world.hold.T_map_gripper, held)
+    )]  # fmt: skip
+    np.testing.assert_allclose(*in_jaws, atol=1e-9)
+
+
+def test_a_tilted_stone_for_which_no_way_leads_to_its_rest_is_set_down_as_it_hangs(
+    stage, world, database
+):
+    tilted_in_jaws(database, 0.48)
+    last = placement(SLOTS[0])
+    planner = stage.Scripted(PlacementPlanner, plan=[(), (last,)])
+    plugins(world).update(placing=planner, motion=stage.Scripted(MotionPlanner, move=[world.found]))
+    ended = world.tick(PlanPlacement, hold=world.hold, free_slots=SLOTS[:1])
+    assert (ended.status, ended.reason) == ("SUCCESS", "slot 1")
+    assert ended.outputs["placement"] is last
+    hanging = planner.calls("plan")[1]["stone"]
+    np.testing.assert_array_equal(hanging.T_map_object, database.stone(1).T_map_object)
+
+
+def test_a_slot_with_a_pose_says_itself_how_the_stone_rests(stage, world, database):
+    tilted_in_jaws(database, 0.48)
+    slot = Slot(1, np.array([4.0, -3.0, 0.0]), T_map_object=pose(t=np.array([4.0, -3.0, 0.4])))
+    planner = stage.Scripted(PlacementPlanner, plan=[(placement(slot),)])
+    plugins(world).update(placing=planner, motion=stage.Scripted(MotionPlanner, move=[world.found]))
+    assert world.tick(PlanPlacement, hold=world.hold, free_slots=[slot]).reason == "slot 1"
+    assert len(planner.calls("plan")) == 1
+
+
 @pytest.mark.parametrize(("mass_kg", "status"), [(900.0, "SUCCESS"), (2900.0, "FAILURE")])
 def test_a_way_beyond_the_lift_capacity_is_no_way(stage, world, database, mass_kg, status):
     """The arm swings out to 6 m at the side, where the machine carries 1 t."""
@@ -164,6 +222,20 @@ def test_a_stone_is_held_while_the_jaws_are_apart_and_none_has_fallen(
     assert ended.reason == ("" if status == "SUCCESS" else fallen)
 
 
+@pytest.mark.parametrize(
+    ("standing", "status", "reason"),
+    [
+        (0.5, "SUCCESS", ""),
+        (None, "SUCCESS", "no monitor tells whether the ground carries the stone"),
+        (0.98, "FAILURE", "the ground carries the stone (p = 0.98)"),
+    ],
+)
+def test_a_stone_hangs_until_a_monitor_tells_that_it_stands(world, standing, status, reason):
+    world.leaf_context.on_ground = standing
+    ended = world.tick(IsHanging)
+    assert (ended.status, ended.reason) == (status, reason)
+
+
 def test_a_stone_that_met_the_ground_early_has_arrived(world):
     T = world.leaf_context.gripper()
     T[:3, 3] -= [0.05, 0.0, 0.2]
@@ -201,6 +273,42 @@ def test_a_slipping_stone_is_set_down_on_the_ground_below(stage, world):
     z = asked["request"].T_map_gripper[2, 3]
     assert z == pytest.approx(0.5, abs=0.1)
     assert asked["request"].arrive_m == pytest.approx(2.0 - z)
+
+
+def above_the_other_stone(world):
+    """Let the gripper hold stone 1 above stone 2."""
+    over = world.leaf_context.gripper()
+    over[:2, 3] = 5.0, 3.0
+    world.leaf_context.gripper = lambda: over.copy()
+    return over
+
+
+def test_a_slipping_stone_is_set_down_beside_a_stone_that_is_below(stage, world, database):
+    over = above_the_other_stone(world)
+    motion = plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=world.found)
+    ended = world.tick(PlanSetDown, hold=world.hold)
+    assert ended.status == "SUCCESS"
+    assert "aside of another stone" in ended.reason
+    (asked,) = motion.calls("move")
+    goal = asked["request"].T_map_gripper
+    held = asked["request"].held_gripper[:, :2] + goal[:2, 3]
+    other = database.stone(2).points_map[:, :2]
+    apart = np.linalg.norm(held[:, None] - other, axis=-1).min()
+    assert 0.3 <= apart < 0.6  # no nearer than is safe, and no farther than is needed
+    assert goal[2, 3] == pytest.approx(0.5, abs=0.1)  # on the ground, not on the stone
+    assert over[2, 3] == 2.0
+
+
+def test_a_slipping_stone_is_set_down_on_another_one_where_nothing_else_is_in_reach(stage, world):
+    above_the_other_stone(world)
+    motion = stage.Scripted(MotionPlanner, move=[NO_WAY] * 4 + [world.found])
+    plugins(world)["motion"] = motion
+    ended = world.tick(PlanSetDown, hold=world.hold)
+    assert ended.status == "SUCCESS"
+    assert "aside" not in ended.reason
+    asked = motion.calls("move")
+    assert len(asked) == 5
+    np.testing.assert_allclose(asked[-1]["request"].T_map_gripper[:2, 3], [5.0, 3.0])
 
 
 def test_a_stone_is_not_set_down_without_a_path_or_a_gap(world):
@@ -253,6 +361,227 @@ def test_nothing_is_planned_or_released_while_the_arm_moves(world, leaf):
     assert plugins(world)["robot"].asked == plugins(world)["motion"].asked == []
 
 
+def seen_in_jaws(stage, world, T_model_view, accepted=True):
+    """Let the arm stay where it is on each path, and the aligner answer a motion of the view."""
+    names = world.leaf_context.machine().arm_names
+    stay = np.stack([world.leaf_context.arm()] * 2)
+    path = JointTrajectory(names, np.array([0.0, 1.0]), stay, np.zeros_like(stay))
+    doubt = Uncertainty(np.diag([0.01**2] * 3 + [0.005**2] * 3), np.array([0.0, 0.0, -0.2]))
+    answer = Alignment(
+        T_model_view,
+        accepted,
+        "rmse 5 cm above 4",
+        0.01,
+        0.9,
+        uncertainty=doubt if accepted else None,
+    )
+    plugins(world).update(
+        motion=stage.Scripted(MotionPlanner, move=MotionPlan(path, "", NO_PATH)),
+        alignment=stage.Scripted(Aligner, align=answer),
+    )
+
+
+def rises(world):
+    """Let the gripper rise by 1.2 m within a second; return its heights at commands of lidars."""
+    context, robot, switched_m = world.leaf_context, plugins(world)["robot"], []
+
+    def command(command):
+        if isinstance(command, SwitchLidars):
+            switched_m.append(context.gripper()[2, 3])
+
+    context.gripper = lambda: pose(t=np.array([5.0, 0.0, 2.0 + 1.2 * min(context.time_s, 1.0)]))
+    robot.answers(command=command)
+    return switched_m
+
+
+def test_a_stone_that_the_closing_jaws_moved_is_corrected_in_the_database(stage, world, database):
+    before = database.stone(1).centroid_map
+    seen_in_jaws(stage, world, pose(t=np.array([-0.05, 0.0, 0.0])))  # the view moves to the model
+    seen = held_surface(world.leaf_context, world.hold)[:200] + [0.05, 0.0, 0.0]
+    plugins(world)["mapping"].seen = seen
+    switched_m = rises(world)
+    ended = world.tick(SeeHeld, hold=world.hold)
+    assert ended.status == "SUCCESS", ended.reason
+    (asked,) = plugins(world)["motion"].calls("move")  # one motion, without a stop on the way
+    assert asked["request"].T_map_gripper[2, 3] == pytest.approx(2.0 + 0.7 + 0.5)
+    assert switched_m[0] == pytest.approx(2.0 + 0.7, abs=0.06)  # once it is clear of the ground
+    moved = database.stone(1).centroid_map - before
+    np.testing.assert_allclose(moved, [0.05, 0.0, 0.0], atol=0.003)  # the expectation counts too
+    assert database.stone(1).state is StoneState.HELD
+    (event,) = ended.events
+    assert isinstance(event, StoneSeenInJaws)
+    assert (event.accepted, event.points) == (True, 200)
+    assert event.shift_m == pytest.approx(0.05, abs=0.003)
+    assert 0.003 < event.position_std_m < 0.006
+    lidars = [one["command"] for one in plugins(world)["robot"].calls("command")]
+    assert [one.on for one in lidars if isinstance(one, SwitchLidars)] == [True, False]
+
+
+def test_a_view_of_another_form_is_not_the_stone(stage, world, database):
+    before = database.stone(1).T_map_object
+    seen_in_jaws(stage, world, pose(t=np.array([-0.05, 0.0, 0.0])))
+    model = held_surface(world.leaf_context, world.hold)
+    middle = model.mean(axis=0)
+    plugins(world)["mapping"].seen = middle + (model - middle) * [0.8, 0.8, 1.0] + [0.05, 0, 0]
+    ended = world.tick(SeeHeld, hold=world.hold)
+    assert ended.status == "FAILURE"
+    assert "of what is seen in the jaws has the form of the stone" in ended.reason
+    np.testing.assert_array_equal(database.stone(1).T_map_object, before)
+    assert [(one.accepted, one.shift_m) for one in ended.events] == [(False, None)]
+
+
+def test_a_view_that_is_refused_keeps_the_expected_pose(stage, world, database):
+    before = database.stone(1).T_map_object
+    seen_in_jaws(stage, world, pose(t=np.array([-0.2, 0.0, 0.0])), accepted=False)
+    ended = world.tick(SeeHeld, hold=world.hold)
+    assert ended.status == "FAILURE"
+    assert ended.reason == "kept the expected pose of stone 1: rmse 5 cm above 4"
+    np.testing.assert_array_equal(database.stone(1).T_map_object, before)
+    assert [(one.accepted, one.shift_m) for one in ended.events] == [(False, None)]
+
+
+def test_a_stone_that_cannot_be_raised_is_not_looked_at(world, database):
+    plugins(world)["alignment"] = None
+    ended = world.tick(SeeHeld, hold=world.hold)
+    assert ended.status == "FAILURE"
+    assert "no path up: the boom would hit stone 2" in ended.reason
+    assert ended.events == []
+
+
+BOOM = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+class Arm:
+    """An arm that is where its path is, and stands still where it is stopped."""
+
+    def __init__(self, context, start):
+        self._context, self._path, self._began_s = context, None, 0.0
+        self._still, self.stopped_s = start, []
+
+    def at(self):
+        if self._path is None:
+            return self._still
+        return self._path.at(self._context.time_s - self._began_s)[0]
+
+    def command(self, command):
+        self._path, self._began_s = command.trajectory, self._context.time_s
+
+    def stop(self):
+        self._still, self._path = self.at(), None
+        self.stopped_s.append(self._context.time_s)
+
+
+@pytest.fixture
+def lowering(stage, world):
+    """Let the arm follow paths that lower the gripper; 900 kg hang in the jaws above the ground."""
+
+    def lower(ground_m, weighed=True, jolted=lambda payload_kg: payload_kg, free_m=1.0):
+        context = world.leaf_context
+        kinematics = Kinematics(context.machine())
+        arm = Arm(context, context.machine().posture("carry"))
+        offset_m = 2.0 - kinematics.gripper(arm.at())[2, 3]
+
+        def height_m():
+            return kinematics.gripper(arm.at())[2, 3] + offset_m
+
+        def move(request):
+            """Plan by the boom alone, whose turn by some mrad moves the gripper down."""
+            if request.arrive_m > free_m:
+                return NO_WAY
+            goal = minimize_scalar(
+                lambda turn: abs(
+                    kinematics.gripper(request.start - turn * BOOM)[2, 3]
+                    + offset_m
+                    - request.T_map_gripper[2, 3]
+                ),
+                bounds=(0.0, 0.2),
+                method="bounded",
+            )
+            position = request.start - np.linspace(0.0, goal.x, 20)[:, None] * BOOM
+            path = JointTrajectory(
+                context.machine().arm_names,
+                np.linspace(0.0, 0.5, 20),
+                position,
+                np.zeros_like(position),
+            )
+            return MotionPlan(path, "", NO_PATH)
+
+        context.positions = lambda time_s: arm.at()
+        context.gripper = lambda: pose(t=np.array([5.0, 0.0, height_m()]))
+        context.payload_kg = jolted(lambda: 900.0 if height_m() > ground_m else 40.0)
+        context.weighed = Weight(900.0, 20.0) if weighed else None
+        world.arm = arm
+        plugins(world)["robot"].answers(command=arm.command, stop=arm.stop)
+        plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=move)
+        planned = placement(SLOTS[0], pose(t=np.array([5.0, 0.0, 1.94])))
+        return world.tick(LowerUntilDown, hold=world.hold, placement=planned)
+
+    return lower
+
+
+@pytest.mark.parametrize("ground_m", [1.97, 1.945, 1.83])
+def test_a_stone_is_lowered_until_the_ground_carries_it(lowering, world, ground_m):
+    """The ground is higher than planned, as planned, and lower.
+
+    A mean over a window of 0.4 s falls to a half within 0.2 s of the touch, while the gripper sinks
+    by 1 cm.
+    """
+    ended = lowering(ground_m)
+    assert ended.status == "SUCCESS"
+    (event,) = ended.events
+    assert isinstance(event, StoneTouchedDown)
+    assert event.left_kg == 40.0
+    assert ground_m - 1.94 - 0.02 < event.above_m <= ground_m - 1.94
+    assert len(world.arm.stopped_s) == 1  # it is stopped on the way, once
+    # It sinks by a step of 2 cm in each window of 0.4 s; ramps, weighings and rest take 2 s.
+    assert world.arm.stopped_s[0] == pytest.approx((2.0 - ground_m) / 0.05 + 0.8, abs=0.3)
+
+
+def test_of_a_way_that_is_not_free_what_is_free_is_gone(lowering, world):
+    """No more than 0.1 m at a time are free; of 0.26 m that are a quarter, and so on."""
+    ended = lowering(1.83, free_m=0.1)
+    assert ended.status == "SUCCESS"
+    assert 1.83 - 1.94 - 0.02 < ended.events[0].above_m <= 1.83 - 1.94
+    asked = [one["request"].arrive_m for one in plugins(world)["motion"].calls("move")]
+    assert asked[:3] == pytest.approx([0.26, 0.13, 0.065])
+    assert len(world.arm.stopped_s) == 1
+
+
+def test_a_stone_that_is_lifted_again_by_a_jolt_is_lowered_on(lowering, world):
+    """For 0.3 s nothing is weighed, as if the ground carried it; then it hangs as before."""
+    context = world.leaf_context
+
+    def jolted(payload_kg):
+        return lambda: 0.0 if 0.8 < context.time_s < 1.1 else payload_kg()
+
+    ended = lowering(1.9, jolted=jolted)
+    assert ended.status == "SUCCESS"
+    assert ended.events[0].above_m == pytest.approx(1.9 - 1.94, abs=0.02)
+    assert len(world.arm.stopped_s) == 2
+
+
+def test_a_ground_that_never_comes_is_a_failure(lowering):
+    ended = lowering(1.0)
+    assert ended.status == "FAILURE"
+    assert "still hangs in the jaws with 900 kg, 0.20 m below its place" in ended.reason
+    assert ended.events == []
+
+
+def test_a_stone_that_is_not_weighed_is_lowered_to_the_plan(lowering, world):
+    ended = lowering(1.0, weighed=False)
+    assert (ended.status, ended.events) == ("SUCCESS", [])
+    assert ended.reason == "no monitor weighs the stone: lowered by 0.06 m to the plan"
+    assert world.leaf_context.gripper()[2, 3] == pytest.approx(1.94, abs=1e-4)
+
+
+def test_a_stone_without_a_way_down_is_not_lowered(lowering, stage, world):
+    context = world.leaf_context
+    context.weighed, context.payload = Weight(900.0, 20.0), 900.0
+    plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=NO_WAY)
+    ended = world.tick(LowerUntilDown, hold=world.hold, placement=placement(SLOTS[0]))
+    assert (ended.status, ended.reason) == ("FAILURE", "no path down: the boom would hit stone 2")
+
+
 def alignment(accepted, shift_m=0.1, reason="rmse 3 cm"):
     return Alignment(pose(t=np.array([shift_m, 0.0, 0.0])), accepted, reason, 0.03, 0.9)
 
@@ -276,6 +605,8 @@ def test_a_relocated_stone_is_realigned_or_its_pose_kept(
         stage.Scripted(Registrar, find=found),
     )
     plugins(world).update(alignment=aligner, registration=registrar)
+    shown = pose(t=np.array([moved_m, 0.0, 0.0]))
+    plugins(world)["mapping"].add_surface(transform(shown, database.stone(1).points_map))
     ended = world.tick(RelocateAndRealign, stone=1)
     assert ended.status == ("SUCCESS" if moved_m else "FAILURE")
     (event,) = ended.events
@@ -312,7 +643,7 @@ def test_a_stone_that_nobody_knows_is_an_error(stage, world, leaf):
 @pytest.fixture
 def search(stage, world, database):
     """Return the stage with stone 2 in the map, 0.3 m beside where the database has it."""
-    seen = stage.block((5.3, 3.0, 0.3), seed=5)
+    seen = database.stone(2).points_map + [0.3, 0.0, 0.0]
     plugins(world)["mapping"].add_surface(seen)
     part = Segment(0, seen, seen.mean(axis=0), np.ptp(seen, axis=0))
     flat = np.array([0.0, 0.0, 1.0, 0.0])
@@ -392,6 +723,7 @@ def test_a_stone_that_is_seen_at_its_place_is_placed(world, database):
     ended = world.tick(VerifyPlacement, stone=1, placement=planned)
     assert ended.status == "SUCCESS"
     assert (verified(ended).seen, verified(ended).off_m) == ("placed", pytest.approx(0.05))
+    assert verified(ended).turn_known
     assert database.stone(1).state is StoneState.PLACED
 
 
@@ -455,6 +787,21 @@ def test_a_stone_seen_there_with_another_surface_has_turned(stage, world, databa
     ended = world.tick(VerifyPlacement, stone=1, placement=planned)
     assert (ended.status, verified(ended).seen) == ("FAILURE", "off")
     assert "it has turned" in ended.reason
+    assert not verified(ended).turn_known
+
+
+def test_a_stone_that_had_turned_over_is_placed_by_its_new_surface_and_that_is_told(
+    stage, world, database
+):
+    database.release(1, world.hold.T_map_gripper, 3.0, StoneState.ON_GROUND)
+    flat = stage.block(database.stone(1).centroid_map, size=(0.9, 0.3, 1.1), seed=4)
+    database.observe([Segment(0, flat, flat.mean(axis=0), np.ones(3))], 4.0, False)
+    database.grasp(1, world.hold.T_map_gripper, 4.5)
+    planned = set_down(world, database, realigned=pose(t=np.array([0.05, 0.0, 0.0])))
+    ended = world.tick(VerifyPlacement, stone=1, placement=planned)
+    assert (ended.status, verified(ended).seen) == ("SUCCESS", "placed")
+    assert not verified(ended).turn_known
+    assert "by a surface that is not the one it was found with" in ended.reason
 
 
 def test_a_placed_stone_that_is_seen_elsewhere_or_nowhere_is_lost(stage, world, database):
@@ -466,6 +813,9 @@ def test_a_placed_stone_that_is_seen_elsewhere_or_nowhere_is_lost(stage, world, 
     ]:
         aligner = stage.Scripted(Aligner, align=aligned)
         plugins(world).update(alignment=aligner, registration=registrar)
+        place = database.stone(1)
+        plugins(world)["mapping"].remove_sphere(place.centroid_map, 2 * place.reach_m)
+        plugins(world)["mapping"].add_surface(aligned.apply(place.points_map))
         ended = world.tick(CheckPlaced)
         assert (ended.status, words in ended.reason) == (status, True)
     assert database.stone(1).state is StoneState.LOST
@@ -473,6 +823,60 @@ def test_a_placed_stone_that_is_seen_elsewhere_or_nowhere_is_lost(stage, world, 
     plugins(world)["alignment"] = stage.Scripted(Aligner, align=alignment(False))
     ended = world.tick(CheckPlaced)
     assert (ended.status, "is not seen at its place" in ended.reason) == ("FAILURE", True)
+
+
+def test_a_placed_stone_of_which_a_sparse_map_shows_a_little_is_in_doubt_and_not_lost(
+    stage, world, database
+):
+    set_down(world, database, realigned=pose())
+    own = database.stone(1).points_map
+    few = own[own[:, 2] > np.median(own[:, 2])][::8]
+    refused = alignment(False)
+    plugins(world).update(
+        mapping=stage.PointMap(np.vstack([few, own[own[:, 2] < own[:, 2].min() + 0.1]])),
+        alignment=stage.Scripted(Aligner, align=refused),
+        registration=stage.Scripted(Registrar, find=refused),
+    )
+    ended = world.tick(CheckPlaced)
+    assert (ended.status, ended.reason) == (
+        "SUCCESS",
+        "0 stones are seen at their places, 1 are neither confirmed nor refuted",
+    )
+    assert database.stone(1).state is StoneState.PLACED
+
+
+def test_a_placed_stone_beyond_the_map_is_not_lost(stage, world, database):
+    set_down(world, database, realigned=pose())
+    far = Cloud("map", np.array([[40.0, 0.0, 0.0]]))
+    plugins(world).update(mapping=stage.Scripted(Mapper, cloud=far))
+    ended = world.tick(CheckPlaced)
+    assert (ended.status, ended.reason) == (
+        "SUCCESS",
+        "0 stones are seen at their places, 1 are beyond the map",
+    )
+    assert database.stone(1).state is StoneState.PLACED
+
+
+@pytest.mark.parametrize(("rim_m", "status"), [(-0.3, "SUCCESS"), (0.35, "FAILURE")])
+def test_a_placed_stone_at_the_rim_of_the_map_is_lost_only_where_its_place_is_shown(
+    stage, world, database, rim_m, status
+):
+    """The stone is gone, and the map ends short of its middle, or shows most of its place."""
+    set_down(world, database, realigned=pose())
+    x = database.stone(1).centroid_map[0]
+    grid = np.stack(np.meshgrid(np.arange(0, 9, 0.1), np.arange(-9, 5, 0.1)), -1).reshape(-1, 2)
+    shown = grid[grid[:, 0] < x + rim_m]
+    ground = Cloud("map", np.column_stack([shown, np.zeros(len(shown))]))
+    refused = alignment(False)
+    plugins(world).update(
+        mapping=stage.Scripted(Mapper, cloud=ground),
+        alignment=stage.Scripted(Aligner, align=refused),
+        registration=stage.Scripted(Registrar, find=refused),
+    )
+    ended = world.tick(CheckPlaced)
+    assert ended.status == status, ended.reason
+    lost = database.stone(1).state is StoneState.LOST
+    assert lost == (status == "FAILURE")
 
 
 def test_a_stone_that_fell_is_lost_and_one_that_slipped_is_not(world, database):

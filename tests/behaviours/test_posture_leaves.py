@@ -7,7 +7,7 @@ from executive.behaviours.go_to_posture import GoToPosture
 from executive.behaviours.scan_from import ScanFrom
 from executive.behaviours.turn_cabin import TurnCabin
 from executive.events.site import SiteScanned
-from executive.geometry.pose import pose
+from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import from_rpy
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.robot import Robot
@@ -15,6 +15,7 @@ from executive.messages.command import Follow, SwitchLidars
 from executive.messages.hold import Hold
 from executive.messages.request import MotionPlan
 from executive.messages.trajectory import JointTrajectory
+from executive.messages.weight import Weight
 from executive.tree.load import load_mission
 from executive.tree.problem import MissionFileError
 
@@ -117,6 +118,24 @@ def test_a_hold_of_a_stone_that_was_released_counts_no_more(site) -> None:
     ended = site.tick(TurnCabin, settings={"heading": 1.0}, hold=Hold(1, np.eye(4), 0.4))
     assert ended.status == "SUCCESS"
     assert request_of(site).held_gripper is None
+
+
+def test_a_held_stone_is_swept_along(site, database) -> None:
+    grasp = pose(t=np.array([5.0, 0.0, 1.0]))
+    database.grasp(1, grasp, 2.0)
+    site.leaf_context.weighed = Weight(900.0, 20.0)
+    ended = site.tick(ScanFrom, settings={"heading": 1.0}, hold=Hold(1, grasp, 0.4))
+    assert ended.status == "SUCCESS"
+    (asked,) = site.leaf_context.plugins["motion"].calls("swing")
+    held = transform(inverse(grasp), database.stone(1).points_map)
+    np.testing.assert_allclose(asked["around"].held_gripper, held)
+    assert asked["around"].held_kg == 940.0
+
+
+def test_a_stone_that_was_released_is_not_swept_along(site) -> None:
+    site.tick(ScanFrom, settings={"heading": 1.0}, hold=Hold(1, np.eye(4), 0.4))
+    (asked,) = site.leaf_context.plugins["motion"].calls("swing")
+    assert asked["around"].held_gripper is asked["around"].held_kg is None
 
 
 @pytest.mark.parametrize("leaf", [TurnCabin, ScanFrom])

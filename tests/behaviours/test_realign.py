@@ -29,6 +29,9 @@ def answer(T, accepted, reason="as told"):
     return Alignment(T, accepted, reason, 0.02, 0.8)
 
 
+NEAR = answer(T_NEAR, True)
+
+
 class Objects(SqliteObjects):
     """Keeps stones as they are given; scene verbs are the real ones."""
 
@@ -85,7 +88,8 @@ class Method:
 
 def context_of(fakes, aligned, found, *others):
     own = stone(1, (5, 0, 0.4))
-    points = np.vstack([own.points_map, *[other.points_map for other in others]])
+    shown = own.points_map + [0.1, 0, 0] if aligned is NEAR else found.apply(own.points_map)
+    points = np.vstack([shown, *[other.points_map for other in others]])
     return fakes.Context(
         mapping=Mapper(points), alignment=Method(aligned), registration=Method(found),
         segmentation=Method(None),
@@ -94,7 +98,7 @@ def context_of(fakes, aligned, found, *others):
 
 
 def test_what_the_aligner_accepts_is_done_and_nobody_else_asked(fakes):
-    context = context_of(fakes, answer(T_NEAR, True), answer(T_FAR, True))
+    context = context_of(fakes, NEAR, answer(T_FAR, True))
     outcome = fakes.finish(RelocateAndRealign(RelocateAndRealignSettings(), context), stone=1)
     assert outcome.success
     assert [(number, note) for number, _, note in context.plugins["objects"].moves] == [
@@ -138,3 +142,47 @@ def test_a_dropped_stone_that_is_not_found_is_left_to_the_segmentation(fakes):
     assert fakes.finish(FindAgain(FindAgainSettings(), context), stone=1).success
     assert context.plugins["objects"].moves == []
     assert len(context.plugins["objects"].seen) == 1
+
+
+@pytest.mark.parametrize(
+    ("leaf", "told"), [(RelocateAndRealign, "kept the pose"), (FindAgain, "was not found")]
+)
+def test_a_registered_stone_whose_form_is_not_shown_there_is_not_recognised(fakes, leaf, told):
+    """A block that was turned over: its unknown underside lies near its model turned back."""
+    context = context_of(fakes, answer(T_NEAR, False, "no overlap"), answer(T_FAR, True))
+    shown = context.plugins["mapping"].cloud().points
+    worn = np.array([5.0, 0.0, 0.4]) + T_FAR[:3, 3]
+    worn = worn + (shown - worn) * [0.9, 0.9, 1.0]
+    context.plugins["mapping"] = Mapper(worn)
+    context.plugins["segmentation"].segment = lambda cloud: Segmentation(
+        "map", (), cloud, np.array([0, 0, 1.0, 0])
+    )
+    context.plugins["objects"].observe = lambda segments, stamp_s, from_above: ()
+    context.plugins["objects"].set_state = lambda number, state, stamp_s: None
+    settings = {RelocateAndRealign: RelocateAndRealignSettings, FindAgain: FindAgainSettings}
+    outcome = fakes.finish(leaf(settings[leaf](), context), stone=1)
+    assert not outcome.success
+    assert told in outcome.reason
+    assert context.plugins["objects"].moves == []
+
+
+def test_the_surface_of_the_stones_below_is_not_taken_for_that_of_the_stone(fakes):
+    context = context_of(fakes, NEAR, answer(T_FAR, True), stone(2, (5, 0.7, 0)))
+    below = context.plugins["objects"].stone(2).points_map
+    fakes.finish(RelocateAndRealign(RelocateAndRealignSettings(), context), stone=1)
+    (shown,) = context.plugins["alignment"].asked
+    seen = {tuple(point) for point in shown.points}
+    is_ground = below[:, 2] < below[:, 2].min() + 0.2  # it may be of the ground: it is kept
+    assert not seen & {tuple(point) for point in below[~is_ground]}
+    assert len(seen) > 400
+
+
+def test_a_stone_beside_which_the_map_shows_another_surface_is_not_recognised(fakes):
+    context = context_of(fakes, answer(np.eye(4), True), answer(T_FAR, False, "too small"))
+    own = context.plugins["objects"].stone(1)
+    bulge = own.points_map[own.points_map[:, 0] > 5.0] + [0.25, 0, 0]
+    context.plugins["mapping"] = Mapper(np.vstack([own.points_map, bulge]))
+    outcome = fakes.finish(RelocateAndRealign(RelocateAndRealignSettings(), context), stone=1)
+    assert not outcome.success
+    assert "of what the map shows there has the form of the model" in outcome.reason
+    assert context.plugins["objects"].moves == []

@@ -14,7 +14,9 @@ from executive.behaviours.release_stone import ReleaseStone, ReleaseStoneSetting
 from executive.behaviours.scan_swing import ScanSwing, ScanSwingSettings
 from executive.config import NoSettings
 from executive.geometry.pose import pose
+from executive.leaf.rest import Rest
 from executive.messages.cloud import Cloud
+from executive.messages.command import START_TOLERANCE
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement, Slot
 from executive.messages.request import MotionPlan
@@ -156,3 +158,23 @@ def test_an_arm_that_shakes_on_the_spot_stands(stopping, fakes):
     fakes.finish(PlanRetreat(PlanRetreatSettings(), stopping))
     assert stopping.plugins["motion"].starts
     assert 1.0 <= stopping.time_s < 2.0  # a window of a second, and the leaf's own steps
+
+
+def test_a_joint_is_at_rest_below_its_speed_or_while_it_stays_where_it_is() -> None:
+    slow, fast = np.array([0.0, 0.0099]), np.array([0.0, -0.0101])
+    assert Rest().add(0.0, np.zeros(2), slow)
+    assert not Rest().add(0.0, np.zeros(2), fast)
+    least = 0.4 * START_TOLERANCE
+    for step, is_at_rest in ((0.99 * least, True), (1.01 * least, False)):
+        rest = Rest()
+        answers = [rest.add(0.1 * k, np.array([0.0, step * (k % 2)]), fast) for k in range(14)]
+        assert answers == [*[False] * 10, *[is_at_rest] * 4]
+        assert rest.strayed() == pytest.approx([0.0, step])
+
+
+def test_only_the_last_second_counts_for_a_joint_that_shakes() -> None:
+    rest, fast = Rest(), np.array([1.0])
+    for k in range(5):
+        rest.add(0.1 * k, np.array([0.1 * k]), fast)  # on its way
+    answers = [rest.add(0.1 * k, np.array([0.4]), fast) for k in range(5, 16)]
+    assert answers == [*[False] * 9, True, True]

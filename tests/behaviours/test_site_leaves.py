@@ -239,12 +239,23 @@ def test_what_is_no_stone_is_recorded_with_its_reason(stage, database):
     assert (event.scattered_points, event.warnings) == (7, ("is z down?",))
 
 
-def test_a_site_without_stones_is_a_failure(stage, database):
-    segmenter = stage.Scripted(Segmenter, segment=segmentation(), merge=merged)
+@pytest.mark.parametrize(
+    ("seen", "at_least", "expected"),
+    [
+        (0, 1, ("FAILURE", "no stone was found on the site")),
+        (1, 2, ("FAILURE", "1 stones were found on the site")),
+        (1, 1, ("SUCCESS", "1 stones")),
+        (0, 0, ("SUCCESS", "0 stones")),
+    ],
+)
+def test_fewer_stones_than_are_wanted_are_a_failure(stage, database, seen, at_least, expected):
+    found = segmentation(*([stage.block((5.0, 0.0, 0.3))] * seen))
+    segmenter = stage.Scripted(Segmenter, segment=found, merge=merged)
     mapper = stage.PointMap(np.ones((9, 3)))
     stand = stage.Stage(mapping=mapper, segmentation=segmenter, objects=database)
-    ended = stand.tick(SegmentMap)
-    assert (ended.status, ended.reason) == ("FAILURE", "no stone was found on the site")
+    ended = stand.tick(SegmentMap, settings={"at_least": at_least})
+    assert (ended.status, ended.reason) == expected
+    assert len(ended.outputs.get("stones", [])) == (seen if expected[0] == "SUCCESS" else 0)
 
 
 def test_slots_are_found_recorded_and_shown(stage):

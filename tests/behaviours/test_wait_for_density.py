@@ -40,9 +40,10 @@ def test_it_ends_when_the_density_is_reached(fakes, rate: float) -> None:
 
 def test_points_next_to_the_machine_do_not_count_for_the_region(fakes) -> None:
     context, leaf = waiting(fakes, 1000.0, radius_m=4.0)
-    steps = leaf.run()
+    steps, answer = leaf.run(), None
     for _ in range(100):
-        next(steps)
+        job = steps.send(answer)
+        answer = None if job is None else job.result()
         context.time_s += 0.05
     steps.close()
 

@@ -83,6 +83,12 @@ def test_an_arm_that_does_not_follow_is_stopped(run, how):
     assert done.status == 3
     assert "J_TURN" in done.report["reason"]
     assert "off its path" in done.report["reason"]
+    # The swing begins slowly: a still drive is on its path until the cabin should have moved.
+    (shows,) = done.of("fault_shows")
+    assert shows.withheld > 0.1  # the declared tracking error
+    shows_s = done.first("fault_shows")
+    assert done.first("fault_injected") + 0.2 < shows_s  # the declared lag, at the least
+    assert -0.05 <= done.first("condition_broken", shows_s - 0.06) - shows_s <= 0.1
 
 
 def test_a_fault_of_a_plugin_raises_in_its_verb(run):

@@ -78,7 +78,7 @@ AROUND = {
 def test_a_bug_in_a_plugin_ends_the_mission_whatever_is_around_the_leaf(
     run, monkeypatch, tmp_path, around
 ):
-    monkeypatch.setattr(f"{FINDS}.merge", raising(ValueError("a bug")))
+    monkeypatch.setattr(f"{FINDS}.merge", raising(ValueError("a bug"), "merge"))
     status, said, report = run(SCAN + around)
     place = f"test_faults.py:{line_of('# the author')}"
     assert status == 3
@@ -206,7 +206,7 @@ def test_a_bug_in_a_constructor_is_told_with_its_line(tmp_path, monkeypatch, cap
 
 
 def test_a_plugin_that_the_mission_can_do_without_fails_its_node(run, monkeypatch, tmp_path):
-    monkeypatch.setattr(f"{FINDS}.merge", raising(ValueError("a bug")))
+    monkeypatch.setattr(f"{FINDS}.merge", raising(ValueError("a bug"), "merge"))
     plugins = PLUGINS.replace(
         "segmentation: ground_and_clusters",
         "segmentation: {plugin: ground_and_clusters, on_error: fail}",

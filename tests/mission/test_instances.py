@@ -5,12 +5,14 @@ import sys
 
 import pytest
 from executive_plugins.motion.hermite import Hermite
+from executive_plugins.robot.mujoco.settings import MujocoSettings
 
 from executive.commands.main import main
 from executive.journal import read_journal
 from executive.mission.assembly import assemble
 from executive.tree.load import load_mission
 from executive.tree.problem import MissionFileError
+from executive.tree.selection import Selection
 
 MISSION = """
 api: 1
@@ -122,3 +124,11 @@ def test_a_plugin_is_given_the_one_that_it_names(run, tmp_path):
     mission = load_mission(str(tmp_path / "more.yaml"))
     made = assemble(mission.plugins, "m545", 1).plugins
     assert made["grasping"]._arm._motion is made["motion.slow"]
+
+
+@pytest.mark.parametrize(("base", "may_tip"), [("welded", False), ("on_legs", True)])
+def test_a_machine_on_legs_may_tip_which_limits_its_lifts(base, may_tip):
+    mujoco = Selection("mujoco", MujocoSettings(base=base))
+    machine = assemble({"robot": (mujoco,)}, "m545", 1).machine
+    assert machine.stance.limits_by_tipping("by_base") == may_tip
+    assert not machine.stance.limits_by_tipping("payload")

@@ -8,7 +8,7 @@ from executive_plugins.robot.kinematic import KinematicRobot
 from executive.events.mission import PauseEnded, PhaseChanged
 from executive.journal import read_journal
 from executive.machine.machine import load_machine
-from executive.messages.command import MoveJaws
+from executive.messages.command import Drive, MoveJaws
 from executive.messages.joints import JointSample
 from executive.mission.operator import Operator
 from executive.mission.options import Options
@@ -250,3 +250,45 @@ def test_the_pretended_jaws_are_held_in_a_pause_as_well():
     robot.resume()
     robot.resumed(0.5)
     assert robot.read(6.0)[-1].of(machine.jaw.name)[0] == pytest.approx(0.4)
+
+
+class AskedOnTheWay:
+    """Drives the chassis, asks for something on the way, and notes its speed from then on."""
+
+    def __init__(self, ask):
+        self.ask, self.speeds = ask, []
+
+    def __call__(self, mission):
+        driver = mission._robot._driver
+        if self.speeds:
+            self.speeds.append(driver.speed_m_s)
+        elif 2.0 < mission.clock.now_s() < 4.0:
+            mission._robot.command(Drive(0.6, 0.0))
+            if driver.speed_m_s > 0.3:
+                self.speeds.append(driver.speed_m_s)
+                self.ask(mission)
+        if mission.pause.is_still:
+            mission.toggle_pause()
+
+
+DRIVES = """  driving: dubins
+trees: {main: {sequence: [{run: Localise, timeout: 30 s}, {wait: 5 s}]}}
+"""
+
+
+def test_a_machine_that_drives_brakes_before_time_stands_still(tmp_path):
+    way = AskedOnTheWay(lambda mission: mission.toggle_pause())
+    result = run(tmp_path, DRIVES, after_tick=way)
+    assert result.report["outcome"] == "success"
+    assert result.report["pauses"]["count"] == 1
+    pause_s = result.report["pauses"]["machine_s"]
+    braked = way.speeds.index(0.0)
+    assert braked * 0.05 <= pause_s, "it went on before it stood"
+    assert not any(way.speeds[braked:])
+
+
+def test_a_machine_that_drives_brakes_before_a_stopped_mission_ends(tmp_path):
+    way = AskedOnTheWay(lambda mission: mission.request_stop())
+    result = run(tmp_path, DRIVES, after_tick=way)
+    assert result.report["outcome"] == "stopped"
+    assert way.speeds[-1] == 0.0

@@ -24,6 +24,8 @@ from executive.journal import Journal
 from executive.messages.verdict import Trouble
 from executive.mission.picks import attempts_from
 from executive.mission.record.account import Account
+from executive.mission.selections import verifies
+from executive.tree.load import load_mission
 
 
 def journal_of(*entries):
@@ -212,3 +214,46 @@ def test_a_stone_that_is_taken_up_again_goes_on_with_its_pick():
     ]
     counts = Account.of(story).counts()
     assert (counts["placed"], counts["set_aside"], counts["first_attempt"]) == (2, 0, 0)
+
+
+def test_a_stone_that_is_placed_by_a_surface_seen_later_is_told():
+    turned = PlacementVerified(2, 5, "placed", 0.04, 0.0, "", "", turn_known=False)
+    story = journal_of(
+        (10, attempt(1)), (40, released(1)), (50, looked_at(1, "placed")),
+        (60, attempt(2)), (90, released(2)), (95, turned),
+    )  # fmt: skip
+    account = Account.of(story)
+    assert [pick.as_report()["turn_known"] for pick in account.picks()] == [True, False]
+    assert (account.counts()["placed"], account.counts()["turn_unknown"]) == (2, 1)
+
+
+def test_a_stone_that_was_released_and_not_looked_at_any_more_is_not_placed():
+    story = journal_of(
+        (10, attempt(1)), (25, grasped(1)), (40, released(1)), (50, looked_at(1, "placed")),
+        (60, attempt(2)), (75, grasped(2)), (90, released(2)), (91, MissionEnded("stopped", "")),
+    )  # fmt: skip
+    account = Account(verifies=True)
+    for entry in story:
+        account.add(entry)
+    seen, released_only = (pick.as_report() for pick in account.picks())
+    assert (seen["placed"], seen["unverified"]) == (True, False)
+    assert (released_only["placed"], released_only["unverified"]) == (False, True)
+    assert released_only["attempts"][0]["outcome"] == "released, not verified"
+    told = ("placed", "unverified", "unseen", "first_attempt")
+    assert [account.counts()[name] for name in told] == [1, 1, 0, 1]
+    assert Account.of(story).counts()["placed"] == 2  # a mission that does not look
+
+
+def test_a_mission_verifies_if_a_tree_that_it_calls_does():
+    assert verifies(load_mission("pick_and_place"))
+    assert not verifies(load_mission("map_site"))
+
+
+def test_a_stone_that_was_believed_lost_and_is_then_seen_at_its_place_is_not_lost():
+    lost = StoneLost(1, "the look did not show it")
+    story = [(10, attempt(1)), (40, released(1)), (45, lost)]
+    assert Account.of(journal_of(*story)).picks()[0].lost
+    (pick,) = Account.of(journal_of(*story, (50, looked_at(1, "placed")))).picks()
+    assert not pick.lost
+    (pick,) = Account.of(journal_of(*story, (50, looked_at(1, "unseen", "keep")))).picks()
+    assert pick.lost

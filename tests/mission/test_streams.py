@@ -1,13 +1,21 @@
 """The streams hand on what an estimator says of itself, each change once."""
 
+from types import MethodType
+
 import numpy as np
+import pytest
 
 from executive.interfaces.estimation import Estimator
 from executive.interfaces.plugin import Plugin
 from executive.messages.base_state import BaseState
+from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
+from executive.messages.observation import Observation
 from executive.messages.status_change import StatusChange
 from executive.messages.verdict import Verdict
+from executive.mission.jobs.call import WrongAnswerError
+from executive.mission.jobs.tick_call import observations_of
 from executive.mission.streams import StreamListener, Streams
 
 
@@ -16,6 +24,7 @@ class ToldEstimator(Estimator):
 
     def __init__(self) -> None:
         self.status, self.changes = "INITIALISING", []
+        self.stamp_s = 1.0
 
     def add_imu(self, sample: ImuSample) -> None: ...
 
@@ -26,7 +35,9 @@ class ToldEstimator(Estimator):
 
     def state(self) -> BaseState:
         eye = np.eye(4)
-        return BaseState(1.0, eye, eye, eye, np.zeros(3), np.zeros(3), np.eye(6), self.status)
+        return BaseState(
+            self.stamp_s, eye, eye, eye, np.zeros(3), np.zeros(3), np.eye(6), self.status
+        )
 
 
 class Listener(StreamListener):
@@ -125,3 +136,42 @@ def test_a_stream_plugin_that_fails_is_used_no_more() -> None:
     sample = ImuSample(0.01, "imu_cabin", np.zeros(3), np.zeros(3))
     streams.process([sample, sample])
     assert (odometry.calls, listener.errors) == (1, [("odometry", "no scan")])
+
+
+SAMPLES: dict[str, Observation] = {
+    "add_imu": ImuSample(0.1, "imu", np.zeros(3), np.zeros(3)),
+    "add_gnss": GnssFix(0.1, "gnss", np.zeros(3), np.eye(3), True),
+    "add_joints": JointSample(0.1, ("A",), *np.zeros((3, 1))),
+}
+
+
+@pytest.mark.parametrize("verb", SAMPLES)
+def test_a_verb_that_answers_with_another_type_has_not_taken_its_observation(verb: str) -> None:
+    estimator, streams, _ = streamed()
+    streams.process(list(SAMPLES.values()))  # the estimator is well
+
+    def wrong(self: ToldEstimator, sample: object) -> dict[str, int]:
+        return {}
+
+    wrong.__name__ = verb
+    setattr(estimator, verb, MethodType(wrong, estimator))
+    with pytest.raises(WrongAnswerError, match=f"'{verb}' of the estimation plugin .* dict"):
+        streams.process([SAMPLES[verb]])
+
+
+def test_a_state_that_holds_a_nan_is_refused() -> None:
+    estimator, streams, _ = streamed()
+    estimator.stamp_s = float("nan")
+    with pytest.raises(WrongAnswerError, match=r"NaN \(stamp_s\)"):
+        streams.process([])
+
+
+def test_a_robot_that_returns_no_sequence_is_refused() -> None:
+    class Speechless:
+        capability = "robot"
+
+        def read(self, until_s: float) -> None:
+            return None
+
+    with pytest.raises(WrongAnswerError, match="NoneType instead of a sequence"):
+        observations_of(Speechless(), 1.0)

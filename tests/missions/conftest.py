@@ -21,7 +21,7 @@ from executive.tree.load import load_mission
 
 # Half of a run's time goes into lidar returns. With one firing in eight, a swing still gives a
 # stone some thousand of them.
-THIN = ("robot.sensors.azimuth_stride=8", "mapping.slice_s=0.05")
+THIN = ("robot.sensors.azimuth_stride=8", "mapping.slice_s=0.05", "robot.scenario=kind")
 TREE = """
 api: 1
 mission: short

@@ -68,7 +68,8 @@ def test_no_shipped_plugin_is_left_out():
 @pytest.fixture(scope="module")
 def drone_cloud(tmp_path_factory):
     """Write what a drone sees of the site that all these missions are on."""
-    plugins = load_mission("pick_and_place", [f"robot.site.stones.count={STONES}"]).plugins
+    site = [f"robot.site.stones.count={STONES}", "robot.scenario=kind"]  # as the missions have it
+    plugins = load_mission("pick_and_place", site).plugins
     made = assemble({name: plugins[name] for name in ("robot", "surveying")}, "m545", seed=1)
     made.start()
     survey = made.plugins["surveying"]
@@ -85,7 +86,8 @@ def finished(request, run_mission, drone_cloud):
     chosen = CHOICES[request.param]
     overrides = [f"{capability}.plugin={name}" for capability, name in chosen.items()]
     if chosen.get("surveying") == "point_cloud_file":
-        overrides.append(f"surveying.path={drone_cloud}")
+        # KISS-Matcher finds no motion between a survey and a map of every eighth return.
+        overrides += [f"surveying.path={drone_cloud}", "robot.sensors.azimuth_stride=4"]
     return run_mission(f"robot.site.stones.count={STONES}", *overrides, mission=TREE)
 
 
@@ -101,13 +103,10 @@ def test_the_survey_is_registered_and_the_stone_known_from_above(finished):
     assert finished.report["counts"]["registrations_accepted"] == 1
 
 
-def test_one_stone_is_placed_and_seen_there(finished, check_truth, request):
-    if "graphs" in request.node.callspec.id:
-        known = (
-            "point_to_plane accepts stones that are turned by 0.06 to 0.09 rad; the bound is 0.05"
-        )
-        request.applymarker(pytest.mark.xfail(reason=known, strict=False))
+def test_one_stone_is_placed_and_seen_there(finished, check_truth):
     counts = finished.report["counts"]
     assert (counts["picks"], counts["placed"]) == (1, 1)
-    assert [event["payload"]["accepted"] for event in finished.events("stone_realigned")] == [True]
+    # The look from the way up may be refused: then a scan of its own follows, and decides.
+    looks = [event["payload"]["accepted"] for event in finished.events("stone_realigned")]
+    assert looks in ([True], [False, True])
     check_truth(finished, placed=1)

@@ -66,7 +66,12 @@ def test_the_grasps_held(finished):
 
 def test_the_journal_tells_each_pick_in_order(finished):
     stones = [pick["object"] for pick in finished.report["picks"]]
-    assert finished.story(*PICK) == [(stone, step) for stone in stones for step in PICK]
+    told = [
+        (line["payload"]["stone"], line["kind"])
+        for line in finished.events(*PICK)
+        if line["payload"].get("accepted", True)
+    ]
+    assert told == [(stone, step) for stone in stones for step in PICK]
 
 
 def test_the_largest_stone_that_is_left_comes_next(finished):
@@ -77,10 +82,11 @@ def test_the_largest_stone_that_is_left_comes_next(finished):
 
 
 def test_each_stone_is_seen_where_it_was_to_be_placed(finished):
-    for realigned, pick in zip(
-        finished.events("stone_realigned"), finished.report["picks"], strict=True
-    ):
-        assert realigned["payload"]["accepted"]
+    # A look from the way up may leave a stone in doubt; the scan that follows does not.
+    looks = finished.events("stone_realigned")
+    seen = [one for one in looks if one["payload"]["accepted"]]
+    for realigned, pick in zip(seen, finished.report["picks"], strict=True):
+        assert realigned["payload"]["stone"] == pick["object"]
         planned, seen = np.array(pick["planned_pose"]), np.array(pick["estimated_pose"])
         assert np.linalg.norm(seen[:3, 3] - planned[:3, 3]) < 0.30
 

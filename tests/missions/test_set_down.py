@@ -3,7 +3,8 @@
 import pytest
 
 SET_DOWN = "let_go/0:sequence/0:do/0:sequence"
-LOWERED = f"{SET_DOWN}/2:reactive_sequence/1:ExecuteTrajectory"
+SEEN = "see_released/0:sequence/1:fallback"
+LOWERED = f"{SET_DOWN}/2:reactive_sequence/2:ExecuteTrajectory"
 MOCKS = f"""api: 1
 mocks:
   NoStoneLeft: failure
@@ -12,6 +13,7 @@ mocks:
   DetectSlip: failure
   HasArrived: failure
   IsHolding: HOLDING
+  IsHanging: HANGING
 expect:
   visited: [{SET_DOWN}/1:PlanSetDown, let_go/0:sequence/1:ReleaseStone]
   LOWERING: [{LOWERED}]
@@ -19,11 +21,19 @@ expect:
 
 
 @pytest.mark.parametrize(
-    ("holding", "lowering"), [("success", "visited"), ("[success, failure]", "not_visited")]
+    ("holding", "hanging", "lowering"),
+    [
+        ("success", "success", "visited"),
+        ("[success, failure]", "success", "not_visited"),
+        ("success", "failure", "not_visited"),
+    ],
 )
-def test_the_gripper_is_lowered_only_with_a_stone(command_line, tmp_path, holding, lowering):
+def test_the_gripper_is_lowered_only_with_a_stone_that_hangs(
+    command_line, tmp_path, holding, hanging, lowering
+):
     mocks = tmp_path / "slip.yaml"
-    text = MOCKS.replace("HOLDING", holding).replace("LOWERING", lowering)
+    text = MOCKS.replace("HOLDING", holding).replace("HANGING", hanging)
+    text = text.replace("LOWERING", lowering)
     if lowering == "visited":  # both lists are one
         text = text.replace(f"]\n  visited: [{LOWERED}", f", {LOWERED}")
     mocks.write_text(text)
@@ -58,6 +68,40 @@ def test_a_stone_that_is_seen_off_its_place_is_picked_again(command_line, tmp_pa
     assert answer.status == 0, answer.err
 
 
+def test_a_stone_that_is_recognised_from_the_way_up_gets_no_scan_of_its_own(command_line, tmp_path):
+    answer = rehearsed(
+        command_line, tmp_path,
+        "  NoStoneLeft: [failure, success]", "  SelectLargest: success", "  FindFreeSlots: success",
+        "  RelocateAndRealign: success", "  DetectSlip: success", "  VerifyPlacement: success",
+        "expect:", f"  visited: [look_back, {SEEN}/0:RelocateAndRealign]",
+        f"  not_visited: [{SEEN}/1:sequence, look_again]",
+    )  # fmt: skip
+    assert answer.status == 0, answer.err
+
+
+def test_a_stone_that_is_in_doubt_gets_a_scan_of_its_own(command_line, tmp_path):
+    answer = rehearsed(
+        command_line, tmp_path,
+        "  NoStoneLeft: [failure, success]", "  SelectLargest: success", "  FindFreeSlots: success",
+        "  RelocateAndRealign: [failure, success]", "  DetectSlip: success",
+        "  VerifyPlacement: success",
+        "expect:", f"  visited: [{SEEN}/1:sequence/1:RelocateAndRealign]",
+        f"  not_visited: [{SEEN}/2:sequence, look_again]",
+    )  # fmt: skip
+    assert answer.status == 0, answer.err
+
+
+def test_jaws_that_do_not_open_on_the_way_stop_the_arm(command_line, tmp_path):
+    answer = rehearsed(
+        command_line, tmp_path,
+        "  NoStoneLeft: [failure, success]", "  SelectLargest: success", "  FindFreeSlots: success",
+        "  OpenGripper: {status: failure, after: 1 s}", "  DetectSlip: success",
+        "  VerifyPlacement: success",
+        "expect:", "  visited: [approach, SetAside]", "  not_visited: [CloseGripper, put_down]",
+    )  # fmt: skip
+    assert answer.status == 0, answer.err
+
+
 def test_a_stone_that_is_not_seen_at_its_place_is_looked_for_on_a_wider_scan(
     command_line, tmp_path
 ):
@@ -78,6 +122,43 @@ def test_a_stone_that_is_seen_nowhere_is_sought_and_picked_again(command_line, t
         "  RelocateAndRealign: failure", "  FindAgain: failure", "  DetectSlip: success",
         "  VerifyPlacement: [failure, success]", "  ForgetPlace: success",
         "expect:", "  visited: [look_again, FindLost, VerifyPlacement]",
+    )  # fmt: skip
+    assert answer.status == 0, answer.err
+
+
+@pytest.mark.parametrize("look", ["success", "failure"])
+def test_a_held_stone_is_looked_at_and_placed_whether_it_is_recognised_or_not(
+    command_line, tmp_path, look
+):
+    answer = rehearsed(
+        command_line, tmp_path,
+        "  NoStoneLeft: [failure, success]", "  SelectLargest: success", "  FindFreeSlots: success",
+        f"  SeeHeld: {look}", "  DetectSlip: success", "  VerifyPlacement: success",
+        "expect:", f"  ends: {{SeeHeld: [{look}], LowerUntilDown: [success]}}",
+        "  visited: [PlanPlacement, VerifyPlacement]", "  not_visited: [let_go]",
+    )  # fmt: skip
+    assert answer.status == 0, answer.err
+
+
+@pytest.mark.parametrize("neighbours", ["success", "{status: failure, reason: stone 2 is off}"])
+def test_the_neighbours_are_looked_at_after_each_placement(command_line, tmp_path, neighbours):
+    answer = rehearsed(
+        command_line, tmp_path,
+        "  NoStoneLeft: [failure, success]", "  SelectLargest: success", "  FindFreeSlots: success",
+        "  DetectSlip: success", "  VerifyPlacement: success", f"  CheckPlaced: {neighbours}",
+        "expect:", "  visited: [put_down, CheckPlaced]", "  not_visited: [look_again, SetAside]",
+    )  # fmt: skip
+    assert answer.status == 0, answer.err
+
+
+def test_a_stone_for_which_the_ground_never_comes_is_set_down_below(command_line, tmp_path):
+    answer = rehearsed(
+        command_line, tmp_path,
+        "  NoStoneLeft: [failure, success]", "  SelectLargest: success", "  FindFreeSlots: success",
+        "  LowerUntilDown: {status: failure, reason: not met}", "  HasArrived: success",
+        "  DetectSlip: success", "  IsHolding: success",
+        "expect:", "  visited: [let_go, PlanSetDown, look_again]",
+        "  not_visited: [VerifyPlacement]",
     )  # fmt: skip
     assert answer.status == 0, answer.err
 

@@ -95,8 +95,18 @@ def test_a_mistake_in_the_base_is_told_with_the_bases_name(
     with pytest.raises(MissionFileError) as caught:
         load_mission(str(tmp_path / "over.yaml"), catalogue=catalogue)
     assert [str(p) for p in caught.value.problems] == [
-        f"{tmp_path}/base.yaml:3:18: error: no robot plugin 'mujocco'. Did you mean 'mujoco'?"
+        f"{tmp_path}/base.yaml:3:18: error: no robot plugin 'mujocco'. Did you mean 'mujoco'?",
+        f"{tmp_path}/over.yaml: error: it uses what has mistakes: {tmp_path}/base.yaml",
     ]
+
+
+@pytest.mark.parametrize("name", shipped_names())
+def test_every_shipped_mission_can_be_extended_by_its_name(tmp_path: Path, name: str) -> None:
+    over = f"api: 1\nmission: over\nextends: {name}\nloop: {{tick: 20 ms}}\n"
+    write(tmp_path, over=over)
+    mission = load_mission(str(tmp_path / "over.yaml"))
+    assert mission.loop.tick == 0.02
+    assert mission.trees.keys() == load_mission(name).trees.keys()
 
 
 def test_files_that_extend_each_other_are_refused(tmp_path: Path, catalogue: Catalogue) -> None:
@@ -153,7 +163,8 @@ def test_a_tree_that_two_files_of_a_folder_define_is_refused(
         load_mission(str(tmp_path / "m.yaml"), catalogue=catalogue)
     first, second = (tmp_path / "subtrees" / name for name in ("a.yaml", "b.yaml"))
     assert [str(problem) for problem in caught.value.problems] == [
-        f"{second}:3:3: error: tree 'look' is given twice; the first is at {first}:3:3"
+        f"{tmp_path / 'm.yaml'}: error: it uses what has mistakes: {second}",
+        f"{second}:3:3: error: tree 'look' is given twice; the first is at {first}:3:3",
     ]
 
 

@@ -223,6 +223,7 @@ def test_the_time_of_observing_anew_counts_against_no_timeout(play: Any) -> None
     ("ask", "mistake"),
     [
         ("choices: [a]", "'choices' needs at least two texts"),
+        ("choices: []", "'choices' takes a list of at least one item"),
         ("choices: [a, A]", "two of the 'choices' are the same"),
         ("choices: [a, b]\ndefault: c", "'default' is one of a, b, not 'c'"),
         (

@@ -4,15 +4,18 @@ clock.
 
 import threading
 import time
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from executive.clock import SimulatedClock, WallClock
+from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
-from executive.mission.jobs.call import Address, VerbCall
+from executive.mission.jobs.call import Address, VerbCall, VerbOverdueError
 from executive.mission.jobs.jobs import Jobs
+from executive.mission.jobs.limits import DEFAULT
 from executive.mission.jobs.process_runner import ProcessRunner
 from executive.mission.jobs.runner import InlineRunner, Task
 from executive.mission.jobs.thread_runner import ThreadRunner
@@ -57,16 +60,70 @@ class Witness(Plugin):
     beside the tick.
     """
 
+    beside_tick = ("read",)
+
     def look(self):
         return threading.current_thread()
 
+    def read(self):
+        return threading.current_thread()
 
-@pytest.mark.parametrize(
+
+def where():
+    return threading.current_thread()
+
+
+RUNNERS = pytest.mark.parametrize(
     "make", [ThreadRunner, lambda: ProcessRunner({}, "m545", 1)], ids=["thread", "process"]
 )
-def test_a_plugin_with_state_is_asked_within_the_tick(make):
-    jobs = Jobs({"surveying": Witness()}, make(), SimulatedClock(), is_lock_step=True)
+
+
+@RUNNERS
+@pytest.mark.parametrize("is_lock_step", [True, False])
+def test_a_plugin_with_state_is_asked_within_the_tick(make, is_lock_step):
+    clock = SimulatedClock() if is_lock_step else WallClock()
+    jobs = Jobs({"surveying": Witness()}, make(), clock, is_lock_step=is_lock_step)
     assert jobs.start(plugin_of(jobs).look).result() is threading.current_thread()
+    jobs.close()
+
+
+@RUNNERS
+def test_on_the_wall_clock_a_thread_computes_what_is_named_for_it_and_leaves_functions(make):
+    jobs = Jobs({"surveying": Witness()}, make(), WallClock(), is_lock_step=False)
+    threads = [jobs.start(call).result() for call in (plugin_of(jobs).read, where)]
+    assert threads[0] is threads[1] is not threading.current_thread()
+    jobs.close()
+
+
+@RUNNERS
+def test_in_lock_step_they_are_computed_in_the_tick_and_ready_at_once(make):
+    jobs = Jobs({"surveying": Witness()}, make(), SimulatedClock(), is_lock_step=True)
+    for call in (plugin_of(jobs).read, where):
+        job = jobs.start(call)
+        assert job.is_ready()
+        assert job.result() is threading.current_thread()
+    jobs.close()
+
+
+def test_a_function_of_a_leaf_that_computes_for_too_long_fails():
+    over = threading.Event()
+    limits = replace(DEFAULT, least_s=0.05)
+    jobs = Jobs({}, ThreadRunner(), WallClock(), is_lock_step=False, limits=limits)
+    job = jobs.start(endless, over)
+    with pytest.raises(VerbOverdueError, match=r"'endless' of a leaf: no answer within 0\.05 s"):
+        job.result()
+    over.set()
+    jobs.close()
+
+
+def endless(over):
+    over.wait(60.0)
+
+
+def test_a_method_of_something_else_than_a_plugin_is_refused():
+    jobs = Jobs({}, ThreadRunner(), WallClock(), is_lock_step=False)
+    with pytest.raises(ConfigError, match="is no method of a plugin of this mission"):
+        jobs.start(Witness().look)
     jobs.close()
 
 

@@ -163,6 +163,12 @@ def test_after_a_hang_in_a_thread_another_thread_serves(faulty, tmp_path):
         assert cell.jobs.start(cell.verb).result() is not None
 
 
+def test_a_worker_that_a_signal_stopped_is_named_as_that(faulty):
+    with Cell(faulty, "motion", "process", "sigstop") as cell:
+        assert "was stopped by a signal (SIGSTOP or SIGTSTP)" in cell.fault().error
+        assert "was stopped by a signal" in cell.told[0].reason
+
+
 def test_a_plugin_may_declare_its_own_limit(faulty, monkeypatch):
     monkeypatch.setattr(faulty.FaultyMotion, "limit_s", {"move": 0.1}, raising=False)
     with Cell(faulty, "motion", "thread", "hang") as cell:

@@ -64,6 +64,10 @@ def fault_sigkill():
     os.kill(os.getpid(), signal.SIGKILL)
 
 
+def fault_sigstop():
+    os.kill(os.getpid(), signal.SIGSTOP)
+
+
 def fault_segfault():
     ctypes.string_at(0)  # the line of: segfault
 

@@ -1,0 +1,174 @@
+"""Leaves that choose stones for a structure, ticked to success and to each typed end."""
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from executive.behaviours.describe_structure import DescribeStructure
+from executive.behaviours.keep_fitting_grasps import KeepFittingGrasps
+from executive.behaviours.plan_building import PlanBuilding
+from executive.events.site import BuildingEnded, BuildingPlanned
+from executive.geometry.pose import inverse, pose, transform
+from executive.interfaces.building import StructurePlanner
+from executive.interfaces.placing import PlacementPlanner
+from executive.messages.building import BuildPlan, BuildTarget
+from executive.messages.cloud import Cloud
+from executive.messages.grasp import Grasp
+from executive.messages.placement import Placement, Slot
+from executive.messages.segment import Segmentation
+from executive.messages.stone import StoneState
+from executive.messages.structure import Structure
+
+DOWN = np.array([0.0, 0.0, -1.0])
+WALL = Structure("garden", np.array([[-1.0, 6.0], [1.0, 6.0]]), 1.2, 0.6)
+NOTHING = BuildPlan((), "nothing_fits", {"slides_away": 3}, "no place holds any of 2 stones")
+
+
+def ground_of(low, high):
+    """Return level ground 0.1 m below the boxes of the database, as a segmented site."""
+    x, y = (np.arange(low[k], high[k], 0.1) for k in (0, 1))
+    grid = np.stack(np.meshgrid(x, y), -1).reshape(-1, 2)
+    points = np.column_stack([grid, np.full(len(grid), -0.1)])
+    return Segmentation("map", (), Cloud("map", points), np.array([0.0, 0.0, 1.0, -0.1]))
+
+
+SITE = ground_of((-4, -3), (8, 9))
+
+
+def target(stone, at, worst_m=0.02):
+    T = pose(t=np.array(at))
+    return BuildTarget(stone, T, T, DOWN, 0.02, worst_m, 0.0, 3.0, {"contact": 0.9})
+
+
+def on_stage(stage, database, plan):
+    """Return a stage with a building planner that gives a plan, and that planner."""
+    planner = stage.Scripted(StructurePlanner, propose=plan)
+    return stage.Stage(building=planner, objects=database), planner
+
+
+def set_down(database, stone, at, is_seen=True):
+    """Grasp a stone, release it elsewhere, and look at it."""
+    database.grasp(stone, pose(), 2.0)
+    database.release(stone, pose(t=np.array(at)), 3.0, StoneState.PLACED)
+    if is_seen:
+        database.realign(stone, pose(t=np.array([0.0, 0.0, -0.02])), 4.0)
+
+
+def test_the_best_target_becomes_a_stone_and_its_slots(stage, database):
+    plan = BuildPlan((target("2", (0.2, 6, 0.4)), target("1", (0, 6, 0.4)),
+                      target("2", (-0.5, 6, 0.4))), None, {"topples": 1})  # fmt: skip
+    stand, planner = on_stage(stage, database, plan)
+    ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    assert ended.status == "SUCCESS"
+    assert ended.outputs["stone"] == 2
+    slots = ended.outputs["free_slots"]
+    assert [round(float(slot.position_map[0]), 2) for slot in slots] == [0.2, -0.5]
+    (asked,) = planner.calls("propose")
+    assert asked["built"].structure is WALL
+    assert not asked["built"].standing
+    assert {one.name for one in asked["inventory"]} == {"1", "2"}
+    event = next(one for one in ended.events if isinstance(one, BuildingPlanned))
+    assert (event.stone, event.standing, dict(event.refused)) == (2, (), {"topples": 1})
+
+
+def test_a_slot_carries_the_model_to_the_pose_of_the_target(stage, database):
+    """The frame of the planner's stone is not that of the database."""
+    stand, planner = on_stage(stage, database, BuildPlan((target("1", (0, 6, 0.4)),), None, {}))
+    ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    (slot,), stone = ended.outputs["free_slots"], database.stone(1)
+    T_map_map = slot.T_map_object @ inverse(stone.T_map_object)
+    at_rest = transform(T_map_map, stone.points_map)
+    solid = planner.calls("propose")[0]["inventory"][0]
+    at_target = solid.vertices + [0, 6, 0.4]
+    np.testing.assert_allclose(at_rest[:, 2].max(), at_target[:, 2].max(), atol=0.01)
+    np.testing.assert_allclose(slot.position_map[2], at_target[:, 2].min(), atol=1e-9)
+    # Foot and room: 0.1 m down to the ground, and 5 cm at each side.
+    np.testing.assert_allclose(np.ptp(solid.vertices[:, 2]), 0.7, atol=0.01)
+    assert 1.0 < np.ptp(solid.vertices[:, 0]) < 1.11
+
+
+def test_the_plan_follows_the_structure_as_it_stands(stage, database):
+    """A stone that was moved after it was placed is planned with where it was seen last."""
+    set_down(database, 1, (-5.0, 6.0, 0.0))
+    stand, planner = on_stage(stage, database, NOTHING)
+    stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    database.realign(1, pose(t=np.array([0.3, 0.0, 0.0])), 5.0)
+    ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    before, after = (call["built"].standing[0] for call in planner.calls("propose"))
+    moved = after.T_map_stone[:3, 3] - before.T_map_stone[:3, 3]
+    np.testing.assert_allclose(moved, [0.3, 0.0, 0.0], atol=1e-4)
+    # Its foot is that of the place where it lay, though it is somewhere else now.
+    np.testing.assert_allclose(np.ptp(after.stone.vertices[:, 2]), 0.7, atol=0.01)
+    assert [one.name for one in planner.calls("propose")[0]["inventory"]] == ["2"]
+    assert ended.outputs["ending"] == "nothing_fits"
+
+
+def test_an_end_has_its_reason_and_figures(stage, database):
+    stand, _ = on_stage(stage, database, NOTHING)
+    ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    assert (ended.status, ended.outputs) == ("FAILURE", {"ending": "nothing_fits"})
+    assert ended.reason == "nothing_fits: no place holds any of 2 stones"
+    (event,) = ended.events
+    assert isinstance(event, BuildingEnded)
+    assert (event.reason, dict(event.refused)) == ("nothing_fits", {"slides_away": 3})
+
+
+def test_one_stone_without_a_place_does_not_end_the_structure(stage, database):
+    stand, planner = on_stage(stage, database, NOTHING)
+    ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE, for_stone=2)
+    assert (ended.status, ended.outputs, ended.events) == ("FAILURE", {}, [])
+    assert [one.name for one in planner.calls("propose")[0]["inventory"]] == ["2"]
+
+
+def test_a_stone_that_was_not_seen_since_its_release_makes_the_map_stale(stage, database):
+    set_down(database, 1, (-5.0, 6.0, 0.0), is_seen=False)
+    stand, planner = on_stage(stage, database, NOTHING)
+    ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    assert ended.outputs == {"ending": "stale_map"}
+    assert "stone 1 was not seen since its release" in ended.reason
+    assert not planner.asked
+
+
+def test_ground_that_was_not_seen_is_not_built_on(stage, database):
+    stand, planner = on_stage(stage, database, NOTHING)
+    ended = stand.tick(PlanBuilding, structure=WALL, segmentation=ground_of((-4, -3), (8, 5.7)))
+    assert ended.outputs == {"ending": "stale_map"}
+    assert "% of the ground below the structure" in ended.reason
+    assert not planner.asked
+
+
+def grasp(x):
+    return Grasp(pose(t=np.array([x, 0.0, 0.5])), 1.0, 1.0, {})
+
+
+@pytest.mark.parametrize("fitting", [{2.0}, set()])
+def test_grasps_that_suit_no_slot_are_left_out(stage, database, fitting):
+    slots = [Slot(1, np.array([0.0, 6.0, 0.0])), Slot(2, np.array([1.0, 6.0, 0.0]))]
+
+    def plan(stone, slot, T_map_gripper, cloud, T_map_base):
+        suits = T_map_gripper[0, 3] in fitting and slot.id == 2
+        return (Placement(slot, T_map_gripper, pose()),) if suits else ()
+
+    stand = stage.Stage(
+        placing=stage.Scripted(PlacementPlanner, plan=plan),
+        objects=database,
+        mapping=stage.PointMap(np.zeros((0, 3))),
+    )
+    grasps = [grasp(1.0), grasp(2.0)]
+    ended = stand.tick(KeepFittingGrasps, stone=1, grasps=grasps, free_slots=slots)
+    if fitting:
+        assert (ended.status, ended.outputs) == ("SUCCESS", {"grasps": grasps[1:]})
+    else:
+        assert ended.status == "FAILURE"
+        assert "none of 2 grasps of stone 1" in ended.reason
+
+
+def test_a_structure_is_described_by_settings(stage):
+    given = {"line": [[0.0, 6.0], [2.0, 6.0]], "height": 0.7}
+    ended = stage.Stage().tick(DescribeStructure, settings=given)
+    assert (ended.status, ended.outputs["structure"].length_m) == ("SUCCESS", 2.0)
+
+
+def test_a_structure_without_a_form_is_refused():
+    with pytest.raises(ValidationError, match="one of line, ring, cairn; got none"):
+        DescribeStructure.Settings(height=0.7)

@@ -1,0 +1,48 @@
+"""Driving in the simulated world, on a map of the lidars and by the estimated pose."""
+
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.mission
+
+STATIONS = 4  # of the long site; the machine stands at the first one
+
+DRIVE = """
+api: 1
+mission: drive
+extends: base
+plugins:
+  robot: {base: on_wheels, site: {terrain: {half_size_m: 20}, stones: {count: 0}}}
+  driving: dubins
+trees:
+  main:
+    sequence:
+      - run: Localise
+        timeout: 30 s
+      - run: ScanSwing
+        with: {angle: 40 deg, duration: 5 s}
+      - run: MoveBase
+        with: {place: [5 m, -0.5 m], heading: 0 deg}
+      - run: MoveBase
+        with: {place: [30 m, 0 m], heading: 0 deg}
+"""
+
+
+def test_it_drives_where_the_map_shows_ground_and_not_farther(run_mission):
+    finished = run_mission(mission=DRIVE)
+    (ended,) = finished.events("drive_ended")
+    assert ended["payload"]["off_m"] < 0.1
+    (failed,) = finished.events("drive_failed")
+    assert failed["payload"]["trouble"] == "unseen"
+    assert np.linalg.norm(np.array(failed["payload"]["T_map_base"])[:2, 3] - [5.0, -0.5]) < 0.1
+    assert finished.report["outcome"] == "failure"
+    assert finished.report["truth"]["estimate"]["error_m"]["max"] < 0.03
+    assert finished.report["truth"]["collisions"] == []
+
+
+def test_a_long_site_without_stones_is_driven_to_its_end_and_is_a_failure(run_mission):
+    finished = run_mission("robot.site.stones.count=0", mission="long_site")
+    assert len(finished.events("drive_ended")) == STATIONS - 1
+    assert finished.report["outcome"] == "failure"
+    assert "no stone is known" in finished.report["reason"]
+    assert finished.report["truth"]["collisions"] == []

@@ -1,0 +1,102 @@
+"""A run that was cut off is told with plugin, verb and place, and has a report all the same."""
+
+import json
+
+import pytest
+
+from executive.supervision.cut_off import CutOff
+
+STACK = """Current thread (most recent call first):
+  File "/usr/lib/numpy/linalg.py", line 12 in solve
+  File "/site/my_plugin/plan.py", line 34 in step
+  File "/site/my_plugin/plan.py", line 56 in move
+"""
+ACTIVITY = {"component": "motion plugin 'mine'", "capability": "motion", "name": "mine",
+            "verb": "move", "place": "plan.py:50", "folder": "/site/my_plugin"}  # fmt: skip
+
+
+class Beacon:
+    def __init__(self, folder, activity=None, stack=None):
+        self.activity_now = activity or {}
+        self.texts = {"run_dir": str(folder), "mission": "small"}
+        if stack is not None:
+            (folder / "stack").write_text(stack)
+            self.texts["stack"] = str(folder / "stack")
+
+    def text(self, name):
+        return self.texts.get(name, "")
+
+    def activity(self):
+        return self.activity_now
+
+
+@pytest.mark.parametrize(
+    ("code", "told"),
+    [
+        (-9, "the executive's process was ended by SIGKILL"),
+        (-11, "the executive's process was ended by SIGSEGV"),
+        (7, "the executive's process ended with exit status 7 before its run was over"),
+        (0, "the executive's process ended with exit status 0 before its run was over"),
+    ],
+)
+def test_a_process_that_ended_is_told_by_how_it_did(tmp_path, code, told):
+    assert CutOff(Beacon(tmp_path), code, "").reason == told
+
+
+def test_why_it_was_stopped_comes_before_how_its_process_ended(tmp_path):
+    assert CutOff(Beacon(tmp_path), -9, "the loop was silent").reason == "the loop was silent"
+
+
+def test_the_place_is_the_innermost_line_of_the_plugin_itself(tmp_path):
+    cut_off = CutOff(Beacon(tmp_path, ACTIVITY, STACK), -9, "it hangs")
+    told = "motion plugin 'mine' failed in 'move': it hangs (/site/my_plugin/plan.py:34)"
+    assert cut_off.reason == told
+    assert not (tmp_path / "stack").exists()  # it is of this process, and not of a later one
+
+
+def test_without_a_line_of_the_plugin_the_place_is_that_of_its_verb(tmp_path):
+    elsewhere = STACK.replace("/site/my_plugin", "/site/other")
+    assert CutOff(Beacon(tmp_path, ACTIVITY, elsewhere), 1, "x").reason.endswith("x (plan.py:50)")
+    assert CutOff(Beacon(tmp_path, ACTIVITY), 1, "x").reason.endswith("x (plan.py:50)")
+
+
+def test_outside_of_a_plugin_the_place_is_the_innermost_line(tmp_path):
+    assert CutOff(Beacon(tmp_path, {}, STACK), 1, "x").reason == "x (/usr/lib/numpy/linalg.py:12)"
+
+
+def test_the_report_says_what_is_known(tmp_path):
+    CutOff(Beacon(tmp_path, ACTIVITY, STACK), -9, "it hangs").write_report()
+    report = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
+    assert (report["mission"], report["outcome"]) == ("small", "fault")
+    assert report["reason"].startswith("motion plugin 'mine' failed in 'move': it hangs")
+    assert report["fault"] == {
+        "component": "motion plugin 'mine'",
+        "capability": "motion",
+        "name": "mine",
+        "verb": "move",
+        "node": "",
+        "error": "it hangs",
+        "place": "/site/my_plugin/plan.py:34",
+        "traceback": STACK,
+    }
+
+
+def test_outside_of_a_plugin_the_mission_itself_has_failed(tmp_path):
+    CutOff(Beacon(tmp_path), 7, "").write_report()
+    fault = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["fault"]
+    assert fault["component"] == "the mission"
+    assert {fault[name] for name in ("capability", "name", "verb", "place", "traceback")} == {""}
+
+
+def test_a_report_that_is_there_is_kept(tmp_path):
+    (tmp_path / "report.json").write_text("the run's own")
+    CutOff(Beacon(tmp_path), 7, "").write_report()
+    assert (tmp_path / "report.json").read_text() == "the run's own"
+
+
+def test_a_folder_that_is_gone_has_no_report(tmp_path):
+    CutOff(Beacon(tmp_path / "gone"), 7, "").write_report()
+    beacon = Beacon(tmp_path)
+    beacon.texts["run_dir"] = ""
+    CutOff(beacon, 7, "").write_report()
+    assert list(tmp_path.iterdir()) == []
