@@ -106,7 +106,10 @@ def test_every_trial_has_one_outcome(run, outcomes, trial) -> None:
 @pytest.mark.usefixtures("misbehaving")
 def test_failed_runs_are_counted_with_their_reasons(run, outcomes, trial) -> None:
     behaviours = ["answer", "raises", "kills_itself", "hangs", "segfaults", "answer"]
-    trials = [trial(one, number=n, time_s=1.0) for n, one in enumerate(behaviours)]
+    trials = [
+        trial(one, number=n, time_s=1.0 if one == "hangs" else 60.0)
+        for n, one in enumerate(behaviours)
+    ]
     end = run(trials, LocalPool(2))
     assert end.is_complete
     assert end.counts == {

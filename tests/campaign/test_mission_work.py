@@ -51,6 +51,21 @@ def arguments_of(path: Path, *settings: str) -> MissionArguments:
     return MissionArguments(mission=resolved_yaml(load_mission(str(path), settings)))
 
 
+def test_inputs_are_absolute_paths_among_settings(mission: Path, tmp_path: Path) -> None:
+    weights = tmp_path / "weights.safetensors"
+    text = MISSION.replace(
+        "  motion: hermite\n",
+        f"""  motion: hermite
+  grasping: {{plugin: sampled_cnn, weights: {weights}}}
+""",
+    )
+    mission.write_text(text)
+    found = MissionWork().inputs(arguments_of(mission))
+    assert dict(found) == {"grasping.weights": weights}
+    mission.write_text(text.replace(str(weights), "shipped/one"))
+    assert not MissionWork().inputs(arguments_of(mission))
+
+
 def journal_of_command(mission: Path, folder: Path, seed: int, monkeypatch) -> bytes:
     monkeypatch.setattr(
         sys,

@@ -4,6 +4,7 @@ import struct
 from pathlib import Path
 
 import laspy
+import lazrs
 import numpy as np
 import pytest
 
@@ -156,3 +157,31 @@ def test_a_header_that_promises_what_the_file_cannot_hold_is_refused(
     path = changed(good, at, kind, value)
     with pytest.raises(DataError, match=rf"site\.{suffix}: .*{words}"):
         read_points(path)
+
+
+def test_chunks_of_any_size_are_read_as_in_copc(tmp_path: Path) -> None:
+    """A file of Cloud Optimized Point Clouds is LAZ 1.4 with a chunk for each node of its tree."""
+    plain = las(tmp_path / "site.las", "1.4", 6).read_bytes()
+    (start,), size = struct.unpack_from("<I", plain, 96), laspy.PointFormat(6).size
+    rows = np.frombuffer(plain[start : start + size * len(POINTS)], dtype=np.uint8)
+    packing = lazrs.LazVlr.new_for_compression(6, 0, True)
+    records = b"".join(
+        struct.pack("<H16sHH32s", 0, name, number, len(content), b"") + content
+        for name, number, content in (
+            (b"copc", 1, bytes(160)),
+            (b"laszip encoded", 22204, bytes(packing.record_data())),
+        )
+    )
+    head = bytearray(plain[:375] + records)
+    struct.pack_into("<HII", head, 94, 375, len(head), 2)
+    head[104] |= 0x80
+    with (tmp_path / "site.copc.laz").open("w+b") as file:
+        file.write(head)
+        packer = lazrs.LasZipCompressor(file, packing)
+        for begun, ended in ((0, 130), (130, 700), (700, 1000)):
+            packer.compress_many(rows[begun * size : ended * size])
+            if ended < len(POINTS):
+                packer.finish_current_chunk()
+        packer.done()
+    found = read_points(tmp_path / "site.copc.laz")
+    assert np.allclose(found, POINTS, atol=1e-6, rtol=0)  # as for other files

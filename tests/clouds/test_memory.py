@@ -52,11 +52,15 @@ def write_floats(path: Path, points: np.ndarray) -> None:
 
 
 def blocks(path: Path, count: int) -> Path:
-    """Write three blocks on a floor."""
+    """Write the tops and sides of three blocks on a floor."""
     rng = np.random.default_rng(0)
     points = rng.uniform([-6, -6, 0], [6, 6, 0.01], (count, 3))
     for x, rows in zip((-3, 0, 3), np.split(points[: 9 * count // 65], 3), strict=True):
-        rows[:] = rng.uniform([x, -0.5, 0.0], [x + 1.0, 0.5, 0.7], rows.shape)
+        low, high = np.array([x, -0.5, 0.0]), np.array([x + 1.0, 0.5, 0.7])
+        rows[:] = rng.uniform(low, high, rows.shape)
+        axis = rng.integers(0, 3, len(rows))
+        ends = np.where((rng.random(len(rows)) < 0.5) & (axis < 2), low[axis], high[axis])
+        rows[np.arange(len(rows)), axis] = ends
     write_floats(path, points)
     return path
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from executive.clouds.coordinate_system import coordinate_system
 from executive.clouds.ply_writer import write_parts
 from executive.clouds.reader import read_points
 from executive.commands.clouds.guess import read_guess
@@ -43,7 +44,7 @@ def align(*words: object) -> subprocess.CompletedProcess:
 def clouds(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     folder = tmp_path_factory.mktemp("clouds")
     write_parts(folder / "source.ply", [transform(inverse(T_TRUE), corner(1)) / 1.02])
-    write_parts(folder / "target.ply", [corner(2)])
+    write_parts(folder / "target.ply", [corner(2)], "EPSG:2056")
     return folder / "source.ply", folder / "target.ply"
 
 
@@ -73,6 +74,7 @@ def test_a_scaled_answer_of_another_command_is_refined(
     )  # faces of 6 mm noise, 7 m away from the frame's origin
     assert angle_between(T[:3, :3], T_TRUE[:3, :3]) < np.radians(0.3)
     assert {"reason", "rmse_m", "overlap", "timings_ms"} <= set(found)
+    assert found["crs"] == coordinate_system(tmp_path / "o.ply") == "EPSG:2056"
     assert len(read_points(tmp_path / "o.ply")) == 64_000
 
 

@@ -7,7 +7,10 @@ from pathlib import Path
 import pytest
 
 from executive.commands.main import main
+from executive.commands.walls.wall_of_mission import wall_of_mission
 from executive.testing.exercises.building import box
+from executive.tree.load import load_mission
+from executive.tree.traversal import uses_of
 
 WALL = """
 structure: low wall
@@ -52,6 +55,36 @@ def test_two_boxes_are_placed_and_the_open_mesh_is_told(
     assert (tmp_path / "course_1.png").stat().st_size > 1000
 
 
+OWN_SCORER = """
+import numpy as np
+
+class Light:
+    def __init__(self, settings):
+        self.weights = settings.weights
+
+    def score(self, places, built, inventory):
+        return {"light": np.full(len(places.origins_map), -places.stone.mass_kg)}
+"""
+
+
+@pytest.mark.parametrize(
+    ("part", "first"), [("weighted", "1.obj"), ("walls_of_mine:Light", "0.obj")]
+)
+def test_a_scorer_of_a_user_changes_which_stone_is_first(
+    part: str, first: str, stones: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "walls_of_mine.py").write_text(OWN_SCORER, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    larger = (stones / "1.obj").read_text(encoding="utf-8").replace("0.4 ", "0.45 ")
+    (stones / "1.obj").write_text(larger, encoding="utf-8")
+    wall, out = tmp_path / "wall.yaml", tmp_path / "out.json"
+    unchecked = "{plugin: dry_stone, check: {part: none}, generator: {sides: 1, turns: 2}}"
+    wall.write_text(WALL.replace("{plugin: side_by_side}", unchecked), encoding="utf-8")
+    words = stones, wall, "--out", out, "--judge", "none", "--set", f"building.scorer.part={part}"
+    assert place(monkeypatch, *words) == 0
+    assert json.loads(out.read_text(encoding="utf-8"))["placed"][0]["stone"] == first
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [
@@ -72,3 +105,18 @@ def test_a_wrong_file_is_refused_with_its_place(
     (tmp_path / "wall.yaml").write_text(text, encoding="utf-8")
     assert place(monkeypatch, stones, tmp_path / "wall.yaml", "--judge", "none") == 2
     assert told in capsys.readouterr().err
+
+
+def test_a_wall_of_a_mission_is_laid_over_its_settings(tmp_path: Path) -> None:
+    wall = tmp_path / "wall.yaml"
+    wall.write_text(
+        "line: [[0 m, 6 m], [1 m, 6 m]]\nheight: 0.4 m\nnoise: 1 cm\n"
+        "building: {check: {samples: 2}, plugin: dry_stone}\n"
+    )
+    settings, unused = wall_of_mission(wall)
+    mission = load_mission("build_wall", settings)
+    planner = mission.plugins["building"][0].settings
+    assert (planner.check.samples, planner.generator.attitude) == (2, "kept")
+    assert unused == ["noise"]
+    (described,) = (use for node in mission.trees["the_wall"].root.walk() for use in uses_of(node))
+    assert described.settings.shaped("low").height_m == 0.4

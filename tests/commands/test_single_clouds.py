@@ -11,6 +11,7 @@ import numpy as np
 import open3d as o3d
 import pytest
 
+from executive.clouds.coordinate_system import coordinate_system
 from executive.clouds.ply_writer import write_parts
 from executive.clouds.reader import read_points
 from executive.commands.main import main
@@ -68,6 +69,102 @@ def test_segments_are_listed_and_written(target: Path, tmp_path: Path) -> None:
     assert len(read_points(tmp_path / "parts.ply")) == sum(s["points"] for s in segments)
     written = o3d.io.read_point_cloud(str(tmp_path / "parts.ply"))
     assert len(np.unique(np.asarray(written.colors), axis=0)) == 5
+
+
+def segmented(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *words: object
+) -> tuple[int, str, str]:
+    """Run `executive segment` in this process: its status, output and messages."""
+    monkeypatch.setattr(sys, "argv", ["executive", "segment", *map(str, words)])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    told = capsys.readouterr()
+    return int(ended.value.code or 0), told.out, told.err
+
+
+def test_the_coordinate_system_stays_with_the_segments(
+    target: Path, tmp_path: Path, capsys, monkeypatch
+) -> None:
+    national = tmp_path / "site.ply"
+    write_parts(national, [site(2) + [2_600_000.0, 1_200_000.0, 440.0]], "EPSG:2056")
+    out = tmp_path / "parts.ply"
+    _, told, _ = segmented(monkeypatch, capsys, national, "--json", "--out", out)
+    assert json.loads(told)["crs"] == "EPSG:2056"
+    assert coordinate_system(out) == "EPSG:2056"
+    _, told, _ = segmented(monkeypatch, capsys, target, "--json", "--out", out)
+    assert json.loads(told)["crs"] == ""
+    assert coordinate_system(out) == ""
+
+
+def test_a_crop_is_looked_at_alone(target: Path, capsys, monkeypatch) -> None:
+    whole = json.loads(segmented(monkeypatch, capsys, target, "--json")[1])["segments"]
+    x, y, _ = whole[0]["centroid"]
+    status, out, _ = segmented(monkeypatch, capsys, target, "--json", "--crop", f"{x},{y},1.3")
+    (one,) = json.loads(out)["segments"]
+    assert status == 0
+    np.testing.assert_allclose(one["centroid"], whole[0]["centroid"], atol=0.03)
+    box = f"{x - 1.3},{y - 1.3},{x + 1.3},{y + 1.3}"
+    (other,) = json.loads(segmented(monkeypatch, capsys, target, "--json", "--crop", box)[1])[
+        "segments"
+    ]
+    np.testing.assert_allclose(other["centroid"], whole[0]["centroid"], atol=0.03)
+
+
+@pytest.mark.parametrize("words", ["1,2", "1,2,-3", "3,3,1,1", "here", ""])
+def test_a_crop_without_an_area_is_refused(target: Path, capsys, monkeypatch, words: str) -> None:
+    status, _, told = segmented(monkeypatch, capsys, target, "--crop", words)
+    assert status == 2
+    assert "x,y,radius" in told
+
+
+def test_a_crop_beside_the_cloud_says_where_the_cloud_is(target: Path, capsys, monkeypatch) -> None:
+    status, _, told = segmented(monkeypatch, capsys, target, "--crop", "900,0,5")
+    assert status == 2
+    assert "no point is in 900,0,5; the cloud has x from -5" in told
+
+
+def test_a_folder_is_gone_on_with_and_what_cannot_be_used_is_told(
+    target: Path, tmp_path: Path, capsys, monkeypatch
+) -> None:
+    folder, out = tmp_path / "clouds", tmp_path / "answers"
+    folder.mkdir()
+    (folder / "a.ply").write_bytes(target.read_bytes())
+    (folder / "b.xyz").write_text("1 2 3\n")
+    (folder / "notes.md").write_text("no cloud")
+    status, _, told = segmented(monkeypatch, capsys, folder, "--out", out)
+    assert status == 1
+    assert "b.xyz: cannot be used" in told
+    assert "1 of 2 clouds" in told
+    first = json.loads((out / "a.ply.json").read_text())
+    assert len(first["segments"]) == 5
+    assert len(read_points(out / "a.ply.segments.ply")) == sum(
+        s["points"] for s in first["segments"]
+    )
+    (folder / "b.xyz").write_bytes((folder / "a.ply").read_bytes())
+    status, _, told = segmented(monkeypatch, capsys, folder, "--out", out)
+    assert status == 0
+    assert "a.ply: done before (1 of 2)" in told
+    assert sorted(path.name for path in out.glob("*.json")) == ["a.ply.json", "b.xyz.json"]
+    other = ("--set", "segmentation.max_extent_m=0.9")
+    status, _, told = segmented(monkeypatch, capsys, folder, "--out", out, *other)
+    assert "done before" not in told  # other options, another answer
+    assert len(json.loads((out / "a.ply.json").read_text())["segments"]) < 5
+    (out / "a.ply.json").write_text("cut sho")
+    assert "b.xyz: done before" in segmented(monkeypatch, capsys, folder, "--out", out, *other)[2]
+    assert "left_out" in json.loads((out / "a.ply.json").read_text())
+
+
+def test_a_folder_needs_another_for_its_answers(tmp_path: Path, capsys, monkeypatch) -> None:
+    status, _, told = segmented(monkeypatch, capsys, tmp_path)
+    assert status == 2
+    assert "name another folder" in told
+    out = tmp_path / "answers"
+    status, _, told = segmented(monkeypatch, capsys, tmp_path, "--out", out, "--json")
+    assert status == 2
+    assert "are files in the folder of --out" in told
+    status, _, told = segmented(monkeypatch, capsys, tmp_path, "--out", out)
+    assert status == 2
+    assert "holds no cloud" in told
 
 
 def test_what_is_left_out_is_told_and_nothing_to_use_is_status_1(

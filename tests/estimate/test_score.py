@@ -94,3 +94,42 @@ def test_a_file_that_is_no_trajectory_is_refused_with_its_line(text, says, tmp_p
         read_trajectory(path, None)
     with pytest.raises(ConfigError, match="is no log"):
         read_trajectory(path, "/pose")
+
+
+def test_a_motion_between_two_stamps_is_seen_from_where_it_begins():
+    """Where the heading is off by a constant, each shift is turned by it about the beginning."""
+    found, truth = states()
+    quiet = [
+        BaseState(s.stamp_s, s.T_map_base, s.T_odom_base, pose(t_p, t_R), s.v_map_cabin,
+                  s.w_map_cabin_in_cabin, s.covariance, s.status)
+        for s, t_p, t_R in zip(found, truth.p, truth.R, strict=True)
+    ]  # fmt: skip
+    rolled = Trajectory(truth.stamps_s, truth.p, truth.R @ TILT)
+    figures = report(scored(quiet, ORIGIN_S, rolled, "none"), "none", [])
+    way_m = 2 * 10 * np.sin(0.1)  # chord of a second on the circle
+    off_m = 2 * np.sin(0.25) * way_m  # of a vector that is turned by half a radian
+    assert figures["rpe"]["1 s"]["m"]["max"] == pytest.approx(off_m, abs=2e-3)
+    assert figures["rpe"]["1 s"]["rad"]["max"] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_the_error_at_the_end_of_an_outage_is_that_of_its_last_state():
+    found, truth = states()
+    shifted = truth.p.copy()
+    shifted[79] += (0.0, 0.0, 30.0)  # the last state before 8 s
+    shifted[70] += (0.0, 0.0, 50.0)
+    reference = Trajectory(truth.stamps_s, shifted, truth.R)
+    figures = report(
+        scored(found, ORIGIN_S, reference, "none"), "none", [(ORIGIN_S + 5, ORIGIN_S + 8)]
+    )
+    (outage,) = figures["outages"]
+    assert outage["error_at_end_m"] == pytest.approx(30.0, abs=0.5)
+    assert outage["max_error_m"] == pytest.approx(50.0, abs=0.5)
+
+
+TILT = Rotation.from_euler("z", 0.5).as_matrix()
+
+
+def pose(p, R):
+    T = np.eye(4)
+    T[:3, :3], T[:3, 3] = R, p
+    return T

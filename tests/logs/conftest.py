@@ -190,7 +190,7 @@ def car():
     return _car
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def write_mcap():
     return _write_mcap
 

@@ -1,6 +1,7 @@
 """A campaign file: what each part says, and that every mistake is reported at its place."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -79,6 +80,7 @@ def test_ten_mistakes_get_ten_messages_each_with_place_and_cure() -> None:
         ("seeds: 1\nmetrics: {cycle_time: {at_most: 1}}", "5:24 'cycle_time' has values: say of"),
         ("seeds: 1\nmetrics: {cycle_time: {mean: 1}}", "5:24 'cycle_time' has no 'mean'"),
         ("seeds: 1\nmetrics: {success: {where: {}}}", "5:20 'where' says for which levels"),
+        ("seeds: 1\nmetrics: {success: {except: {}}}", "5:20 'except' says for which levels"),
         ("seeds: 1\ncompare: {factor: x}", "5:10 'compare' takes a list"),
         ("seeds: 1\ncompare: [{factor: x}]", "5:11 a comparison needs 'baseline'"),
     ],
@@ -293,6 +295,14 @@ def test_the_digest_tells_trials_apart_and_nothing_else(read: Read, folder: Path
     assert read(alike).digest == one.digest
     assert read("set: {loop.tick: 0.3}\n").digest != one.digest
     assert read("set: {loop.tick: 0.2}\n", seeds="8").digest != one.digest
+    (trial, *_) = one.trials
+    two = {"b": {"d": 1, "c": 2}, "a": 3}
+    turned = {"a": 3, "b": {"c": 2, "d": 1}}
+    digests = {
+        digest_of([replace(trial, arguments=order, levels=order)]) for order in (two, turned)
+    }
+    assert len(digests) == 1
+    assert digests != {digest_of([replace(trial, arguments=two, levels={})])}
     (folder / "waits.yaml").write_text((folder / "other.yaml").read_text())
     assert read("set: {loop.tick: 0.2}\n").digest != one.digest
 

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 import yaml
 
+from executive import registry
 from executive.campaign.description.schema import campaign_schema
 
 jsonschema = pytest.importorskip("jsonschema")
@@ -26,7 +27,7 @@ factors:
   grasping.plugin: [sampled_cnn, sampled_antipodal]
 limits: {time: 20 min, memory: 4 GB}
 metrics:
-  success: [{at_least: 95 %, where: {stones: scans}}, {at_least: 0.9}]
+  success: [{at_least: 95 %, where: {stones: scans}}, {at_least: 0.9, except: {stones: scans}}]
   placement_error: {median: {at_most: 0.10 m}}
   cycle_time:
 compare:
@@ -36,9 +37,11 @@ compare:
 
 @pytest.fixture(scope="module")
 def validator() -> Any:
-    schema = campaign_schema()
-    jsonschema.Draft202012Validator.check_schema(schema)
-    return jsonschema.Draft202012Validator(schema)
+    return jsonschema.Draft202012Validator(campaign_schema())
+
+
+def test_it_is_a_json_schema(validator: Any) -> None:
+    validator.check_schema(validator.schema)
 
 
 def test_it_takes_what_a_file_can_say(validator: Any) -> None:
@@ -72,5 +75,22 @@ def test_it_marks_a_mistake(right: str, wrong: str, validator: Any) -> None:
     assert not validator.is_valid(document)
 
 
+@pytest.mark.parametrize(
+    ("left_out", "least"),
+    [("api: 1\n", False), ("campaign: good\n", False), ("factor: stones, ", False),
+     ("baseline: generated, ", False), (", margin: 0.1", True), ("metrics: [success], ", True),
+     ("description: Everything that a file can say.\n", True)],
+)  # fmt: skip
+def test_it_knows_which_fields_have_to_be_given(left_out: str, least: bool, validator: Any) -> None:
+    assert left_out in GOOD
+    assert validator.is_valid(yaml.safe_load(GOOD.replace(left_out, ""))) == least
+
+
 def test_it_marks_a_file_with_mistakes(validator: Any) -> None:
     assert not validator.is_valid(yaml.safe_load(TEN.read_text()))
+
+
+def test_a_capability_takes_the_plugins_that_are_installed() -> None:
+    known = campaign_schema()["$defs"]["settings"]["properties"]
+    assert set(known["segmentation.plugin"]["enum"]) == set(registry.names("segmentation"))
+    assert set(known["estimation.plugin"]["enum"]) == set(registry.names("estimation"))

@@ -20,6 +20,15 @@ MEBIBYTE = 1 << 20
 
 @pytest.fixture
 def isolation() -> Iterator[Isolation]:
+    """A server of runs of one's own, to do to it what one likes."""
+    made = Isolation()
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="module")
+def used_isolation() -> Iterator[Isolation]:
+    """A server that all runs of the module share, whatever they have done to themselves."""
     made = Isolation()
     yield made
     made.close()
@@ -34,9 +43,10 @@ def ended(isolation: Isolation, trial: Trial, folder: Path) -> Outcome | Lost:
 
 
 @pytest.fixture
-def end(isolation: Isolation, trial, tmp_path: Path):
+def end(used_isolation: Isolation, trial, tmp_path: Path):
     """Return what runs a trial with a behaviour to its end."""
-    return lambda behaviour, **more: ended(isolation, trial(behaviour, **more), tmp_path / "run")
+    folder = tmp_path / "run"
+    return lambda behaviour, **more: ended(used_isolation, trial(behaviour, **more), folder)
 
 
 def is_gone(pid: int) -> bool:
@@ -126,27 +136,27 @@ def test_a_full_disk_is_the_campaigns(end) -> None:
         end("fills_the_disk")
 
 
-def test_a_crash_costs_no_other_run(isolation, trial, tmp_path: Path) -> None:
+def test_a_crash_costs_no_other_run(used_isolation, trial, tmp_path: Path) -> None:
     folders = [tmp_path / str(number) for number in range(2)]
     for folder in folders:
         folder.mkdir()
-    patient = isolation.begin(trial(for_s=0.5), folders[0], {})
-    crashing = isolation.begin(trial("segfaults", number=1), folders[1], {})
+    patient = used_isolation.begin(trial(for_s=0.5), folders[0], {})
+    crashing = used_isolation.begin(trial("segfaults", number=1), folders[1], {})
     results = {}
     while len(results) < 2:
-        isolation.wait(0.1)
+        used_isolation.wait(0.1)
         results |= {r.number: r.status for r in (patient.poll(), crashing.poll()) if r is not None}
     assert results == {0: Status.DONE, 1: Status.CRASHED}
 
 
-def test_a_run_is_killed_on_request(isolation, trial, tmp_path: Path) -> None:
-    running = isolation.begin(trial("hangs"), tmp_path, {})
+def test_a_run_is_killed_on_request(used_isolation, trial, tmp_path: Path) -> None:
+    running = used_isolation.begin(trial("hangs"), tmp_path, {})
     while not (tmp_path / "output.txt").exists():
         assert running.poll() is None
-        isolation.wait(0.05)
+        used_isolation.wait(0.05)
     running.kill()
     while (result := running.poll()) is None:
-        isolation.wait(0.1)
+        used_isolation.wait(0.1)
     assert isinstance(result, Outcome)
     assert result.status is Status.KILLED
 
@@ -192,20 +202,21 @@ def test_a_server_that_cannot_prepare_says_why(
 
 
 def test_after_a_preparation_that_leaves_threads_a_run_imports_anew(
-    end, monkeypatch: pytest.MonkeyPatch
+    isolation, trial, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("MISBEHAVING_PREPARES", "with a thread")
-    outcome = end("answer")
+    outcome = ended(isolation, trial("answer"), tmp_path / "run")
+    assert isinstance(outcome, Outcome)
     assert outcome.status is Status.DONE
     assert outcome.answer["prepared"] == 0
 
 
 def test_files_of_the_current_folder_are_not_taken_for_modules(
-    end, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    isolation, trial, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "queue.py").write_text("raise RuntimeError('not the queue of Python')\n")
     monkeypatch.chdir(tmp_path)
-    assert end("answer").status is Status.DONE
+    assert ended(isolation, trial("answer"), tmp_path / "run").status is Status.DONE
 
 
 def test_the_environment_of_the_campaign_is_left_alone(end) -> None:

@@ -10,6 +10,7 @@ import pytest
 from executive.campaign.execution.disk_space import DiskFullError
 from executive.campaign.execution.folder_lock import FolderInUseError, FolderLock
 from executive.campaign.execution.ledger import Ledger, Session, TryState
+from executive.campaign.execution.pool import RefusedError
 from executive.campaign.trial import Outcome, Status
 from executive.errors import DataError
 
@@ -177,3 +178,8 @@ def test_a_folder_has_one_campaign_at_a_time(tmp_path) -> None:
         FolderLock(tmp_path / "campaign.lock")
     lock.release()
     FolderLock(tmp_path / "campaign.lock").release()
+
+
+def test_a_refusal_names_its_trial() -> None:
+    refused = RefusedError(3, "no such plugin")
+    assert (refused.number, str(refused)) == (3, "no such plugin")

@@ -55,6 +55,14 @@ def test_a_bound_is_missed_by_a_figure_that_nothing_was_measured_for() -> None:
     assert math.isnan(judgement.value)
 
 
+def test_a_bound_is_not_for_the_levels_that_it_excepts() -> None:
+    rows = [row(0, 1, "a"), row(1, 1, "b", placed=Share(1, 1))]
+    bound = Bound("placed", "share", 0.5, is_least=True, excepted={"filter": "a"})
+    (judgement,) = figures_of(rows, ["placed"], [bound]).judgements
+    assert judgement.levels == {"filter": "b"}
+    assert judgement.is_met
+
+
 def test_compares_levels_on_the_seeds_that_both_have() -> None:
     rows = [row(i, i, "a", success=Share(1, 1)) for i in range(40)]
     rows += [row(100 + i, i, "b", success=Share(int(i % 2), 1)) for i in range(30)]
