@@ -23,6 +23,9 @@ def bounds(load) -> ModuleType:
     return load("bounds")
 
 
+PEERS = {"pybullet"}  # compared with where they are installed, and no dependency
+
+
 def test_a_miss_ends_with_1_and_is_repeated_on_standard_error(bounds, capsys) -> None:
     figures = [
         bounds.held("error [cm]", 1.2, bounds.Bound(1.0)),
@@ -149,8 +152,13 @@ def test_the_scenarios_that_a_command_line_knows_are_those_that_there_are(load) 
 
 
 def test_what_the_benchmarks_import_is_there(load) -> None:
+    missing = set()
     for path in sorted((BENCHMARKS / "trials").glob("*.py")):
-        load(f"trials.{path.stem}")
+        try:
+            load(f"trials.{path.stem}")
+        except ModuleNotFoundError as error:
+            missing.add(error.name)
+    assert missing <= PEERS
 
 
 def test_what_is_no_log_ends_with_2(load, tmp_path, capsys) -> None:

@@ -39,3 +39,25 @@ def test_a_late_tick_is_not_made_up_for() -> None:
     after_s = clock.now_s()
     clock.advance(0.02)
     assert clock.now_s() >= after_s + 0.015  # one tick later, not at once
+
+
+def test_the_wall_clock_stands_still_while_the_machine_is_behind_and_never_goes_back() -> None:
+    clock = WallClock()
+    clock.advance(0.02)
+    shown_s = clock.machine_s()
+    clock.wait_for(0.0)  # the machine says that it is earlier than what was shown already
+    assert clock.machine_s() == shown_s
+    clock.wait_for(float("inf"))
+    clock.advance(0.02)
+    assert clock.machine_s() > shown_s + 0.01
+
+
+def test_ticks_go_on_while_the_wall_clock_stands_still() -> None:
+    clock = WallClock()
+    began_s = wall_s()
+    clock.advance(0.01)
+    for _ in range(20):
+        clock.wait_for(0.0)
+        clock.advance(0.01)
+    # If each wait were longer than the one before, twenty would take 20 · 21 / 2 ticks.
+    assert 20 * 0.01 <= wall_s() - began_s < 100 * 0.01

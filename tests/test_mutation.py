@@ -3,6 +3,7 @@
 import ast
 import importlib
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -83,6 +84,31 @@ def test_operands_keep_their_order_of_evaluation(load) -> None:
     }
 
 
+@pytest.mark.parametrize(
+    ("source", "texts"),
+    [
+        ("gap_m < limit_m", {"gap_m >= limit_m"}),
+        ("norm(a) > 0.5", {"norm(a) <= 0.5"}),
+        ("gap_m - 0.1 <= most", {"gap_m - 0.1 > most"}),
+        ("gap_m < 0", {"gap_m <= 0", "gap_m >= 0", "gap_m < 1"}),
+        ("stamp_s < 0.5", {"stamp_s <= 0.5", "stamp_s >= 0.5", "stamp_s < 1.0"}),
+        ("a / b_share < 0.5", {"a / b_share <= 0.5", "a / b_share >= 0.5"}),
+        ("count < most", {"count <= most", "count >= most"}),
+        ("zip(a, b, strict=True)", set()),
+    ],
+)
+def test_measured_quantities_are_never_equal_but_zero_times_shares_and_counts_are(
+    load, source, texts
+) -> None:
+    module = load("mutants.faults_of")
+    planted = source.encode()
+    found = [module.fault_of("a.py", planted, one) for one in module.candidates(planted)]
+    made = {one.planted(planted).decode() for one in found}
+    assert made >= texts
+    shifts = {source.replace(" < ", " <= "), source.replace(" > ", " >= ")} - {source}
+    assert made & shifts == texts & shifts
+
+
 # Without the plugins that other packages bring to pytest, it starts in half a second.
 PLAIN = '[tool.pytest.ini_options]\naddopts = "-p no:dash -p no:hypothesispytest -p no:anyio"\n'
 
@@ -113,12 +139,21 @@ def project(root: Path, test: str) -> Path:
 )
 def test_survivors_end_with_1(load, tmp_path, capsys, test, statuses, ends) -> None:
     root = project(tmp_path / "tree", test)
-    words = ["--root", str(root), "--count", "9", "--no-lane", "--json"]
+    words = ["--root", str(root), "--map", str(tmp_path / "map"), "--count", "9", "--json"]
     assert load("mutation").main(words) == ends
     answer = json.loads(capsys.readouterr().out)
     assert {one["status"] for one in answer["mutants"]} == statuses
     assert {one["line"] for one in answer["mutants"]} == {2, 6}
     assert "return a + b" in (root / "executive" / "sums.py").read_text()  # never in place
+
+
+def test_a_busy_computer_makes_no_fault_time_out(load, tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(load("mutation"), "GRACE_S", 0.2)  # less than pytest takes to start
+    root = project(tmp_path / "tree", "def test_less():\n    less(5, 2)\n")
+    words = ["--root", str(root), "--map", str(tmp_path / "map"), "--count", "3", "--json"]
+    load("mutation").main(words)
+    statuses = {one["status"] for one in json.loads(capsys.readouterr().out)["mutants"]}
+    assert statuses == {"killed", "survived"}
 
 
 def test_a_listed_equivalent_is_left_out(load, tmp_path, capsys) -> None:
@@ -137,9 +172,64 @@ def test_a_listed_equivalent_is_left_out(load, tmp_path, capsys) -> None:
 def test_tests_that_fail_without_a_fault_are_wrong_input(load, tmp_path, capsys) -> None:
     root = project(tmp_path / "tree", "def test_less():\n    assert less(5, 2) == 4\n")
     with pytest.raises(SystemExit) as end:
-        load("mutation").main(["--root", str(root), "--count", "1", "--no-lane"])
+        load("mutation").main(
+            [
+                "--root",
+                str(root),
+                "--map",
+                str(tmp_path / "map"),
+                "--count",
+                "1",
+                "--only",
+                "executive/sums.py",
+            ]
+        )
     assert end.value.code == 2
     assert "failed without any fault" in capsys.readouterr().err
+
+
+def test_a_test_file_that_can_no_longer_be_collected_judges_nothing(load, tmp_path, capsys) -> None:
+    root = project(tmp_path / "tree", "")
+    words = ["--root", str(root), "--map", str(tmp_path / "map"), "--only", "executive/sums.py"]
+    assert load("mutation").main([*words, "--count", "1"]) in (0, 1)
+    (root / "tests" / "conftest.py").write_text("raise RuntimeError\n")  # no part of the map
+    with pytest.raises(SystemExit) as end:
+        load("mutation").main([*words, "--count", "9"])
+    assert end.value.code == 2
+
+
+def test_a_constant_is_noticed_by_a_test_that_calls_no_function_of_its_module(
+    load, tmp_path
+) -> None:
+    root = project(
+        tmp_path / "tree",
+        "def test_less():\n    assert less(5, 2) == 3\n\n\n"
+        "def test_limit():\n    from executive import sums\n\n    assert sums.LIMIT == 4\n",
+    )
+    with (root / "executive" / "sums.py").open("a") as file:
+        file.write("\n\nLIMIT = 4\n")
+    words = ["--root", str(root), "--map", str(tmp_path / "map"), "--no-slow", "--count", "12"]
+    assert load("mutation").main(words) == 0
+
+
+def test_tests_beside_one_that_reaches_a_line_run_after_all_that_reach_it(load) -> None:
+    reach, fault = load("mutants.reach_map"), load("mutants.fault")
+    source = b"def one():\n    return 1\n"
+    span = fault.Span(source.index(b"return"), len(source) - 1)
+    planted = fault.Fault("executive/a.py", 2, "returned value", span, "return None", span)
+    there, elsewhere = {"executive/a.py": 1 << 2}, {"executive/b.py": 1 << 2}
+    tests = [
+        reach.MappedTest("tests/test_x.py::test_uses_a_fixture", 0.1, elsewhere),
+        reach.MappedTest("tests/test_x.py::test_sets_a_fixture_up", 0.1, there),
+        reach.MappedTest("tests/test_y.py::test_another_file", 0.1, elsewhere),
+        reach.MappedTest("tests/test_z.py::test_reaches", 9.0, there),
+    ]
+    chosen = reach.ReachMap(tests).tests_of(planted, source, [])
+    assert [one.name.partition("::test_")[2] for one in chosen] == [
+        "sets_a_fixture_up",
+        "reaches",
+        "uses_a_fixture",
+    ]
 
 
 def test_the_same_seed_draws_the_same_faults(load) -> None:
@@ -167,6 +257,11 @@ def test_recorded_results_of_the_mirror_run_first(load) -> None:
     )
     room = related(TESTS.parent, "plugins/estimation/filters/error_state_ekf.py")[0]
     assert room[-1] == "tests/recorded/plugins/estimation"
+    graph = related(TESTS.parent, "plugins/estimation/graph/window.py")[0]
+    assert graph[-2:] == (
+        "tests/recorded/plugins/estimation/graph",
+        "tests/recorded/plugins/estimation",
+    )
     assert not related(TESTS.parent, "executive/arrays.py")[0][1:]
 
 
@@ -199,6 +294,35 @@ def test_every_shipped_leaf_can_be_broken(load) -> None:
     for leaf in leaves:
         broken = leaf.broken((TESTS.parent / leaf.file).read_text(encoding="utf-8"))
         ast.parse(broken)
+
+
+def test_tests_that_name_a_leaf_run_first(load, tmp_path) -> None:
+    script, folder = load("broken_leaves"), tmp_path / "tests" / "behaviours"
+    folder.mkdir(parents=True)
+    (folder / "test_a.py").write_text("from x import Good\nGood().check()\n")
+    (folder / "test_b.py").write_text("Good()\n")
+    (folder / "test_c.py").write_text("Goodness()\n")
+    leaf = script.Leaf("Good", "a.py", "Good")
+    assert script.naming(leaf, tmp_path) == [
+        "tests/behaviours/test_b.py",
+        "tests/behaviours/test_a.py",
+    ]
+
+
+def test_code_is_compiled_once_and_a_fault_is_noticed_all_the_same(load, tmp_path) -> None:
+    test = "from executive import sums\n\n\ndef test_less():\n    assert sums.less(5, 2) == 3\n"
+    root = project(tmp_path / "tree", test)
+    with load("mutants.tree_copy").TreeCopy(root) as copy:
+        file = copy.root / "executive" / "sums.py"
+        (compiled,) = (file.parent / "__pycache__").glob("sums.*.pyc")
+        kept = compiled.read_bytes()
+        assert copy.run(["tests"], 60.0).is_green
+        old = file.stat()
+        with copy.with_source("executive/sums.py", file.read_bytes().replace(b" - ", b" + ")):
+            os.utime(file, ns=(old.st_atime_ns, old.st_mtime_ns))  # the same time and size
+            assert not copy.run(["tests"], 60.0).is_green
+        assert copy.run(["tests"], 60.0).is_green
+        assert compiled.read_bytes() == kept
 
 
 @pytest.mark.parametrize(("called", "ends"), [("Good().check()", 0), ("Good", 1)])

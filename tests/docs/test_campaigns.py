@@ -25,7 +25,7 @@ def test_its_file_is_a_campaign_that_the_schema_takes(tmp_path: Path) -> None:
     campaign = load_campaign(str(path))
     assert len(campaign.trials) == 80
     assert campaign.trials[0].limits == Limits(1200.0, 4_000_000_000)
-    assert len(campaign.bounds) == 5
+    assert len(campaign.bounds) == 6
     scans = yaml.safe_load(campaign.trials[2].arguments["mission"])["plugins"]["robot"]
     assert scans["site"]["stones"]["folder"] == str(tmp_path / "stones")
     jsonschema.Draft202012Validator(campaign_schema()).validate(yaml.safe_load(FILE))

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 PAGE = Path(__file__).parents[2] / "docs" / "write_a_plugin.md"
@@ -56,6 +57,22 @@ def site(tmp_path_factory):
     ]
     subprocess.run(install, check=True, timeout=120)
     return target
+
+
+def test_the_class_of_the_page_reports_a_fall_of_the_torque_once_and_while_holding_alone():
+    names = {}
+    exec(block("python", "class BoomWatch"), names)
+    watch = names["BoomWatch"](names["BoomWatchSettings"](fall=0.4))
+
+    def at(torque_n_m):
+        values = (("J_BOOM",), np.zeros(1), np.zeros(1), np.array([torque_n_m]))
+        return watch.update(names["JointSample"](1.0, *values))
+
+    assert at(9e4) is None
+    watch.begin_hold()
+    assert [at(-1e5), at(-7e4)] == [None, None]
+    assert at(-5e4).trouble is names["Trouble"].DROP
+    assert at(-1e3) is None
 
 
 def test_the_plugin_is_listed(site, tmp_path):

@@ -108,7 +108,7 @@ def sample(kind):
         return kind(**{f.name: sample(get_type_hints(kind)[f.name]) for f in fields(kind)})
     if issubclass(kind, Enum):
         return next(iter(kind))
-    return {int: 3, float: 0.5, bool: True, str: "text", Any: "any"}[kind]
+    return {int: 3, float: 0.5, bool: True, str: "text", Any: "any", object: "any"}[kind]
 
 
 def test_the_same_entries_give_the_same_bytes(tmp_path):

@@ -10,12 +10,12 @@ from executive.arrays import Bool, Float
 from executive.geometry.pose import inverse, transform
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine, load_machine
-from executive.machine.self_filter import SelfFilter
+from executive.machine.self_filter import SelfFilter, _is_behind
 
 PADDING_M, SHADOW_M = 0.1, 0.02
 
 
-@pytest.fixture(scope="module", params=["m545", "mini"])
+@pytest.fixture(scope="module", params=[pytest.param("m545", marks=pytest.mark.slow), "mini"])
 def machine(request: pytest.FixtureRequest) -> Machine:
     return load_machine(request.param)
 
@@ -72,7 +72,7 @@ def found(
 def test_without_shadows_the_returns_found_are_those_in_a_padded_hull(machine: Machine) -> None:
     for seed, lidar in enumerate(sensor.name for sensor in machine.sensors_of("lidar")):
         frames = some_frames(machine, seed)
-        points = near_points(machine, frames, seed, 3000)
+        points = near_points(machine, frames, seed, 1000)
         hulls = padded_hulls(machine, frames, PADDING_M)
         expected = np.any([is_inside(points, planes) for _, planes in hulls], axis=0)
         assert 0.1 < expected.mean() < 0.9
@@ -84,8 +84,8 @@ def test_a_shadow_is_where_the_ray_passes_a_link_other_than_the_sensors(machine:
     for seed, sensor in enumerate(machine.sensors_of("lidar")):
         frames = some_frames(machine, seed + 10)
         origin = frames[sensor.name][:3, 3]
-        near = near_points(machine, frames, seed + 10, 200)
-        points = origin + np.random.default_rng(seed).uniform(1.0, 2.5, (200, 1)) * (near - origin)
+        near = near_points(machine, frames, seed + 10, 60)
+        points = origin + np.random.default_rng(seed).uniform(1.0, 2.5, (60, 1)) * (near - origin)
         steps = np.linspace(0, 1, 1500)[:, None, None]
         rays = origin + steps * (points - origin)
         surely, possibly = np.zeros(len(points), dtype=bool), np.zeros(len(points), dtype=bool)
@@ -130,3 +130,35 @@ def test_each_point_is_tested_with_the_posture_of_its_own_time(machine: Machine)
             points_lidar[slices == k], np.zeros(500, dtype=np.int64), lidar, [frames], 0.0
         )
         assert (together[slices == k] == alone).all()
+
+
+def slab(y: float) -> Float:
+    """A cube of 2 m with its middle at (5, y, 0) as half-spaces n·p ≤ d, shape (6, 4)."""
+    middle = np.array([5.0, y, 0.0])
+    sides = np.vstack([np.eye(3), -np.eye(3)])
+    return np.column_stack([sides, sides @ middle + 1.0])
+
+
+@pytest.mark.parametrize(
+    ("point", "y", "inset_m", "is_shaded"),
+    [
+        ((10.0, 0.0, 0.0), 0.0, 0.0, True),
+        ((5.0, 0.0, 0.0), 0.0, 0.0, True),  # it enters the cube before the point
+        ((3.9, 0.0, 0.0), 0.0, 0.0, False),  # the point is in front
+        ((10.0, 0.0, 0.0), 3.0, 0.0, False),  # along a side, outside
+        ((10.0, 0.0, 0.0), -3.0, 0.0, False),
+        ((10.0, 0.0, 0.0), 0.95, 0.0, True),  # along a side, inside
+        ((10.0, 0.0, 0.0), 0.95, 0.1, False),  # and outside the cube that is shrunken
+        ((-10.0, 0.0, 0.0), 0.0, 0.0, False),  # the other way
+        ((10.0, 2.6, 0.0), 0.0, 0.0, False),  # past a corner
+        ((10.0, 2.4, 0.0), 0.0, 0.0, True),  # through a corner
+    ],
+)
+def test_a_point_is_shaded_if_its_ray_crosses_the_shape(point, y, inset_m, is_shaded) -> None:
+    assert _is_behind(np.array(point), slab(y), 0, 6, inset_m) == is_shaded
+
+
+def test_a_shape_around_the_sensor_casts_no_shadow() -> None:
+    planes = slab(0.0)
+    planes[:, 3] -= planes[:, :3] @ [5.0, 0.0, 0.0]  # around the origin
+    assert not _is_behind(np.array([10.0, 1.0, 2.0]), planes, 0, 6, 0.0)

@@ -18,6 +18,7 @@ from executive.messages.alignment import Alignment, Rival, Uncertainty
 from executive.messages.base_state import BaseState
 from executive.messages.building import BuildTarget, StandingStone
 from executive.messages.cloud import Cloud
+from executive.messages.drive import BasePath, DriveRequest
 from executive.messages.gnss import GnssFix
 from executive.messages.grasp import Grasp
 from executive.messages.height_grid import HeightGrid
@@ -216,6 +217,17 @@ MESSAGES: dict[type, Callable[[], dict[str, object]]] = {
         "worst_rad": 0.0,
         "score": 0.0,
         "terms": {},
+    },
+    DriveRequest: lambda: {
+        "T_map_base": T.copy(),
+        "goals_map": np.zeros((1, 3)),
+        "surroundings": Cloud("map", np.zeros((5, 3))),
+    },
+    BasePath: lambda: {
+        "poses_map": np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]),
+        "along_m": np.array([0.0, 1.0]),
+        "curvature_1_m": np.zeros(2),
+        "direction": (1, 1),  # whole numbers are never NaN
     },
 }
 

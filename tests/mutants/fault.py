@@ -61,6 +61,11 @@ class Fault:
         """Return the source with an exception in place of the statement around the fault."""
         return self.statement.replaced(source, REACHED)
 
+    def lines(self, source: bytes) -> range:
+        """Return the lines from the beginning of the statement to the end of the fault."""
+        first = source.count(b"\n", 0, self.statement.start) + 1
+        return range(first, source.count(b"\n", 0, self.span.end) + 2)
+
     def diff(self, source: bytes) -> str:
         """Return the changed lines, before and after."""
         before, after = (text.decode().splitlines() for text in (source, self.planted(source)))

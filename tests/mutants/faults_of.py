@@ -21,7 +21,8 @@ class _Nodes(ast.NodeVisitor):
     """Collect the nodes that may be changed, each with the statement around it.
 
     Left out are texts that people read: annotations, decorators, f-strings, what is raised or
-    logged, descriptions; and blocks that only type checkers run.
+    logged, descriptions; blocks that only type checkers run; and assertions, `strict` of `zip`
+    among them.
     """
 
     def __init__(self) -> None:
@@ -64,7 +65,7 @@ class _Nodes(ast.NodeVisitor):
         for argument in node.args:
             self.visit(argument)
         for keyword in node.keywords:
-            if keyword.arg not in _WORDS:
+            if keyword.arg not in _WORDS and (name, keyword.arg) != ("zip", "strict"):
                 self.visit(keyword.value)
 
     def _nothing(self, node: ast.AST) -> None:

@@ -1,4 +1,14 @@
-"""What can be done wrong to one node of a syntax tree: a generator for each kind of mistake."""
+"""What can be done wrong to one node of a syntax tree: a generator for each kind of mistake.
+
+Two kinds are not generated, because no input could tell them from the original:
+
+- `<` in place of `<=` (and the like) between measured quantities. They differ at one value of a
+  real number, which no measurement takes. The inverted comparison is generated. Not of this kind
+  are comparisons with zero, which a difference, a speed or a length can be; times, which are
+  multiples of a tick; and shares, which are quotients of counts.
+- `strict=False` in `zip`. It is an assertion that two lengths are equal, and like other assertions
+  it does nothing as long as the rest is right.
+"""
 
 import ast
 import copy
@@ -28,13 +38,53 @@ _CALCULATED: dict[type[ast.operator], type[ast.operator]] = {
 }
 
 
+# Quantities by the ends of their names, as the naming rules of this project ask for.
+_UNITS = {"m", "mm", "m2", "m3", "rad", "deg", "n", "nm", "kg", "kgm2", "pa", "mps", "mps2", "rps"}
+_DISCRETE = {"s", "ms", "us", "share", "ratio", "overlap", "percent"}
+_REAL_CALLS = {"norm", "hypot", "sqrt", "arccos", "arctan2", "exp"}
+
+
 def _comparison(node: ast.AST) -> Wrong:
     if isinstance(node, ast.Compare):
+        sides = [node.left, *node.comparators]
         for i, operator in enumerate(node.ops):
-            for other in _COMPARED[type(operator)]:
+            others = _COMPARED[type(operator)]
+            for other in others[1:] if _is_measured(sides[i], sides[i + 1]) else others:
                 wrong = copy.deepcopy(node)
                 wrong.ops[i] = other()
                 yield "comparison", wrong
+
+
+def _is_measured(left: ast.expr, right: ast.expr) -> bool:
+    """Return whether two sides are real numbers, and neither is zero, a time or a share."""
+    if any(_is_discrete(side) for side in (left, right)):
+        return False
+    return _is_real(left) or _is_real(right)
+
+
+def _is_discrete(node: ast.expr) -> bool:
+    """Return whether an expression is zero, or holds a time or a share."""
+    if isinstance(node, ast.Constant):
+        return node.value == 0
+    return any(_unit(one) in _DISCRETE for one in ast.walk(node))
+
+
+def _unit(node: ast.AST) -> str:
+    """Return the last word of a name of several words; else nothing."""
+    name = getattr(node, "id", getattr(node, "attr", ""))
+    return name.lower().rpartition("_")[2] if "_" in name else ""
+
+
+def _is_real(node: ast.expr) -> bool:
+    """Return whether an expression is certainly a real number: by its unit, or how it is made."""
+    match node:
+        case ast.Constant(value=value):
+            return isinstance(value, float)
+        case ast.BinOp(left=left, right=right):
+            return _is_real(left) or _is_real(right)
+        case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)):
+            return name in _REAL_CALLS
+    return _unit(node) in _UNITS
 
 
 def _arithmetic(node: ast.AST) -> Wrong:

@@ -38,12 +38,13 @@ def related(root: Path, file: str) -> list[tuple[str, ...]]:
 
 
 def _recorded(root: Path, place: Path) -> list[Path]:
-    """Return the folder of recorded results that mirrors a file, if there is one."""
-    for folder in place.parents:
-        mirror = RECORDED / folder
-        if any((root / mirror).rglob("test_*.py")) and folder not in (Path(), Path("plugins")):
-            return [mirror]
-    return []
+    """Return the folders of recorded results that mirror those above a file, the nearest first."""
+    return [
+        RECORDED / folder
+        for folder in place.parents
+        if folder not in (Path(), Path("plugins"))
+        and any((root / RECORDED / folder).glob("test_*.py"))
+    ]
 
 
 def _mirror(root: Path, path: Path) -> Path:

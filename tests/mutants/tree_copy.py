@@ -1,18 +1,24 @@
 """A copy of the tree in which faults are planted and tests are run, apart from the original."""
 
+import compileall
+import json
 import os
+import py_compile
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 PARTS = ("executive", "plugins", "robot_models", "trees", "tests", "docs", "build/typing")
+CODE = ("executive", "plugins")
 FILES = ("*.toml", "*.py", "*.md", "Makefile", "LICENSE", "*.cff", ".ci")
+TESTS = Path(__file__).parents[1]  # pytest loads two plugins of this folder
 NOTHING_COLLECTED = 5  # pytest's status
 
 
@@ -60,6 +66,13 @@ class TreeCopy:
                 shutil.copytree(path, self.root / path.name)
             else:
                 shutil.copy2(path, self.root / path.name)
+        links = self.root / "build" / "typing"  # as the build maps the folders to packages
+        links.mkdir(parents=True, exist_ok=True)
+        for name in ("plugins", "robot_models", "trees"):
+            link = links / f"executive_{name}"
+            if (self.root / name).is_dir() and not link.is_symlink():
+                link.symlink_to(self.root / name)
+        _compile([self.root / part for part in CODE])
         if (root.parent / "shared").is_dir():  # measured data beside the repository
             (self._folder / "shared").symlink_to((root.parent / "shared").resolve())
         if (self.root / "setup.py").is_file():  # the entry points are those of the copy
@@ -78,7 +91,13 @@ class TreeCopy:
             os.killpg(self._running.pid, signal.SIGKILL)
         shutil.rmtree(self._folder, ignore_errors=True)
 
-    def run(self, tests: Sequence[str], limit_s: float, fresh_compiled: bool = False) -> Ran:
+    def run(
+        self,
+        tests: Sequence[str],
+        limit_s: float,
+        fresh_compiled: bool = False,
+        variables: Mapping[str, str] = MappingProxyType({}),
+    ) -> Ran:
         """Run tests up to the first that fails.
 
         Args:
@@ -86,9 +105,12 @@ class TreeCopy:
             limit_s: Time after which the tests are ended.
             fresh_compiled: Whether to compile everything anew, apart from the caches of the copy:
                 the cache of a function does not notice a change of what it calls.
+            variables: Added to the environment.
         """
+        paths = (self.root, self.root / "build" / "typing", TESTS)
         environment = os.environ | {
-            "PYTHONPATH": os.pathsep.join([str(self.root), str(self.root / "build" / "typing")]),
+            **variables,
+            "PYTHONPATH": os.pathsep.join([*map(str, paths), *_other_paths()]),
             "PYTHONDONTWRITEBYTECODE": "1",  # a second mutant in one second would go unnoticed
         }
         environment.pop("NUMBA_CACHE_DIR", None)
@@ -116,9 +138,35 @@ class TreeCopy:
                 status = None
         return Ran(status, output[-4000:], time.monotonic() - begun_s)
 
+    def run_only(self, tests: Sequence[str], limit_s: float, fresh_compiled: bool = False) -> Ran:
+        """Run single tests by their names, file by file, up to the first that fails."""
+        files = dict.fromkeys(test.partition("::")[0] for test in tests)
+        selection = self._folder / "selection.json"
+        selection.write_text(json.dumps(list(tests)), encoding="utf-8")
+        variables = {"MUTANTS_SELECTION": str(selection)}
+        words = ["-p", "mutants.selection", *files]
+        return self.run(words, limit_s, fresh_compiled, variables)
+
     def with_source(self, file: str, source: bytes) -> "_Planted":
         """Return a context in which a file of the copy has another source."""
         return _Planted(self.root / file, source)
+
+
+def _compile(folders: Sequence[Path]) -> None:
+    """Compile sources once; each compiled file holds the hash of its source and is checked by it.
+
+    So no process compiles them again, and no fault goes unnoticed, whatever the time of its file.
+    """
+    for folder in folders:
+        if folder.is_dir():
+            checked = py_compile.PycInvalidationMode.CHECKED_HASH
+            compileall.compile_dir(folder, quiet=2, invalidation_mode=checked)
+
+
+def _other_paths() -> list[str]:
+    """Return the paths of imports that do not lead to the original tree."""
+    paths = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    return [path for path in paths if path and not (Path(path) / "executive").exists()]
 
 
 class _Planted:

@@ -78,3 +78,22 @@ def test_a_folder_that_exists_and_a_name_that_is_none_are_refused(tmp_path: Path
         new_package("segmentation", "My-Plugin", tmp_path)
     with pytest.raises(ConfigError, match="Did you mean 'segmentation'"):
         new_package("segmentaton", "other", tmp_path)
+
+
+@pytest.mark.parametrize("name", ["class", "json", "numpy", "executive"])
+def test_a_name_that_python_knows_already_is_refused(name: str, tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=f"'{name}' is taken: .*choose another name"):
+        new_package("segmentation", name, tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_foreign_package_of_that_name_is_told_with_its_place_and_not_imported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    foreign = tmp_path / "path" / "plugins" / "__init__.py"
+    foreign.parent.mkdir(parents=True)
+    foreign.write_text("raise RuntimeError('imported')\n")
+    monkeypatch.syspath_prepend(str(tmp_path / "path"))
+    with pytest.raises(ConfigError, match=re.escape(str(foreign))):
+        new_package("segmentation", "plugins", tmp_path)
+    assert "plugins" not in sys.modules
