@@ -46,6 +46,7 @@ BESIDE = {
     "surveying": "registration",
     "alignment": "objects",
     "building": "placing",
+    "driving": "mapping",
     "monitoring": "motion",
     "viewing": "robot",
 }

@@ -26,6 +26,7 @@ PICTURES = {
     ("clear_corridor", "tree_clear_corridor"): ("main", "clear", "relocate_one"),
     ("two_courses", "tree_two_courses"): ("main", "relocate_one"),
     ("inspect", "tree_inspect"): ("main",),
+    ("long_site", "tree_long_site"): ("main", "clear_station", "clear_reach"),
     ("confirm", "tree_confirm"): ("main", "move_confirmed", "grasp_and_put_down"),
 }
 WIDTH = 44  # letters of a line in a node

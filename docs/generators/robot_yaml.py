@@ -5,12 +5,14 @@ from collections.abc import Iterator
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from executive.machine.driving import Driving
 from executive.machine.gripper import Gripper, JawPart
 from executive.machine.joint import Jaw, Joint
 from executive.machine.link import Link
-from executive.machine.machine import Machine, Stance
+from executive.machine.machine import Machine
 from executive.machine.sensor import Encoders, Gnss, Imu, Lidar
 from executive.machine.shape import Shape
+from executive.machine.stance import Stance
 from executive.tree.words.field_words import bounds_words, default_words, type_words
 from generators.markdown import NOTE, cell, code, first_line
 
@@ -32,7 +34,7 @@ or a value out of bounds is refused, with its place. `provenance` says of each b
 figures come from: `measured`, `paper` or `guess`. Most efforts, accelerations and masses of the
 shipped machines are guesses.
 
-Not described: hydraulics, tipping, a load chart by radius, and the motion of the wheels. Every
+Not described: hydraulics, tipping, a load chart by radius, and single wheels. Every
 machine has one chain of joints from the base to a gripper with two mirrored jaws.
 """
 SENSORS = """\
@@ -48,6 +50,7 @@ def robot_yaml_page() -> str:
         ROBOT_YAML,
         *_block("The file", Machine, "The top level."),
         *_block("stance", Stance),
+        *_block("driving", Driving),
         *_block("joints", Joint, "A list, from the base to the gripper; each carries the next."),
         *_block("jaw", Jaw),
         *_block("gripper", Gripper),
