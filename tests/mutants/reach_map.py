@@ -17,6 +17,7 @@ from mutants.fault import Fault
 from mutants.tree_copy import TreeCopy
 
 LANE = "not mission and not slow"
+PARALLEL = ("--numprocesses", "auto", "--dist", "loadfile")
 _MOST_S = 7200.0
 
 
@@ -129,7 +130,7 @@ def up_to_date(folder: Path, copy: TreeCopy) -> ReachMap:
 def _recorded(copy: TreeCopy, files: Sequence[str]) -> dict[str, dict[str, object]]:
     """Run the fast tests of some files, and return what each of them reaches."""
     with tempfile.TemporaryDirectory() as folder:
-        words = ["-p", "mutants.reach", "-m", LANE, "--maxfail=100000", *files]
+        words = ["-p", "mutants.reach", "-m", LANE, "--maxfail=100000", *PARALLEL, *files]
         copy.run(words, _MOST_S, variables={"MUTANTS_REACH": folder})
         answer: dict[str, dict[str, object]] = {}
         for part in sorted(Path(folder).glob("*.json")):
