@@ -78,10 +78,10 @@ class MappingInputs(TypedDict):
 
 
 class MappingExercise(Exercise[Mapper, MappingInputs]):
-    """Two pairs, a sphere out, its surface in."""
+    """Two pairs, a sphere out, its surface in, and a pair while something is held."""
 
     def inputs(self, machine: Machine) -> MappingInputs:
-        stamps = (1.0, 1.1)
+        stamps = (1.0, 1.1, 1.2)
         return {
             "pairs": tuple(tuple(pair(machine, t, k)) for k, t in enumerate(stamps)),
             "motions": tuple(motion(machine, t) for t in stamps),
@@ -91,15 +91,14 @@ class MappingExercise(Exercise[Mapper, MappingInputs]):
         }
 
     def run(self, plugin: Mapper, inputs: MappingInputs) -> object:
-        kept = [
-            plugin.add_scan_pair(scans, moved)
-            for scans, moved in zip(inputs["pairs"], inputs["motions"], strict=True)
-        ]
+        *before, while_held = zip(inputs["pairs"], inputs["motions"], strict=True)
+        kept = [plugin.add_scan_pair(scans, moved) for scans, moved in before]
         removed = plugin.remove_sphere(inputs["centre_map"], 1.0)
         plugin.add_surface(inputs["points_map"])
         plugin.mask_held(0.5)
+        kept.append(plugin.add_scan_pair(*while_held))
         share = plugin.dense_share(inputs["sector"], 20.0)
-        return kept, removed, share, plugin.cloud()
+        return kept, removed, share, plugin.cloud(), plugin.held()
 
     def hostile(self, machine: Machine) -> Mapping[str, Callable[[Mapper], object]]:
         name, nan = lidars(machine)[0], np.full(3, np.nan)

@@ -69,12 +69,13 @@ class ObjectsExercise(Exercise[ObjectDatabase, ObjectsInputs]):
         moved = plugin.release(number, inputs["T_release"], 3.0, StoneState.PLACED)
         aside = plugin.set_state(first[1].id, StoneState.SET_ASIDE, 3.5)
         aligned = plugin.realign(number, inputs["T_map_map"], 4.0, "overlap 0.9")
+        again = plugin.observe(inputs["segments"], 5.0, True)
         looks = (
             plugin.surroundings(inputs["map_cloud"]),
             plugin.unexplained(inputs["map_cloud"], number, 2.0),
             plugin.surface_within(inputs["centre_map"], 2.0),
         )
-        changes = (first, held, moved, aside, aligned)
+        changes = (first, held, moved, aside, aligned, again)
         return changes, looks, plugin.stones(), plugin.stone(number), plugin.history(number)
 
     def hostile(self, machine: Machine) -> Mapping[str, Callable[[ObjectDatabase], object]]:

@@ -9,6 +9,7 @@ import numpy as np
 from executive.arrays import Float
 from executive.interfaces.odometry import LidarOdometry
 from executive.machine.machine import Machine
+from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.testing.exercise import Exercise
 from executive.testing.exercises.useless_clouds import with_each_cloud
@@ -40,18 +41,23 @@ def scan(stamp_s: float) -> LidarScan:
 
 
 class OdometryInputs(TypedDict):
-    """The scans of a drive."""
+    """The scans, and the joints of a machine that stands."""
 
     scans: tuple[LidarScan, ...]
+    joints: JointSample
 
 
 class OdometryExercise(Exercise[LidarOdometry, OdometryInputs]):
     """Half a second at rest."""
 
     def inputs(self, machine: Machine) -> OdometryInputs:
-        return {"scans": tuple(scan(k / 10) for k in range(1, SCANS + 1))}
+        position = np.append(machine.posture("scan"), 0.0)
+        at_rest = np.zeros(len(position))
+        joints = JointSample(0.0, machine.joint_names, position, at_rest, at_rest)
+        return {"scans": tuple(scan(k / 10) for k in range(1, SCANS + 1)), "joints": joints}
 
     def run(self, plugin: LidarOdometry, inputs: OdometryInputs) -> object:
+        plugin.add_joints(inputs["joints"])
         return [plugin.add_scan(one) for one in inputs["scans"]]
 
     def hostile(self, machine: Machine) -> Mapping[str, Callable[[LidarOdometry], object]]:
