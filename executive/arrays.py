@@ -45,7 +45,16 @@ def checked(
         raise ShapeError(
             f"{name} holds {int((~np.isfinite(array)).sum())} values that are not finite"
         )
-    view = array.view()
+    return read_only(array)
+
+
+def read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """Return a read-only view of an array, copied only if it is not contiguous.
+
+    Compiled functions tell arrays that may be written to from others, and are compiled for each.
+    What is handed to them in this way has one type, wherever it comes from.
+    """
+    view = np.ascontiguousarray(array).view()
     view.flags.writeable = False
     return view
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from executive.arrays import Float, Int
+from executive.arrays import Float, Int, read_only
 from executive.geometry.radix_sort import radix_order
 
 
@@ -20,8 +20,14 @@ def voxel_means(points: Float, size_m: float, corner: Float | None = None) -> Fl
     """
     if not len(points):
         return points
-    even = np.ascontiguousarray(points, dtype=np.float64)
-    return np.asarray(_means(even, size_m, np.zeros(3) if corner is None else corner))
+    even = read_only(np.asarray(points, dtype=np.float64))
+    origin = read_only(np.zeros(3) if corner is None else corner)
+    return np.asarray(_means(even, float(size_m), origin))
+
+
+def compile_voxel_means() -> None:
+    """Compile the inner loop of `voxel_means`, so that no cloud has to wait for it."""
+    voxel_means(np.zeros((1, 3)), 1.0)
 
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]

@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 from scipy.spatial import ConvexHull
 
-from executive.arrays import Bool, Float, Int
+from executive.arrays import Bool, Float, Int, read_only
 from executive.geometry.pose import inverse
 from executive.machine.machine import Machine
 
@@ -163,6 +163,12 @@ class SelfFilter:
         self._has_shadows = shadow_m > 0
         self._carriers = {sensor.name: sensor.link for sensor in machine.sensors_of("lidar")}
 
+    def compile(self) -> None:
+        """Compile the inner loops, so that no scan has to wait for them."""
+        for lidar in tuple(self._carriers)[:1]:
+            frames = dict.fromkeys((*self._links, lidar), np.eye(4))
+            self.inside(np.zeros((1, 3)), np.zeros(1, dtype=np.int64), lidar, [frames], 0.0)
+
     def inside(
         self,
         points_lidar: Float,
@@ -191,9 +197,8 @@ class SelfFilter:
         casts: Bool = np.array(
             [*(self._has_shadows and hull.link != carrier for hull in self._hulls), False]
         )
-        return np.asarray(
-            _own(points_lidar, slices, planes, self._starts, spheres, casts, self._inset_m)
-        )
+        points, which = read_only(points_lidar), read_only(slices)
+        return np.asarray(_own(points, which, planes, self._starts, spheres, casts, self._inset_m))
 
 
 def _hull(link: str, vertices: Float, padding_m: float) -> _Hull:

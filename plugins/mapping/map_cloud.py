@@ -7,7 +7,7 @@ from executive_plugins.mapping.cylinder import Cylinder
 from executive_plugins.mapping.settings import MapSettings
 from executive_plugins.mapping.voxel_grid import VoxelGrid
 
-from executive.arrays import Float, Int
+from executive.arrays import Float, Int, read_only
 from executive.messages.cloud import Cloud
 
 _MARGIN = 16  # columns around the window, so that it lasts while a map grows
@@ -75,7 +75,8 @@ class MapCloud:
             Along x and y, shape (2 reach_m, 2 reach_m).
         """
         least = self._settings.min_points
-        return np.asarray(count_columns(columns, self._pool, least, centre_map, reach_m))
+        centre = read_only(centre_map)
+        return np.asarray(count_columns(columns, self._pool, least, centre, reach_m))
 
     def current(self, grid: VoxelGrid) -> Columns:
         """Return the columns of the grid as it is now, which are changed by the next call."""

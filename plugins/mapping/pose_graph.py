@@ -24,6 +24,7 @@ from executive_plugins.mapping.voxel_grid import VoxelGrid
 from executive.arrays import Float, checked
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import inverse
+from executive.geometry.voxels import compile_voxel_means
 from executive.interfaces.mapping import Mapper
 from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
@@ -81,6 +82,7 @@ class PoseGraph(Mapper):
         """Prepare the shapes, compile the inner loops, and start the graph's process, if any."""
         s = self._settings
         VoxelGrid.compile()
+        compile_voxel_means()  # of what the jaws hold
         MapCloud.compile(s)
         self._parts = _Parts(
             front_end=ScanFrontEnd(self._machine, s),

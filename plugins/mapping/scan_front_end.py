@@ -6,7 +6,7 @@ import numpy as np
 from executive_plugins.mapping.deskew import cabin_poses, place, time_slices
 from executive_plugins.mapping.settings import MapSettings
 
-from executive.arrays import Float
+from executive.arrays import Float, read_only
 from executive.errors import ConfigError, DataError, did_you_mean
 from executive.geometry.pose import inverse
 from executive.machine.kinematics import Kinematics
@@ -37,9 +37,9 @@ class ScanFrontEnd:
         self._slice_s = settings.slice_s
         names = machine.joint_names
         scan = LidarScan(0.0, self._lidars[0], np.full((1, 3), 3.0), np.zeros(1))
-        self.place(
-            scan, Motion(np.zeros(1), np.eye(4)[None], names, np.zeros((1, len(names)))), 0.0
-        )
+        motion = Motion(np.zeros(1), np.eye(4)[None], names, np.zeros((1, len(names))))
+        self.place(scan, motion, 0.0)
+        self.place_held(scan, motion, 1.0)
 
     def place(self, scan: LidarScan, motion: Motion, held_radius_m: float) -> Float:
         """Return the returns that are not of the machine, in the map [m], shape (K, 3).
@@ -67,9 +67,8 @@ class ScanFrontEnd:
         cabin = self._machine.cabin_link
         T_cabin_lidar = np.array([inverse(frame[cabin]) @ frame[scan.frame] for frame in frames])
         T_map_lidar = cabin_poses(motion, ends_s) @ T_cabin_lidar
-        return np.asarray(
-            place(scan.points_lidar[kept], slices[kept], fractions[kept], T_map_lidar)
-        )
+        points = read_only(scan.points_lidar[kept])
+        return np.asarray(place(points, slices[kept], fractions[kept], T_map_lidar))
 
     def place_held(self, scan: LidarScan, motion: Motion, held_radius_m: float) -> Float:
         """Return the returns around the grasp centre that are not of the machine, shape (K, 3).

@@ -6,7 +6,7 @@ import numpy as np
 from executive_plugins.mapping.column_store import BITS, FREE, INDEX, Marks, Narrow, Table
 from numba import njit
 
-from executive.arrays import Bool, Float, Int
+from executive.arrays import Bool, Float, Int, read_only
 from executive.errors import DataError
 from executive.geometry.radix_sort import radix_order
 
@@ -250,7 +250,8 @@ class VoxelGrid:
 
     def forget_sphere(self, centre: Float, radius_m: float, least: int) -> int:
         """Remove the voxels in a sphere; return how many of them had at least `least` points."""
-        return int(_erase_sphere(self.table(), self._changes, centre, radius_m, least))
+        sphere = read_only(centre), float(radius_m)
+        return int(_erase_sphere(self.table(), self._changes, *sphere, least))
 
     def keep(self, kept: Bool) -> None:
         """Remove the voxels for which `kept` is False, in the order of `points`."""

@@ -21,6 +21,7 @@ from executive_plugins.mapping.voxel_grid import VoxelGrid
 
 from executive.arrays import Float, Int, checked
 from executive.errors import ConfigError, DataError
+from executive.geometry.voxels import compile_voxel_means
 from executive.interfaces.mapping import Mapper
 from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
@@ -69,6 +70,7 @@ class VoxelMap(Mapper):
         """Prepare the shapes and compile the inner loops, so that no scan waits for them."""
         self._front_end = ScanFrontEnd(self._machine, self._settings)
         VoxelGrid.compile()
+        compile_voxel_means()  # of what the jaws hold
         s = self._settings
         MapCloud.compile(s)
         self._grid = VoxelGrid(s.voxel_m, s.memory)

@@ -28,6 +28,7 @@ from executive_plugins.objects.surface import pack
 from executive.arrays import Float, checked
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import inverse, pose
+from executive.geometry.voxels import compile_voxel_means
 from executive.interfaces.objects import ObjectDatabase
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment
@@ -51,6 +52,10 @@ class SqliteObjects(ObjectDatabase):
         self._open: sqlite3.Connection | None = None
         self._is_read_only = False
         self._lock = threading.RLock()  # the connection belongs to one thread at a time
+
+    def start(self) -> None:
+        """Compile the inner loop, so that no segment has to wait for it."""
+        compile_voxel_means()
 
     def open(self, path: str, read_only: bool = False) -> None:
         """Open or create the file, see `open_file`; `:memory:` stores nothing on disk."""

@@ -26,6 +26,7 @@ class OwnReturns:
         if self._machine is not None:
             self._kinematics = Kinematics(self._machine)
             self._filter = SelfFilter(self._machine, _PADDING_M)
+            self._filter.compile()
 
     def add_joints(self, sample: JointSample) -> None:
         """Take the newest joint sample."""

@@ -9,7 +9,7 @@ from executive.clouds.reader import read_points
 from executive.clouds.units import check_site
 from executive.config import Settings
 from executive.errors import DataError
-from executive.geometry.voxels import voxel_means
+from executive.geometry.voxels import compile_voxel_means, voxel_means
 from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
 
@@ -25,6 +25,10 @@ class PointCloudFile(Survey):
 
     def __init__(self, settings: PointCloudFileSettings) -> None:
         self._settings = settings
+
+    def start(self) -> None:
+        """Compile the inner loop, so that the survey does not wait for it."""
+        compile_voxel_means()
 
     def survey(self, rng: np.random.Generator) -> Cloud:
         """Return the file's points, merged on a grid, about their middle: surveys often come in

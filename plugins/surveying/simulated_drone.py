@@ -12,7 +12,7 @@ from executive_plugins.surveying.settings import (
 from executive.arrays import Float
 from executive.config import Settings
 from executive.errors import DataError
-from executive.geometry.voxels import voxel_means
+from executive.geometry.voxels import compile_voxel_means, voxel_means
 from executive.interfaces.facilities import Scene, SurveyedElsewhere
 from executive.interfaces.robot import Robot
 from executive.interfaces.surveying import Survey
@@ -37,6 +37,11 @@ class SimulatedDrone(Survey):
         self._settings = settings
         self._robot = robot
         self.is_remote = isinstance(robot, SurveyedElsewhere)
+
+    def start(self) -> None:
+        """Compile the inner loop where it runs, so that no survey has to wait for it."""
+        if not self.is_remote:
+            compile_voxel_means()
 
     def _scene(self) -> Scene:
         if not isinstance(self._robot, Scene):

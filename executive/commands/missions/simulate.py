@@ -102,7 +102,8 @@ def _surveys(
 ) -> "Callable[[int], Callable[[], Cloud]] | None":
     """Return what surveys the simulated site; None if the mission selects nothing that looks at it.
 
-    Each survey is made by a plugin of its own, which sees a copy of the site.
+    Each survey is made by a plugin of its own, which sees a copy of the site. One is started and
+    closed at once: what a start compiles or imports is then there before the machine lives.
     """
     import numpy as np
 
@@ -115,6 +116,10 @@ def _surveys(
     plugin = registry.load(_SURVEYING, chosen.name)
     if registry.dependencies_of(plugin) != ("robot",):
         return None
+
+    first: Survey = plugin(chosen.settings, robot=robot)
+    first.start()
+    first.close()
 
     def begin(seed: int) -> "Callable[[], Cloud]":
         site = robot.site_now()

@@ -9,7 +9,7 @@ from executive_plugins.estimation.inertial.strapdown import (
     advance,
     carry_covariance_by,
     carry_cross_by,
-    turn_into,
+    write_turn,
 )
 
 from executive.arrays import Float
@@ -169,5 +169,5 @@ def retract(state: InertialState, error: Float) -> InertialState:
 def rotation_step(rotation_vector: Float) -> Float:
     """Map a rotation vector [rad] to its matrix (Rodrigues), shape (3,) → (3, 3)."""
     R = np.empty((3, 3))
-    turn_into(*rotation_vector.tolist(), R)
+    write_turn(*rotation_vector.tolist(), R)
     return R

@@ -34,6 +34,12 @@ def turn_into(x: float, y: float, z: float, R: Float) -> None:
     R[2, 0], R[2, 1], R[2, 2] = b * x * z - a * y, b * y * z + a * x, 1 - b * (x * x + y * y)
 
 
+@njit(types.void(_REAL, _REAL, _REAL, _NEW_MATRIX), cache=True)  # type: ignore[untyped-decorator]
+def write_turn(x: float, y: float, z: float, R: Float) -> None:
+    """Do what `turn_into` does, for callers that are not compiled."""
+    turn_into(x, y, z, R)
+
+
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _turn(v: Float, factor: float) -> Float:
     """Map a rotation vector [rad] times a factor to its matrix, shape (3,) → (3, 3)."""

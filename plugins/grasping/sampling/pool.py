@@ -21,6 +21,7 @@ from executive_plugins.grasping.sampling.ranking import hold_costs, paper_costs
 from executive_plugins.grasping.sampling.settings import SamplingSettings
 
 from executive.arrays import Float, Int
+from executive.geometry.voxels import compile_voxel_means
 from executive.machine.gripper import Gripper
 
 _CELL_M = 0.03  # cell of the tables of the gripper
@@ -68,6 +69,7 @@ class Sampler:
 
     def prepare(self) -> None:
         """Tabulate the gripper and compile the loops, so that no plan waits for these seconds."""
+        compile_voxel_means()
         point, nothing = np.zeros((1, 3)), np.zeros(1, dtype=bool)
         push_and_close(
             self._field(),

@@ -7,15 +7,20 @@ the collision check: height maps do not see undercuts, so that no place below on
 from dataclasses import dataclass
 
 import numpy as np
-from executive_plugins.placing.dry_stone.rasters import StoneRaster, WallTop
+from executive_plugins.placing.dry_stone.rasters import StoneRaster, WallTop, raster_of
 from numba import njit
 
 from executive.arrays import Float, Int
+from executive.messages.building import AsBuilt
+from executive.messages.height_grid import HeightGrid
+from executive.messages.solid_stone import SolidStone
+from executive.messages.structure import Structure
 
 # Columns of what is measured at a place.
 HEIGHT, CONTACT, VOID, MARGIN, SHARE, OUTSIDE, DEPTH, TOP, BESIDE = range(9)
 _COLUMNS = 9
 _DIRECTIONS = 8  # in which the support margin is measured
+_REHEARSED_CELL_M = 0.25  # any: a tetrahedron of a metre and a wall of two have nodes then
 _BESIDE = 0.35  # share of the stone's height up to which a neighbour must reach to be beside it
 
 
@@ -72,6 +77,18 @@ def drops(wall: WallTop, stone: StoneRaster, rules: DropRules) -> tuple[Int, Flo
             found,
         )
     return places, found
+
+
+def compile_drops() -> None:
+    """Compile the inner loops, so that no search has to wait for them."""
+    corners = np.vstack([np.zeros(3), np.eye(3)])
+    triangles = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    stone = SolidStone.of_mesh("rehearsal", corners, triangles, 1.0)
+    ground = HeightGrid.plane(np.full(2, -4.0), np.full(2, 4.0))
+    line = np.array([[-1.0, 0.0], [1.0, 0.0]])
+    wall = WallTop(AsBuilt(Structure("rehearsal", line, 1.0, 1.0), ground), _REHEARSED_CELL_M)
+    raster = raster_of(stone.vertices, stone.triangles, np.eye(3), _REHEARSED_CELL_M)
+    drops(wall, raster, DropRules(0.0, 0.0, 0.0, 1))
 
 
 @njit(cache=True)

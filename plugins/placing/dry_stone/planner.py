@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
+from executive_plugins.placing.dry_stone.drops import compile_drops
 from executive_plugins.placing.dry_stone.height_maps import HeightMaps
 from executive_plugins.placing.dry_stone.parts import (
     Generator,
@@ -59,6 +60,10 @@ class DryStone(StructurePlanner):
         self._generator: Generator = part_of(parts[0].part, "generator", _GENERATORS, parts[0])
         self._scorer: Scorer = part_of(parts[1].part, "scorer", _SCORERS, parts[1])
         self._check: StabilityCheck = part_of(parts[2].part, "check", _CHECKS, parts[2])
+
+    def start(self) -> None:
+        """Compile the inner loops, so that no search has to wait for them."""
+        compile_drops()
 
     def propose(
         self,
