@@ -44,14 +44,16 @@ class PlaneMap:
         self._tree: cKDTree | None = None
 
     def add(self, T_map_lidar: Float, points_lidar: Float) -> None:
-        """Add a scan; if there are too many, the scan farthest from it is removed."""
+        """Add a scan; if there are too many, the scan farthest from it is removed.
+
+        Of scans that are equally far, the oldest is removed.
+        """
         self._scans.append(_KeyScan(T_map_lidar, transform(T_map_lidar, points_lidar)))
         if len(self._scans) > self._most_scans:
             distances = [
                 np.linalg.norm(scan.T_map_lidar[:3, 3] - T_map_lidar[:3, 3]) for scan in self._scans
             ]
-            farthest = int(np.argmax(distances))
-            del self._scans[farthest if distances[farthest] > 0 else 0]
+            del self._scans[int(np.argmax(distances))]
         cloud = small_gicp.voxelgrid_sampling(
             np.vstack([scan.points_map for scan in self._scans]), self._voxel_m, 1
         )
