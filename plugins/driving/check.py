@@ -84,15 +84,17 @@ class PathCheck:
     def _hits(self, place: Float, slope: Float) -> bool:
         if self._tree is None:
             return False
-        near = self._tree.query_ball_point(place[:2], self._foot.radius_m)
-        if not near:
-            return False
         x, y, yaw = place
         up = np.array([-slope[0], -slope[1], 1.0]) / np.sqrt(1 + slope[0] ** 2 + slope[1] ** 2)
+        base_m = self._machine.stance.base_height_m
+        lean_m = np.hypot(*up[:2]) * (base_m + self._foot.high[:, 2].max())  # of the roof, downhill
+        near = self._tree.query_ball_point(place[:2], self._foot.radius_m + lean_m)
+        if not near:
+            return False
         ahead = np.array([np.cos(yaw), np.sin(yaw), 0.0])
         ahead[2] = slope[:2] @ ahead[:2]
         ahead /= np.linalg.norm(ahead)
         R = np.column_stack([ahead, np.cross(up, ahead), up])
         foot = np.array([x, y, slope @ (x, y, 1.0)])
-        T = pose(R, foot + self._machine.stance.base_height_m * up)
+        T = pose(R, foot + base_m * up)
         return self._foot.hits(transform(inverse(T), self._obstacles[np.sort(near)]))
