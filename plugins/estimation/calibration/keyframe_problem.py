@@ -35,7 +35,7 @@ class Receiver:
     """
 
     antennas: tuple[str, ...]
-    late_s: float = 0.0
+    late_s: float
     scale: float = 1.0
 
 
