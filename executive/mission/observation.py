@@ -13,7 +13,6 @@ from executive.arrays import Float
 from executive.errors import RobotError
 from executive.events.mission import WorldObserved
 from executive.geometry.pose import transform
-from executive.interfaces.monitoring import Monitor
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.robot import Robot
 from executive.machine.sensor import Sensor
@@ -95,20 +94,16 @@ class Observation:
     def _jaw_rad(self) -> float:
         return self._context.joints().of(self._services.machine.jaw.name)[0]
 
-    def _payload_kg(self) -> float | None:
-        monitors: tuple[Monitor, ...] = tuple(self._services.plugins.get("monitoring", ()))
-        masses = [monitor.payload_kg(self._context.joints()) for monitor in monitors]
-        return next((round(mass, 1) for mass in masses if mass is not None), None)
-
     def _record(self, held: Stone | None) -> None:
         seen, unseen = self._stones()
+        payload_kg = self._context.payload_kg()
         self._context.record(
             WorldObserved(
                 status=self._context.state().status,
                 jaw_rad=self._jaw_rad(),
                 held=None if held is None else held.id,
                 is_held=self._jaw_rad() >= _EMPTY_RAD,
-                payload_kg=self._payload_kg(),
+                payload_kg=None if payload_kg is None else round(payload_kg, 1),
                 seen=seen,
                 unseen=unseen,
             )
