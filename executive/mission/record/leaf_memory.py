@@ -157,7 +157,7 @@ class LeafMemory(Memory):
             outputs={port: self._values.put(value) for port, value in written.items()},
             state=self._values.put(state) if state else None,
             draws=self._draws[node].draws if node in self._draws else 0,
-            visit=self._visits[node] if is_condition else 0,
+            visit=self._visits[node],  # 0 of an action
         )
         self.has_answered, told = True, _told(answer)
         if is_condition and self._told.get(node) == told:
