@@ -11,12 +11,13 @@ from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
+from executive.messages.lidar import LidarScan
 from executive.messages.observation import Observation
 from executive.messages.status_change import StatusChange
 from executive.messages.verdict import Verdict
 from executive.mission.jobs.call import WrongAnswerError
 from executive.mission.jobs.tick_call import observations_of
-from executive.mission.streams import StreamListener, Streams
+from executive.mission.streams import StreamGuard, StreamListener, Streams
 
 
 class ToldEstimator(Estimator):
@@ -45,8 +46,10 @@ class Listener(StreamListener):
 
     def __init__(self, changes: list[StatusChange]) -> None:
         self.changes, self.unknown, self.errors = changes, [], []
+        self.verdicts: list[Verdict] = []
 
-    def take_verdict(self, verdict: Verdict) -> None: ...
+    def take_verdict(self, verdict: Verdict) -> None:
+        self.verdicts.append(verdict)
 
     def take_status(self, change: StatusChange) -> None:
         self.changes.append(change)
@@ -175,3 +178,202 @@ def test_a_robot_that_returns_no_sequence_is_refused() -> None:
 
     with pytest.raises(WrongAnswerError, match="NoneType instead of a sequence"):
         observations_of(Speechless(), 1.0)
+
+
+class Recorder:
+    """Notes which observations its verbs were given, and answers or fails as it was made."""
+
+    def __init__(self, *, answer: object = None, failing: str = "") -> None:
+        self.told: list[tuple[str, object]] = []
+        self._answer, self._failing = answer, failing
+
+    def _take(self, verb: str, *given: object) -> object:
+        self.told.append((verb, *given))
+        if verb == self._failing:
+            raise ValueError(f"no {verb}")
+        return self._answer
+
+    def __getattr__(self, verb: str) -> object:
+        if verb not in ("add_imu", "add_joints", "add_scan", "add_scan_pair", "update"):
+            raise AttributeError(verb)
+        return lambda *given: self._take(verb, *given)
+
+    def verbs(self) -> list[str]:
+        return [verb for verb, *_ in self.told]
+
+
+class Guarded(StreamGuard):
+    """Refuses some observations, and lets no scan of some stamps be fused."""
+
+    def __init__(self, refused: tuple[object, ...] = (), unknown_s: tuple[float, ...] = ()) -> None:
+        self._refused, self._unknown_s = refused, unknown_s
+        self.asked_s: list[float] = []
+
+    def refuses(self, observation: object) -> bool:
+        return any(observation is one for one in self._refused)
+
+    def may_fuse(self, stamp_s: float) -> bool:
+        self.asked_s.append(stamp_s)
+        return stamp_s not in self._unknown_s
+
+
+class Heard(ToldEstimator):
+    """Keeps what it is given."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.status, self.heard = "GLOBAL", []
+
+    def add_imu(self, sample: object) -> None:
+        self.heard.append(sample)
+
+    add_gnss = add_joints = add_odometry = add_imu
+
+
+def joints(stamp_s: float, position: float = 0.0) -> JointSample:
+    return JointSample(stamp_s, ("A",), np.array([position]), *np.zeros((2, 1)))
+
+
+def scan(stamp_s: float, frame: str) -> LidarScan:
+    return LidarScan(stamp_s, frame, np.zeros((1, 3)), np.array([stamp_s]))
+
+
+def moved(streams: Streams, estimator: ToldEstimator, *stamps_s: float) -> None:
+    """Take a joint sample at each stamp, in a tick of its own, while the state is as new."""
+    for stamp_s in stamps_s:
+        estimator.stamp_s = stamp_s
+        streams.process([joints(stamp_s, 2.0 * stamp_s)])
+
+
+def test_the_states_of_the_last_second_are_kept_once_each_while_the_pose_may_be_used() -> None:
+    estimator = ToldEstimator()
+    streams = Streams({"estimation": estimator}, (), Listener([]))
+    moved(streams, estimator, 0.5)
+    assert streams.recent_states() == []  # INITIALISING
+    estimator.status = "GLOBAL"
+    moved(streams, estimator, 1.0, 1.5, 1.5, 2.0)
+    assert [one.stamp_s for one in streams.recent_states()] == [1.0, 1.5, 2.0]
+    moved(streams, estimator, 2.5)
+    assert [one.stamp_s for one in streams.recent_states()] == [1.5, 2.0, 2.5]
+    assert streams.joints.stamp_s == 2.5
+    assert streams.state().stamp_s == 2.5
+
+
+def mapping(mapper: Recorder, guard: StreamGuard | None = None) -> tuple[Streams, Listener]:
+    """Return streams of two lidars after two joint samples at known poses."""
+    estimator, listener = ToldEstimator(), Listener([])
+    estimator.status = "GLOBAL"
+    plugins = {"estimation": estimator, "mapping": mapper}
+    streams = Streams(plugins, ("left", "right"), listener, guard)
+    moved(streams, estimator, 1.0, 1.5)
+    return streams, listener
+
+
+def test_a_scan_of_each_lidar_is_mapped_with_the_motion_of_the_last_second() -> None:
+    mapper = Recorder()
+    streams, _ = mapping(mapper)
+    left, right = scan(1.3, "left"), scan(1.2, "right")
+    streams.process([scan(1.1, "left"), left])  # the newest of each counts
+    assert mapper.told == []
+    streams.process([right])
+    assert streams.arrived_scans == [right]  # of this tick
+    streams.process([left])  # begins the next pair
+    ((verb, pair, motion),) = mapper.told
+    assert (verb, pair) == ("add_scan_pair", [left, right])
+    assert motion.stamps_s.tolist() == [1.0, 1.5]
+    assert motion.T_map_cabin.shape == (2, 4, 4)
+    assert motion.joint_names == ("A",)
+    assert motion.joint_position.tolist() == [[2.0], [3.0]]
+    np.testing.assert_array_equal(motion.covariance, np.eye(6))
+    assert streams.scan_pairs == 1
+    assert {name: len(one) for name, one in streams.durations_ms.items()} == {
+        "mapping.add_scan_pair": 1
+    }
+
+
+def test_no_scan_is_mapped_before_a_pose_is_known() -> None:
+    mapper = Recorder()
+    streams = Streams({"estimation": ToldEstimator(), "mapping": mapper}, ("left",), Listener([]))
+    streams.process([joints(0.8), scan(0.9, "left")])
+    assert (mapper.told, streams.scan_pairs) == ([], 0)
+
+
+def test_a_pair_whose_newest_scan_may_not_be_fused_is_left_out_whole() -> None:
+    mapper, guard = Recorder(), Guarded(unknown_s=(1.3,))
+    streams, _ = mapping(mapper, guard)
+    streams.process([scan(1.3, "left"), scan(1.2, "right")])
+    streams.process([scan(1.4, "right")])
+    assert mapper.told == []
+    streams.process([scan(1.4, "left")])
+    assert mapper.verbs() == ["add_scan_pair"]
+    assert guard.asked_s == [1.3, 1.4]
+
+
+def test_a_mapper_that_fails_is_told_and_used_no_more() -> None:
+    mapper = Recorder(failing="add_scan_pair")
+    streams, listener = mapping(mapper)
+    for _ in range(2):
+        streams.process([scan(1.3, "left"), scan(1.2, "right")])
+    assert listener.errors == [("mapping", "no add_scan_pair")]
+    assert (len(mapper.told), streams.scan_pairs, streams.durations_ms) == (1, 0, {})
+
+
+def test_an_odometry_hears_all_and_its_increments_go_to_the_estimator() -> None:
+    estimator, odometry = Heard(), Recorder(answer="increment")
+    streams = Streams({"estimation": estimator, "odometry": odometry}, ("left",), Listener([]))
+    given = [joints(0.1), scan(0.2, "left"), SAMPLES["add_imu"], SAMPLES["add_gnss"]]
+    streams.process(given)
+    told = [("add_joints", given[0]), ("add_scan", given[1]), ("add_imu", given[2])]
+    assert odometry.told == told
+    assert estimator.heard == [given[0], "increment", given[2], given[3]]
+
+
+def test_an_odometry_that_finds_no_increment_tells_the_estimator_nothing() -> None:
+    estimator, odometry = Heard(), Recorder()
+    streams = Streams({"estimation": estimator, "odometry": odometry}, ("left",), Listener([]))
+    streams.process([scan(0.2, "left")])
+    assert (odometry.verbs(), estimator.heard) == (["add_scan"], [])
+
+
+def test_each_monitor_watches_the_joints_and_one_that_fails_is_used_no_more() -> None:
+    failing, silent, alarmed = Recorder(failing="update"), Recorder(), Recorder(answer="it slips")
+    listener = Listener([])
+    plugins = {"estimation": ToldEstimator(), "monitoring": (failing, silent, alarmed)}
+    streams = Streams(plugins, (), listener)
+    samples = [joints(0.1), joints(0.2)]
+    streams.process(samples)
+    assert listener.errors == [("monitoring", "no update")]
+    assert listener.verdicts == ["it slips", "it slips"]
+    assert failing.told == [("update", samples[0])]
+    assert silent.told == alarmed.told == [("update", one) for one in samples]
+    assert streams.monitors == [silent, alarmed]
+
+
+def test_what_the_guard_refuses_goes_to_no_plugin() -> None:
+    estimator, samples = Heard(), list(SAMPLES.values())
+    streams = Streams({"estimation": estimator}, (), Listener([]), Guarded(refused=(samples[1],)))
+    streams.process(samples)
+    assert estimator.heard == [samples[0], samples[2]]
+
+
+def test_a_plugin_that_fails_to_take_an_observation_is_handed_no_more() -> None:
+    class Photograph:
+        stamp_s = 0.5
+
+    class Camera(Plugin):
+        takes = (Photograph,)
+
+        def __init__(self, *, is_failing: bool) -> None:
+            self.is_failing, self.seen = is_failing, 0
+
+        def take(self, observation: object) -> None:
+            self.seen += 1
+            if self.is_failing:
+                raise ValueError("no film")
+
+    failing, sound, listener = Camera(is_failing=True), Camera(is_failing=False), Listener([])
+    plugins = {"estimation": ToldEstimator(), "camera": failing, "spare": sound}
+    streams = Streams(plugins, (), listener)
+    streams.process([Photograph(), Photograph()])
+    assert (failing.seen, sound.seen) == (1, 2)
+    assert (listener.errors, streams.ignored) == ([("camera", "no film")], {})
