@@ -19,6 +19,7 @@ _MARKS = {
     "SUCCESS": ("✓", "green"),
     "FAILURE": ("✗", "red"),
     "RUNNING": ("▶", "bold cyan"),
+    "SKIPPED": ("–", "dim"),
     "INVALID": ("·", "dim"),
 }
 
