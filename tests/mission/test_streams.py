@@ -25,7 +25,7 @@ class ToldEstimator(Estimator):
 
     def __init__(self) -> None:
         self.status, self.changes = "INITIALISING", []
-        self.stamp_s = 1.0
+        self.stamp_s = self.variance = 1.0
 
     def add_imu(self, sample: ImuSample) -> None: ...
 
@@ -35,9 +35,9 @@ class ToldEstimator(Estimator):
         return self.changes
 
     def state(self) -> BaseState:
-        eye = np.eye(4)
+        eye, eye6 = np.eye(4), np.eye(6)
         return BaseState(
-            self.stamp_s, eye, eye, eye, np.zeros(3), np.zeros(3), np.eye(6), self.status
+            self.stamp_s, eye, eye, eye, np.zeros(3), np.zeros(3), self.variance * eye6, self.status
         )
 
 
@@ -241,7 +241,7 @@ def scan(stamp_s: float, frame: str) -> LidarScan:
 def moved(streams: Streams, estimator: ToldEstimator, *stamps_s: float) -> None:
     """Take a joint sample at each stamp, in a tick of its own, while the state is as new."""
     for stamp_s in stamps_s:
-        estimator.stamp_s = stamp_s
+        estimator.stamp_s = estimator.variance = stamp_s
         streams.process([joints(stamp_s, 2.0 * stamp_s)])
 
 
@@ -284,11 +284,16 @@ def test_a_scan_of_each_lidar_is_mapped_with_the_motion_of_the_last_second() -> 
     assert motion.T_map_cabin.shape == (2, 4, 4)
     assert motion.joint_names == ("A",)
     assert motion.joint_position.tolist() == [[2.0], [3.0]]
-    np.testing.assert_array_equal(motion.covariance, np.eye(6))
+    np.testing.assert_array_equal(motion.covariance, 1.5 * np.eye(6))  # the newest
     assert streams.scan_pairs == 1
-    assert {name: len(one) for name, one in streams.durations_ms.items()} == {
-        "mapping.add_scan_pair": 1
-    }
+
+
+def test_the_wall_time_of_a_mapping_is_kept_in_milliseconds(monkeypatch) -> None:
+    times_s = iter([5.0, 5.25])
+    monkeypatch.setattr("executive.mission.streams.wall_s", lambda: next(times_s))
+    streams, _ = mapping(Recorder())
+    streams.process([scan(1.3, "left"), scan(1.2, "right")])
+    assert list(streams.durations_ms["mapping.add_scan_pair"]) == [250.0]
 
 
 def test_no_scan_is_mapped_before_a_pose_is_known() -> None:
