@@ -128,6 +128,15 @@ def test_clients_that_hang_or_flood_keep_nobody_out(tmp_path, server, woken):
         one.close()
 
 
+def test_a_client_that_asks_and_never_reads_is_sent_away(tmp_path, server, woken):
+    with connect(tmp_path, 20) as deaf, pytest.raises((BrokenPipeError, ConnectionResetError)):
+        deaf.sendall(b"{}\n" * 100_000)
+    with connect(tmp_path, 20) as connection:
+        connection.sendall(PAUSE.line())
+        serve_one(server, woken)
+        assert replies(connection)[0].is_done
+
+
 def test_two_clients_at_once_get_each_its_own_reply(tmp_path, server, woken):
     first, second = connect(tmp_path, 20), connect(tmp_path, 20)
     first.sendall(PAUSE.line())

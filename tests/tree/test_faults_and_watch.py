@@ -55,6 +55,11 @@ def test_a_wrong_fault_is_told_at_its_place_with_the_cure(tmp_path, fault):
     assert "dry.yaml:11:" in told
 
 
+def test_an_empty_section_has_no_faults_and_a_word_is_none(tmp_path):
+    assert load(tmp_path, "faults:\n").faults == ()
+    assert "dry.yaml:10:9: error: 'faults'" in mistakes(tmp_path, "faults: twice\n")
+
+
 def test_a_wrong_rule_is_told_at_its_place_with_the_cure(tmp_path):
     told = mistakes(
         tmp_path, "watch:\n  encodrs: stop\n  imu: {do: hld}\n  gnss: {do: stop, wait: 3 s}\n"

@@ -44,8 +44,8 @@ class Estimate:
     hits: int
     of: int
     statistics: Mapping[str, tuple[float, Interval]]
-    assumed: int = 0
-    problems: int = 0
+    assumed: int
+    problems: int
 
 
 @dataclass(frozen=True, slots=True)

@@ -90,6 +90,7 @@ def test_faces_with_lists_of_different_lengths_are_read(tmp_path: Path, form: st
         ("a.stl", b"solid x\nfacet\nvertex 0 0 0\nvertex 0 0 1\n", "cut short"),
         ("a.stl", b"solid x\nvertex 0 0 zero\nendsolid", "line 2: could not convert"),
         ("a.ply", PLY_HEAD.format(form="ascii").replace("face 2", "face 3000000000"), "in 0 bytes"),
+        ("a.ply", PLY_HEAD.format(form="ascii") + "0 0 0\n" * 2 + "00", "5 vertex .* in 14 b"),
         ("a.ply", FLOAT_CORNERS, "no list 'vertex_indices' of whole numbers"),
         ("a.ply", PLY_HEAD.format(form="ascii") + "0 0 0\n" * 3 + "0 0\n" * 9, "row 4 is missing"),
         (
