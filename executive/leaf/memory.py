@@ -34,7 +34,7 @@ class Recalled:
 
     outcome: Outcome[object] | None
     written: Mapping[str, object]
-    has_begun: bool = False
+    has_begun: bool
 
 
 class Memory(ABC):
