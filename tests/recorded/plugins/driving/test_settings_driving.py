@@ -1,0 +1,5 @@
+"""Defaults and bounds of the settings of driving."""
+
+
+def test_settings(recorded, settings_in) -> None:
+    recorded(settings_in("executive_plugins.driving"))
