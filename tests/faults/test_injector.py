@@ -267,3 +267,37 @@ def test_a_late_verb_of_each_plugin_is_late_by_what_the_file_says(monkeypatch, g
     found.go_to(0.0)
     assert [one.segment("cloud", least=2) for one in plugins] == ["cloud 2", "cloud 2"]
     assert asked == [("late", delay_s)] * 2
+
+
+def test_faults_begin_and_show_each_by_itself():
+    stuck = SensorFault(at=1.0, sensor="imu_base", how="stuck")
+    other = SensorFault(at=2.0, sensor="imu_cabin", how="stuck")
+    found = Injected(stuck, other, ActuatorFault(at=3.0, actuator="arm", how="sluggish"))
+    held = []
+
+    def read(until_s):
+        return [
+            ImuSample(until_s, name, until_s * np.ones(3), np.ones(3))
+            for name in ("imu_base", "imu_cabin")
+        ]
+
+    found.robot = Robot()
+    found.robot.read = read
+    found.injector.install({"robot": found.robot}, found.events.append)
+    for time_s in (1.0, 2.0, 3.0):
+        found.go_to(time_s)
+        held.append([one.angular_velocity_rad_s[0] for one in found.robot.read(time_s)])
+    assert held == [[1.0, 1.0], [1.0, 2.0], [1.0, 2.0]]
+    assert [is_hidden for *_, is_hidden in found.told()] == [False, False, True]
+
+
+def test_equal_faults_of_two_sensors_draw_their_chances_apart():
+    faults = [
+        SensorFault(at=0.5, sensor=name, how="intermittent", share=0.5)
+        for name in ("imu_cabin", "imu_base")
+    ]
+    found = Injected(*faults)
+    found.go_to(0.5)
+    left = [[one.frame for one in found.robot.read(0.5)] for _ in range(20)]
+    # With equal draws both samples of a reading would always be lost together.
+    assert any(len(frames) == 1 for frames in left)
