@@ -39,11 +39,16 @@ def journal(
             is_time = (from_ is None or entry.time_s >= from_) and (
                 to is None or entry.time_s <= to
             )
-            if is_kind and is_time and (node is None or entry.node.startswith(node)):
+            if is_kind and is_time and (node is None or _is_within(entry.node, node)):
                 text = json.dumps(plain_entry(entry), ensure_ascii=False) if as_json else None
                 print(line_for_people(entry) if text is None else text)
     if kind:
         _say_unknown(kind)
+
+
+def _is_within(path: str, node: str) -> bool:
+    """Return whether a path is that of a node or lies below it: main/2 is not main/20."""
+    return path.startswith(node) and path[len(node) :][:1] in ("", ":", "/", "@")
 
 
 def _say_unknown(kinds: list[str]) -> None:

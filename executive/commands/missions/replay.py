@@ -54,7 +54,7 @@ def _walk(moments: "Moments") -> None:
             moments.go_to(float(word[1:]))
         elif word in ("", "n", "b"):
             moments.step(-1 if word == "b" else 1)
-        elif word.lstrip("-").isdecimal():
+        elif word.removeprefix("-").isdecimal():
             moments.step(int(word))
         else:
             say(_KEYS)
