@@ -1,5 +1,8 @@
 """A reference covers the times between its poses, and a file of it is read line by line."""
 
+from pathlib import Path
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -86,3 +89,64 @@ def test_a_file_that_is_not_there_or_has_no_topics_is_told(tmp_path):
         read_trajectory(tmp_path / "none.txt", None)
     with pytest.raises(ConfigError, match="is no log; leave the option out"):
         read_trajectory(tmp_path / "none.txt", "/pose")
+
+
+class Log:
+    """A log of topics, with messages at a tenth of a second from one another."""
+
+    path = "site.mcap"
+
+    def __init__(self, **types):
+        self.types, self.asked = types, []
+
+    def messages(self, topics):
+        self.asked.append(topics)
+        kind = self.types[topics[0]]
+        for number in (2, 1):
+            position = SimpleNamespace(x=1.0 * number, y=2.0 * number, z=3.0 * number)
+            orientation = SimpleNamespace(x=0.0, y=0.0, z=HALF, w=HALF)
+            found = SimpleNamespace(position=position, orientation=orientation)
+            stamp = SimpleNamespace(sec=7, nanosec=100_000_000 * number)
+            header = SimpleNamespace(stamp=stamp)
+            if not kind.endswith("PoseStamped"):
+                found = SimpleNamespace(pose=found)
+            yield SimpleNamespace(message=SimpleNamespace(header=header, pose=found))
+
+
+STAMPED, ODOMETRY = "geometry_msgs/msg/PoseStamped", "nav_msgs/msg/Odometry"
+
+
+@pytest.mark.parametrize(
+    ("kind", "topic"),
+    [
+        (STAMPED, None),
+        (ODOMETRY, "truth"),
+        ("geometry_msgs/msg/PoseWithCovarianceStamped", None),
+    ],
+)
+def test_poses_of_a_log_are_read_from_the_one_topic_that_has_them(monkeypatch, kind, topic):
+    log = Log(imu="sensor_msgs/msg/Imu", truth=kind)
+    monkeypatch.setattr("executive.estimate.trajectory.LogSource", lambda path: log)
+    found = read_trajectory(Path("site.mcap"), topic)
+    assert log.asked == [["truth"]]
+    assert found.stamps_s == pytest.approx([7.1, 7.2])
+    assert found.p == pytest.approx(np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 6.0]]))
+    assert found.R[0] == pytest.approx(Rotation.from_euler("z", np.pi / 2).as_matrix())
+
+
+@pytest.mark.parametrize(
+    ("types", "topic", "told"),
+    [
+        ({"b": STAMPED, "a": ODOMETRY}, None, "name one by --score-topic; .* there: a, b"),
+        ({"imu": "sensor_msgs/msg/Imu"}, None, "name one by --score-topic; .* there: none"),
+        ({"imu": "sensor_msgs/msg/Imu", "a": ODOMETRY}, "imu", "names no topic .* there: a"),
+        ({"a": ODOMETRY}, "b", "names no topic of poses; .* there: a"),
+    ],
+)
+def test_a_topic_without_poses_and_a_choice_that_is_not_made_are_refused(
+    monkeypatch, types, topic, told
+):
+    log = Log(**types)
+    monkeypatch.setattr("executive.estimate.trajectory.LogSource", lambda path: log)
+    with pytest.raises(ConfigError, match=f"site.mcap: .*{told}"):
+        read_trajectory(Path("site.mcap"), topic)
