@@ -63,7 +63,7 @@ class Limb:
     name: str
     depth: int
     branches: tuple[Branch, ...]
-    calls: str = ""
+    calls: str
 
 
 def branch_of(node: str, event: Event) -> Branch | None:

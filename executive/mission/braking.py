@@ -28,7 +28,7 @@ class _Claim:
     joints: tuple[str, ...]
     since_s: float
     limit_s: float
-    least_s: float = 0.0  # in which a chassis brakes: no joint shows it
+    least_s: float  # in which a chassis brakes: no joint shows it
     rest: Rest = field(default_factory=Rest)
 
     def stands(self, now_s: float, sample: JointSample) -> bool:

@@ -1,7 +1,7 @@
 """One leaf's view of a running mission."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
@@ -51,7 +51,7 @@ class Services:
     record: Callable[[str, Event], None]
     show: Callable[[str, object], None]
     regions: Mapping[str, Region]
-    verdicts: list[Verdict] = field(default_factory=list)
+    verdicts: list[Verdict]
 
     def arm(self) -> Float:
         """Return the newest positions of the arm's joints, in the machine's order, shape (n,)."""

@@ -32,7 +32,7 @@ class Try:
     started_s: float
     grasp: GraspRecord
     centroid_map: tuple[float, float, float]
-    ended_s: float = 0.0
+    ended_s: float
     outcome: str = _UNFINISHED
     reason: str = ""
 
@@ -42,7 +42,7 @@ class Pick:
     """One relocation of one stone: all attempts at it, and how it ended."""
 
     stone: int
-    is_verified: bool = False  # the mission asks where each stone is that it released
+    is_verified: bool  # the mission asks where each stone is that it released
     tries: list[Try] = field(default_factory=list)
     released: StoneReleased | None = None
     estimated_pose: Any = None

@@ -1,7 +1,7 @@
 """What a mission is made of."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from executive.clock import Clock
@@ -34,10 +34,10 @@ class Setup:
     memory: LeafMemory
     keeper: Keeper
     folder: Path
-    recorder: Recorder | None = None
-    regions: Mapping[str, Region] = field(default_factory=dict)
-    can_fail: frozenset[tuple[str, str]] = frozenset()  # capability and name: `on_error: fail`
-    guard: GuardSettings = field(default_factory=GuardSettings)
-    heartbeat_limit_s: float = 0.0  # the supervisor stops a loop that is silent for longer; 0: none
-    machine: MachineProcess | None = None  # of a simulated machine that lives apart
-    late_ticks: int | None = None  # in a row, that bring the safe stop; None: by the machine
+    recorder: Recorder | None
+    regions: Mapping[str, Region]
+    can_fail: frozenset[tuple[str, str]]  # capability and name: `on_error: fail`
+    guard: GuardSettings
+    heartbeat_limit_s: float  # the supervisor stops a loop that is silent for longer; 0: none
+    machine: MachineProcess | None  # of a simulated machine that lives apart
+    late_ticks: int | None  # in a row, that bring the safe stop; None: by the machine

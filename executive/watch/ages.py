@@ -15,7 +15,7 @@ _EPSILON_S = 1e-6
 class _Stream:
     sensor: Sensor
     since_s: float  # stamp of the newest good sample, or the time from which on samples are due
-    is_due: bool = True
+    is_due: bool
     refused: str = ""  # why the newest sample was refused
 
 

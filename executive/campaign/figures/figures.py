@@ -1,6 +1,5 @@
 """The figures of a campaign: what its tables, pictures, verdicts and documents are made of."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -82,8 +81,8 @@ class Difference:
     interval: Interval
     verdict: str
     words: str
-    left_out: int = 0
-    p_value: float = math.nan
+    left_out: int
+    p_value: float
 
 
 @dataclass(frozen=True, slots=True)

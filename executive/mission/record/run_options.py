@@ -15,10 +15,10 @@ class KeptOptions:
     real_time: bool
     runner: str | None
     answer: bool | None
-    choices: tuple[str, ...] = ()
-    attended: bool = False
-    pause_on_failure: bool = False
-    apart: bool = False
+    choices: tuple[str, ...]
+    attended: bool
+    pause_on_failure: bool
+    apart: bool
 
     def write(self, path: Path) -> None:
         """Write them."""

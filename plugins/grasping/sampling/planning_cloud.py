@@ -46,7 +46,7 @@ class PlanningCloud:
     centre: Float
     volume_m3: float
     ground: Ground
-    scale: float = 1.0
+    scale: float
 
     @property
     def body(self) -> Float:

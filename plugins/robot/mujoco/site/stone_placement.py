@@ -44,7 +44,7 @@ class Grounds:
     terrain: Terrain
     settings: PlacementSettings
     reach_m: float
-    capacity: LiftCapacity | None = None
+    capacity: LiftCapacity | None
     station_m: tuple[float, float] = (0.0, 0.0)
     taken: tuple[Float, ...] = ()
 
