@@ -22,7 +22,7 @@ import threading
 import tomllib
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -274,13 +274,13 @@ def main(words: Sequence[str] | None = None) -> int:
             print(f"{fault.file}:{fault.line}  {fault.kind}")
             print(fault.diff((given.root / fault.file).read_bytes()))
         return 0
-    verdicts = []
     pool = ThreadPoolExecutor(given.jobs)
     judge = Judge(given.root, given.map, given.timeout, not given.no_slow)
     try:
-        for verdict in pool.map(judge.judge, faults):
-            verdicts.append(verdict)
-            print(verdict, file=sys.stderr, flush=True)
+        judged = [pool.submit(judge.judge, fault) for fault in faults]
+        for one in as_completed(judged):
+            print(one.result(), file=sys.stderr, flush=True)
+        verdicts = [one.result() for one in judged]
     finally:  # also when it is interrupted
         pool.shutdown(wait=False, cancel_futures=True)
         judge.close()
