@@ -1,10 +1,14 @@
-"""What a supervisor reads from the page: silence beyond the limit, and since when it counts."""
+"""What a supervisor reads from the page: silence beyond its limit, activity, texts and status."""
 
 import os
 import signal
 import time
+from types import SimpleNamespace
 
-from executive.supervision.beacon import Beacon
+import pytest
+
+from executive.supervision import beacon as beacon_module
+from executive.supervision.beacon import Beacon, beacon, inherit
 
 
 def silent_loop():
@@ -73,3 +77,89 @@ def test_a_text_is_never_read_half_written():
     assert len(looks) > 100
     assert set(looks) <= texts | {""}
     assert texts & set(looks)
+
+
+@pytest.fixture
+def now(monkeypatch):
+    """A monotonic clock that is set by hand."""
+    now = SimpleNamespace(s=50.0)
+    monkeypatch.setattr(beacon_module, "time", SimpleNamespace(monotonic=lambda: now.s))
+    return now
+
+
+def test_silence_and_joints_are_too_old_beyond_their_limits_alone(now):
+    page = Beacon()
+    page.watch(0.3, 0.5)
+    told = []
+    for now.s, sign in [
+        (50.3, None), (50.4, None), (50.6, page.beat), (50.7, page.see_joints), (51.0, None),
+    ]:  # fmt: skip
+        if sign:
+            sign()
+        told.append((round(page.silent_s(), 9), round(page.joints_age_s(), 9)))
+    assert told == [(0.0, 0.0), (0.4, 0.0), (0.0, 0.6), (0.0, 0.0), (0.4, 0.0)]
+    page.watch(0.3, 0.0)  # without joints
+    now.s += 10.0
+    assert (page.silent_s(), page.joints_age_s()) == (10.0, 0.0)
+
+
+def test_a_verb_is_overdue_from_its_limit_to_its_end(now):
+    page = Beacon()
+    assert (page.is_computing(), page.overdue_s(), page.activity()) == (False, 0.0, {})
+    page.begin({"verb": "move"}, 2.0)
+    assert (page.is_computing(), page.overdue_s()) == (True, 0.0)
+    assert page.activity() == {"verb": "move"}
+    now.s += 2.5
+    assert page.overdue_s() == 0.5
+    page.end()
+    assert (page.is_computing(), page.overdue_s(), page.activity()) == (False, 0.0, {})
+
+
+def test_of_a_run_that_is_given_up_nothing_is_watched_and_its_verb_stays_known(now):
+    page = Beacon()
+    page.watch(0.3, 0.3)
+    page.begin({"verb": "move"}, 1.0)
+    now.s += 5.0
+    page.forget()
+    assert (page.silent_s(), page.joints_age_s(), page.overdue_s()) == (0.0, 0.0, 0.0)
+    assert not page.is_computing()
+    assert page.activity() == {"verb": "move"}
+
+
+@pytest.mark.parametrize("status", [0, 3])
+def test_a_run_that_ended_has_its_status_and_is_watched_no_more(now, status):
+    page = Beacon()
+    page.watch(0.3, 0.3)
+    assert page.status() is None
+    page.finish(status)
+    now.s += 5.0
+    assert (page.status(), page.silent_s()) == (status, 0.0)
+
+
+def test_texts_are_kept_apart_and_cut_to_their_room():
+    page = Beacon()
+    page.name(run_dir="runs/Straße", machine="unix:/tmp/m")
+    page.name(mission="m" * 5000, stack="a\0b")
+    assert page.text("run_dir") == "runs/Straße"
+    assert page.text("machine") == "unix:/tmp/m"
+    assert page.text("mission") == "m" * 4092
+    assert page.text("stack") == "ab"
+    assert page.text("activity") == ""
+    page.name(machine="")
+    assert page.text("machine") == ""
+
+
+def test_an_activity_that_is_no_mapping_is_none():
+    page = Beacon()
+    for text in ("[1]", '{"verb": "mo'):
+        page.name(activity=text)
+        assert page.activity() == {}
+
+
+def test_a_process_has_one_page_which_its_supervisor_may_give_it(monkeypatch):
+    monkeypatch.setattr(beacon_module, "_inherited", [])
+    first = beacon()
+    assert beacon() is first
+    given = Beacon()
+    inherit(given)
+    assert beacon() is given

@@ -187,3 +187,51 @@ def info(number, code):
 def test_signals_of_people_reach_the_executive_once(watch, number, code, is_forwarded):
     watch.supervisor._forward(info(number, code))
     assert watch.killed == ([(CHILD, number)] if is_forwarded else [])
+
+
+class Children:
+    """Processes and signals of the operating system, as a list of looks at them says."""
+
+    def __init__(self, monkeypatch, *looks):
+        self._looks = list(looks)
+        monkeypatch.setattr(module.signal, "sigtimedwait", self._signal)
+        monkeypatch.setattr(module.os, "waitpid", self._waitpid)
+
+    def _signal(self, waited, limit_s):
+        assert {signal.SIGCHLD, signal.SIGINT, signal.SIGTERM} <= waited
+        assert 0 < limit_s < 0.1
+        return self._looks[0][0]
+
+    def _waitpid(self, child, options):
+        assert (child, options) == (CHILD, module.os.WNOHANG)
+        return self._looks.pop(0)[1]
+
+
+def test_the_watch_goes_on_until_the_child_has_ended(watch, monkeypatch):
+    term = info(signal.SIGTERM, 0)
+    Children(monkeypatch, (None, (0, 0)), (term, (0, 0)), (None, (CHILD, 5 << 8)))
+    watch.beacon.ended = 2  # what the run has noted counts, not how its process ended
+    assert watch.supervisor.run() == 2
+    assert watch.killed == [(CHILD, signal.SIGTERM)]
+    assert len(watch.link.kept) == 2
+    assert (watch.said, watch.link.stops) == ([], [])
+
+
+def test_a_run_that_was_cut_off_is_told_reported_and_its_machine_stopped(watch, monkeypatch):
+    reports = []
+
+    class CutOff:
+        def __init__(self, beacon, code, stopped):
+            assert beacon is watch.beacon
+            self.reason = f"ended with {code}{stopped}"
+
+        def write_report(self):
+            reports.append(self.reason)
+
+    monkeypatch.setattr(module, "CutOff", CutOff)
+    Children(monkeypatch, (None, (CHILD, int(signal.SIGKILL))))
+    assert watch.supervisor.run() == 3
+    assert watch.link.kept == ["its machine"]
+    assert watch.link.stops == ["supervisor: ended with -9"]
+    assert watch.said == ["fault: ended with -9"]
+    assert reports == ["ended with -9"]
