@@ -114,7 +114,8 @@ class NodeImporter:
     def _count(self, element: XmlElement, wanted: int) -> None:
         found = len(element.children)
         if found != wanted and (wanted != _ANY or not found):
-            told = "at least one child" if wanted == _ANY else f"{wanted} children"
+            number_told = "1 child" if wanted == 1 else f"{wanted} children"
+            told = "at least one child" if wanted == _ANY else number_told
             raise CannotSayError(f"it takes {told}, and has {found}")
 
     def _only(self, element: XmlElement) -> Data:
