@@ -12,13 +12,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from enum import Enum
 from functools import cache
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar, cast
 
 import numpy as np
 
 from executive.errors import ConfigError, DataError
 
 _KINDS: dict[str, type["Event"]] = {}
+_MOST_SHOWN = 80  # characters of a refused value in a message
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +81,22 @@ def event_from(kind: str, payload: Mapping[str, object]) -> Event:
     """
     if kind not in _KINDS:
         return UnknownEvent(kind, payload)
-    return _read_class(_KINDS[kind], payload, f"event '{kind}'")  # type: ignore[no-any-return]
+    return read_record(_KINDS[kind], payload, f"event '{kind}'")
+
+
+def read_record(kind: type[_T], payload: object, where: str) -> _T:
+    """Return the frozen dataclass that `plain` has turned into what JSON holds.
+
+    Args:
+        kind: The class.
+        payload: What JSON holds.
+        where: What a message calls it, such as `event 'stone_grasped'`.
+
+    Raises:
+        DataError: If fields are missing, too many, or of the wrong form; the message names the
+            field with the path to it.
+    """
+    return cast(_T, _read_class(kind, payload, where))
 
 
 def plain(value: object) -> object:
@@ -108,7 +125,7 @@ def _hints(kind: type) -> Mapping[str, Any]:
 
 def _read_class(kind: type, payload: Any, where: str) -> Any:
     if not isinstance(payload, Mapping):
-        raise DataError(f"{where}: expected a mapping, got {payload!r}")
+        raise _refused(where, "a mapping", payload)
     known = {one.name: one for one in fields(kind)}
     for name in payload:
         if name not in known:
@@ -120,27 +137,29 @@ def _read_class(kind: type, payload: Any, where: str) -> Any:
     return kind(**{n: _read(hints[n], v, f"{where}, field '{n}'") for n, v in payload.items()})
 
 
+def _refused(where: str, expected: str, value: object) -> DataError:
+    text = repr(value)
+    shown = text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]} …"
+    return DataError(f"{where}: expected {expected}, got {shown}")
+
+
 def _read(wanted: Any, value: Any, where: str) -> Any:
     """Turn what JSON holds back into a value of a type."""
     origin, arguments = typing.get_origin(wanted), typing.get_args(wanted)
     if origin in (typing.Union, types.UnionType):
-        inner = [one for one in arguments if one is not type(None)]
-        return None if value is None else _read_one_of(inner, value, where)
+        if value is None and type(None) in arguments:
+            return None
+        return _read_one_of([one for one in arguments if one is not type(None)], value, where)
     if origin is np.ndarray or wanted is np.ndarray:
-        return np.asarray(value, dtype=float)
+        return _array(value, where)
     if origin is tuple:
-        kinds = [arguments[0]] * len(value) if arguments[-1] is Ellipsis else arguments
-        return tuple(_read(k, v, where) for k, v in zip(kinds, value, strict=True))
+        return _tuple(arguments, value, where)
     if origin is typing.Literal:
-        if value not in arguments:
-            raise DataError(
-                f"{where}: expected one of {', '.join(map(str, arguments))}, got {value!r}"
-            )
-        return value
+        return _one_of(arguments, value, where)
     if origin is not None and issubclass(origin, Mapping):
-        return {key: _read(arguments[1], one, where) for key, one in value.items()}
+        return _mapping(arguments[1], value, where)
     if isinstance(wanted, type) and issubclass(wanted, Enum):
-        return wanted(value)
+        return wanted(_one_of([one.value for one in wanted], value, where))
     if is_dataclass(wanted) and isinstance(wanted, type):
         return _read_class(wanted, value, where)
     return _scalar(wanted, value, where)
@@ -156,11 +175,43 @@ def _read_one_of(kinds: Sequence[Any], value: Any, where: str) -> Any:
     return _read(kinds[-1], value, where)
 
 
+def _array(value: Any, where: str) -> Any:
+    if isinstance(value, list | int | float):
+        try:
+            return np.asarray(value, dtype=float)
+        except (ValueError, TypeError):  # rows of different lengths, or something else than numbers
+            pass
+    raise _refused(where, "an array of numbers", value)
+
+
+def _tuple(kinds: Sequence[Any], value: Any, where: str) -> tuple[Any, ...]:
+    if not isinstance(value, list | tuple):
+        raise _refused(where, "a list", value)
+    if kinds[-1] is Ellipsis:
+        kinds = [kinds[0]] * len(value)
+    if len(kinds) != len(value):
+        raise _refused(where, f"a list of {len(kinds)}", value)
+    pairs = enumerate(zip(kinds, value, strict=True))
+    return tuple(_read(kind, one, f"{where}[{number}]") for number, (kind, one) in pairs)
+
+
+def _one_of(allowed: Sequence[Any], value: Any, where: str) -> Any:
+    if value not in allowed:
+        raise _refused(where, f"one of {', '.join(map(str, allowed))}", value)
+    return value
+
+
+def _mapping(kind: Any, value: Any, where: str) -> dict[str, Any]:
+    if not isinstance(value, Mapping):
+        raise _refused(where, "a mapping", value)
+    return {key: _read(kind, one, f"{where}, '{key}'") for key, one in value.items()}
+
+
 def _scalar(wanted: Any, value: Any, where: str) -> Any:
     if not isinstance(wanted, type) or wanted in (object, Any):
         return value
     accepted = (int, float) if wanted is float else (wanted,)
     is_truth = isinstance(value, bool) and wanted is not bool
     if is_truth or not isinstance(value, accepted):
-        raise DataError(f"{where}: expected {wanted.__name__}, got {value!r}")
+        raise _refused(where, wanted.__name__, value)
     return value
