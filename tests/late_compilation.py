@@ -66,7 +66,7 @@ def late_of_mission(mission: str, folder: str, *settings: str) -> set[str]:
     with patch.object(Mission, "run", observed):
         options = Options(run_dir=Path(folder))
         result = Run(load_mission(mission, settings), options).execute(lambda mission: None)
-    assert result.report["outcome"] == "success", result.summary
+    assert result.report.outcome == "success", result.summary
     return ready
 
 

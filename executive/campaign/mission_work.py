@@ -61,9 +61,9 @@ class MissionWork(Work):
             seed=piece.seed, run_dir=piece.folder, answer=preset.answer, choices=preset.choices
         )
         result = Run(description, options).execute(_nothing)
-        if result.report["outcome"] == "fault" and not is_space_left(piece.folder):
+        if result.report.outcome == "fault" and not is_space_left(piece.folder):
             raise DiskFullError(f"no space is left for {piece.folder}")
-        return {"report": result.report, "measurements": _measured(piece.folder)}
+        return {"report": result.report.payload(), "measurements": _measured(piece.folder)}
 
 
 def _stateless(description: MissionFile) -> Selections:

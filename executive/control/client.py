@@ -1,13 +1,13 @@
 """The other end of the control socket: one request, one reply."""
 
 import fcntl
-import json
 import os
 from pathlib import Path
 
 from executive.control.place import connect
 from executive.control.request import Reply, Request
-from executive.errors import ConfigError
+from executive.errors import ConfigError, DataError
+from executive.interfaces.report_file import REPORT, read_ending
 
 
 def ask(folder: Path, request: Request, timeout_s: float) -> Reply:
@@ -78,6 +78,6 @@ def _is_locked(folder: Path) -> bool:
 
 def _outcome(folder: Path) -> str:
     try:
-        return str(json.loads((folder / "report.json").read_text(encoding="utf-8"))["outcome"])
-    except (OSError, ValueError, KeyError, TypeError):
+        return read_ending(folder / REPORT).outcome
+    except DataError:
         return ""

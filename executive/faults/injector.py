@@ -17,6 +17,7 @@ from executive.faults.plugin_faults import misbehave
 from executive.faults.sensor_faults import FaultySensor, faulty_sensor
 from executive.faults.tap import tap
 from executive.faults.timing import Schedule
+from executive.interfaces.report import InjectedFault, SpanReport
 from executive.machine.machine import Machine
 from executive.messages.command import Command
 from executive.messages.observation import Observation
@@ -120,18 +121,18 @@ class Injector:
             if one.is_hidden:
                 self._show(one, actuator)
 
-    def report(self) -> list[dict[str, Any]]:
+    def report(self) -> tuple[InjectedFault, ...]:
         """Return the report's section on faults: what was injected, and when."""
-        return [
-            {
-                "number": one.number,
-                "target": one.fault.target,
-                "how": one.fault.how,
-                "spans": [{"from_s": a, "to_s": b} for a, b in one.spans],
-                "acted": one.acted,
-            }
+        return tuple(
+            InjectedFault(
+                number=one.number,
+                target=one.fault.target,
+                how=str(one.fault.how),
+                spans=tuple(SpanReport(from_s, to_s) for from_s, to_s in one.spans),
+                acted=one.acted,
+            )
             for one in self._armed
-        ]
+        )
 
     def _show(self, one: Armed, actuator: FaultyActuator) -> None:
         withheld = actuator.withheld(self._robot, self._way, one.spans[-1][0])

@@ -1,11 +1,12 @@
 """Metrics: what is measured on one run, from what the run leaves behind."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from executive.events.event import Event
+from executive.interfaces.report import MissionReport
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,12 +29,11 @@ class RunRecord:
     """What one run left behind.
 
     Attributes:
-        report: Its report (docs/how-to/read_a_run.md), as JSON holds it; the section `truth` is
-            there after simulated runs only.
+        report: Its report; `truth` is None after a run on a real machine.
         events: The journal in order.
     """
 
-    report: Mapping[str, Any]
+    report: MissionReport
     events: Sequence[TimedEvent] = field(default=())
 
 

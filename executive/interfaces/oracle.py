@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from executive.interfaces.robot import Robot
+from executive.interfaces.truth import Truth
 from executive.messages.base_state import BaseState
 from executive.messages.cloud import Cloud
 from executive.messages.placement import Slot
@@ -80,5 +81,5 @@ class Oracle(ABC):
     def __init__(self, robot: Robot) -> None: ...
 
     @abstractmethod
-    def truth(self, view: MissionView) -> dict[str, object]:
-        """Return the report's `truth` section (docs/how-to/read_a_run.md)."""
+    def truth(self, view: MissionView) -> Truth:
+        """Return what really happened in the run, for its report."""

@@ -134,17 +134,6 @@ class Guard(StreamGuard):
         values = {one.name: getattr(state, one.name) for one in fields(BaseState)}
         return BaseState(**{**values, "stamp_s": now_s})
 
-    def report(self) -> dict[str, Any]:
-        """Return what the report says of observations; empty if all were used."""
-        found: dict[str, Any] = {}
-        if self.refused:
-            found["refused_observations"] = dict(self.refused)
-        if self.scans_not_fused:
-            found["scans_not_fused"] = self.scans_not_fused
-        if self.stale_states:
-            found["stale_states"] = self.stale_states
-        return found
-
     def _state_trouble(self, at_s: float) -> str:
         """Return why the pose may not be used at a time [s]; without a rule its age counts."""
         if self._streams is None:

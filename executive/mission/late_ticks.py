@@ -4,6 +4,7 @@ import math
 
 from executive.errors import ExecutiveError
 from executive.events.mission import TickLate
+from executive.interfaces.report import LateTicksReport
 from executive.machine.machine import Machine
 
 
@@ -50,6 +51,6 @@ class LateTicks:
                 "(--runner process), or allow more time by loop.tick or loop.late_ticks"
             )
 
-    def as_report(self) -> dict[str, float]:
+    def as_report(self) -> LateTicksReport:
         """Return the figures of the report."""
-        return {"count": self.count, "worst_s": round(self.worst_s, 3), "limit": self.limit}
+        return LateTicksReport(self.count, round(self.worst_s, 3), self.limit)

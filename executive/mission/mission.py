@@ -67,10 +67,6 @@ class Mission(NodeRuntime):
         """Whether a watched condition is broken, and the mission waits for it."""
         return self._hold is not None
 
-    def time_report(self) -> dict[str, Any]:
-        """Return what the report says of pauses and of late ticks."""
-        return {"pauses": self.pause.as_report(), "late_ticks": self.late_ticks.as_report()}
-
     # --- the loop
 
     def run(self, after_tick: Callable[["Mission"], None]) -> Ending:
@@ -94,15 +90,16 @@ class Mission(NodeRuntime):
         finally:
             self._halt(self.root)  # a leaf's clean-up needs the robot
         self.pause.leave()
-        if self._ending.outcome == "fault":
+        if self._ending.is_fault:
             self._await_rest_after_fault(self._ending.fault)
             self._change(Phase.FAULTED, self._ending.reason)
         else:
             self._change(Phase.STOPPING, self._ending.reason)
             self._come_to_rest(after_tick)
             self._follow_stop()
-            is_fault = self._ending.outcome == "fault"
-            self._change(Phase.FAULTED if is_fault else Phase.DONE, self._ending.reason)
+            self._change(
+                Phase.FAULTED if self._ending.is_fault else Phase.DONE, self._ending.reason
+            )
         beacon().unwatch()
         self.record("", MissionEnded(self._ending.outcome, self._ending.reason))
         return self._ending

@@ -9,6 +9,7 @@ from typing import Any
 
 from executive.clock import Clock, wall_s
 from executive.interfaces.plugin import Plugin
+from executive.interfaces.report import PausesReport
 from executive.interfaces.robot import Robot
 from executive.leaf.rest import Rest
 from executive.messages.joints import JointSample
@@ -122,10 +123,6 @@ class Pause:
             except Exception as error:  # the mission decides what it means
                 self._on_error(capability, plugin, error)
 
-    def as_report(self) -> dict[str, float]:
+    def as_report(self) -> PausesReport:
         """Return the figures of the report."""
-        return {
-            "count": self.count,
-            "machine_s": round(self._clock.paused_s, 6),
-            "wall_s": round(self.wall_s, 3),
-        }
+        return PausesReport(self.count, round(self._clock.paused_s, 6), round(self.wall_s, 3))

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
+from executive.arrays import Float
 from executive.events.event import Event
 from executive.events.mission import VerdictGiven
 from executive.events.stone import (
@@ -19,6 +19,7 @@ from executive.events.stone import (
     StoneWeighed,
 )
 from executive.interfaces.oracle import Attempt
+from executive.interfaces.report import AttemptReport, PickReport
 from executive.messages.verdict import Trouble
 
 _UNFINISHED, _PLACED, _RELEASED = "unfinished", "placed", "released, not verified"
@@ -45,7 +46,7 @@ class Pick:
     is_verified: bool  # the mission asks where each stone is that it released
     tries: list[Try] = field(default_factory=list)
     released: StoneReleased | None = None
-    estimated_pose: Any = None
+    estimated_pose: Float | None = None
     set_aside: str = ""
     verified: PlacementVerified | None = None  # of the newest release
     weighed: StoneWeighed | None = None
@@ -90,35 +91,29 @@ class Pick:
     def _outcome_of(self, one: Try) -> str:
         return _RELEASED if self.is_unverified and one.outcome == _PLACED else one.outcome
 
-    def as_report(self) -> dict[str, Any]:
+    def as_report(self) -> PickReport:
         """Return the entry of the report."""
-        released = self.released
+        released, verified, weighed = self.released, self.verified, self.weighed
         estimated = released.estimated_pose if released is not None else None
-        return {
-            "object": self.stone,
-            "attempts": [
-                {
-                    "grasp": t.grasp,
-                    "outcome": self._outcome_of(t),
-                    "reason": t.reason,
-                    "started_s": t.started_s,
-                    "ended_s": t.ended_s,
-                }
+        return PickReport(
+            object=self.stone,
+            attempts=tuple(
+                AttemptReport(t.grasp, self._outcome_of(t), t.reason, t.started_s, t.ended_s)
                 for t in self.tries
-            ],
-            "placed": self.is_placed,
-            "unverified": self.is_unverified,
-            "slot": released.slot if released is not None else None,
-            "planned_pose": released.planned_pose if released is not None else None,
-            "estimated_pose": estimated if self.estimated_pose is None else self.estimated_pose,
-            "set_aside": self.set_aside or None,
-            "seen": None if self.verified is None else self.verified.seen,
-            "off_m": None if self.verified is None else self.verified.off_m,
-            "tilt_rad": None if self.verified is None else self.verified.tilt_rad,
-            "turn_known": None if self.verified is None else self.verified.turn_known,
-            "mass_kg": None if self.weighed is None else round(self.weighed.mass_kg, 1),
-            "mass_std_kg": None if self.weighed is None else round(self.weighed.std_kg, 1),
-        }
+            ),
+            placed=self.is_placed,
+            unverified=self.is_unverified,
+            slot=released.slot if released is not None else None,
+            planned_pose=released.planned_pose if released is not None else None,
+            estimated_pose=estimated if self.estimated_pose is None else self.estimated_pose,
+            set_aside=self.set_aside or None,
+            seen=None if verified is None else verified.seen,
+            off_m=None if verified is None else verified.off_m,
+            tilt_rad=None if verified is None else verified.tilt_rad,
+            turn_known=None if verified is None else verified.turn_known,
+            mass_kg=None if weighed is None else round(weighed.mass_kg, 1),
+            mass_std_kg=None if weighed is None else round(weighed.std_kg, 1),
+        )
 
 
 class Picks:

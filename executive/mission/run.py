@@ -3,13 +3,14 @@
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 from executive.clock import SimulatedClock, WallClock, wall_s
 from executive.clouds.ply_writer import write_ply
 from executive.errors import ConfigError, DataError, RobotError
-from executive.events.event import Event, plain
+from executive.events.event import Event
 from executive.events.mission import Faulted, MissionEnded
+from executive.interfaces.report import MissionReport
+from executive.interfaces.report_file import write_report
 from executive.journal import Journal
 from executive.journal.value_folder import ValueFolder
 from executive.logs.recorder import Recorder
@@ -35,7 +36,7 @@ from executive.mission.record.account import Account
 from executive.mission.record.keeper import Keeper
 from executive.mission.record.leaf_memory import LeafMemory
 from executive.mission.record.resumption import Resumption
-from executive.mission.report import Ending, cpu_s, summary, write_report
+from executive.mission.report import Ending, cpu_s, summary
 from executive.mission.run_folder import RunFolder
 from executive.mission.run_log import run_log
 from executive.mission.run_report import RunReport
@@ -59,7 +60,7 @@ from executive.tree.resolved import resolved_yaml
 class Result:
     """What a run leaves to its caller."""
 
-    report: dict[str, Any]
+    report: MissionReport
     folder: RunFolder
     exit_status: int
 
@@ -171,12 +172,10 @@ class Run:
                 self._end_journal(ending)
                 self.folder.give_room()
                 write_report(self.folder.report, made.of(ending, wall, self._mission))
-                truth: dict[str, Any] = {}
                 ending = self._afterwards(ending, self._save_map)
-                ending = self._afterwards(ending, lambda: truth.update(made.truth(self._mission)))
+                ending = self._afterwards(ending, lambda: made.ask_oracle(self._mission))
                 ending = self._afterwards(ending, self._close)
-                whole = made.of(ending, wall, self._mission) | truth
-                report = {name: plain(value) for name, value in whole.items()}
+                report = made.of(ending, wall, self._mission)
                 write_report(self.folder.report, report)
                 if self._account.has_ended:
                     self.folder.forget_state()
@@ -292,7 +291,7 @@ class Run:
             step()
         except Exception as error:  # whatever escapes a plugin
             fault = self._faulted(error)
-            return ending if ending.outcome == "fault" else fault
+            return ending if ending.is_fault else fault
         return ending
 
     def _faulted(self, error: Exception) -> Ending:

@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from executive.errors import ConfigError
+from executive.interfaces.report_file import REPORT
 from executive.mission.run_lock import RunLock
 
 _RESERVE_BYTES = 2**18  # for a report, whose size grows with the number of picks
@@ -107,7 +108,7 @@ class RunFolder:
 
     @property
     def report(self) -> Path:
-        return self.path / "report.json"
+        return self.path / REPORT
 
     @property
     def dry_note(self) -> Path:

@@ -1,13 +1,15 @@
 """What the report of a run says, gathered from the account, the plugins and the mission."""
 
 import logging
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
 
 from executive.errors import DataError
+from executive.interfaces.report import MissionReport
+from executive.interfaces.truth import Truth
 from executive.mission.assembly import Selections
 from executive.mission.machine_folder import MachineFolder
 from executive.mission.mission import Mission
+from executive.mission.record.samples import Samples
 from executive.mission.report import Ending, resources_since, timings_from
 from executive.mission.selections import is_judged, model_of
 from executive.mission.setup import Setup
@@ -15,9 +17,9 @@ from executive.mission.truth import truth_of, witness_of
 from executive.tree.language import MissionFile
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class RunReport:
-    """The report of one run.
+    """Gathers the report of one run.
 
     Attributes:
         description: The mission.
@@ -30,8 +32,9 @@ class RunReport:
     selections: Selections
     setup: Setup
     begun_cpu_s: float
+    _truth: Truth | None = field(default=None, init=False)
 
-    def of(self, ending: Ending, took_s: float, mission: Mission | None) -> dict[str, Any]:
+    def of(self, ending: Ending, took_s: float, mission: Mission | None) -> MissionReport:
         """Return the report, as far as the mission came.
 
         Args:
@@ -40,32 +43,48 @@ class RunReport:
             mission: The mission; None if it could not begin.
         """
         account, ended_s = self.setup.account, self.setup.account.ended_s
+        findings = account.findings
+        guard = None if mission is None else mission.guard
         at_work_s = took_s - (0.0 if mission is None else mission.pause.wall_s)
-        return {
-            "mission": self.description.name,
-            "seed": self.setup.seed,
-            "outcome": ending.outcome,
-            "reason": ending.reason,
-            "fault": ending.fault,
-            "started_s": 0.0,
-            "ended_s": ended_s,
-            "wall_s": round(took_s, 3),
-            "real_time_factor": round(ended_s / max(at_work_s, 1e-3), 3),
-            "picks": [pick.as_report() for pick in account.picks()],
-            "plugins": {
-                key: [one.name for one in several] for key, several in self.selections.items()
+        return MissionReport(
+            mission=self.description.name,
+            seed=self.setup.seed,
+            outcome=ending.outcome,
+            reason=ending.reason,
+            fault=ending.fault,
+            started_s=0.0,
+            ended_s=ended_s,
+            wall_s=round(took_s, 3),
+            real_time_factor=round(ended_s / max(at_work_s, 1e-3), 3),
+            picks=tuple(pick.as_report() for pick in account.picks()),
+            plugins={
+                key: tuple(one.name for one in several) for key, several in self.selections.items()
             },
-            "counts": account.counts(),
-            **account.findings.as_report(),
-            **_observed(mission),
-            "resources": resources_since(self.begun_cpu_s),
-            "timings_ms": timings_from(self._durations_ms(mission)),
-        }
+            counts=account.counts(),
+            figures=findings.figures,
+            marks=findings.marks,
+            stones=findings.stones,
+            maps=findings.maps,
+            structures=findings.structures,
+            ignored_observations={} if mission is None else dict(mission.services.streams.ignored),
+            refused_observations=None if guard is None else dict(guard.refused),
+            scans_not_fused=0 if guard is None else guard.scans_not_fused,
+            stale_states=0 if guard is None else guard.stale_states,
+            faults=() if mission is None else mission.injector.report(),
+            pauses=None if mission is None else mission.pause.as_report(),
+            late_ticks=None if mission is None else mission.late_ticks.as_report(),
+            resources=resources_since(self.begun_cpu_s),
+            timings_ms=timings_from(self._durations_ms(mission)),
+            truth=self._truth,
+        )
 
-    def truth(self, mission: Mission | None) -> dict[str, Any]:
-        """Return what the robot's oracle says of the run; nothing if it has none."""
+    def ask_oracle(self, mission: Mission | None) -> None:
+        """Ask what really happened; `of` then reports it. A robot without an oracle has nothing."""
+        self._truth = self._true(mission)
+
+    def _true(self, mission: Mission | None) -> Truth | None:
         if mission is None or not is_judged(self.description):
-            return {}
+            return None
         name, picks = self.description.plugins["robot"][0].name, self.setup.account.picks()
         robot, machine = mission.services.plugins["robot"], self.setup.machine
         if machine is None:
@@ -78,21 +97,8 @@ class RunReport:
                 return truth_of(witness, name, mission, picks)
         except DataError as error:  # the machine's process was killed: nobody knows what happened
             logging.getLogger(__name__).warning("the report has no truth: %s", error)
-            return {}
+            return None
 
-    def _durations_ms(self, mission: Mission | None) -> dict[str, Any]:
-        durations: dict[str, Any] = dict(self.setup.jobs.durations_ms)
+    def _durations_ms(self, mission: Mission | None) -> dict[str, Samples[float]]:
+        durations = dict(self.setup.jobs.durations_ms)
         return durations if mission is None else durations | mission.services.streams.durations_ms
-
-
-def _observed(mission: Mission | None) -> dict[str, Any]:
-    """Return which observations were ignored or refused, what was injected, and the times."""
-    if mission is None:
-        return {"ignored_observations": {}}
-    injected = mission.injector.report()
-    return {
-        "ignored_observations": dict(mission.services.streams.ignored),
-        **mission.guard.report(),
-        **({"faults": injected} if injected else {}),
-        **mission.time_report(),
-    }

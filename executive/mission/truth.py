@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from executive import registry
 from executive.geometry.pose import transform
 from executive.interfaces.oracle import MissionView, Oracle, Witness
 from executive.interfaces.robot import Robot
+from executive.interfaces.truth import Truth
 from executive.messages.cloud import Cloud
 from executive.messages.placement import Slot
 from executive.mission.assembly import Selections, assemble, needed_for
@@ -19,8 +19,8 @@ from executive.mission.mission import Mission
 from executive.mission.picks import Pick, attempts_from, newest_releases
 
 
-def truth_of(robot: Robot, name: str, mission: Mission, picks: Sequence[Pick]) -> dict[str, Any]:
-    """Return {"truth": …} of a run.
+def truth_of(robot: Robot, name: str, mission: Mission, picks: Sequence[Pick]) -> Truth:
+    """Return what the oracle of a robot says of a run.
 
     Args:
         robot: A robot that has an oracle, and knows what happened.
@@ -51,7 +51,7 @@ def truth_of(robot: Robot, name: str, mission: Mission, picks: Sequence[Pick]) -
         map_cloud=plugins["mapping"].cloud() if "mapping" in plugins else None,
         registered_survey=_registered_survey(mission),
     )
-    return {"truth": oracle.truth(view)}
+    return oracle.truth(view)
 
 
 @contextmanager

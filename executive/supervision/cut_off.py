@@ -41,6 +41,11 @@ class CutOff:
             path.write_text(json.dumps(self._report(), indent=2) + "\n", encoding="utf-8")
 
     def _report(self) -> dict[str, Any]:
+        """Return a `CutOffReport` (executive.interfaces.report) as JSON holds it.
+
+        The supervisor's process imports nothing heavy, such as that class with its arrays: a test
+        reads what is written here as that class.
+        """
         return {
             "mission": self._beacon.text("mission"),
             "outcome": "fault",

@@ -15,7 +15,7 @@ from executive.mission.stop_signals import Aborted
 RESULT = SimpleNamespace(
     summary="success after 3 s",
     folder=SimpleNamespace(report=Path("run/report.json")),
-    report={"outcome": "success"},
+    report=SimpleNamespace(payload=lambda: {"outcome": "success"}),
     exit_status=3,
 )
 

@@ -65,8 +65,7 @@ def run(tmp_path: Path) -> Callable[..., Finished]:
         folder = path.with_suffix("")
         description = load_mission(str(path), overrides)
         result = Run(description, Options(seed=seed, run_dir=folder)).execute(lambda _: None)
-        return Finished(
-            result.report, result.exit_status, list(read_journal(folder / "journal.jsonl"))
-        )
+        events = list(read_journal(folder / "journal.jsonl"))
+        return Finished(result.report.payload(), result.exit_status, events)
 
     return run_one

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from executive.clock import SimulatedClock
+from executive.events.event import plain
 from executive.events.node import NodeEnded, NodeResult, NodeStarted
 from executive.faults import injector as injector_module
 from executive.faults.description import ActuatorFault, PluginFault, SensorFault
@@ -91,7 +92,7 @@ def test_without_faults_nothing_is_put_in_front_of_the_robot():
     found = Injected()
     found.go_to(2.0)
     assert not {"read", "command", "stop"} & set(vars(found.robot))
-    assert (found.events, found.injector.report()) == ([], [])
+    assert (found.events, found.injector.report()) == ([], ())
     assert not found.injector.is_aimed_at("segmentation", "segment")
     assert found.injector.decide("segmentation", "segment") is None
 
@@ -108,7 +109,7 @@ def test_a_fault_of_a_sensor_alters_its_samples_alone_while_it_lasts():
         ("fault_injected", 1, base, "duplicate", False),
         ("fault_removed", 1, base, "duplicate", 2),
     ]
-    assert found.injector.report() == [
+    assert plain(found.injector.report()) == [
         {
             "number": 1,
             "target": base,
@@ -128,7 +129,7 @@ def test_faults_of_one_sensor_act_one_after_the_other_and_each_by_itself():
         found.go_to(time_s)
         counts.append(len(found.robot.read(time_s)))
     assert counts == [1 + 4, 1]
-    assert [one["acted"] for one in found.injector.report()] == [2, 4, 4]
+    assert [one.acted for one in found.injector.report()] == [2, 4, 4]
 
 
 def test_a_fault_goes_on_while_the_mission_is_paused():
@@ -149,7 +150,7 @@ def test_a_fault_that_waits_for_a_node_is_begun_by_its_start_alone():
     assert found.events == []
     found.injector.heed("main/0:Scan", NodeStarted())
     found.go_to(1.5)
-    assert found.injector.report()[0]["spans"] == [{"from_s": 1.0, "to_s": None}]
+    assert plain(found.injector.report()[0].spans) == [{"from_s": 1.0, "to_s": None}]
 
 
 def test_a_robot_is_commanded_through_the_faults_that_are_active():
@@ -160,7 +161,7 @@ def test_a_robot_is_commanded_through_the_faults_that_are_active():
     found.robot.command(SwitchLidars(True))
     assert found.robot.commands[0] == FORWARD
     assert found.robot.commands[-2:] == [MoveJaws(0.3, 4000.0), SwitchLidars(True)]
-    assert found.injector.report()[0]["acted"] == 2  # its begin, and one command
+    assert found.injector.report()[0].acted == 2  # its begin, and one command
 
 
 def test_a_command_that_a_fault_has_swallowed_reaches_no_later_fault():
@@ -172,7 +173,7 @@ def test_a_command_that_a_fault_has_swallowed_reaches_no_later_fault():
     before = len(found.robot.commands)
     found.robot.command(FORWARD)
     assert len(found.robot.commands) == before
-    assert [one["acted"] for one in found.injector.report()] == [2, 1]
+    assert [one.acted for one in found.injector.report()] == [2, 1]
 
 
 def test_a_fault_of_the_arm_shows_once_it_withholds_more_than_the_tracking_error():
@@ -234,7 +235,7 @@ def test_a_verb_fails_for_so_many_calls_while_its_fault_is_active():
         with pytest.raises(InjectedError):
             segmenter.segment("cloud")
     assert segmenter.segment("cloud") == "cloud 1"
-    assert (segmenter.calls, found.injector.report()[0]["acted"]) == (2, 2)
+    assert (segmenter.calls, found.injector.report()[0].acted) == (2, 2)
 
 
 def test_the_first_active_fault_of_a_verb_decides_about_its_call():

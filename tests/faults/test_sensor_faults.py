@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from executive.clock import SimulatedClock
+from executive.events.event import plain
 from executive.faults.description import SensorFault
 from executive.faults.injector import Injector
 from executive.machine.machine import load_machine
@@ -212,7 +213,7 @@ def test_a_fault_of_a_node_begins_so_long_after_its_second_start():
 def test_chance_is_drawn_from_the_seed():
     def spans(seed):
         _, _, injector = run(60.0, seed=seed, sensor="imu", how="silent", chance=0.1, lasts=1.0)
-        return injector.report()[0]["spans"]
+        return plain(injector.report()[0])["spans"]
 
     assert 2 <= len(spans(1)) <= 12  # 6 expected
     assert spans(1) == spans(1) != spans(2)

@@ -81,7 +81,7 @@ def sample(stamp_s, value=0.0):
 def test_an_observation_that_can_be_true_is_taken():
     watched = Watched()
     assert not watched.at(0.0).refuses(sample(0.0))
-    assert watched.guard.report() == {}
+    assert not watched.guard.refused
     assert watched.events == []
 
 
@@ -93,8 +93,8 @@ def test_what_no_sensor_can_measure_is_refused_told_once_a_kind_and_counted():
     assert guard.refuses(sample(0.06, 3.0 * fast))
     assert [type(one) for one in watched.events] == [ObservationRefused]
     assert (watched.events[0].sensor, watched.events[0].stamp_s) == (IMU, 0.05)
-    assert sum(guard.report()["refused_observations"].values()) == 2
-    assert len(guard.report()["refused_observations"]) == 1  # counted together, without numbers
+    assert sum(guard.refused.values()) == 2
+    assert len(guard.refused) == 1  # counted together, without numbers
     assert not guard.refuses(sample(0.07))
     assert guard.refuses(sample(0.08, 2.0 * fast))
     assert len(watched.events) == 2  # told anew after a good one
@@ -109,7 +109,7 @@ def test_scans_are_fused_while_the_estimate_may_be_used_and_its_end_is_told_once
     guard = watched.guard
     assert [guard.may_fuse(0.0) for _ in range(3)] == [False] * 3
     assert [type(one) for one in watched.events] == [ScansNotFused]
-    assert guard.report() == {"scans_not_fused": 3}
+    assert (guard.scans_not_fused, guard.stale_states, guard.refused) == (3, 0, {})
     watched.streams.newest = state(0.0)
     assert guard.may_fuse(0.0)
     watched.streams.newest = state(0.0, "LOST")
@@ -136,9 +136,9 @@ def test_a_state_that_is_too_old_is_judged_as_the_state_of_now():
     guard = watched.at(1.0)
     guard.judge(state(1.0))
     guard.judge(state(1.0 - AGE_S))
-    assert guard.report() == {}
+    assert guard.stale_states == 0
     guard.judge(state(0.9 - AGE_S))
-    assert guard.report() == {"stale_states": 1}
+    assert guard.stale_states == 1
     stamps_s = [one.stamp_s for one in guard.judged]
     assert stamps_s == pytest.approx([1.0, 1.0 - AGE_S, 1.0])
 

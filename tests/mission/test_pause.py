@@ -83,9 +83,9 @@ def test_a_mission_goes_on_after_a_pause_as_if_nothing_had_been(tmp_path, at_s):
     pause = PauseAt(at_s, ticks=80)
     undisturbed = run(tmp_path, SWING, name="undisturbed")
     result = run(tmp_path, SWING, after_tick=pause)
-    assert result.report["outcome"] == "success", result.report["reason"]
+    assert result.report.outcome == "success", result.report.reason
     assert story(result) == story(undisturbed)
-    assert result.report["pauses"]["count"] == 1
+    assert result.report.pauses.count == 1
 
 
 def test_the_machine_is_at_rest_in_a_pause(tmp_path):
@@ -138,7 +138,7 @@ trees:
 
     pause = PauseAt(10.0, ticks=20)
     result = run(tmp_path, text, after_tick=watch)
-    assert result.report["outcome"] == "success"
+    assert result.report.outcome == "success"
     cut_off = [e for e in entries(result) if e.kind == "node_timed_out"]
     assert cut_off
     assert positions[-1] == positions[-60]
@@ -152,8 +152,8 @@ def test_a_plugin_that_fails_when_it_is_told_ends_the_mission_safely(tmp_path, m
         "executive_plugins.mapping.voxel_map.VoxelMap.paused", paused, raising=False
     )
     result = run(tmp_path, SWING, after_tick=PauseAt(6.0, ticks=60))
-    assert (result.report["outcome"], result.exit_status) == ("fault", 3)
-    assert "mapping plugin 'voxel_map' failed in 'paused'" in result.report["reason"]
+    assert (result.report.outcome, result.exit_status) == ("fault", 3)
+    assert "mapping plugin 'voxel_map' failed in 'paused'" in result.report.reason
 
 
 @pytest.fixture
@@ -191,9 +191,9 @@ trees:
       - wait: 1 s
 """
     result = run(tmp_path, ask, after_tick=answer_late)
-    assert result.report["outcome"] == "success", result.report["reason"]
+    assert result.report.outcome == "success", result.report.reason
     assert len(set(polls)) == 1
-    assert result.report["pauses"]["count"] == 1
+    assert result.report.pauses.count == 1
     at_once = run(tmp_path, ask, name="at_once", answer=True)
     assert [line[:4] for line in story(result)] == [line[:4] for line in story(at_once)]
 
@@ -218,7 +218,7 @@ trees:
           - sequence: [{wait: 4 s}, {ask: Go on?}]
 """
     result = run(tmp_path, text, after_tick=answer_late)
-    assert result.report["outcome"] == "success", result.report["reason"]
+    assert result.report.outcome == "success", result.report.reason
     assert speeds[0] > 0.05
     assert speeds[99] < 0.01  # when the answer came; then it takes up its speed again
 
@@ -235,7 +235,7 @@ def test_a_mission_that_is_stopped_in_a_pause_ends_stopped(tmp_path):
             mission.request_stop()
 
     result = run(tmp_path, SWING, after_tick=pause_then_stop)
-    assert (result.report["outcome"], result.exit_status) == ("stopped", 1)
+    assert (result.report.outcome, result.exit_status) == ("stopped", 1)
 
 
 def test_the_pretended_jaws_are_held_in_a_pause_as_well():
@@ -279,9 +279,9 @@ trees: {main: {sequence: [{run: Localise, timeout: 30 s}, {wait: 5 s}]}}
 def test_a_machine_that_drives_brakes_before_time_stands_still(tmp_path):
     way = AskedOnTheWay(lambda mission: mission.toggle_pause())
     result = run(tmp_path, DRIVES, after_tick=way)
-    assert result.report["outcome"] == "success"
-    assert result.report["pauses"]["count"] == 1
-    pause_s = result.report["pauses"]["machine_s"]
+    assert result.report.outcome == "success"
+    assert result.report.pauses.count == 1
+    pause_s = result.report.pauses.machine_s
     braked = way.speeds.index(0.0)
     assert braked * 0.05 <= pause_s, "it went on before it stood"
     assert not any(way.speeds[braked:])
@@ -290,5 +290,5 @@ def test_a_machine_that_drives_brakes_before_time_stands_still(tmp_path):
 def test_a_machine_that_drives_brakes_before_a_stopped_mission_ends(tmp_path):
     way = AskedOnTheWay(lambda mission: mission.request_stop())
     result = run(tmp_path, DRIVES, after_tick=way)
-    assert result.report["outcome"] == "stopped"
+    assert result.report.outcome == "stopped"
     assert way.speeds[-1] == 0.0

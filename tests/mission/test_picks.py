@@ -79,7 +79,7 @@ def test_a_realigned_pose_replaces_the_grippers_estimate():
 
 def test_a_stone_that_was_set_aside_is_not_placed():
     report = Account.of(STORY).picks()[1].as_report()
-    assert (report["placed"], report["set_aside"]) == (False, "three attempts failed")
+    assert (report.placed, report.set_aside) == (False, "three attempts failed")
 
 
 def test_attempts_come_in_order_of_time():
@@ -88,9 +88,9 @@ def test_attempts_come_in_order_of_time():
 
 def test_counts_what_a_person_asks_for():
     counts = Account.of(STORY).counts()
-    assert counts["picks"] == 2
-    assert (counts["placed"], counts["first_attempt"], counts["attempts"]) == (1, 0, 3)
-    assert (counts["drops"], counts["slips"], counts["empty"], counts["set_aside"]) == (1, 0, 1, 1)
+    assert counts.picks == 2
+    assert (counts.placed, counts.first_attempt, counts.attempts) == (1, 0, 3)
+    assert (counts.drops, counts.slips, counts.empty, counts.set_aside) == (1, 0, 1, 1)
 
 
 def test_a_slip_that_ends_in_a_fall_is_one_fall():
@@ -99,13 +99,13 @@ def test_a_slip_that_ends_in_a_fall_is_one_fall():
     account = Account.of(story)
     (pick,) = account.picks()
     assert (pick.tries[0].outcome, pick.tries[0].reason) == ("drop", "gone")
-    assert (account.counts()["drops"], account.counts()["slips"]) == (1, 0)
+    assert (account.counts().drops, account.counts().slips) == (1, 0)
 
 
 def test_a_slip_of_the_next_attempt_is_another_one():
     slip = verdict(Trouble.SLIP, "jaws closed further")
     story = journal_of((10, attempt(1)), (20, slip), (30, attempt(1)), (40, slip))
-    assert Account.of(story).counts()["slips"] == 2
+    assert Account.of(story).counts().slips == 2
 
 
 def test_a_stone_whose_failure_was_final_is_given_up():
@@ -135,11 +135,11 @@ def test_placed_is_what_was_seen():
     )  # fmt: skip
     account = Account.of(story)
     first, second, third = (pick.as_report() for pick in account.picks())
-    assert [t["outcome"] for t in first["attempts"]] == ["off", "placed"]
-    assert [pick["placed"] for pick in (first, second, third)] == [True, False, False]
-    assert [pick["seen"] for pick in (first, second, third)] == ["placed", "off", "unseen"]
+    assert [t.outcome for t in first.attempts] == ["off", "placed"]
+    assert [pick.placed for pick in (first, second, third)] == [True, False, False]
+    assert [pick.seen for pick in (first, second, third)] == ["placed", "off", "unseen"]
     told = ("placed", "off", "unseen", "lost", "corrected", "first_attempt")
-    assert [account.counts()[name] for name in told] == [1, 1, 0, 1, 2, 0]
+    assert [getattr(account.counts(), name) for name in told] == [1, 1, 0, 1, 2, 0]
 
 
 def test_a_placed_stone_that_is_lost_later_is_not_placed_until_it_is_again():
@@ -148,13 +148,13 @@ def test_a_placed_stone_that_is_lost_later_is_not_placed_until_it_is_again():
         (60, StoneLost(1, "is not seen at its place")),
     ]  # fmt: skip
     counts = Account.of(journal_of(*story)).counts()
-    assert (counts["placed"], counts["lost"]) == (0, 1)
+    assert (counts.placed, counts.lost) == (0, 1)
     story += [
         (65, StoneSoughtAgain(1, (1,), "registration", "")),
         (70, attempt(1)), (90, released(1, slot=5)), (95, looked_at(1, "placed")),
     ]  # fmt: skip
     counts = Account.of(journal_of(*story)).counts()
-    assert (counts["placed"], counts["lost"]) == (1, 0)
+    assert (counts.placed, counts.lost) == (1, 0)
 
 
 def test_the_first_cause_of_a_stone_that_is_given_up_is_known():
@@ -177,7 +177,7 @@ def test_stones_that_were_found_and_never_tried_are_told():
         (5, SiteSegmented((1, 2, 3), (9, 9, 9))), (10, attempt(1)), (40, released(1))
     )
     counts = Account.of(story).counts()
-    assert (counts["known"], counts["untouched"], counts["unseen"]) == (3, 2, 1)
+    assert (counts.known, counts.untouched, counts.unseen) == (3, 2, 1)
 
 
 def test_a_stone_that_is_moved_again_is_picked_again():
@@ -188,11 +188,11 @@ def test_a_stone_that_is_moved_again_is_picked_again():
         (90, released(1, slot=5)),
     )
     picks = Account.of(again).picks()
-    assert [(pick.stone, pick.as_report()["slot"], len(pick.tries)) for pick in picks] == [
+    assert [(pick.stone, pick.as_report().slot, len(pick.tries)) for pick in picks] == [
         (1, 4, 1),
         (1, 5, 1),
     ]
-    assert Account.of(again).counts()["first_attempt"] == 2
+    assert Account.of(again).counts().first_attempt == 2
 
 
 def test_an_attempt_that_nothing_ended_lasts_to_the_end_of_the_run():
@@ -213,7 +213,7 @@ def test_a_stone_that_is_taken_up_again_goes_on_with_its_pick():
         (2, 2, ""),
     ]
     counts = Account.of(story).counts()
-    assert (counts["placed"], counts["set_aside"], counts["first_attempt"]) == (2, 0, 0)
+    assert (counts.placed, counts.set_aside, counts.first_attempt) == (2, 0, 0)
 
 
 def test_a_stone_that_is_placed_by_a_surface_seen_later_is_told():
@@ -223,8 +223,8 @@ def test_a_stone_that_is_placed_by_a_surface_seen_later_is_told():
         (60, attempt(2)), (90, released(2)), (95, turned),
     )  # fmt: skip
     account = Account.of(story)
-    assert [pick.as_report()["turn_known"] for pick in account.picks()] == [True, False]
-    assert (account.counts()["placed"], account.counts()["turn_unknown"]) == (2, 1)
+    assert [pick.as_report().turn_known for pick in account.picks()] == [True, False]
+    assert (account.counts().placed, account.counts().turn_unknown) == (2, 1)
 
 
 def test_a_stone_that_was_released_and_not_looked_at_any_more_is_not_placed():
@@ -236,12 +236,12 @@ def test_a_stone_that_was_released_and_not_looked_at_any_more_is_not_placed():
     for entry in story:
         account.add(entry)
     seen, released_only = (pick.as_report() for pick in account.picks())
-    assert (seen["placed"], seen["unverified"]) == (True, False)
-    assert (released_only["placed"], released_only["unverified"]) == (False, True)
-    assert released_only["attempts"][0]["outcome"] == "released, not verified"
+    assert (seen.placed, seen.unverified) == (True, False)
+    assert (released_only.placed, released_only.unverified) == (False, True)
+    assert released_only.attempts[0].outcome == "released, not verified"
     told = ("placed", "unverified", "unseen", "first_attempt")
-    assert [account.counts()[name] for name in told] == [1, 1, 0, 1]
-    assert Account.of(story).counts()["placed"] == 2  # a mission that does not look
+    assert [getattr(account.counts(), name) for name in told] == [1, 1, 0, 1]
+    assert Account.of(story).counts().placed == 2  # a mission that does not look
 
 
 def test_a_mission_verifies_if_a_tree_that_it_calls_does():

@@ -51,8 +51,8 @@ def test_a_timeout_ends_a_verb_that_runs(tmp_path, monkeypatch):
     report = run(tmp_path, SWING, runner="thread")
     has_waited = ended.is_set()
     over.set()
-    assert report["outcome"] == "failure"
-    assert "not done within 1 s" in report["reason"]
+    assert report.outcome == "failure"
+    assert "not done within 1 s" in report.reason
     assert not has_waited
 
 
@@ -61,7 +61,7 @@ def test_a_stop_in_the_tick_in_which_the_tree_succeeds_is_no_success(tmp_path):
         mission.request_stop()
 
     report = run(tmp_path, "trees: {main: {wait: 0.01 s}}", stop, runner="thread")
-    assert report["outcome"] == "stopped"
+    assert report.outcome == "stopped"
 
 
 def test_too_many_late_ticks_bring_the_safe_stop(tmp_path):
@@ -70,9 +70,9 @@ def test_too_many_late_ticks_bring_the_safe_stop(tmp_path):
 
     text = "loop: {late_ticks: 3}\ntrees: {main: {wait: 30 s}}"
     report = run(tmp_path, text, dawdle, runner="thread")
-    assert report["outcome"] == "fault"
-    assert "3 ticks in a row took longer than their 0.05 s" in report["reason"]
-    assert report["late_ticks"]["count"] >= 3
+    assert report.outcome == "fault"
+    assert "3 ticks in a row took longer than their 0.05 s" in report.reason
+    assert report.late_ticks.count >= 3
 
 
 def test_verbs_in_the_tick_of_the_wall_clock_are_refused(tmp_path, monkeypatch, capsys):

@@ -54,8 +54,8 @@ def kinds(result):
 
 def test_a_mission_runs_to_its_end(tmp_path):
     result = run(tmp_path, SWING)
-    assert (result.report["outcome"], result.exit_status) == ("success", 0)
-    assert result.report["counts"]["scans"] == 1
+    assert (result.report.outcome, result.exit_status) == ("success", 0)
+    assert result.report.counts.scans == 1
     for path in (
         result.folder.mission,
         result.folder.journal,
@@ -64,7 +64,7 @@ def test_a_mission_runs_to_its_end(tmp_path):
         result.folder.log,
     ):
         assert path.exists(), path
-    assert json.loads(result.folder.report.read_text()) == result.report
+    assert json.loads(result.folder.report.read_text()) == result.report.payload()
 
 
 def test_what_a_mission_tells_is_in_its_report_and_its_summary(tmp_path):
@@ -81,7 +81,7 @@ trees:
         do: {check: ListStones}
 """
     result = run(tmp_path, told)
-    report = result.report
+    report = result.report.payload()
     assert report["figures"] == {"depth": {"value": 1.5, "unit": "m"}}
     assert [(one["text"], one["position_map"]) for one in report["marks"]] == [("here", [1, 2, 0])]
     assert (report["stones"], report["maps"]) == ([], [])
@@ -91,10 +91,10 @@ trees:
 
 def test_the_report_says_what_the_run_took(tmp_path):
     begun_s = cpu_s()
-    taken = run(tmp_path, SWING).report["resources"]
-    assert 0 < taken["cpu_s"] <= cpu_s() - begun_s + 1e-3  # of this run, not of the whole process
+    taken = run(tmp_path, SWING).report.resources
+    assert 0 < taken.cpu_s <= cpu_s() - begun_s + 1e-3  # of this run, not of the whole process
     own = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss  # kibibytes on Linux
-    assert taken["peak_memory_bytes"] >= 0.5 * own  # it may have grown a little since
+    assert taken.peak_memory_bytes >= 0.5 * own  # it may have grown a little since
 
 
 def test_the_resolved_mission_runs_again_to_the_same_journal(tmp_path):
@@ -134,20 +134,20 @@ def test_two_missions_in_one_process_do_not_see_each_other(tmp_path):
 
 def test_a_failing_tree_is_a_failed_mission_with_the_reason(tmp_path):
     result = run(tmp_path, "trees: {main: {sequence: [{check: SelectLargest}]}}")
-    assert (result.report["outcome"], result.exit_status) == ("failure", 1)
-    assert "no stone is left" in result.report["reason"]
+    assert (result.report.outcome, result.exit_status) == ("failure", 1)
+    assert "no stone is left" in result.report.reason
 
 
 def test_the_time_limit_ends_a_mission(tmp_path):
     result = run(tmp_path, "trees: {main: {wait: 10 min}}", overrides=["loop.time_limit=3"])
-    assert (result.report["outcome"], result.exit_status) == ("failure", 1)
-    assert "time limit of 3 s" in result.report["reason"]
+    assert (result.report.outcome, result.exit_status) == ("failure", 1)
+    assert "time limit of 3 s" in result.report.reason
 
 
 def test_a_robot_that_fails_is_a_fault_and_the_report_is_whole(tmp_path):
     result = run(tmp_path, SWING, overrides=["robot.fails_at_s=6"])
-    assert (result.report["outcome"], result.exit_status) == ("fault", 3)
-    assert "has not answered since 6.00 s" in result.report["reason"]
+    assert (result.report.outcome, result.exit_status) == ("fault", 3)
+    assert "has not answered since 6.00 s" in result.report.reason
     assert kinds(result)[-1] == "mission_ended"
 
 
@@ -162,7 +162,7 @@ def test_a_stop_brings_the_machine_to_rest_along_its_path(tmp_path):
         )
 
     result = run(tmp_path, SWING, after_tick=stop_in_mid_swing)
-    assert (result.report["outcome"], result.exit_status) == ("stopped", 1)
+    assert (result.report.outcome, result.exit_status) == ("stopped", 1)
     assert max(speeds) > 0.05
     assert speeds[-1] < 0.01
     events = [entry.event for entry in read_journal(result.folder.journal)]
@@ -218,7 +218,7 @@ def test_ended_at_once_no_leaf_outlives_the_robot(tmp_path, monkeypatch):
             raise Aborted("stopped at once by the operator")
 
     result = run(tmp_path, SWING, after_tick=ask_twice)
-    assert (result.report["outcome"], result.report["reason"]) == (
+    assert (result.report.outcome, result.report.reason) == (
         "stopped",
         "stopped at once by the operator",
     )
@@ -240,6 +240,6 @@ def test_a_viewer_that_fails_does_not_disturb_the_mission(tmp_path, monkeypatch)
 
     monkeypatch.setattr("executive_plugins.viewing.none.NoViewer.show", show)
     result = run(tmp_path, SWING, overrides=["viewing.plugin=none"], record=True)
-    assert result.report["outcome"] == "success"
+    assert result.report.outcome == "success"
     assert result.folder.log.read_text().count("viewing plugin 'none' failed in 'show'") == 1
-    assert result.report["counts"]["plugin_failures"] == 1
+    assert result.report.counts.plugin_failures == 1

@@ -70,7 +70,7 @@ def released(stone, slot):
 
 
 def test_without_stones_and_a_map_only_the_states_are_compared(seen):
-    assert truth_of(ROBOT, "toy", mission(), []) == {"truth": 1}
+    assert truth_of(ROBOT, "toy", mission(), []) == 1
     (view,) = seen
     assert view.states == ("state 1", "state 2")
     assert (view.stones, view.slots, view.attempts) == ((), {}, [])
@@ -82,7 +82,10 @@ def test_stones_and_attempts_are_told_on_the_machines_time(seen):
     stones = [SimpleNamespace(id=7)]
     objects = SimpleNamespace(stones=lambda: stones, history={7: [event]}.__getitem__)
     mapper = SimpleNamespace(cloud=lambda: "the map")
-    picks = [Pick(7, tries=[tried(7, 1.0, 3.0)], released=released(7, 2)), Pick(8)]
+    picks = [
+        Pick(7, is_verified=False, tries=[tried(7, 1.0, 3.0)], released=released(7, 2)),
+        Pick(8, is_verified=False),
+    ]
     truth_of(ROBOT, "toy", mission(objects=objects, mapping=mapper), picks)
     (view,) = seen
     assert (view.stones, view.map_cloud) == (stones, "the map")
@@ -96,8 +99,12 @@ def test_stones_and_attempts_are_told_on_the_machines_time(seen):
 
 
 def test_the_newest_pick_of_a_stone_decides_on_its_slot(seen):
-    picks = [Pick(1, released=released(1, 4)), Pick(1, released=released(1, 5)),
-             Pick(2, released=released(2, 6)), Pick(2, set_aside="too heavy")]  # fmt: skip
+    picks = [
+        Pick(1, is_verified=False, released=released(1, 4)),
+        Pick(1, is_verified=False, released=released(1, 5)),
+        Pick(2, is_verified=False, released=released(2, 6)),
+        Pick(2, is_verified=False, set_aside="too heavy"),
+    ]
     truth_of(ROBOT, "toy", mission(), picks)
     assert {stone: slot.id for stone, slot in seen[0].slots.items()} == {1: 5}
 

@@ -4,6 +4,7 @@ import pytest
 
 from executive.campaign.figures.metrics.examples import AsNamed, FalseSuccess
 from executive.interfaces.metric import RunRecord, Share, TimedEvent
+from executive.interfaces.report_file import REPORT, read_report
 from executive.journal import read_journal
 from executive.leaf.map_file import read_map
 
@@ -55,7 +56,7 @@ def test_an_example_does_what_its_name_says(name, request):
     assert (finished.report["outcome"], finished.report["reason"]) == ("success", "")
     journal = read_journal(finished.folder / "journal.jsonl")
     events = tuple(TimedEvent(one.time_s, one.event, one.node) for one in journal)
-    run = RunRecord(finished.report, events)
+    run = RunRecord(read_report(finished.folder / REPORT), events)
     assert AsNamed().measure(run) == Share(1, 1)
     assert FalseSuccess().measure(run) == Share(0, 1)
     assert finished.report["truth"]["collisions"] == []

@@ -59,8 +59,8 @@ def test_the_same_seed_gives_the_same_journal_over_all_runners(tmp_path, quick):
 
 def test_an_empty_site_is_a_failure_that_says_so(tmp_path):
     result = run(tmp_path, "pick_and_place", "robot.site.stones.count=0")
-    assert (result.report["outcome"], result.exit_status) == ("failure", 1)
-    assert "no stone was found on the site" in result.report["reason"]
+    assert (result.report.outcome, result.exit_status) == ("failure", 1)
+    assert "no stone was found on the site" in result.report.reason
 
 
 def test_stones_out_of_reach_are_set_aside_with_the_reason(tmp_path):
@@ -68,9 +68,9 @@ def test_stones_out_of_reach_are_set_aside_with_the_reason(tmp_path):
     stones = [f"robot.site.stones.{setting}" for setting in far]
     # The other scenarios draw no stone that the machine cannot lift where it lies.
     result = run(tmp_path, "pick_and_place", "robot.scenario=kind", *stones)
-    assert (result.report["outcome"], result.exit_status) == ("failure", 1)
-    assert "none of 1 stones is placed: 1 set aside" in result.report["reason"]
-    assert "out_of_reach" in result.report["picks"][0]["set_aside"]
+    assert (result.report.outcome, result.exit_status) == ("failure", 1)
+    assert "none of 1 stones is placed: 1 set aside" in result.report.reason
+    assert "out_of_reach" in result.report.picks[0].set_aside
 
 
 def test_an_unreadable_drone_cloud_ends_before_anything_moves(tmp_path):
@@ -78,8 +78,8 @@ def test_an_unreadable_drone_cloud_ends_before_anything_moves(tmp_path):
     cloud.write_text("ply\nformat ascii 1.0\nelement vertex 3\n")
     chosen = ("surveying.plugin=point_cloud_file", f"surveying.path={cloud}")
     result = run(tmp_path, "map_site", *chosen)
-    assert (result.report["outcome"], result.exit_status) == ("failure", 1)
-    assert "drone.ply" in result.report["reason"]
+    assert (result.report.outcome, result.exit_status) == ("failure", 1)
+    assert "drone.ply" in result.report.reason
     assert [
         entry for entry in read_journal(result.folder.journal) if entry.kind == "site_scanned"
     ] == []

@@ -1,9 +1,12 @@
 """A run that was cut off is told with plugin, verb and place, and has a report all the same."""
 
 import json
+from dataclasses import asdict
 
 import pytest
 
+from executive.interfaces.report import CutOffReport
+from executive.interfaces.report_file import read_report
 from executive.supervision.cut_off import CutOff
 
 STACK = """Current thread (most recent call first):
@@ -66,10 +69,11 @@ def test_outside_of_a_plugin_the_place_is_the_innermost_line(tmp_path):
 
 def test_the_report_says_what_is_known(tmp_path):
     CutOff(Beacon(tmp_path, ACTIVITY, STACK), -9, "it hangs").write_report()
-    report = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
-    assert (report["mission"], report["outcome"]) == ("small", "fault")
-    assert report["reason"].startswith("motion plugin 'mine' failed in 'move': it hangs")
-    assert report["fault"] == {
+    report = read_report(tmp_path / "report.json")
+    assert isinstance(report, CutOffReport)
+    assert (report.mission, report.outcome) == ("small", "fault")
+    assert report.reason.startswith("motion plugin 'mine' failed in 'move': it hangs")
+    assert asdict(report.fault) == {
         "component": "motion plugin 'mine'",
         "capability": "motion",
         "name": "mine",

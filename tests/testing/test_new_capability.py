@@ -119,7 +119,7 @@ def test_a_mission_drills(tmp_path: Path, step_m: str, outcome: str) -> None:
     (tmp_path / "drill_once.yaml").write_text(MISSION % step_m)
     mission = load_mission(str(tmp_path / "drill_once.yaml"), [])
     result = Run(mission, Options(run_dir=tmp_path / "run")).execute(lambda mission: None)
-    assert result.report["outcome"] == outcome
+    assert result.report.outcome == outcome
 
 
 @pytest.mark.usefixtures("drill")

@@ -1,4 +1,4 @@
-"""mypy refuses a misspelt verb, argument, port or field between leaves, plugins and journal."""
+"""mypy refuses a misspelt verb, port or field between leaves, plugins, journal and report."""
 
 import sys
 from pathlib import Path
@@ -50,8 +50,31 @@ MISTAKES = {
 }
 
 
+METRIC = """
+from executive.interfaces.metric import Metric, RunRecord, Values
+
+
+class Slips(Metric):
+    title = "slips by the stones of the site"
+
+    def measure(self, run: RunRecord) -> Values | None:
+        truth = run.report.truth
+        if truth is None or not truth.objects:
+            return None
+        return Values((run.report.counts.slips / truth.objects.stones,))
+"""
+MISREADINGS = {
+    "a misspelt field of the report": ("report.truth", "report.thruth", 'no attribute "thruth"'),
+    "a misspelt count": ("counts.slips", "counts.slip", 'has no attribute "slip"'),
+    "a misspelt field of the truth": ("objects.stones", "objects.stone", "has no attribute"),
+    "a truth that may be absent": ("truth is None or not", "not", 'of "Truth | None" has no'),
+    "a part of the truth that may be empty": (" or not truth.objects", "", 'Item "Nothing" of'),
+    "a field by its name in the file": ("counts.slips", 'counts["slips"]', "not indexable"),
+}
+
+
 def checked(folder: Path, text: str) -> str:
-    """Return what `mypy --strict` says of a leaf of a package that uses the executive."""
+    """Return what `mypy --strict` says of a module of a package that uses the executive."""
     path = folder / "leaf.py"
     path.write_text(text, encoding="utf-8")
     cache = ROOT / ".mypy_cache" / "seam"
@@ -80,5 +103,20 @@ def test_mypy_refuses(tmp_path: Path, mistake: tuple[str, str, str]) -> None:
     right, wrong, words = mistake
     assert right in LEAF
     said = checked(tmp_path, LEAF.replace(right, wrong))
+    assert "leaf.py" in said
+    assert words in said
+
+
+@pytest.mark.slow
+def test_mypy_takes_a_metric_without_a_mistake(tmp_path: Path) -> None:
+    assert checked(tmp_path, METRIC).startswith("Success"), sys.version
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mistake", MISREADINGS.values(), ids=list(MISREADINGS))
+def test_mypy_refuses_in_a_metric(tmp_path: Path, mistake: tuple[str, str, str]) -> None:
+    right, wrong, words = mistake
+    assert right in METRIC
+    said = checked(tmp_path, METRIC.replace(right, wrong))
     assert "leaf.py" in said
     assert words in said

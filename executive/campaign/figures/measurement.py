@@ -1,6 +1,5 @@
 """Measurements of one run: what it left behind, its metrics, and both as JSON holds them."""
 
-import json
 import logging
 import math
 import traceback
@@ -19,6 +18,8 @@ from executive.interfaces.metric import (
     TimedEvent,
     Values,
 )
+from executive.interfaces.report import CutOffReport, MissionReport
+from executive.interfaces.report_file import read_report
 from executive.journal import read_journal
 from executive.mission.fault import place_of
 from executive.mission.run_folder import RunFolder
@@ -28,21 +29,17 @@ def record_of(folder: Path) -> RunRecord:
     """Read what a run left behind in its folder.
 
     Raises:
-        DataError: If there is no report, or report or journal is damaged; it names the place.
+        DataError: If there is no report, the run was cut off, or report or journal is damaged; it
+            names the place.
     """
     run = RunFolder(folder)
     return RunRecord(_report(run.report), _events(run.journal))
 
 
-def _report(path: Path) -> Mapping[str, Any]:
-    try:
-        report = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise DataError(f"{path}: there is no report, so the run has not ended") from error
-    except (OSError, ValueError, RecursionError) as error:
-        raise DataError(f"{path}: not a report of a run: {error}") from error
-    if not isinstance(report, dict) or "outcome" not in report:
-        raise DataError(f"{path}: not a report of a run: it has no field 'outcome'")
+def _report(path: Path) -> MissionReport:
+    report = read_report(path)
+    if isinstance(report, CutOffReport):
+        raise DataError(f"{path}: the run was cut off: {report.reason}; nothing can be measured")
     return report
 
 

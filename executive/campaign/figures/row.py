@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from executive.campaign.figures.measurement import measurements_from
 from executive.campaign.trial import Outcome, Status, Trial
 from executive.interfaces.metric import Measurement
+from executive.interfaces.report import MissionEnding
+from executive.interfaces.report_file import ending_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +40,10 @@ def row_of(trial: Trial, outcome: Outcome) -> Row:
     """Return the row of a trial of the work `mission`, from its outcome in the ledger.
 
     Raises:
-        DataError: If the answer's measurements are not what `measure` returns.
+        DataError: If the answer's measurements are not what `measure` returns, or its report does
+            not tell how the mission ended.
     """
-    answer = outcome.answer
+    answer, ending = outcome.answer, ending_of(outcome)
     measurements, problems = measurements_from(answer.get("measurements", {}))
     return Row(
         number=trial.number,
@@ -48,6 +51,16 @@ def row_of(trial: Trial, outcome: Outcome) -> Row:
         levels=trial.levels,
         has_answer=outcome.status is Status.DONE,
         measurements=measurements,
-        is_faulted=answer.get("report", {}).get("outcome") == "fault",
+        is_faulted=ending is not None and ending.outcome == "fault",
         problems=problems,
     )
+
+
+def ending_of(outcome: Outcome) -> MissionEnding | None:
+    """Return how a trial's mission ended; None without an answer, and of work that is no mission.
+
+    Raises:
+        DataError: If the report in its answer does not tell.
+    """
+    report = outcome.answer.get("report")
+    return None if report is None else ending_in(report)

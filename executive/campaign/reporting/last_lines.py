@@ -5,6 +5,7 @@ from pathlib import Path
 
 from executive.campaign.reporting.journal_line import journal_line
 from executive.campaign.reporting.wording import shortened
+from executive.interfaces.report_file import REPORT
 
 _BYTES = 32_768  # read from the end of a file
 _WIDTH = 160
@@ -18,7 +19,7 @@ def last_lines(folder: Path, count: int = 8) -> list[str]:
         count: The largest number of lines of each.
     """
     lines = [_of_journal(line) for line in _end(folder / "journal.jsonl")[-count:]]
-    if not (folder / "report.json").is_file():
+    if not (folder / REPORT).is_file():
         printed = [*_end(folder / "log.txt"), *_end(folder / "output.txt")]
         lines += [shortened(line, _WIDTH) for line in printed[-count:]]
     return lines

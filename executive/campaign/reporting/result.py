@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from executive.campaign.figures.row import Row, row_of
+from executive.campaign.figures.row import Row, ending_of, row_of
 from executive.campaign.trial import Outcome, Status, Trial
 from executive.interfaces.metric import Measurement
 
@@ -67,13 +67,13 @@ def results_of(trials: Iterable[Trial], outcomes: Iterable[Outcome]) -> Iterator
 
 
 def _result(trial: Trial, outcome: Outcome) -> Result:
-    report = outcome.answer.get("report") or {}
+    ending = ending_of(outcome)
     return Result(
         trial=trial,
         row=row_of(trial, outcome),
         status=outcome.status,
-        outcome=str(report.get("outcome", "")),
-        reason=outcome.reason or str(report.get("reason") or ""),
+        outcome="" if ending is None else ending.outcome,
+        reason=outcome.reason or ("" if ending is None else ending.reason or ""),
         wall_s=outcome.wall_s,
         cpu_s=outcome.cpu_s,
         peak_memory_bytes=outcome.peak_memory_bytes,

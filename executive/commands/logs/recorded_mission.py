@@ -12,6 +12,7 @@ from executive.errors import DataError
 from executive.estimate.compare import compare
 from executive.estimate.material import Material
 from executive.estimate.options import EstimateOptions
+from executive.events.event import plain
 from executive.interfaces.oracle import MissionView, Oracle
 from executive.messages.base_state import BaseState
 from executive.mission.mission import Mission
@@ -45,7 +46,8 @@ class RecordedMission:
                 f"{self.log}: this robot has no oracle, so the truth about the run is not known"
             )
         view = MissionView(states=states, stones=(), slots={}, attempts=())
-        return cast(Mapping[str, Mapping[str, float]], self.oracle.truth(view)["estimate"])
+        found = plain(self.oracle.truth(view).estimate)
+        return cast(Mapping[str, Mapping[str, float]], found)
 
 
 def is_mission(name: Path) -> bool:

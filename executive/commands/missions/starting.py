@@ -43,5 +43,5 @@ def carried_out(made: "Run", watched: Watchers, *, quiet: bool, as_json: bool) -
     say(result.summary)
     say(f"  report     {result.folder.report}")
     if as_json:
-        answer(result.report)
+        answer(result.report.payload())
     return result.exit_status

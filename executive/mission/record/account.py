@@ -27,6 +27,7 @@ from executive.events.stone import (
     StoneSetAside,
     StoneSoughtAgain,
 )
+from executive.interfaces.report import Counts
 from executive.journal import Entry
 from executive.messages.verdict import Trouble
 from executive.mission.picks import Pick, Picks
@@ -185,30 +186,30 @@ class Account:
         ]
         return min(found)[1] if found else ""
 
-    def counts(self) -> dict[str, int]:
+    def counts(self) -> Counts:
         """Return the counts of the report."""
         picks, kinds, troubles = self.picks(), self._kinds, self._troubles
         placed = [pick for pick in picks if pick.is_placed]
-        return {
-            "picks": len(picks),
-            "placed": len(placed),
-            "attempts": sum(len(pick.tries) for pick in picks),
-            "first_attempt": sum(len(pick.tries) == 1 for pick in placed),
-            "slips": troubles[Trouble.SLIP],
-            "drops": troubles[Trouble.DROP],
-            "empty": kinds[JawsClosedOnNothing],
-            "set_aside": sum(bool(pick.set_aside) for pick in picks),
-            "known": len(self._known | {pick.stone for pick in picks}),
-            "untouched": len(self._known - {pick.stone for pick in picks if pick.tries}),
-            "off": sum(pick.is_off for pick in picks),
-            "unverified": sum(pick.is_unverified for pick in picks),
-            "turn_unknown": sum(pick.is_turn_unknown for pick in picks),
-            "unseen": sum(pick.is_unseen for pick in placed),
-            "lost": len(self._lost),
-            "corrected": self._corrected,
-            "registrations": kinds[SurveyRegistered],
-            "registrations_accepted": self._accepted,
-            "scans": kinds[SiteScanned],
-            "not_retried": kinds[NodeNotRetried],
-            "plugin_failures": kinds[PluginFailed],
-        }
+        return Counts(
+            picks=len(picks),
+            placed=len(placed),
+            attempts=sum(len(pick.tries) for pick in picks),
+            first_attempt=sum(len(pick.tries) == 1 for pick in placed),
+            slips=troubles[Trouble.SLIP],
+            drops=troubles[Trouble.DROP],
+            empty=kinds[JawsClosedOnNothing],
+            set_aside=sum(bool(pick.set_aside) for pick in picks),
+            known=len(self._known | {pick.stone for pick in picks}),
+            untouched=len(self._known - {pick.stone for pick in picks if pick.tries}),
+            off=sum(pick.is_off for pick in picks),
+            unverified=sum(pick.is_unverified for pick in picks),
+            turn_unknown=sum(pick.is_turn_unknown for pick in picks),
+            unseen=sum(pick.is_unseen for pick in placed),
+            lost=len(self._lost),
+            corrected=self._corrected,
+            registrations=kinds[SurveyRegistered],
+            registrations_accepted=self._accepted,
+            scans=kinds[SiteScanned],
+            not_retried=kinds[NodeNotRetried],
+            plugin_failures=kinds[PluginFailed],
+        )

@@ -1,9 +1,8 @@
 """What a mission reported about the site: figures, marks, stones, structures and saved maps."""
 
-from typing import Any
-
-from executive.events.finding import FigureReported, MapSaved, Marked, StonesListed
+from executive.events.finding import FigureReported, ListedStone, MapSaved, Marked, StonesListed
 from executive.events.site import BuildingEnded
+from executive.interfaces.report import FigureReport, MarkReport
 from executive.journal import Entry
 
 
@@ -31,14 +30,37 @@ class Findings:
             case BuildingEnded() as event:
                 self._structures[event.structure] = event
 
-    def as_report(self) -> dict[str, Any]:
-        """Return the entries of the report."""
-        return {
-            "figures": {
-                name: {"value": one.value, "unit": one.unit} for name, one in self._figures.items()
-            },
-            "marks": [{"time_s": time_s, **mark.payload()} for time_s, mark in self._marks],
-            "stones": list(self._stones.stones) if self._stones is not None else [],
-            "maps": [one.payload() for one in self._maps.values()],
-            "structures": [one.payload() for one in self._structures.values()],
-        }
+    @property
+    def figures(self) -> dict[str, FigureReport]:
+        """Return the newest figure of each name."""
+        return {name: FigureReport(one.value, one.unit) for name, one in self._figures.items()}
+
+    @property
+    def marks(self) -> tuple[MarkReport, ...]:
+        """Return all marks in order of time."""
+        return tuple(
+            MarkReport(
+                time_s=time_s,
+                text=mark.text,
+                kind_of_place=mark.kind_of_place,
+                position_map=mark.position_map,
+                stone=mark.stone,
+                region=mark.region,
+            )
+            for time_s, mark in self._marks
+        )
+
+    @property
+    def stones(self) -> tuple[ListedStone, ...]:
+        """Return the newest list of stones; empty without one."""
+        return () if self._stones is None else self._stones.stones
+
+    @property
+    def maps(self) -> tuple[MapSaved, ...]:
+        """Return the maps that were saved, the newest of each file."""
+        return tuple(self._maps.values())
+
+    @property
+    def structures(self) -> tuple[BuildingEnded, ...]:
+        """Return what was built, the newest end of each structure."""
+        return tuple(self._structures.values())

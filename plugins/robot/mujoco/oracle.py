@@ -1,7 +1,6 @@
 """The truth about a simulated run: poses of stones, collisions, and errors of estimates."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from executive_plugins.robot.mujoco.machine.legs import Legs
@@ -19,7 +18,21 @@ from executive.geometry.pose import transform
 from executive.geometry.rotation import angle_between
 from executive.interfaces.oracle import Attempt, MissionView, Oracle
 from executive.interfaces.robot import Robot
+from executive.interfaces.truth import (
+    AngleErrors,
+    Collision,
+    EstimateErrors,
+    MapErrors,
+    Nothing,
+    PositionErrors,
+    RegistrationErrors,
+    Stance,
+    TrueGrasp,
+    TrueStone,
+    Truth,
+)
 from executive.messages.base_state import BaseState
+from executive.messages.cloud import Cloud
 
 _LIFTED_M = 0.15  # rise from which a stone counts as lifted
 _DROPPED_M = 0.15  # fall from which a stone counts as dropped; releases are lower
@@ -41,43 +54,45 @@ class MujocoOracle(Oracle):
         self._legs = robot.world.legs
         self._hand = {robot.world.machine.gripper_link, *robot.world.machine.gripper.links}
 
-    def truth(self, view: MissionView) -> dict[str, object]:
-        """Return `scenario`, `stance`, `stones`, `grasps`, `collisions`, `ground_contacts`,
-        `estimate`, `objects`, `realignments`, `map`, `registration`.
+    def truth(self, view: MissionView) -> Truth:
+        """Return what really happened.
 
-        `ground_contacts` counts contacts of gripper or jaws with the ground. They are not
-        collisions, since the jaws close around a stone that lies on it.
+        Contacts of gripper or jaws with the ground are counted and are no collisions, since the
+        jaws close around a stone that lies on it.
         """
         tracking = Tracking(self._log, view.histories or {})
         targets = [(attempt.started_s, self._nearest(attempt)) for attempt in view.attempts]
         spans = self._log.spans()
-        return {
-            "scenario": self._scenario,
-            "stance": _stance(self._legs),
-            "stones": self._stones(view, tracking),
-            "grasps": [
+        return Truth(
+            scenario=self._scenario,
+            stance=_stance(self._legs),
+            stones=self._stones(view, tracking),
+            grasps=tuple(
                 self._grasp(view.attempts, i, target) for i, (_, target) in enumerate(targets)
-            ],
-            "collisions": [_as_report(span) for span in spans if self._is_collision(span, targets)],
-            "ground_contacts": sum(
+            ),
+            collisions=tuple(
+                _as_report(span) for span in spans if self._is_collision(span, targets)
+            ),
+            ground_contacts=sum(
                 span.link in self._hand and span.other == TERRAIN for span in spans
             ),
-            "estimate": _estimate(view.states, self._log),
-            "objects": {} if view.histories is None else tracking.objects(),
-            "realignments": tracking.realignments(),
-            **self._clouds(view),
-        }
+            estimate=_estimate(view.states, self._log),
+            objects=Nothing() if view.histories is None else tracking.objects(),
+            realignments=tracking.realignments(),
+            map=self._map(view.map_cloud),
+            registration=self._registration(view.registered_survey),
+        )
 
-    def _clouds(self, view: MissionView) -> dict[str, Any]:
-        """Return `map` and `registration`; each is empty without its cloud."""
-        found: dict[str, Any] = {"map": {}, "registration": {}}
-        if view.map_cloud is not None:
-            surface = TrueSurface(self._site, self._log, self._log.end_s)
-            found["map"] = surface.distances(view.map_cloud.points)
-        if view.registered_survey is not None:
-            at_first = TrueSurface(self._site, self._log, 0.0)  # as the survey saw it
-            found["registration"] = at_first.misplacement(view.registered_survey.points)
-        return found
+    def _map(self, cloud: Cloud | None) -> Nothing | MapErrors:
+        if cloud is None:
+            return Nothing()
+        return TrueSurface(self._site, self._log, self._log.end_s).distances(cloud.points)
+
+    def _registration(self, survey: Cloud | None) -> Nothing | RegistrationErrors:
+        if survey is None:
+            return Nothing()
+        # The surface at the begin is the one that the survey saw.
+        return TrueSurface(self._site, self._log, 0.0).misplacement(survey.points)
 
     def _nearest(self, attempt: Attempt) -> int:
         """Return the index of the stone that an attempt was for, by true centroids.
@@ -89,48 +104,46 @@ class MujocoOracle(Oracle):
         )
         return int(np.argmin(distances)) if len(distances) else -1
 
-    def _stones(self, view: MissionView, tracking: Tracking) -> list[dict[str, Any]]:
+    def _stones(self, view: MissionView, tracking: Tracking) -> tuple[TrueStone, ...]:
         touched = touching(self._site, self._at_end())
-        return [
-            self._stone(i, view, tracking) | {"touches": touched[i]}
-            for i in range(len(self._log.stones))
-        ]
+        return tuple(
+            self._stone(i, view, tracking, touched[i]) for i in range(len(self._log.stones))
+        )
 
     def _at_end(self) -> list[Float]:
         """Return the pose of each stone at the end, (4, 4) each."""
         return [self._log.T_world_stone(i, self._log.end_s) for i in range(len(self._log.stones))]
 
-    def _stone(self, i: int, view: MissionView, tracking: Tracking) -> dict[str, Any]:
-        report: dict[str, Any] = {"id": i + 1, "held_object": None, "slot_error_m": None}
-        report |= {"database_error_m": None, "database_error_rad": None, "models": 0}
-        report |= self._at_the_end(i)
-        number = tracking.found_as(i)
-        if number is None:
-            return report
-        report["held_object"] = number
-        T_end = self._log.T_world_stone(i, self._log.end_s)
-        if number in view.slots:
-            report["slot_error_m"] = float(
-                np.linalg.norm(T_end[:2, 3] - view.slots[number].position_map[:2])
-            )
-        now = next((stone for stone in view.stones if stone.id == number), None)
-        if now is not None:
-            report |= tracking.error(number, now.T_map_object)
-        return report
-
-    def _at_the_end(self, i: int) -> dict[str, Any]:
-        """Return the volume of a stone, and where it lies at the end, in the map."""
+    def _stone(
+        self, i: int, view: MissionView, tracking: Tracking, touches: tuple[str, ...]
+    ) -> TrueStone:
+        """Return a stone as it lies at the end, and how the mission knows it."""
         model, T_end = self._site.stones[i], self._log.T_world_stone(i, self._log.end_s)
         corners = transform(T_end, model.hull)
-        return {
-            "volume_m3": model.volume_m3,
-            "centre_m": T_end[:3, 3],
-            "outline_m": outline_of(corners),
-            "bottom_m": float(corners[:, 2].min()),
-            "top_m": float(corners[:, 2].max()),
-        }
+        number = tracking.found_as(i)
+        slot = None if number is None else view.slots.get(number)
+        known = next((stone for stone in view.stones if stone.id == number), None)
+        error = None if known is None else tracking.error(known.id, known.T_map_object)
+        return TrueStone(
+            id=i + 1,
+            held_object=number,
+            slot_error_m=(
+                None
+                if slot is None
+                else float(np.linalg.norm(T_end[:2, 3] - slot.position_map[:2]))
+            ),
+            database_error_m=None if error is None else error.away_m,
+            database_error_rad=None if error is None else error.away_rad,
+            models=0 if error is None else error.models,
+            volume_m3=model.volume_m3,
+            centre_m=T_end[:3, 3],
+            outline_m=outline_of(corners),
+            bottom_m=float(corners[:, 2].min()),
+            top_m=float(corners[:, 2].max()),
+            touches=touches,
+        )
 
-    def _grasp(self, attempts: Sequence[Attempt], i: int, target: int) -> dict[str, Any]:
+    def _grasp(self, attempts: Sequence[Attempt], i: int, target: int) -> TrueGrasp:
         attempt = attempts[i]
         until_s = attempt.ended_s + _AFTERMATH_S
         if i + 1 < len(attempts):
@@ -141,11 +154,11 @@ class MujocoOracle(Oracle):
         # Where it lay: the attempt may have begun in a process that has ended.
         lay_m = self._log.centroids(attempt.started_s)[target, 2] if target >= 0 else 0.0
         is_lifted = bool(len(heights)) and float(heights.max() - lay_m) > _LIFTED_M
-        return {
-            "object": attempt.stone_id,
-            "lifted": is_lifted,
-            "dropped": is_lifted and _fell(heights, distances),
-        }
+        return TrueGrasp(
+            object=attempt.stone_id,
+            lifted=is_lifted,
+            dropped=is_lifted and _fell(heights, distances),
+        )
 
     def _is_collision(self, span: Span, targets: Sequence[tuple[float, int]]) -> bool:
         """Return whether a contact was a collision.
@@ -163,11 +176,9 @@ class MujocoOracle(Oracle):
         return not begun or self._log.stones[begun[-1]] != span.other
 
 
-def _stance(legs: Legs | None) -> dict[str, float]:
-    """Return how near a machine on its legs came to tipping; empty of one that is welded."""
-    if legs is None:
-        return {}
-    return {"most_tilt_rad": legs.most_tilt_rad, "least_margin_m": legs.least_margin_m}
+def _stance(legs: Legs | None) -> Nothing | Stance:
+    """Return how near a machine on its legs came to tipping; nothing of one that is welded."""
+    return Nothing() if legs is None else Stance(legs.most_tilt_rad, legs.least_margin_m)
 
 
 def _fell(heights: Float, distances: Float) -> bool:
@@ -182,29 +193,32 @@ def _fell(heights: Float, distances: Float) -> bool:
     return bool(heights[top + held] - heights[top + held :].min() > _DROPPED_M)
 
 
-def _as_report(span: Span) -> dict[str, Any]:
-    return {
-        "bodies": [span.link, span.other],
-        "from_s": round(span.from_s, 2),
-        "to_s": round(span.to_s, 2),
-        "max_force_n": round(span.max_force_n, 1),
-    }
+def _as_report(span: Span) -> Collision:
+    return Collision(
+        bodies=(span.link, span.other),
+        from_s=round(span.from_s, 2),
+        to_s=round(span.to_s, 2),
+        max_force_n=round(span.max_force_n, 1),
+    )
 
 
-def _estimate(states: Sequence[BaseState], log: TruthLog) -> dict[str, Any]:
-    """Return the errors of the estimated cabin pose; empty if there was no estimate."""
+def _estimate(states: Sequence[BaseState], log: TruthLog) -> Nothing | EstimateErrors:
+    """Return the errors of the estimated cabin pose; nothing if there was no estimate."""
     ready = [state for state in states if state.is_ready and state.stamp_s <= log.end_s]
     if not ready:
-        return {}
+        return Nothing()
     true = [log.T_world_cabin(state.stamp_s) for state in ready]
     offsets = np.array([s.T_map_cabin[:3, 3] - T[:3, 3] for s, T in zip(ready, true, strict=True)])
     turns = [
         angle_between(T[:3, :3], s.T_map_cabin[:3, :3]) for s, T in zip(ready, true, strict=True)
     ]
     bias, std = float(np.linalg.norm(offsets.mean(axis=0))), float(offsets.std(axis=0).mean())
-    distances = _statistics(np.linalg.norm(offsets, axis=1)) | {"bias": bias, "component_std": std}
-    return {"error_m": distances, "error_rad": _statistics(np.array(turns))}
+    return EstimateErrors(
+        PositionErrors(*_statistics(np.linalg.norm(offsets, axis=1)), bias, std),
+        AngleErrors(*_statistics(np.array(turns))),
+    )
 
 
-def _statistics(values: Float) -> dict[str, float]:
-    return {"mean": float(values.mean()), "std": float(values.std()), "max": float(values.max())}
+def _statistics(values: Float) -> tuple[float, float, float]:
+    """Return the mean, the standard deviation and the largest value."""
+    return float(values.mean()), float(values.std()), float(values.max())

@@ -142,14 +142,14 @@ def measured(minutes: int, settled: int) -> list[Figure]:
         noted = Minutes(minutes, Path(folder) / "run")
         options = Options(run_dir=Path(folder) / "run", real_time=True)
         report = Run(load_mission(str(path)), options).execute(noted).report
-    ended = f"{report['outcome']}: {report['reason']}"
+    ended = f"{report.outcome}: {report.reason}"
     intervals = noted.intervals_ms[: noted.count]
     p50, p99, worst = np.percentile(intervals if noted.count else [np.nan], [50, 99, 100])
     late = int((intervals > WORST_MS.must).sum())
     growth = noted.memory_mb[-1] - noted.memory_mb[settled - 1]
     words = f"{growth:+.2f} ({noted.memory_mb[settled - 1]:.1f} to {noted.memory_mb[-1]:.1f})"
     return [
-        judged("how it ended", ended, "stopped by the operator", report["outcome"] == "stopped"),
+        judged("how it ended", ended, "stopped by the operator", report.outcome == "stopped"),
         Figure("tick interval, median [ms]", f"{p50:.1f} (n = {noted.count})"),
         held("tick interval, 99 % [ms]", p99, P99_MS, f"{p99:.1f}"),
         held("tick interval, worst [ms]", worst, WORST_MS, f"{worst:.1f} ({late} above)"),

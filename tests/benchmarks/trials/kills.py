@@ -2,12 +2,14 @@
 
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from bounds import Bound, Figure, held
+
+from executive.interfaces.report import MissionReport
 
 CARRY = Path(__file__).parents[3] / "docs" / "campaigns" / "missions" / "faulty_carry.yaml"
 NEAR_M = 0.3  # of its slot, and of its pose in the database
@@ -66,15 +68,17 @@ def in_simulation(wanted: int, seed: int, mission_seed: int) -> list[Figure]:
     return [*figures, held(what, wrong, NONE, f"{wrong} of {missions} ({done} kills)")]
 
 
-def complaints_of(_robot: object, stones: Sequence[Any], report: Mapping[str, Any]) -> list[str]:
+def complaints_of(_robot: object, stones: Sequence[Any], report: MissionReport) -> list[str]:
     """Return what is wrong with the one stone in the end, by the simulator's truth."""
-    if report["outcome"] != "success":
-        return [f"{report['outcome']}: {report['reason']}"]
+    if report.outcome != "success":
+        return [f"{report.outcome}: {report.reason}"]
     found = [] if len(stones) == 1 else [f"the database has {len(stones)} stones for 1"]
     found += ["the stone is still held" for one in stones if one.state.value == "held"]
-    if report["counts"]["placed"] != 1:
-        found.append(f"{report['counts']['placed']} stones placed")
-    for one in report["truth"]["stones"]:
-        errors = {key: one.get(key) for key in ("slot_error_m", "database_error_m")}
-        found += [f"{key} {e}" for key, e in errors.items() if e is None or e > NEAR_M]
-    return found + ["a stone fell" for one in report["truth"]["grasps"] if one["dropped"]]
+    if report.counts.placed != 1:
+        found.append(f"{report.counts.placed} stones placed")
+    assert report.truth is not None
+    assert report.truth.grasps is not None
+    for one in report.truth.stones:
+        errors = {"slot": one.slot_error_m, "database": one.database_error_m}
+        found += [f"{key} {e} m" for key, e in errors.items() if e is None or e > NEAR_M]
+    return found + ["a stone fell" for one in report.truth.grasps if one.dropped]

@@ -133,7 +133,7 @@ def relocate(seed: int) -> tuple[dict[str, Any], dict[str, float]]:
             lambda: None,
         )  # its last map is read once more after the mission
         report = tap.run.execute(lambda mission: None).report
-        tell(sum(pick["placed"] for pick in report["picks"]))
+        tell(sum(pick.placed for pick in report.picks))
         close()
     return report, largest
 
@@ -207,10 +207,9 @@ def relocations(seeds: Sequence[int]) -> list[Figure]:
     found = []
     for seed in seeds:
         report, drifts = relocate(seed)
-        spent = report["timings_ms"]["mapping.add_scan_pair"]
+        spent = report.timings_ms["mapping.add_scan_pair"]
         print(
-            f"seed {seed}: {report['outcome']}, {report['ended_s']:.0f} s, "
-            f"{report['counts']}, {spent}",
+            f"seed {seed}: {report.outcome}, {report.ended_s:.0f} s, {report.counts}, {spent}",
             flush=True,
         )
         for name, drift_mm in drifts.items():

@@ -93,7 +93,7 @@ def run(mission: Path, folder: Path, pause: PauseOnce | None) -> tuple[str, Stor
     """Run the mission; return its outcome, and what happened."""
     made = Run(load_mission(str(mission)), Options(run_dir=folder))
     result = made.execute(pause or (lambda mission: None))
-    return result.report["outcome"], story(result.folder.path)
+    return result.report.outcome, story(result.folder.path)
 
 
 def measured(pauses: int, seed: int, is_held: bool) -> list[Figure]:

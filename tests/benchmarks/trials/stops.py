@@ -79,9 +79,9 @@ def measured(stops: int, seed: int) -> list[Figure]:
             stopper = Stopper(float(rng.uniform(0.0, LATEST_S)))
             options = Options(run_dir=Path(folder) / str(number), real_time=True)
             report = Run(load_mission(str(path)), options).execute(stopper).report
-            if report["outcome"] != "stopped":
+            if report.outcome != "stopped":
                 wrong += 1
-                print(f"run {number}: {report['outcome']}: {report['reason']}", flush=True)
+                print(f"run {number}: {report.outcome}: {report.reason}", flush=True)
                 continue
             taken_ms.append(1e3 * (stopped[0] - stopper.pressed_s))
     p50, p99, worst = np.percentile(taken_ms or [np.nan], [50, 99, 100])

@@ -164,6 +164,6 @@ def run(mission: Path, runner: str, acted: Path, ended: Path) -> int:
     injector.misbehave = noted
     options = Options(run_dir=mission.with_suffix(""), real_time=True, runner=runner)
     result = Run(load_mission(str(mission)), options).execute(lambda _: None)
-    ended.with_suffix(".part").write_text(f"{result.report['outcome']}: {result.report['reason']}")
+    ended.with_suffix(".part").write_text(f"{result.report.outcome}: {result.report.reason}")
     ended.with_suffix(".part").rename(ended)
     return result.exit_status

@@ -1,12 +1,12 @@
 """Whether the examples did what their names say, on runs that are made up."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import pytest
 
 from executive.campaign.figures.metrics.examples import AsNamed, FalseSuccess
+from executive.events.finding import ListedStone, MapSaved
 from executive.events.node import QuestionAnswered
 from executive.events.site import RegionNamed
 from executive.events.stone import (
@@ -18,6 +18,9 @@ from executive.events.stone import (
 )
 from executive.geometry.polygon import rectangle
 from executive.interfaces.metric import RunRecord, Share, TimedEvent
+from executive.interfaces.report import FigureReport, MissionReport
+from executive.interfaces.truth import TrueStone, Truth
+from executive.testing.blank import blank
 
 
 def stone(
@@ -26,16 +29,18 @@ def stone(
     volume_m3: float = 0.6,
     error_m: float | None = 0.05,
     touches: Sequence[str] = ("terrain",),
-) -> dict[str, Any]:
+) -> TrueStone:
     """Return a stone of 1.2 m by 1 m by 0.7 m as the truth tells of it."""
-    return {
-        "id": number,
-        "held_object": number,
-        "slot_error_m": error_m,
-        "volume_m3": volume_m3,
-        "outline_m": rectangle(np.array(at), 1.2, 1.0, 0.0).tolist(),
-        "touches": list(touches),
-    }
+    return blank(
+        TrueStone,
+        id=number,
+        held_object=number,
+        slot_error_m=error_m,
+        volume_m3=volume_m3,
+        centre_m=np.array([*at, 0.3]),
+        outline_m=rectangle(np.array(at), 1.2, 1.0, 0.0),
+        touches=tuple(touches),
+    )
 
 
 def released(number: int, node: str) -> TimedEvent:
@@ -43,8 +48,9 @@ def released(number: int, node: str) -> TimedEvent:
     return TimedEvent(1.0, event, f"main/{node}/0:relocate_one")
 
 
-def judged(mission: str, stones: list[dict[str, Any]], *events: TimedEvent, outcome="success"):
-    run = RunRecord({"mission": mission, "outcome": outcome, "truth": {"stones": stones}}, events)
+def judged(mission: str, stones: list[TrueStone], *events: TimedEvent, outcome="success"):
+    truth = blank(Truth, stones=tuple(stones))
+    run = RunRecord(blank(MissionReport, mission=mission, outcome=outcome, truth=truth), events)
     return AsNamed().measure(run), FalseSuccess().measure(run)
 
 
@@ -110,16 +116,17 @@ def test_other_missions_and_real_machines_are_not_judged():
 
 
 def inspected(listed, *, figure=None, maps=("site.ply",)):
-    true = [stone(1, (5.0, 0.0)) | {"centre_m": [5.0, 0.0, 0.3]},
-            stone(2, (0.0, 5.0)) | {"centre_m": [0.0, 5.0, 0.3]}]  # fmt: skip
-    report = {
-        "mission": "inspect",
-        "outcome": "success",
-        "truth": {"stones": true},
-        "stones": [{"centroid_map": [*at, 0.4]} for at in listed],
-        "figures": {"stones_found": {"value": len(listed) if figure is None else figure}},
-        "maps": list(maps),
-    }
+    true = (stone(1, (5.0, 0.0)), stone(2, (0.0, 5.0)))
+    found = FigureReport(float(len(listed) if figure is None else figure), "")
+    report = blank(
+        MissionReport,
+        mission="inspect",
+        outcome="success",
+        truth=blank(Truth, stones=true),
+        stones=tuple(blank(ListedStone, centroid_map=np.array([*at, 0.4])) for at in listed),
+        figures={"stones_found": found},
+        maps=tuple(blank(MapSaved, file=file) for file in maps),
+    )
     return AsNamed().measure(RunRecord(report))
 
 

@@ -16,9 +16,12 @@ from executive.campaign.figures.measurement import (
 from executive.campaign.figures.row import row_of
 from executive.campaign.trial import Limits, Outcome, Status, Trial
 from executive.errors import ConfigError, DataError
-from executive.events.mission import MissionEnded
+from executive.events.mission import Fault, MissionEnded
 from executive.interfaces.metric import RunRecord, Share, Values
+from executive.interfaces.report import Counts, CutOffReport, FigureReport, MissionReport
+from executive.interfaces.report_file import REPORT, write_report
 from executive.journal import Journal
+from executive.testing.blank import blank
 
 OTHERS = """
 from executive.interfaces.metric import Metric, Share, Values
@@ -29,14 +32,14 @@ class Colour(Metric):
     is_share = True
 
     def measure(self, run):
-        return Share(run.report["red"], 3)
+        return Share(run.report.counts.slips, 3)
 
 
 class Broken(Metric):
     title = "broken"
 
     def measure(self, run):
-        return Values((1.0 / run.report["nothing"],))
+        return Values((1.0 / run.report.counts.drops,))
 
 
 class Endless(Metric):
@@ -81,7 +84,8 @@ def others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def run_folder(tmp_path: Path) -> Path:
     folder = tmp_path / "run"
     folder.mkdir()
-    (folder / "report.json").write_text(json.dumps({"outcome": "success", "red": 2, "nothing": 0}))
+    report = blank(MissionReport, outcome="success", counts=blank(Counts, slips=2))
+    write_report(folder / REPORT, report)
     journal = Journal(folder / "journal.jsonl")
     journal.append(3, 1.5, "main/0:Localise", MissionEnded("success", ""))
     journal.append(4, 2.0, "", MissionEnded("success", ""))
@@ -91,7 +95,7 @@ def run_folder(tmp_path: Path) -> Path:
 
 def test_reads_report_and_journal(run_folder: Path) -> None:
     record = record_of(run_folder)
-    assert record.report["outcome"] == "success"
+    assert record.report.outcome == "success"
     assert [(one.time_s, one.node) for one in record.events] == [
         (1.5, "main/0:Localise"),
         (2.0, ""),
@@ -102,12 +106,18 @@ def change(path: Path, old: str, new: str) -> None:
     path.write_text(path.read_text().replace(old, new, 1))
 
 
+def cut_off(folder: Path) -> None:
+    short = CutOffReport("m", "fault", "killed", blank(Fault))
+    (folder / REPORT).write_text(json.dumps(short.payload()))
+
+
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
         (lambda f: (f / "report.json").unlink(), r"report\.json: there is no report"),
         (lambda f: (f / "report.json").write_text("{"), r"report\.json: not a report of a run"),
-        (lambda f: (f / "report.json").write_text("[]"), r"report\.json: .* no field 'outcome'"),
+        (lambda f: (f / "report.json").write_text("[]"), r"report\.json: .* expected a mapping"),
+        (cut_off, r"report\.json: the run was cut off: killed; nothing can be measured"),
         (lambda f: (f / "journal.jsonl").unlink(), r"journal\.jsonl: there is no journal"),
         (lambda f: change(f / "journal.jsonl", "1.5", "1.6"), r"journal\.jsonl:1: the line or one"),
         (lambda f: (f / "journal.jsonl").write_bytes(b"\xff\n"), r"journal\.jsonl:1: not a line"),
@@ -144,7 +154,7 @@ def test_a_metric_that_raises_costs_that_metric_alone_and_names_its_line(
 
 @pytest.mark.usefixtures("others")
 def test_an_unknown_metric_and_one_that_is_none_are_refused() -> None:
-    record = RunRecord({"outcome": "success"})
+    record = RunRecord(blank(MissionReport))
     with pytest.raises(ConfigError, match="Did you mean 'success'"):
         measure(record, ["sucess"])
     with pytest.raises(ConfigError, match="NoMetric does not derive from Metric"):
@@ -174,7 +184,7 @@ def test_a_row_says_how_its_run_ended() -> None:
 
 
 def test_a_figure_that_the_mission_reports_is_a_metric() -> None:
-    report = {"outcome": "success", "figures": {"stones_found": {"value": 4.0, "unit": ""}}}
+    report = blank(MissionReport, figures={"stones_found": FigureReport(4.0, "")})
     measured = measure(RunRecord(report), ["figure.stones_found", "figure.other"])
     assert measured == {"figure.stones_found": {"values": [4.0]}}
     assert metric("figure.stones_found").title == "figure stones_found"

@@ -1,6 +1,6 @@
 """Each shipped metric on runs that are made up, with the value that its definition gives."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -22,91 +22,127 @@ from executive.events.stone import (
 )
 from executive.events.watch import ConditionBroken
 from executive.interfaces.metric import RunRecord, Share, TimedEvent, Values
+from executive.interfaces.report import (
+    AttemptReport,
+    Counts,
+    FigureReport,
+    MissionReport,
+    PickReport,
+    Resources,
+)
+from executive.interfaces.truth import (
+    AngleErrors,
+    Collision,
+    Distances,
+    EstimateErrors,
+    KnownObjects,
+    MapErrors,
+    PositionErrors,
+    Realignment,
+    RegistrationErrors,
+    TrueGrasp,
+    TrueStone,
+    Truth,
+)
+from executive.testing.blank import blank
 
 METRICS = "metric"
 
 
-def attempt(started_s: float, ended_s: float, outcome: str) -> dict[str, Any]:
-    return {"started_s": started_s, "ended_s": ended_s, "outcome": outcome}
+def attempt(started_s: float, ended_s: float, outcome: str) -> AttemptReport:
+    return blank(AttemptReport, started_s=started_s, ended_s=ended_s, outcome=outcome)
 
 
-def of_stone(number: int, held: int | None, slot_m: float | None, base_m: float | None):
+def pick(number: int, *attempts: AttemptReport, placed: bool) -> PickReport:
+    return blank(PickReport, object=number, attempts=attempts, placed=placed)
+
+
+def of_stone(
+    number: int, held: int | None, slot_m: float | None, base_m: float | None
+) -> TrueStone:
     error_rad = None if base_m is None else base_m / 2
-    return {
-        "id": number,
-        "held_object": held,
-        "slot_error_m": slot_m,
-        "database_error_m": base_m,
-        "database_error_rad": error_rad,
-    }
+    return blank(
+        TrueStone,
+        id=number,
+        held_object=held,
+        slot_error_m=slot_m,
+        database_error_m=base_m,
+        database_error_rad=error_rad,
+    )
 
 
-def grasp(*, lifted: bool, dropped: bool) -> dict[str, bool]:
-    return {"lifted": lifted, "dropped": dropped}
+def grasp(*, lifted: bool, dropped: bool) -> TrueGrasp:
+    return TrueGrasp(1, lifted, dropped)
 
 
-def release(error_m: float, *, realigned: bool) -> dict[str, Any]:
-    return {
-        "was_realigned": realigned,
-        "error_m": error_m,
-        "error_rad": error_m / 2,
-        "settled_error_m": 3 * error_m,
-        "settled_error_rad": 4 * error_m,
-    }
+def release(error_m: float, *, realigned: bool) -> Realignment:
+    return Realignment(
+        stone=1,
+        round=1,
+        was_realigned=realigned,
+        error_m=error_m,
+        error_rad=error_m / 2,
+        settled_error_m=3 * error_m,
+        settled_error_rad=4 * error_m,
+    )
 
 
-COUNTS = {"slips": 2, "plugin_failures": 3, "registrations": 4, "registrations_accepted": 1}
-NONE_COUNTED = dict.fromkeys(COUNTS, 0)
+COUNTS = blank(Counts, slips=2, plugin_failures=3, registrations=4, registrations_accepted=1)
+POSITIONS = PositionErrors(mean=0.02, std=0.0, max=0.07, bias=0.0, component_std=0.0)
+HIT = blank(Collision)
 # The relocation of object 1 took two attempts, that of object 2 one; object 1 was moved once more.
-REPORT = {
-    "outcome": "success",
-    "started_s": 2.0,
-    "ended_s": 50.0,
-    "wall_s": 12.5,
-    "real_time_factor": 4.0,
-    "resources": {"cpu_s": 20.0, "peak_memory_bytes": 1e9},
-    "figures": {"stones_found": {"value": 3}},
-    "counts": COUNTS,
-    "picks": [
-        {
-            "object": 1,
-            "placed": True,
-            "attempts": [attempt(10.0, 12.0, "drop"), attempt(13.0, 20.0, "placed")],
-        },
-        {"object": 2, "placed": True, "attempts": [attempt(5.0, 8.0, "slip")]},
-        {"object": 1, "placed": False, "attempts": [attempt(30.0, 33.0, "drop")]},
-    ],
-    "truth": {
-        "stones": [
+REPORT = blank(
+    MissionReport,
+    outcome="success",
+    started_s=2.0,
+    ended_s=50.0,
+    wall_s=12.5,
+    real_time_factor=4.0,
+    resources=Resources(20.0, 10**9),
+    figures={"stones_found": FigureReport(3.0, "")},
+    counts=COUNTS,
+    picks=(
+        pick(1, attempt(10.0, 12.0, "drop"), attempt(13.0, 20.0, "placed"), placed=True),
+        pick(2, attempt(5.0, 8.0, "slip"), placed=True),
+        pick(1, attempt(30.0, 33.0, "drop"), placed=False),
+    ),
+    truth=blank(
+        Truth,
+        stones=(
             of_stone(1, 1, 0.1, 0.2),
             of_stone(2, 2, 0.30, None),
             of_stone(3, None, None, 0.4),
             of_stone(4, 9, 0.31, 0.1),
-        ],
+        ),
         # By time: slip, drop, placed, drop.
-        "grasps": [
+        grasps=(
             grasp(lifted=True, dropped=True),
             grasp(lifted=True, dropped=False),
             grasp(lifted=True, dropped=True),
             grasp(lifted=False, dropped=False),
-        ],
-        "collisions": [{}, {}],
-        "estimate": {"error_m": {"mean": 0.02, "max": 0.07}},
-        "map": {"distance_m": {"median": 0.03}},
-        "registration": {"error_m": 0.6},
-        "realignments": [release(0.1, realigned=True), release(0.2, realigned=False)],
-        "objects": {"known": 3, "stones": 4, "ghosts": 1, "twice": 2},
-    },
-}
-BARE = {
-    **REPORT,
-    "outcome": "failure",
-    "ended_s": 0.0,
-    "resources": None,
-    "counts": NONE_COUNTED,
-    "picks": [],
-    "truth": {},
-}
+        ),
+        collisions=(HIT, HIT),
+        estimate=EstimateErrors(POSITIONS, AngleErrors(0.0, 0.0, 0.0)),
+        map=MapErrors(Distances(0.03, 0.0)),
+        registration=RegistrationErrors(0.6, 0.0),
+        realignments=(release(0.1, realigned=True), release(0.2, realigned=False)),
+        objects=KnownObjects(stones=4, known=3, twice=2, ghosts=1),
+    ),
+)
+BARE = replace(
+    REPORT,
+    outcome="failure",
+    ended_s=0.0,
+    resources=Resources(0.0, 2000),
+    counts=blank(Counts),
+    picks=(),
+    truth=None,
+)
+
+
+def with_truth(**values: Any) -> MissionReport:
+    """Return the report of a run of which the simulator knows the given values alone."""
+    return replace(REPORT, truth=blank(Truth, **values))
 
 
 def at(time_s: float, event: Event, node: str = "") -> TimedEvent:
@@ -212,6 +248,7 @@ EXPECTED = {
 # Of a run without truth, stones, registrations and events.
 NOTHING = {
     "success": Share(0, 1),
+    "peak_memory": Values((2000,)),
     "slips": Values((0,)),
     "mission_time": Values((-2.0,)),
     "wall_time": Values((12.5,)),
@@ -249,43 +286,43 @@ def test_a_run_that_holds_nothing_to_measure_has_no_value(name: str) -> None:
 def test_a_fault_that_nothing_notices_counts_as_missed() -> None:
     assert measured("faults_noticed", REPORT, BLIND) == Share(3, 4)
     assert measured("notice_time", REPORT, BLIND).values == (1.5, 2.0, 0.0)
-    true = {**REPORT, "truth": {"stones": [of_stone(1, 1, 0.30, 0.30)]}}
+    true = with_truth(stones=(of_stone(1, 1, 0.30, 0.30),))
     assert measured("faulty_success", true, EVENTS) == Share(0, 1)
     assert measured("faulty_success", true, BLIND) == Share(1, 1)
-    assert measured("faulty_success", {**true, "outcome": "failure"}, BLIND) == Share(0, 1)
-    off = {**REPORT, "truth": {"stones": [of_stone(1, 1, 0.31, 0.0)]}}
+    assert measured("faulty_success", replace(true, outcome="failure"), BLIND) == Share(0, 1)
+    off = with_truth(stones=(of_stone(1, 1, 0.31, 0.0),))
     assert measured("faulty_success", off, EVENTS) == Share(1, 1)
 
 
 @pytest.mark.parametrize(
     ("truth", "hits"),
     [
-        ({"collisions": [], "grasps": [grasp(lifted=True, dropped=False)]}, 0),
-        ({"collisions": [{}], "grasps": []}, 1),
-        ({"collisions": [], "grasps": [grasp(lifted=True, dropped=True)]}, 1),
-        ({"collisions": []}, 0),
+        ({"collisions": (), "grasps": (grasp(lifted=True, dropped=False),)}, 0),
+        ({"collisions": (HIT,), "grasps": ()}, 1),
+        ({"collisions": (), "grasps": (grasp(lifted=True, dropped=True),)}, 1),
+        ({"collisions": ()}, 0),
     ],
 )
 def test_a_collision_or_a_fall_is_unsafe(truth: dict[str, Any], hits: int) -> None:
-    assert measured("unsafe", {**REPORT, "truth": truth}, ()) == Share(hits, 1)
+    assert measured("unsafe", with_truth(**truth), ()) == Share(hits, 1)
 
 
 def test_no_attempt_is_lifted_or_held_where_none_was_made() -> None:
-    none = {**REPORT, "picks": [], "truth": {"grasps": []}}
+    none = replace(with_truth(grasps=()), picks=())
     assert measured("lifted", none, ()) is None
     assert measured("held", none, ()) is None
     assert measured("drops_found", none, ()) == Share(0, 0)
     assert measured("drops_missed", none, ()) == Values((0,))
     assert measured("false_alarms", none, ()) == Share(0, 0)
-    on_ground = {"grasps": [grasp(lifted=False, dropped=False)]}
-    one = {**REPORT, "picks": REPORT["picks"][1:2], "truth": on_ground}
+    on_ground = with_truth(grasps=(grasp(lifted=False, dropped=False),))
+    one = replace(on_ground, picks=REPORT.picks[1:2])
     assert measured("lifted", one, ()) == Share(0, 1)
     assert measured("held", one, ()) is None
 
 
 def test_a_survey_that_is_never_registered_has_no_time() -> None:
     assert measured("registration_time", REPORT, EVENTS[:6]) == Values(())
-    refused = {**REPORT, "counts": {**COUNTS, "registrations_accepted": 0}}
+    refused = replace(REPORT, counts=replace(COUNTS, registrations_accepted=0))
     assert measured("registered", refused, ()) == Share(0, 1)
     assert measured("registrations", refused, ()) == Share(0, 4)
 
@@ -293,4 +330,11 @@ def test_a_survey_that_is_never_registered_has_no_time() -> None:
 def test_a_figure_of_a_mission_is_a_metric() -> None:
     assert Figure("stones_found").measure(RunRecord(REPORT)) == Values((3.0,))
     assert Figure("others").measure(RunRecord(REPORT)) is None
-    assert Figure("stones_found").measure(RunRecord({})) is None
+
+
+def test_what_an_oracle_does_not_observe_is_not_measured() -> None:
+    unknown = with_truth()
+    names = ("lifted", "held", "drops_found", "drops_missed", "false_alarms", "collisions")
+    more = ("estimator_error", "map_error", "registration_error", "stones_known", "ghosts")
+    releases = ("realigned", "realignment_error_m", "settled_error_rad")
+    assert {measured(name, unknown, ()) for name in (*names, *more, *releases)} == {None}

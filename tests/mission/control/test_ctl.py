@@ -129,7 +129,7 @@ def test_a_question_is_answered_and_the_mission_paused_stepped_and_resumed(opera
         assert ctl("resume").is_done
 
     result = operate(WAITS, person, attended=True)
-    assert result.report["outcome"] == "success"
+    assert result.report.outcome == "success"
     assert [round(later - steps[0], 6) for later in steps] == [0.0, 0.15, 0.3]
     requests = events(result, ControlRequested)
     assert [(one.verb, one.is_done) for one in requests] == [
@@ -151,7 +151,7 @@ def test_a_question_is_answered_and_the_mission_paused_stepped_and_resumed(opera
 
 def test_a_mission_is_stopped(operate):
     result = operate(WAITS, lambda ctl: ctl("stop"), attended=True)
-    assert (result.report["outcome"], result.exit_status) == ("stopped", 1)
+    assert (result.report.outcome, result.exit_status) == ("stopped", 1)
     assert not (result.folder.path / "control.sock").exists()
 
 
@@ -169,7 +169,7 @@ def test_what_makes_no_sense_is_refused_with_the_reason(operate):
         ctl("answer", "no")
 
     result = operate(WAITS, person, attended=True)
-    assert result.report["outcome"] == "failure"
+    assert result.report.outcome == "failure"
     assert told == {
         "resume": "it awaits an answer: use `answer`",
         "step": "a step needs a paused mission, and it is awaiting_operator",
@@ -194,7 +194,7 @@ def test_an_action_that_failed_waits_for_a_person_and_is_tried_again(operate, tm
         assert ctl("retry").is_done
 
     result = operate(LOADS, person, attended=True)
-    assert result.report["outcome"] == "success", result.report["reason"]
+    assert result.report.outcome == "success", result.report.reason
     assert len(entries_of(result, "leaf_called")) == 2
 
 
@@ -206,7 +206,7 @@ def test_a_failure_is_skipped_or_stands(operate, verb, outcome):
         assert ctl(verb).is_done
 
     result = operate(SAVES, person, attended=True, pause_on_failure=True)
-    assert result.report["outcome"] == outcome
+    assert result.report.outcome == outcome
 
 
 def pause_in_action(ctl):
@@ -229,7 +229,7 @@ def test_an_action_under_way_begins_again_or_counts_as_done(operate):
         ctl("resume")
 
     result = operate(SWINGS, person, attended=True)
-    assert result.report["outcome"] == "success", result.report["reason"]
+    assert result.report.outcome == "success", result.report.reason
     answered = entries_of(result, "leaf_answered")[-1]
     assert answered.event.reason.startswith("skipped by")
     assert answered.time_s < 1.0
@@ -244,7 +244,7 @@ def test_an_irreversible_action_under_way_is_neither_skipped_nor_begun_again(ope
         ctl("resume")
 
     result = operate(OPENS, person, attended=True)
-    assert result.report["outcome"] == "success"
+    assert result.report.outcome == "success"
     assert all("OpenGripper cannot be taken back" in text for text in told)
 
 
@@ -277,13 +277,13 @@ def test_a_run_that_was_cut_off_after_orders_of_a_person_goes_on(operate, tmp_pa
 
     monkeypatch.setattr("executive.mission.run_folder.RunFolder.forget_state", lambda self: None)
     result = operate(f"{SWINGS}      - wait: 1 s\n", person, attended=True)
-    assert result.report["outcome"] == "success"
+    assert result.report.outcome == "success"
     journal = result.folder.journal
     lines = journal.read_bytes().splitlines(keepends=True)
     cut = next(n for n, line in enumerate(lines) if b"skipped by" in line) + 3
     journal.write_bytes(b"".join(lines[:cut]))
     again = resumed_run(result.folder.path).execute(lambda mission: None)
-    assert again.report["outcome"] == "success", again.report["reason"]
+    assert again.report.outcome == "success", again.report.reason
 
 
 def test_the_command_says_what_the_run_replies_and_refuses_what_it_cannot_mean(tmp_path, operate):

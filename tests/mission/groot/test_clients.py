@@ -123,7 +123,7 @@ def test_a_client_holds_the_mission_at_a_breakpoint_and_lets_it_go_on(held, port
         client.close()
 
     result = held(port, act)
-    assert result.report["outcome"] == "success"
+    assert result.report.outcome == "success"
     assert told[0][0][:2] == b"\x02N"
     assert told[0][1] == b"4"
     assert len(told[1]) == 1

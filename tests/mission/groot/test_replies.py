@@ -199,8 +199,8 @@ def test_a_breakpoint_pauses_the_mission_until_it_is_unlocked(watched, position,
             client.ask("U", {**UNLOCK, "uid": client.uid_of(before), "position": position})
 
     result = watched(TREE, act)
-    assert result.report["outcome"] == "success"
-    assert result.report["pauses"]["count"] == 1
+    assert result.report.outcome == "success"
+    assert result.report.pauses.count == 1
     where = f"breakpoint {'after' if position else 'before'} {before}"
     assert reasons(result)[1:3] == [where, "resumed by a Groot2 client"]
 
@@ -255,7 +255,7 @@ def test_ctl_resume_lets_the_tree_go_on_as_well_and_once_holds_once(watched):
         if mission.is_ending:
             assert json.loads(client.ask("D")[1]) == []
 
-    assert watched(TREE, act).report["pauses"]["count"] == 1
+    assert watched(TREE, act).report.pauses.count == 1
     assert held == [1]
 
 
@@ -273,7 +273,7 @@ def test_an_action_before_its_beginning_is_skipped_and_no_node_fails_on_demand(w
     result = watched(SAVES, act)
     assert told[0] == b"error"
     assert told[1] != b"error"
-    assert result.report["outcome"] == "success"
+    assert result.report.outcome == "success"
 
 
 BAD = [
@@ -301,7 +301,7 @@ def test_a_bad_request_is_replied_with_what_is_wrong(watched):
         if not replied:
             replied.extend(client.replies.reply(parts) for parts, _ in BAD)
 
-    assert watched(TREE, act).report["outcome"] == "success"
+    assert watched(TREE, act).report.outcome == "success"
     for (_, told), (error, text) in zip(BAD, replied, strict=True):
         assert error == b"error"
         assert told in text.decode()

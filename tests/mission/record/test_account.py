@@ -1,5 +1,7 @@
 """The account of a run: every count of the report, and what failed first and last."""
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 
@@ -67,7 +69,7 @@ def registered(accepted, reason=""):
 
 def test_an_account_of_nothing_counts_nothing():
     account = Account()
-    assert set(account.counts().values()) == {0}
+    assert set(asdict(account.counts()).values()) == {0}
     assert (account.ended_s, account.placed, account.picks()) == (0.0, 0, [])
     assert (account.last, account.registered, account.has_ended) == (None, None, False)
     assert (account.stones_found, account.slots, account.given_up) == (0, {}, set())
@@ -90,12 +92,12 @@ def repeated(event, times):
 )
 def test_what_happens_three_times_counts_three_times_and_under_its_name_alone(name, event):
     counts = account_of(*repeated(event, 3)).counts()
-    assert {one: count for one, count in counts.items() if count} == {name: 3}
+    assert {one: count for one, count in asdict(counts).items() if count} == {name: 3}
 
 
 @pytest.mark.parametrize("rule", ["", "keep", "set_aside"])
 def test_only_a_stone_that_is_to_be_picked_again_counts_as_corrected(rule):
-    assert account_of(looked_at(1, "off", rule)).counts()["corrected"] == 0
+    assert account_of(looked_at(1, "off", rule)).counts().corrected == 0
 
 
 def test_the_newest_accepted_registration_is_kept():
@@ -103,19 +105,19 @@ def test_the_newest_accepted_registration_is_kept():
     account = account_of(first, second, refused)
     assert account.registered is second
     counts = account.counts()
-    assert (counts["registrations"], counts["registrations_accepted"]) == (3, 2)
+    assert (counts.registrations, counts.registrations_accepted) == (3, 2)
 
 
 def test_the_stones_of_the_last_segmentation_are_told_and_all_are_known():
     account = account_of(SiteSegmented((1, 2, 3), (9, 9, 9)), SiteSegmented((3, 4), (9, 9)))
     assert account.stones_found == 2
     counts = account.counts()
-    assert (counts["known"], counts["untouched"]) == (4, 4)
+    assert (counts.known, counts.untouched) == (4, 4)
 
 
 def test_a_stone_that_is_picked_though_no_segmentation_found_it_is_known():
     counts = account_of(SiteSegmented((1,), (9,)), attempt(2)).counts()
-    assert (counts["known"], counts["untouched"]) == (2, 1)
+    assert (counts.known, counts.untouched) == (2, 1)
 
 
 @pytest.mark.parametrize(
@@ -127,7 +129,7 @@ def test_a_stone_that_is_picked_though_no_segmentation_found_it_is_known():
     ],
 )
 def test_a_lost_stone_is_lost_until_it_is_seen(seen, lost):
-    assert account_of(StoneLost(1, "fell"), StoneLost(2, "fell"), seen).counts()["lost"] == lost
+    assert account_of(StoneLost(1, "fell"), StoneLost(2, "fell"), seen).counts().lost == lost
 
 
 def test_each_place_of_a_stone_is_told_by_its_slot_and_the_newest_place_counts():
@@ -160,9 +162,9 @@ def test_the_end_is_told_with_the_time_of_the_newest_entry():
 def test_a_hold_has_one_trouble_and_a_fall_outweighs_a_slip(troubles, slips, drops, between):
     story = [grasped(1), *map(verdict, troubles)]
     counts = account_of(*story).counts()
-    assert (counts["slips"], counts["drops"]) == (slips, drops)
+    assert (counts.slips, counts.drops) == (slips, drops)
     twice = account_of(*story, between, *map(verdict, troubles)).counts()
-    assert (twice["slips"], twice["drops"]) == (2 * slips, 2 * drops)
+    assert (twice.slips, twice.drops) == (2 * slips, 2 * drops)
 
 
 def test_stones_off_unseen_and_unverified_are_counted_apart():
@@ -179,9 +181,9 @@ def test_stones_off_unseen_and_unverified_are_counted_apart():
         verifies=True,
     )
     counts = account.counts()
-    assert (counts["picks"], counts["placed"], counts["attempts"]) == (6, 1, 6)
-    assert (counts["off"], counts["unverified"], counts["set_aside"]) == (2, 1, 1)
-    assert (counts["unseen"], counts["first_attempt"], account.placed) == (0, 1, 1)
+    assert (counts.picks, counts.placed, counts.attempts) == (6, 1, 6)
+    assert (counts.off, counts.unverified, counts.set_aside) == (2, 1, 1)
+    assert (counts.unseen, counts.first_attempt, account.placed) == (0, 1, 1)
 
 
 def test_a_stone_that_is_set_aside_without_a_final_failure_is_not_given_up():

@@ -56,7 +56,7 @@ def cut_at(tmp_path, text, ticks):
         if mission._tick in copies:
             shutil.copytree(tmp_path / "run", copies[mission._tick], ignore=WITHOUT_SOCKET)
 
-    assert made.execute(copy).report["outcome"] == "success"
+    assert made.execute(copy).report.outcome == "success"
     return list(copies.values())
 
 
@@ -72,12 +72,12 @@ def events(folder, kind):
 def test_a_mission_goes_on_from_wherever_it_was_cut_off(cuts):
     for folder in cuts:
         result = resumed_run(folder).execute(lambda mission: None)
-        assert result.report["outcome"] == "success", result.report["reason"]
+        assert result.report.outcome == "success", result.report.reason
         (resumed,) = events(folder, Resumed)
         (observed,) = events(folder, WorldObserved)
         assert (observed.status, observed.held) == ("GLOBAL", None)
         assert "robot" in resumed.restored
-        assert result.report["counts"]["scans"] == 2  # none is lost, and none made twice
+        assert result.report.counts.scans == 2  # none is lost, and none made twice
 
 
 def test_a_run_is_cut_off_again_and_again(tmp_path):
@@ -89,9 +89,9 @@ def test_a_run_is_cut_off_again_and_again(tmp_path):
             if events(folder, WorldObserved)[number:] and not copy.exists():
                 shutil.copytree(folder, copy, ignore=WITHOUT_SOCKET)
 
-        assert resumed_run(folder).execute(cut).report["outcome"] == "success"
+        assert resumed_run(folder).execute(cut).report.outcome == "success"
         folder = copy
-    assert resumed_run(folder).execute(lambda mission: None).report["counts"]["scans"] == 2
+    assert resumed_run(folder).execute(lambda mission: None).report.counts.scans == 2
     assert len(events(folder, Resumed)) == 4
 
 
@@ -113,7 +113,7 @@ def test_a_torn_last_line_is_healed_and_a_changed_one_refused(tmp_path):
     torn, changed, other = cut_at(tmp_path, DRY, (60, 61, 62))
     with (torn / "journal.jsonl").open("a") as file:
         file.write('{"sequence":99,"tick"')
-    assert resumed_run(torn).execute(lambda mission: None).report["outcome"] == "success"
+    assert resumed_run(torn).execute(lambda mission: None).report.outcome == "success"
     assert events(torn, Resumed)[0].cut_off_bytes == 21
     journal = changed / "journal.jsonl"
     journal.write_text(journal.read_text().replace("Localise", "Localize"))
@@ -171,7 +171,7 @@ def test_stones_are_where_they_belong_whenever_a_run_is_cut_off(tmp_path, monkey
         monkeypatch.setattr(run, "_close", judge)
         report = run.execute(lambda mission: None).report
         assert toy_site.complaints(*judged[0], report) == [], folder.name
-        assert json.loads((folder / "report.json").read_text()) == report
+        assert json.loads((folder / "report.json").read_text()) == report.payload()
 
 
 def test_a_resumed_run_can_be_watched_as_a_first_one_can(tmp_path, monkeypatch):

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,71 +15,97 @@ from executive.campaign.reporting.runs.run_comparison import compare_runs
 from executive.campaign.reporting.runs.run_report import measured_words, report_run, run_answer
 from executive.campaign.reporting.runs.timeline import attempt_bars, leaf_bars, timeline
 from executive.errors import ConfigError
+from executive.events.mission import Fault
 from executive.events.node import NodeEnded, NodeStarted
 from executive.events.stone import StoneGrasped
+from executive.interfaces.report import (
+    AttemptReport,
+    Counts,
+    CutOffReport,
+    MissionReport,
+    PickReport,
+    Resources,
+    Timing,
+)
+from executive.interfaces.truth import (
+    AngleErrors,
+    Collision,
+    EstimateErrors,
+    PositionErrors,
+    TrueGrasp,
+    TrueStone,
+    Truth,
+)
 from executive.journal import Journal
+from executive.testing.blank import blank
 
 
-def tried(began_s: float, outcome: str, reason: str = "") -> dict[str, Any]:
-    times = {"started_s": began_s, "ended_s": began_s + 7.25}
-    return {**times, "outcome": outcome, "reason": reason}
+def tried(began_s: float, outcome: str, reason: str = "") -> AttemptReport:
+    return blank(
+        AttemptReport, started_s=began_s, ended_s=began_s + 7.25, outcome=outcome, reason=reason
+    )
 
 
-def of_database(error: float | None) -> dict[str, Any]:
-    return {"database_error_m": error, "database_error_rad": error}
+def stone(number: int, slot_m: float | None, held: int | None, base: float | None) -> TrueStone:
+    return blank(
+        TrueStone,
+        id=number,
+        slot_error_m=slot_m,
+        held_object=held,
+        database_error_m=base,
+        database_error_rad=base,
+    )
 
 
-REPORT = {
-    "mission": "made_up",
-    "seed": 7,
-    "outcome": "success",
-    "reason": "",
-    "started_s": 0.0,
-    "ended_s": 125.5,
-    "wall_s": 31.0,
-    "real_time_factor": 4.05,
-    "resources": {"cpu_s": 40.0, "peak_memory_bytes": 3e8},
-    "counts": {"slips": 1, "plugin_failures": 0, "registrations": 0, "registrations_accepted": 0},
-    "timings_ms": {
-        "motion.move": {"median": 20.0, "p95": 35.0, "n": 12},
-        "mapping.cloud": {"median": 2.0, "p95": 3.0, "n": 500},
-    },
-    "picks": [
-        {
-            "object": 1,
-            "slot": 3,
-            "placed": True,
-            "attempts": [tried(10, "slip"), tried(20, "placed")],
-        },
-        {
-            "object": 2,
-            "slot": 4,
-            "placed": False,
-            "set_aside": "too heavy",
-            "attempts": [tried(40, "drop", "it fell")],
-        },
-    ],
-    "truth": {
-        "stones": [
-            {"id": 1, "slot_error_m": 0.05, "held_object": 1, **of_database(0.02)},
-            {"id": 2, "slot_error_m": None, "held_object": None, **of_database(None)},
-        ],
-        "collisions": [{}],
-        "grasps": [{"lifted": True, "dropped": False}] * 3,
-        "estimate": {"error_m": {"mean": 0.02, "max": 0.1}, "error_rad": {"mean": 0.003}},
-    },
-}
-OTHER = {
-    **REPORT,
-    "seed": 8,
-    "outcome": "fault",
-    "reason": "it broke",
-    "fault": {"plugin": "motion", "place": "", "error": "KeyError"},
-    "timings_ms": {"motion.move": {"median": 25.0, "p95": 35.0, "n": 12}},
-    "picks": REPORT["picks"][:1],
-    "truth": {},
-    "counts": {**REPORT["counts"], "slips": 2},
-}
+REPORT = blank(
+    MissionReport,
+    mission="made_up",
+    seed=7,
+    outcome="success",
+    ended_s=125.5,
+    wall_s=31.0,
+    real_time_factor=4.05,
+    resources=Resources(40.0, 3 * 10**8),
+    counts=blank(Counts, slips=1),
+    timings_ms={"motion.move": Timing(20.0, 35.0, 12), "mapping.cloud": Timing(2.0, 3.0, 500)},
+    picks=(
+        blank(
+            PickReport,
+            object=1,
+            slot=3,
+            placed=True,
+            attempts=(tried(10, "slip"), tried(20, "placed")),
+        ),
+        blank(
+            PickReport,
+            object=2,
+            slot=4,
+            set_aside="too heavy",
+            attempts=(tried(40, "drop", "it fell"),),
+        ),
+    ),
+    truth=blank(
+        Truth,
+        stones=(stone(1, 0.05, 1, 0.02), stone(2, None, None, None)),
+        collisions=(blank(Collision),),
+        grasps=(TrueGrasp(1, lifted=True, dropped=False),) * 3,
+        estimate=EstimateErrors(
+            PositionErrors(0.02, 0.01, 0.1, 0.015, 0.005), AngleErrors(0.003, 0.001, 0.004)
+        ),
+    ),
+)
+OTHER = replace(
+    REPORT,
+    seed=8,
+    outcome="fault",
+    reason="it broke",
+    fault=blank(Fault, component="motion plugin 'mine'", error="KeyError"),
+    timings_ms={"motion.move": Timing(25.0, 35.0, 12)},
+    picks=REPORT.picks[:1],
+    truth=None,
+    counts=blank(Counts, slips=2),
+)
+CUT_OFF = CutOffReport("made_up", "fault", "killed", OTHER.fault)
 
 
 def started(node: str) -> tuple[str, Any]:
@@ -106,7 +133,7 @@ MISSION = "name: made_up\nloop: {tick: 0.05}\nplugins: {motion: {plugin: hermite
 
 def written(folder: Path, report: Any, course: Any = COURSE, mission: str = MISSION) -> Path:
     folder.mkdir()
-    (folder / "report.json").write_text(json.dumps(report))
+    (folder / "report.json").write_text(json.dumps(report.payload()))
     (folder / "mission.yaml").write_text(mission)
     journal = Journal(folder / "journal.jsonl")
     for number, (node, event) in enumerate(course):
@@ -121,14 +148,16 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.mark.parametrize("report", [REPORT, OTHER])
+@pytest.mark.parametrize("report", [REPORT, OTHER, CUT_OFF], ids=["whole", "fault", "cut off"])
 def test_a_page(recorded, report) -> None:
     run = read_run(written(Path("run"), report))
     page = report_run(run).read_text(encoding="utf-8")
     body = page.split("</main>")[0].split("<main>")[1]
     recorded(re.sub(r">\s*<", ">\n<", re.sub(r"<script.*?</script>", "", body, flags=re.S)))
     recorded(run_answer(run))
-    recorded((timeline(leaf_bars(run.entries)), list(attempt_bars(run.report))))
+    recorded(
+        (timeline(leaf_bars(run.entries)), list(attempt_bars(run.whole.picks if run.whole else ())))
+    )
 
 
 def test_damaged_runs(recorded) -> None:
@@ -175,6 +204,7 @@ def test_comparisons(recorded) -> None:
         read_run(written(Path("same"), REPORT)),
         read_run(written(Path("two"), OTHER, later, other_mission)),
         read_run(written(Path("three"), OTHER, COURSE[:4])),
+        read_run(written(Path("four"), CUT_OFF)),
     ]
     for other in runs[1:]:
         compared = compare_runs(runs[0], other)

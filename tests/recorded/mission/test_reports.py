@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from executive.events.mission import VerdictGiven
+from executive.events.site import BuildingEnded
 from executive.events.stone import (
     AttemptStarted,
     GraspRecord,
@@ -15,10 +16,26 @@ from executive.events.stone import (
     StoneSetAside,
     StonesTakenUpAgain,
 )
+from executive.interfaces.report import (
+    Counts,
+    FigureReport,
+    LateTicksReport,
+    MissionReport,
+    PausesReport,
+)
+from executive.interfaces.truth import (
+    AngleErrors,
+    Collision,
+    EstimateErrors,
+    PositionErrors,
+    TrueStone,
+    Truth,
+)
 from executive.mission.picks import attempts_from, newest_releases
 from executive.mission.record.account import Account
 from executive.mission.record.samples import Samples
 from executive.mission.report import Ending, summary, timings_from
+from executive.testing.blank import blank
 
 
 def made(kind, **given):
@@ -82,28 +99,37 @@ def test_endings(recorded) -> None:
     recorded([Ending(one, "").exit_status for one in ("success", "failure", "stopped", "fault")])
 
 
-def report(**changed):
-    counts = dict.fromkeys(
-        ("picks", "placed", "attempts", "first_attempt", "slips", "drops", "set_aside",
-         "registrations", "registrations_accepted", "plugin_failures"), 0
-    )  # fmt: skip
-    whole = {"mission": "m", "seed": 3, "outcome": "success", "reason": "", "ended_s": 125.25,
-             "wall_s": 59.96, "real_time_factor": 2.0891, "ignored_observations": {}}  # fmt: skip
-    return whole | {"counts": counts | changed.pop("counts", {})} | changed
+def report(counts=None, **changed):
+    whole = {"mission": "m", "seed": 3, "outcome": "success", "ended_s": 125.25, "wall_s": 59.96,
+             "real_time_factor": 2.0891}  # fmt: skip
+    return blank(MissionReport, counts=blank(Counts, **(counts or {})), **{**whole, **changed})
 
 
 def test_summaries(recorded) -> None:
-    stones = [{"slot_error_m": e} for e in (0.1, 0.2, 0.25, 0.5, None)]
-    truth = {
-        "stones": stones,
-        "collisions": [1, 2],
-        "estimate": {"error_m": {"mean": 0.0123, "max": 0.1}},
-    }
+    errors = (0.1, 0.2, 0.25, 0.5, None)
+    position = blank(PositionErrors, mean=0.0123, max=0.1)
+    truth = blank(
+        Truth,
+        scenario="wet",
+        stones=tuple(blank(TrueStone, slot_error_m=error) for error in errors),
+        collisions=(blank(Collision), blank(Collision)),
+        estimate=EstimateErrors(position, blank(AngleErrors)),
+    )
+    all_counts = {one.name: number for number, one in enumerate(dataclasses.fields(Counts), 1)}
     told = [
         report(),
         report(reason="why", counts={"picks": 3, "placed": 2, "attempts": 4, "first_attempt": 1}),
         report(counts={"registrations": 2, "registrations_accepted": 1, "plugin_failures": 1}),
         report(ignored_observations={"Strange": 7}, truth=truth),
-        report(truth={"stones": [], "collisions": [], "estimate": None}),
+        report(truth=blank(Truth)),
+        report(truth=dataclasses.replace(truth, collisions=None)),
+        report(
+            counts=all_counts,
+            structures=(BuildingEnded("wall", "complete", "all of it", (1, 2), {}),),
+            figures={"depth": FigureReport(1.5, "m"), "n": FigureReport(2.0, "")},
+            pauses=PausesReport(2, 3.0, 65.5),
+            late_ticks=LateTicksReport(4, 0.25, 5),
+        ),
+        report(pauses=PausesReport(0, 0.0, 0.0), late_ticks=LateTicksReport(0, 0.0, 5)),
     ]
     recorded([summary(one) for one in told])

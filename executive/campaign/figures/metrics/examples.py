@@ -2,7 +2,6 @@
 
 import itertools
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from executive.events.site import RegionNamed
 from executive.events.stone import StoneReleased
 from executive.geometry.polygon import outline_gap
 from executive.interfaces.metric import Metric, RunRecord, Share
+from executive.interfaces.truth import TrueStone
 from executive.messages.region import Region
 
 _ON_PLACE_M = 0.30  # from its slot, as `placed` counts
@@ -19,8 +19,6 @@ _ON_PLACE_M = 0.30  # from its slot, as `placed` counts
 _ALIKE = 1.1
 _NEXT_M = 0.25  # between faces of neighbours in a course that is to have 0.1 m
 _GROUND = "terrain"
-
-_Stone = Mapping[str, Any]
 
 
 class AsNamed(Metric):
@@ -40,10 +38,10 @@ class AsNamed(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share | None:
-        judge = _JUDGES.get(str(run.report.get("mission")))
+        judge = _JUDGES.get(run.report.mission)
         if judge is None or not stones(run):
             return None
-        return Share(int(run.report["outcome"] == "success" and judge(run)), 1)
+        return Share(int(run.report.outcome == "success" and judge(run)), 1)
 
 
 class FalseSuccess(Metric):
@@ -58,10 +56,10 @@ class FalseSuccess(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share | None:
-        judge = _JUDGES.get(str(run.report.get("mission")))
+        judge = _JUDGES.get(run.report.mission)
         if judge is None or not stones(run):
             return None
-        return Share(int(run.report["outcome"] == "success" and not judge(run)), 1)
+        return Share(int(run.report.outcome == "success" and not judge(run)), 1)
 
 
 def is_sorted(run: RunRecord) -> bool:
@@ -69,10 +67,10 @@ def is_sorted(run: RunRecord) -> bool:
     volumes: dict[str, list[float]] = {}
     rows = _newest_rows(run)
     for stone in stones(run):
-        error_m, row = stone["slot_error_m"], rows.get(stone["held_object"])
+        error_m, row = stone.slot_error_m, _row_of(stone, rows)
         if row is None or error_m is None or error_m > _ON_PLACE_M:
             return False
-        volumes.setdefault(row, []).append(stone["volume_m3"])
+        volumes.setdefault(row, []).append(stone.volume_m3)
     if len(volumes) != 2:  # all of one size: one row
         return len(volumes) == 1
     small, large = sorted(volumes.values(), key=lambda row: float(np.mean(row)))
@@ -85,22 +83,26 @@ def is_corridor_clear(run: RunRecord) -> bool:
     found = [Region(one.name, one.corners_map) for one in named if one.name == "corridor"]
     if not found:
         return False
-    return not any(found[-1].touches(_outline(stone)) for stone in stones(run))
+    return not any(found[-1].touches(stone.outline_m) for stone in stones(run))
 
 
 def has_two_courses(run: RunRecord) -> bool:
     """Return whether stones stand side by side, and all others rest on two of them."""
     found = stones(run)
-    lower = [one for one in found if _GROUND in one["touches"]]
-    upper = [one for one in found if _GROUND not in one["touches"]]
+    lower = [one for one in found if _GROUND in one.touches]
+    upper = [one for one in found if _GROUND not in one.touches]
     if len(lower) < 2 or not upper:
         return False
-    names = {f"stone_{one['id']}" for one in lower}
+    names = {f"stone_{one.id}" for one in lower}
     beside = all(
-        min(outline_gap(_outline(one), _outline(two)) for two in lower if two is not one) <= _NEXT_M
+        min(outline_gap(one.outline_m, two.outline_m) for two in lower if two is not one) <= _NEXT_M
         for one in lower
     )
-    return beside and all(len(names.intersection(one["touches"])) >= 2 for one in upper)
+    return beside and all(len(names.intersection(one.touches)) >= 2 for one in upper)
+
+
+def _row_of(stone: TrueStone, rows: Mapping[int, str]) -> str | None:
+    return None if stone.held_object is None else rows.get(stone.held_object)
 
 
 def _newest_rows(run: RunRecord) -> dict[int, str]:
@@ -110,10 +112,6 @@ def _newest_rows(run: RunRecord) -> dict[int, str]:
         for one in run.events
         if isinstance(one.event, StoneReleased)
     }
-
-
-def _outline(stone: _Stone) -> Any:
-    return np.array(stone["outline_m"])
 
 
 _JUDGES: Mapping[str, Callable[[RunRecord], bool]] = {

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from executive.campaign.figures.metrics.report import truth
+from executive.campaign.figures.metrics.report import stones
 from executive.events.fault import FaultInjected, FaultShows
 from executive.events.mission import Faulted, PluginFailed, VerdictGiven
 from executive.events.watch import ConditionBroken, ObservationRefused
@@ -57,10 +57,9 @@ class FaultySuccess(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share:
-        if run.report["outcome"] != "success":
+        if run.report.outcome != "success":
             return Share(0, 1)
-        stones = truth(run).get("stones", ())
-        errors = [one.get(key) for one in stones for key in ("slot_error_m", "database_error_m")]
+        errors = [e for one in stones(run) for e in (one.slot_error_m, one.database_error_m)]
         is_off = any(error is not None and error > NEAR_M for error in errors)
         is_blind = any(one is None for one in _notice_times(run))
         return Share(int(is_off or is_blind), 1)
@@ -78,11 +77,11 @@ class Unsafe(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share | None:
-        found = truth(run)
-        if not found:
+        truth = run.report.truth
+        if truth is None:
             return None
-        dropped = any(one["dropped"] for one in found.get("grasps", ()))
-        return Share(int(bool(found.get("collisions")) or dropped), 1)
+        has_dropped = any(one.dropped for one in truth.grasps or ())
+        return Share(int(bool(truth.collisions) or has_dropped), 1)
 
 
 def _notice_times(run: RunRecord) -> Iterator[float | None]:

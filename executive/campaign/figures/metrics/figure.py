@@ -15,5 +15,5 @@ class Figure(Metric):
         self.description = f"What the mission reported as '{name}'."  # type: ignore[misc]
 
     def measure(self, run: RunRecord) -> Values | None:
-        found = run.report.get("figures", {}).get(self._name)
-        return None if found is None else Values((float(found["value"]),))
+        found = run.report.figures.get(self._name)
+        return None if found is None else Values((float(found.value),))

@@ -1,10 +1,10 @@
 """Metrics of lifting and holding: what happened by the truth, and what the mission noticed."""
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Sequence
 
-from executive.campaign.figures.metrics.report import attempts, truth
+from executive.campaign.figures.metrics.report import attempts
 from executive.interfaces.metric import Metric, RunRecord, Share, Values
+from executive.interfaces.truth import TrueGrasp
 from executive.messages.verdict import Trouble
 
 _NOTICED = (Trouble.DROP, Trouble.SLIP)  # either ends the attempt and saves what can be saved
@@ -18,8 +18,8 @@ class Lifted(Metric):
     description = "Attempts that lifted the stone, by the simulator's truth, out of all attempts."
 
     def measure(self, run: RunRecord) -> Share | None:
-        told = list(_told(run))
-        return Share(sum(grasp["lifted"] for _, grasp in told), len(told)) if told else None
+        told = _told(run)
+        return Share(sum(grasp.lifted for _, grasp in told), len(told)) if told else None
 
 
 class Held(Metric):
@@ -33,8 +33,8 @@ class Held(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share | None:
-        lifted = [grasp for _, grasp in _told(run) if grasp["lifted"]]
-        return Share(sum(not grasp["dropped"] for grasp in lifted), len(lifted)) if lifted else None
+        lifted = [grasp for _, grasp in _told(run) or () if grasp.lifted]
+        return Share(sum(not grasp.dropped for grasp in lifted), len(lifted)) if lifted else None
 
 
 class DropsFound(Metric):
@@ -48,9 +48,10 @@ class DropsFound(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share | None:
-        if "grasps" not in truth(run):
+        told = _told(run)
+        if told is None:
             return None
-        dropped = [outcome for outcome, grasp in _told(run) if grasp["dropped"]]
+        dropped = [outcome for outcome, grasp in told if grasp.dropped]
         return Share(sum(outcome in _NOTICED for outcome in dropped), len(dropped))
 
 
@@ -65,9 +66,10 @@ class DropsMissed(Metric):
     )
 
     def measure(self, run: RunRecord) -> Values | None:
-        if "grasps" not in truth(run):
+        told = _told(run)
+        if told is None:
             return None
-        missed = (grasp["dropped"] and outcome not in _NOTICED for outcome, grasp in _told(run))
+        missed = (grasp.dropped and outcome not in _NOTICED for outcome, grasp in told)
         return Values((sum(missed),))
 
 
@@ -83,9 +85,10 @@ class FalseAlarms(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share | None:
-        if "grasps" not in truth(run):
+        told = _told(run)
+        if told is None:
             return None
-        kept = [outcome for outcome, grasp in _told(run) if not grasp["dropped"]]
+        kept = [outcome for outcome, grasp in told if not grasp.dropped]
         return Share(sum(outcome == Trouble.DROP for outcome in kept), len(kept))
 
 
@@ -100,12 +103,16 @@ class Slips(Metric):
     )
 
     def measure(self, run: RunRecord) -> Values:
-        return Values((run.report["counts"]["slips"],))
+        return Values((run.report.counts.slips,))
 
 
-def _told(run: RunRecord) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """Yield each attempt's outcome by the mission, and what the truth says of it."""
-    grasps = truth(run).get("grasps")
-    if grasps is not None:
-        outcomes = [one["outcome"] for one in attempts(run)]
-        yield from zip(outcomes, grasps, strict=True)
+def _told(run: RunRecord) -> Sequence[tuple[str, TrueGrasp]] | None:
+    """Return each attempt's outcome by the mission, and what the truth says of it.
+
+    None if the truth does not tell.
+    """
+    truth = run.report.truth
+    if truth is None or truth.grasps is None:
+        return None
+    outcomes = [one.outcome for one in attempts(run)]
+    return list(zip(outcomes, truth.grasps, strict=True))

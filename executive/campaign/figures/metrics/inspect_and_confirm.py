@@ -17,10 +17,10 @@ _ASKED_M3 = (0.3 * 1.25, 0.6)
 
 def is_inspected(run: RunRecord) -> bool:
     """Return whether the report lists each true stone once, and nothing else, and names a map."""
-    listed = [np.array(one["centroid_map"][:2]) for one in run.report.get("stones", [])]
-    true = [np.array(one["centre_m"][:2]) for one in stones(run)]
-    count = run.report.get("figures", {}).get("stones_found", {}).get("value")
-    if not run.report.get("maps") or not len(listed) == len(true) == count:
+    listed = [one.centroid_map[:2] for one in run.report.stones]
+    true = [one.centre_m[:2] for one in stones(run)]
+    figure = run.report.figures.get("stones_found")
+    if figure is None or not run.report.maps or not len(listed) == len(true) == figure.value:
         return False
     near = [{i for i, at in enumerate(listed) if np.hypot(*(at - one)) <= _LISTED_M}
             for one in true]  # fmt: skip
@@ -29,7 +29,7 @@ def is_inspected(run: RunRecord) -> bool:
 
 def is_confirmed(run: RunRecord) -> bool:
     """Return whether no stone of the range was grasped without a yes to that very attempt."""
-    volumes = {one["held_object"]: one["volume_m3"] for one in stones(run)}
+    volumes = {one.held_object: one.volume_m3 for one in stones(run)}
     may_grasp = False
     for one in run.events:
         match one.event:

@@ -1,8 +1,10 @@
 """Metrics of the state estimate, the map and the drone's map on it."""
 
-from executive.campaign.figures.metrics.report import truth
+from abc import abstractmethod
+
 from executive.events.site import SiteSurveyed, SurveyRegistered
 from executive.interfaces.metric import Metric, RunRecord, Share, Values
+from executive.interfaces.truth import PositionErrors
 
 
 class _Estimator(Metric):
@@ -10,33 +12,42 @@ class _Estimator(Metric):
 
     unit = "m"
     is_more_better = False
-    statistic = ""
+
+    @abstractmethod
+    def statistic(self, errors: PositionErrors) -> float:
+        """Return the statistic [m]."""
 
     def measure(self, run: RunRecord) -> Values | None:
-        found = truth(run).get("estimate")
-        return Values((found["error_m"][self.statistic],)) if found else None
+        truth = run.report.truth
+        if truth is None or not truth.estimate:
+            return None
+        return Values((self.statistic(truth.estimate.error_m),))
 
 
 class EstimatorError(_Estimator):
     """Mean error of the estimated cabin position over a run."""
 
     title = "error of the estimated position, mean of a run"
-    statistic = "mean"
     description = (
         "Distance of the estimated position of the cabin from the true one: the mean over a run,"
         " once a second from when the estimate is usable."
     )
+
+    def statistic(self, errors: PositionErrors) -> float:
+        return errors.mean
 
 
 class EstimatorErrorMax(_Estimator):
     """Largest error of the estimated cabin position over a run."""
 
     title = "error of the estimated position, largest of a run"
-    statistic = "max"
     description = (
         "Distance of the estimated position of the cabin from the true one: the largest of a run,"
         " looked at once a second from when the estimate is usable."
     )
+
+    def statistic(self, errors: PositionErrors) -> float:
+        return errors.max
 
 
 class MapError(Metric):
@@ -51,8 +62,10 @@ class MapError(Metric):
     )
 
     def measure(self, run: RunRecord) -> Values | None:
-        found = truth(run).get("map")
-        return Values((found["distance_m"]["median"],)) if found else None
+        truth = run.report.truth
+        if truth is None or not truth.map:
+            return None
+        return Values((truth.map.distance_m.median,))
 
 
 class Registrations(Metric):
@@ -67,10 +80,10 @@ class Registrations(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share | None:
-        counts = run.report["counts"]
-        if not counts["registrations"]:
+        counts = run.report.counts
+        if not counts.registrations:
             return None
-        return Share(counts["registrations_accepted"], counts["registrations"])
+        return Share(counts.registrations_accepted, counts.registrations)
 
 
 class Registered(Metric):
@@ -84,10 +97,8 @@ class Registered(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share | None:
-        counts = run.report["counts"]
-        return (
-            Share(int(counts["registrations_accepted"] > 0), 1) if counts["registrations"] else None
-        )
+        counts = run.report.counts
+        return Share(int(counts.registrations_accepted > 0), 1) if counts.registrations else None
 
 
 class RegistrationTime(Metric):
@@ -125,5 +136,7 @@ class RegistrationError(Metric):
     )
 
     def measure(self, run: RunRecord) -> Values | None:
-        found = truth(run).get("registration")
-        return Values((found["error_m"],)) if found else None
+        truth = run.report.truth
+        if truth is None or not truth.registration:
+            return None
+        return Values((truth.registration.error_m,))

@@ -1,7 +1,11 @@
 """Metrics of the object database, against the simulator's truth."""
 
-from executive.campaign.figures.metrics.report import stones, truth
+from abc import abstractmethod
+from collections.abc import Sequence
+
+from executive.campaign.figures.metrics.report import stones
 from executive.interfaces.metric import Metric, RunRecord, Share, Values
+from executive.interfaces.truth import Realignment, TrueStone
 
 _DATABASE = (
     " of a stone's pose in the object database at the end from where the true motion of the stone"
@@ -19,13 +23,16 @@ _SETTLED = (
 
 
 class _OfStones(Metric):
-    """An error of each stone of the truth, in a field of its own."""
+    """An error of each stone of the truth."""
 
     is_more_better = False
-    field = ""
+
+    @abstractmethod
+    def error(self, stone: TrueStone) -> float | None:
+        """Return the error of a stone; None of one that is not in the database."""
 
     def measure(self, run: RunRecord) -> Values | None:
-        found = [one[self.field] for one in stones(run)]
+        found = [self.error(one) for one in stones(run)]
         return Values(tuple(error for error in found if error is not None)) if found else None
 
 
@@ -34,8 +41,10 @@ class DatabaseError(_OfStones):
 
     title = "position error of tracked stones"
     unit = "m"
-    field = "database_error_m"
     description = "Distance" + _DATABASE
+
+    def error(self, stone: TrueStone) -> float | None:
+        return stone.database_error_m
 
 
 class DatabaseRotationError(_OfStones):
@@ -43,23 +52,28 @@ class DatabaseRotationError(_OfStones):
 
     title = "rotation error of tracked stones"
     unit = "rad"
-    field = "database_error_rad"
     description = "Angle" + _DATABASE
+
+    def error(self, stone: TrueStone) -> float | None:
+        return stone.database_error_rad
 
 
 class _OfReleases(Metric):
-    """An error of each release of the truth, in a field of its own."""
+    """An error of each release of the truth."""
 
     is_more_better = False
-    field = ""
     is_only_realigned = True
 
+    @abstractmethod
+    def error(self, release: Realignment) -> float:
+        """Return the error of a release."""
+
     def measure(self, run: RunRecord) -> Values | None:
-        found = truth(run).get("realignments")
+        found = _releases(run)
         if found is None:
             return None
-        counted = (one for one in found if one["was_realigned"] or not self.is_only_realigned)
-        return Values(tuple(one[self.field] for one in counted))
+        counted = (one for one in found if one.was_realigned or not self.is_only_realigned)
+        return Values(tuple(self.error(one) for one in counted))
 
 
 class RealignmentError(_OfReleases):
@@ -67,8 +81,10 @@ class RealignmentError(_OfReleases):
 
     title = "position error after re-alignment"
     unit = "m"
-    field = "error_m"
     description = "Distance" + _REALIGNED
+
+    def error(self, release: Realignment) -> float:
+        return release.error_m
 
 
 class RealignmentRotationError(_OfReleases):
@@ -76,8 +92,10 @@ class RealignmentRotationError(_OfReleases):
 
     title = "rotation error after re-alignment"
     unit = "rad"
-    field = "error_rad"
     description = "Angle" + _REALIGNED
+
+    def error(self, release: Realignment) -> float:
+        return release.error_rad
 
 
 class SettledError(_OfReleases):
@@ -85,9 +103,11 @@ class SettledError(_OfReleases):
 
     title = "position error before re-alignment"
     unit = "m"
-    field = "settled_error_m"
     is_only_realigned = False
     description = "Distance" + _SETTLED
+
+    def error(self, release: Realignment) -> float:
+        return release.settled_error_m
 
 
 class SettledRotationError(_OfReleases):
@@ -95,9 +115,11 @@ class SettledRotationError(_OfReleases):
 
     title = "rotation error before re-alignment"
     unit = "rad"
-    field = "settled_error_rad"
     is_only_realigned = False
     description = "Angle" + _SETTLED
+
+    def error(self, release: Realignment) -> float:
+        return release.settled_error_rad
 
 
 class Realigned(Metric):
@@ -111,10 +133,10 @@ class Realigned(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share | None:
-        found = truth(run).get("realignments")
+        found = _releases(run)
         if found is None:
             return None
-        return Share(sum(one["was_realigned"] for one in found), len(found))
+        return Share(sum(one.was_realigned for one in found), len(found))
 
 
 class StonesKnown(Metric):
@@ -128,8 +150,10 @@ class StonesKnown(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share | None:
-        found = truth(run).get("objects")
-        return Share(found["known"], found["stones"]) if found else None
+        truth = run.report.truth
+        if truth is None or not truth.objects:
+            return None
+        return Share(truth.objects.known, truth.objects.stones)
 
 
 class Ghosts(Metric):
@@ -143,5 +167,12 @@ class Ghosts(Metric):
     )
 
     def measure(self, run: RunRecord) -> Values | None:
-        found = truth(run).get("objects")
-        return Values((found["ghosts"] + found["twice"],)) if found else None
+        truth = run.report.truth
+        if truth is None or not truth.objects:
+            return None
+        return Values((truth.objects.ghosts + truth.objects.twice,))
+
+
+def _releases(run: RunRecord) -> Sequence[Realignment] | None:
+    truth = run.report.truth
+    return None if truth is None else truth.realignments

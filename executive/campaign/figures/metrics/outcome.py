@@ -1,6 +1,5 @@
 """Metrics of a mission as a whole."""
 
-from executive.campaign.figures.metrics.report import truth
 from executive.interfaces.metric import Metric, RunRecord, Share, Values
 
 
@@ -15,7 +14,7 @@ class Success(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share:
-        return Share(int(run.report["outcome"] == "success"), 1)
+        return Share(int(run.report.outcome == "success"), 1)
 
 
 class Collisions(Metric):
@@ -29,8 +28,10 @@ class Collisions(Metric):
     )
 
     def measure(self, run: RunRecord) -> Values | None:
-        found = truth(run).get("collisions")
-        return None if found is None else Values((len(found),))
+        truth = run.report.truth
+        if truth is None or truth.collisions is None:
+            return None
+        return Values((len(truth.collisions),))
 
 
 class PluginFailures(Metric):
@@ -44,4 +45,4 @@ class PluginFailures(Metric):
     )
 
     def measure(self, run: RunRecord) -> Values:
-        return Values((run.report["counts"]["plugin_failures"],))
+        return Values((run.report.counts.plugin_failures,))

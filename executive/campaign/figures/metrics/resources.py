@@ -14,8 +14,8 @@ class CpuPerSimulatedSecond(Metric):
     )
 
     def measure(self, run: RunRecord) -> Values | None:
-        taken, ended_s = run.report.get("resources"), run.report["ended_s"]
-        return Values((taken["cpu_s"] / ended_s,)) if taken and ended_s > 0 else None
+        taken, ended_s = run.report.resources, run.report.ended_s
+        return Values((taken.cpu_s / ended_s,)) if ended_s > 0 else None
 
 
 class PeakMemory(Metric):
@@ -29,9 +29,8 @@ class PeakMemory(Metric):
         " processes, together."
     )
 
-    def measure(self, run: RunRecord) -> Values | None:
-        taken = run.report.get("resources")
-        return Values((taken["peak_memory_bytes"],)) if taken else None
+    def measure(self, run: RunRecord) -> Values:
+        return Values((run.report.resources.peak_memory_bytes,))
 
 
 class WallTime(Metric):
@@ -46,7 +45,7 @@ class WallTime(Metric):
     )
 
     def measure(self, run: RunRecord) -> Values:
-        return Values((run.report["wall_s"],))
+        return Values((run.report.wall_s,))
 
 
 class RealTimeFactor(Metric):
@@ -56,4 +55,4 @@ class RealTimeFactor(Metric):
     description = "Mission time divided by wall time. It depends on what else the computer does."
 
     def measure(self, run: RunRecord) -> Values:
-        return Values((run.report["real_time_factor"],))
+        return Values((run.report.real_time_factor,))

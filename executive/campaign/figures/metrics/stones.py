@@ -1,10 +1,9 @@
 """Metrics of the stones at their slots, by the simulator's truth."""
 
-from collections.abc import Mapping
-from typing import Any
-
 from executive.campaign.figures.metrics.report import stones
 from executive.interfaces.metric import Metric, RunRecord, Share, Values
+from executive.interfaces.report import PickReport
+from executive.interfaces.truth import TrueStone
 from executive.mission.report import NEAR_M
 
 
@@ -39,15 +38,13 @@ class FirstAttempt(Metric):
         found = stones(run)
         if not found:
             return None
-        first: dict[int, Mapping[str, Any]] = {}
-        for pick in run.report["picks"]:
-            first.setdefault(pick["object"], pick)
+        first: dict[int, PickReport] = {}
+        for pick in run.report.picks:
+            first.setdefault(pick.object, pick)
         at_once = {
-            number
-            for number, pick in first.items()
-            if pick["placed"] and len(pick["attempts"]) == 1
+            number for number, pick in first.items() if pick.placed and len(pick.attempts) == 1
         }
-        hits = sum(_is_near(one) and one["held_object"] in at_once for one in found)
+        hits = sum(_is_near(one) and one.held_object in at_once for one in found)
         return Share(hits, len(found))
 
 
@@ -63,7 +60,7 @@ class PlacementError(Metric):
     )
 
     def measure(self, run: RunRecord) -> Values | None:
-        errors = [one["slot_error_m"] for one in stones(run)]
+        errors = [one.slot_error_m for one in stones(run)]
         return Values(tuple(error for error in errors if error is not None)) if errors else None
 
 
@@ -78,10 +75,10 @@ class Attempts(Metric):
     )
 
     def measure(self, run: RunRecord) -> Values | None:
-        picks = run.report["picks"]
-        return Values(tuple(len(pick["attempts"]) for pick in picks)) if picks else None
+        picks = run.report.picks
+        return Values(tuple(len(pick.attempts) for pick in picks)) if picks else None
 
 
-def _is_near(stone: Mapping[str, Any]) -> bool:
-    error = stone["slot_error_m"]
+def _is_near(stone: TrueStone) -> bool:
+    error = stone.slot_error_m
     return error is not None and error <= NEAR_M

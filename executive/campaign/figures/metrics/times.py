@@ -29,7 +29,7 @@ class MissionTime(_Duration):
     description = "Mission time from the start to the end, however the mission ended."
 
     def measure(self, run: RunRecord) -> Values:
-        return Values((run.report["ended_s"] - run.report["started_s"],))
+        return Values((run.report.ended_s - run.report.started_s,))
 
 
 class CycleTime(_Duration):
@@ -42,8 +42,8 @@ class CycleTime(_Duration):
     )
 
     def measure(self, run: RunRecord) -> Values:
-        placed = [pick["attempts"] for pick in run.report["picks"] if pick["placed"]]
-        return Values(tuple(tries[-1]["ended_s"] - tries[0]["started_s"] for tries in placed))
+        placed = [pick.attempts for pick in run.report.picks if pick.placed]
+        return Values(tuple(tries[-1].ended_s - tries[0].started_s for tries in placed))
 
 
 class MappingTime(_Duration):

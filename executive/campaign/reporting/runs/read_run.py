@@ -1,6 +1,5 @@
 """One run as its folder holds it; what is damaged or absent is told, and the rest is read."""
 
-import json
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +12,8 @@ from executive.campaign.figures.measurement import measure, metric
 from executive.campaign.reporting.summary import MetricWords
 from executive.errors import ConfigError, DataError
 from executive.interfaces.metric import RunRecord, TimedEvent
+from executive.interfaces.report import CutOffReport, MissionReport
+from executive.interfaces.report_file import REPORT, read_report
 from executive.journal import Entry, JournalFile
 from executive.mission.run_folder import RunFolder
 from executive.plain_yaml import read_plain_yaml
@@ -24,33 +25,38 @@ class ReadRun:
 
     Attributes:
         folder: Its folder.
-        report: Its report; empty if there is none.
+        report: Its report; the short one if it was cut off, None if there is none to read.
         entries: The lines of its journal, up to the first damaged one.
         mission: Its resolved mission file as plain values; empty if there is none.
         damages: What could not be read, each with its place.
     """
 
     folder: Path
-    report: Mapping[str, Any]
+    report: MissionReport | CutOffReport | None
     entries: Sequence[Entry]
     mission: Mapping[str, Any]
     damages: tuple[str, ...]
 
     @property
+    def whole(self) -> MissionReport | None:
+        """Return the report of a run that has written it itself; None of any other."""
+        return self.report if isinstance(self.report, MissionReport) else None
+
+    @property
     def command(self) -> str:
         """Return the command that repeats the run; empty without its mission or its seed."""
-        if not self.mission or "seed" not in self.report:
+        if not self.mission or self.whole is None:
             return ""
         mission = RunFolder(self.folder).mission
-        return f"executive run {shlex.quote(str(mission))} --seed {self.report['seed']}"
+        return f"executive run {shlex.quote(str(mission))} --seed {self.whole.seed}"
 
     @cached_property
     def measurements(self) -> Mapping[str, Mapping[str, Any]]:
         """Return what every installed metric measures, as `measure` says it."""
-        if not self.report:
+        if self.whole is None:
             return {}
         events = tuple(TimedEvent(one.time_s, one.event, one.node) for one in self.entries)
-        record = RunRecord(self.report, events)
+        record = RunRecord(self.whole, events)
         found: dict[str, Mapping[str, Any]] = {}
         for one in registry.installed(registry.METRICS):
             try:
@@ -75,7 +81,7 @@ def read_run(folder: Path) -> ReadRun:
         )
     damages: list[str] = []
     if not (run.report.is_file() or run.journal.is_file()):
-        told = "is no folder of a run: it holds neither report.json nor journal.jsonl"
+        told = f"is no folder of a run: it holds neither {REPORT} nor journal.jsonl"
         raise ConfigError(f"{folder} {told if folder.is_dir() else 'is no folder'}")
     report = _report(run.report, damages)
     entries = _entries(run.journal, damages)
@@ -91,18 +97,12 @@ def words_of(name: str) -> MetricWords:
         return MetricWords(name, "", False, True, str(error))
 
 
-def _report(path: Path, damages: list[str]) -> Mapping[str, Any]:
+def _report(path: Path, damages: list[str]) -> MissionReport | CutOffReport | None:
     try:
-        report = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        damages.append(f"{path}: there is no report: the run goes on, or was killed")
-    except (OSError, ValueError, RecursionError) as error:
-        damages.append(f"{path}: not a report of a run: {error}")
-    else:
-        if isinstance(report, dict) and "outcome" in report:
-            return report
-        damages.append(f"{path}: not a report of a run: it has no field 'outcome'")
-    return {}
+        return read_report(path)
+    except DataError as error:
+        damages.append(str(error))
+        return None
 
 
 def _entries(path: Path, damages: list[str]) -> list[Entry]:

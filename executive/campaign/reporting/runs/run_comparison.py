@@ -1,7 +1,7 @@
 """Two runs side by side: what differs in their settings, their course and their figures."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import zip_longest
 from typing import Any
 
@@ -49,24 +49,20 @@ class RunComparison:
     first_difference: FirstDifference | None
 
 
-_ENDINGS = ("mission", "seed", "outcome", "reason", "ended_s", "wall_s")
-
-
 def compare_runs(one: ReadRun, other: ReadRun) -> RunComparison:
     """Compare two runs."""
-    reports = one.report, other.report
     medians = [
-        {stage: of["median"] for stage, of in report.get("timings_ms", {}).items()}
-        for report in reports
+        {stage: of.median for stage, of in (run.whole.timings_ms if run.whole else {}).items()}
+        for run in (one, other)
     ]
     return RunComparison(
         runs=(one, other),
         settings=_differing(dict(_flat(one.mission)), dict(_flat(other.mission))),
-        endings={name: (reports[0].get(name), reports[1].get(name)) for name in _ENDINGS},
-        counts=_differing(reports[0].get("counts", {}), reports[1].get("counts", {})),
+        endings=_both(_ending(one), _ending(other)),
+        counts=_differing(_counts(one), _counts(other)),
         measurements=_both(one.measurements, other.measurements),
         timings=_both(*medians),
-        picks=tuple(zip_longest(_picks(reports[0]), _picks(reports[1]), fillvalue="")),
+        picks=tuple(zip_longest(_picks(one), _picks(other), fillvalue="")),
         first_difference=_first_difference(one.entries, other.entries),
     )
 
@@ -92,12 +88,29 @@ def _flat(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
         yield path, value
 
 
-def _picks(report: Mapping[str, Any]) -> Iterator[str]:
-    for pick in report.get("picks", ()):
-        attempts = ", ".join(attempt["outcome"] for attempt in pick["attempts"])
-        slot = f", slot {pick['slot']}" if pick["placed"] else ""
-        aside = f", set aside: {pick['set_aside']}" if pick.get("set_aside") else ""
-        yield f"stone {pick['object']}: {attempts}{slot}{aside}"
+def _ending(run: ReadRun) -> dict[str, object]:
+    """Return how a run ended, with None for what is not known."""
+    report, whole = run.report, run.whole
+    return {
+        "mission": None if report is None else report.mission,
+        "seed": None if whole is None else whole.seed,
+        "outcome": None if report is None else report.outcome,
+        "reason": None if report is None else report.reason,
+        "ended_s": None if whole is None else whole.ended_s,
+        "wall_s": None if whole is None else whole.wall_s,
+    }
+
+
+def _counts(run: ReadRun) -> dict[str, int]:
+    return {} if run.whole is None else asdict(run.whole.counts)
+
+
+def _picks(run: ReadRun) -> Iterator[str]:
+    for pick in () if run.whole is None else run.whole.picks:
+        attempts = ", ".join(attempt.outcome for attempt in pick.attempts)
+        slot = f", slot {pick.slot}" if pick.placed else ""
+        aside = f", set aside: {pick.set_aside}" if pick.set_aside else ""
+        yield f"stone {pick.object}: {attempts}{slot}{aside}"
 
 
 def _first_difference(one: Sequence[Entry], other: Sequence[Entry]) -> FirstDifference | None:

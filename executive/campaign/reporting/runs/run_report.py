@@ -1,6 +1,7 @@
 """The report of a single run: a page, and an answer for programs."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,13 @@ from executive.campaign.reporting.quantile import quantile
 from executive.campaign.reporting.runs.read_run import ReadRun, words_of
 from executive.campaign.reporting.runs.timeline import attempt_bars, leaf_bars, timeline
 from executive.campaign.reporting.wording import NOTHING, amount, percent
+from executive.events.event import plain
 from executive.extras import require_extra
+from executive.interfaces.report import MissionReport, PickReport, Timing
+from executive.interfaces.truth import TrueStone, Truth
 
 PAGE = "report.html"
+_NO_METRICS = "None: the run has not reported by itself."
 
 
 def report_run(run: ReadRun) -> Path:
@@ -35,7 +40,7 @@ def run_answer(run: ReadRun) -> dict[str, Any]:
         "folder": str(run.folder),
         "damages": list(run.damages),
         "command": run.command,
-        "report": dict(run.report),
+        "report": {} if run.report is None else run.report.payload(),
         "measurements": {name: dict(found) for name, found in run.measurements.items()},
         "journal": {"entries": len(run.entries), "last": last_lines(run.folder)},
     }
@@ -57,74 +62,76 @@ def measured_words(name: str, measured: Mapping[str, Any]) -> str:
 
 
 def _page(run: ReadRun) -> Page:
-    report = run.report
-    page = Page(f"{report.get('mission') or run.folder.name}, seed {report.get('seed', NOTHING)}")
+    report, whole = run.report, run.whole
+    name = run.folder.name if report is None else report.mission
+    page = Page(f"{name}, seed {NOTHING if whole is None else whole.seed}")
     page.add(_head(run))
     if run.damages:
         page.section("What could not be read", listing(run.damages))
-    fault = report.get("fault")
-    if fault:
-        page.section("Fault", tag("pre", "\n".join(f"{k}: {v}" for k, v in fault.items() if v)))
-    attempts = list(attempt_bars(report))
-    if attempts:
+    if report is not None and report.fault is not None:
+        told = asdict(report.fault).items()
+        page.section("Fault", tag("pre", "\n".join(f"{k}: {v}" for k, v in told if v)))
+    attempts = [] if whole is None else list(attempt_bars(whole.picks))
+    if whole is not None and attempts:
         picture = Picture("attempts", "Attempts at each stone", timeline(attempts))
-        page.section("Stones", page.chart(picture), _picks(report["picks"]))
+        page.section("Stones", page.chart(picture), _picks(whole.picks))
     bars = leaf_bars(run.entries)
     if bars:
         page.section(
             "Course", page.chart(Picture("course", "When each leaf was active", timeline(bars)))
         )
     page.section("Metrics", _metrics(run))
-    if report.get("truth"):
-        page.section("Truth", *_truth(report["truth"]))
-    if report.get("resources"):
-        used = pairs((name, _plain(value, name)) for name, value in report["resources"].items())
-        page.section("Resources", used)
-    if report.get("timings_ms"):
-        page.section("Wall time of each stage", _timings(report["timings_ms"]))
-    if report.get("counts"):
-        page.section("Counts", pairs((k, str(v)) for k, v in report["counts"].items()))
+    if whole is not None:
+        _add_figures(page, whole)
     page.section("Last lines of the journal", tag("pre", "\n".join(last_lines(run.folder, 20))))
     return page
 
 
+def _add_figures(page: Page, report: MissionReport) -> None:
+    """Add the truth, what the run took from the computer, and its counts."""
+    if report.truth is not None:
+        page.section("Truth", *_truth(report.truth))
+    used = asdict(report.resources).items()
+    page.section("Resources", pairs((name, _plain(value, name)) for name, value in used))
+    if report.timings_ms:
+        page.section("Wall time of each stage", _timings(report.timings_ms))
+    page.section("Counts", pairs((k, str(v)) for k, v in asdict(report.counts).items()))
+
+
 def _head(run: ReadRun) -> Markup:
-    report = run.report
-    outcome = report.get("outcome", "unknown: there is no report")
+    report, whole = run.report, run.whole
+    outcome = "unknown: there is no report" if report is None else report.outcome
     kind = "good" if outcome == "success" else "bad"
-    rows: list[tuple[str, str]] = [("Outcome", tag("span", str(outcome), class_=kind))]
-    if report.get("reason"):
-        rows.append(("Reason", str(report["reason"])))
-    if "ended_s" in report:
-        rows.append(("Mission time", amount(report["ended_s"], "s")))
-    if "wall_s" in report:
-        factor = amount(report.get("real_time_factor", float("nan")))
-        rows.append(("Wall time", f"{amount(report['wall_s'], 's')} ({factor} times real time)"))
+    rows: list[tuple[str, str]] = [("Outcome", tag("span", outcome, class_=kind))]
+    if report is not None and report.reason:
+        rows.append(("Reason", report.reason))
+    if whole is not None:
+        factor = amount(whole.real_time_factor)
+        rows.append(("Mission time", amount(whole.ended_s, "s")))
+        rows.append(("Wall time", f"{amount(whole.wall_s, 's')} ({factor} times real time)"))
     rows.append(("Journal", f"{len(run.entries):,} entries"))
     if run.command:
         rows.append(("Repeat it", tag("code", run.command)))
     return pairs(rows)
 
 
-def _picks(picks: Sequence[Mapping[str, Any]]) -> Markup:
+def _picks(picks: Sequence[PickReport]) -> Markup:
     rows = [
         (
-            f"stone {pick['object']}" if not number else "",
+            f"stone {pick.object}" if not number else "",
             str(number + 1),
-            attempt["outcome"],
-            attempt["reason"],
-            amount(attempt["started_s"], "s"),
-            amount(attempt["ended_s"] - attempt["started_s"], "s"),
-            str(pick["slot"]) if attempt["outcome"] == "placed" else "",
+            attempt.outcome,
+            attempt.reason,
+            amount(attempt.started_s, "s"),
+            amount(attempt.ended_s - attempt.started_s, "s"),
+            str(pick.slot) if attempt.outcome == "placed" else "",
         )
         for pick in picks
-        for number, attempt in enumerate(pick["attempts"])
+        for number, attempt in enumerate(pick.attempts)
     ]
     heads = ("stone", "attempt", "outcome", "reason", "begun at", "took", "slot")
     aside = [
-        f"Stone {pick['object']} was set aside: {pick['set_aside']}"
-        for pick in picks
-        if pick.get("set_aside")
+        f"Stone {pick.object} was set aside: {pick.set_aside}" for pick in picks if pick.set_aside
     ]
     parts = table(heads, rows, numbers=(1, 4, 5, 6))
     return Markup(parts + listing(aside)) if aside else parts
@@ -135,34 +142,34 @@ def _metrics(run: ReadRun) -> Markup:
         (words_of(name).title, measured_words(name, measured))
         for name, measured in run.measurements.items()
     ]
-    return table(("metric", "measured"), rows) if rows else paragraph("None: there is no report.")
+    return table(("metric", "measured"), rows) if rows else paragraph(_NO_METRICS)
 
 
-def _timings(timings: Mapping[str, Mapping[str, float]]) -> Markup:
-    ordered = sorted(timings.items(), key=lambda one: -one[1]["median"] * one[1]["n"])
+def _timings(timings: Mapping[str, Timing]) -> Markup:
+    ordered = sorted(timings.items(), key=lambda one: -one[1].median * one[1].n)
     rows = [
-        (stage, amount(of["median"], "ms"), amount(of["p95"], "ms"), f"{of['n']:,}")
-        for stage, of in ordered
+        (stage, amount(of.median, "ms"), amount(of.p95, "ms"), f"{of.n:,}") for stage, of in ordered
     ]
     return table(("stage", "median", "95th percentile", "calls"), rows, numbers=(1, 2, 3))
 
 
-def _truth(truth: Mapping[str, Any]) -> list[Markup]:
-    parts: list[Markup] = [
-        paragraph(f"{len(truth.get('collisions', ()))} collisions."),
-    ]
-    stones = truth.get("stones")
-    if stones:
-        columns = list(stones[0])
-        rows = [[_plain(stone.get(column), column) for column in columns] for stone in stones]
+def _truth(truth: Truth) -> list[Markup]:
+    parts: list[Markup] = []
+    if truth.collisions is not None:
+        parts.append(paragraph(f"{len(truth.collisions)} collisions."))
+    if truth.stones:
+        columns = [one.name for one in fields(TrueStone)]
+        rows = [
+            [_plain(plain(getattr(stone, column)), column) for column in columns]
+            for stone in truth.stones
+        ]
         parts.append(table([c.replace("_", " ") for c in columns], rows, range(len(columns))))
-    estimate = truth.get("estimate") or {}
-    errors = [
-        (f"{name.rpartition('_')[0]}, {statistic}", _plain(value, name))
-        for name, of in estimate.items()
-        for statistic, value in of.items()
-    ]
-    if errors:
+    if truth.estimate:
+        errors = [
+            (f"{name.rpartition('_')[0]}, {statistic}", _plain(value, name))
+            for name, of in asdict(truth.estimate).items()
+            for statistic, value in of.items()
+        ]
         parts.append(table(("estimated cabin", "value"), errors, numbers=(1,)))
     return parts
 

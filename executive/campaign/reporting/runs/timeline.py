@@ -1,6 +1,6 @@
 """The course of a run in time: its leaves, and the attempts at each stone."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +17,7 @@ from executive.campaign.reporting.charts.spec import (
 )
 from executive.campaign.reporting.journal_line import leaf_name
 from executive.events.node import NodeEnded, NodeStarted
+from executive.interfaces.report import PickReport
 from executive.journal import Entry
 
 _UNFINISHED = "unfinished"
@@ -79,13 +80,12 @@ def _parents(node: str) -> Iterator[str]:
         yield node
 
 
-def attempt_bars(report: Mapping[str, Any]) -> Iterator[Bar]:
+def attempt_bars(picks: Iterable[PickReport]) -> Iterator[Bar]:
     """Yield a bar an attempt at a stone, from the report."""
-    for pick in report.get("picks", ()):
-        for attempt in pick["attempts"]:
-            times = attempt["started_s"], attempt["ended_s"]
-            name = f"stone {pick['object']}"
-            yield Bar(name, *times, attempt["outcome"], attempt["reason"])
+    for pick in picks:
+        for one in pick.attempts:
+            name = f"stone {pick.object}"
+            yield Bar(name, one.started_s, one.ended_s, one.outcome, one.reason)
 
 
 def timeline(bars: Sequence[Bar]) -> Spec:

@@ -8,6 +8,7 @@ from executive_plugins.robot.mujoco.truth.truth_log import TruthLog
 from executive.arrays import Float
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import angle_between, exp_so3
+from executive.interfaces.truth import Distances, MapErrors, Nothing, RegistrationErrors
 
 _SAMPLE = 20_000  # points that are compared; more change the figures by less than a hundredth
 _ITERATIONS = 20  # of the fit; it converges in five to ten
@@ -31,20 +32,20 @@ class TrueSurface:
         ]
         self._mesh = RayMesh([site.terrain.mesh(), *stones])
 
-    def distances(self, points_map: Float) -> dict[str, dict[str, float]]:
-        """Return {"distance_m": {"median", "p95"}} of points to the surface; {} without points.
+    def distances(self, points_map: Float) -> Nothing | MapErrors:
+        """Return the distances of points to the surface; nothing without points.
 
         Args:
             points_map: Points in the map [m], shape (N, 3); of many every nth is taken.
         """
         if not len(points_map):
-            return {}
+            return Nothing()
         points = _sample(points_map)
         nearest, _ = self._mesh.nearest(points)
         median, p95 = np.percentile(np.linalg.norm(nearest - points, axis=1), [50, 95])
-        return {"distance_m": {"median": float(median), "p95": float(p95)}}
+        return MapErrors(Distances(float(median), float(p95)))
 
-    def misplacement(self, points_map: Float) -> dict[str, float]:
+    def misplacement(self, points_map: Float) -> Nothing | RegistrationErrors:
         """Return how far a cloud as a whole is from where it fits the surface best.
 
         The fit is rigid and minimises distances to the planes of the nearest triangles.
@@ -53,25 +54,25 @@ class TrueSurface:
             points_map: Points in the map [m], shape (N, 3); of many every nth is taken.
 
         Returns:
-            `error_m`: how far the fit moves the middle of the points; `error_rad`: how far it turns
-            them; {} without points near the surface.
+            How far the fit moves the middle of the points, and how far it turns them; nothing
+            without points near the surface.
         """
         points = _sample(points_map)
         if not len(points):
-            return {}
+            return Nothing()
         T = np.eye(4)
         for _ in range(_ITERATIONS):
             placed = transform(T, points)
             nearest, normals = self._mesh.nearest(placed)
             is_near = np.linalg.norm(nearest - placed, axis=1) < _FAR_M
             if is_near.sum() < _UNKNOWNS:
-                return {}
+                return Nothing()
             T = _step(placed[is_near], nearest[is_near], normals[is_near]) @ T
         middle = points.mean(axis=0)
-        return {
-            "error_m": float(np.linalg.norm(transform(T, middle[None])[0] - middle)),
-            "error_rad": angle_between(np.eye(3), T[:3, :3]),
-        }
+        return RegistrationErrors(
+            error_m=float(np.linalg.norm(transform(T, middle[None])[0] - middle)),
+            error_rad=angle_between(np.eye(3), T[:3, :3]),
+        )
 
 
 def _step(points: Float, nearest: Float, normals: Float) -> Float:

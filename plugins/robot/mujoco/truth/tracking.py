@@ -1,7 +1,7 @@
 """The object database against the truth: which stones it knows, and each realigned pose."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from executive_plugins.robot.mujoco.truth.truth_log import TruthLog
@@ -9,11 +9,21 @@ from executive_plugins.robot.mujoco.truth.truth_log import TruthLog
 from executive.arrays import Float
 from executive.geometry.pose import inverse
 from executive.geometry.rotation import angle_between
+from executive.interfaces.truth import KnownObjects, Realignment
 from executive.messages.stone_event import StoneEvent
 
 SAME_STONE_M = 0.7  # largest distance of an estimated centroid from the true one of its stone
 
 Histories = Mapping[int, Sequence[StoneEvent]]  # by the object's number, oldest event first
+
+
+@dataclass(frozen=True, slots=True)
+class PoseError:
+    """How far the pose of an object is off [m], [rad], and how many models the object has had."""
+
+    away_m: float
+    away_rad: float
+    models: int
 
 
 class Tracking:
@@ -31,56 +41,50 @@ class Tracking:
             number: _nearest(log, events[0]) for number, events in self._histories.items()
         }
 
-    def objects(self) -> dict[str, int]:
-        """Return counts: `stones` of the site, `known` ones, known `twice`, and `ghosts`.
-
-        A ghost is an object of the database where no stone was.
-        """
+    def objects(self) -> KnownObjects:
+        """Return how the database knows the site."""
         found = [stone for stone in self._stones.values() if stone is not None]
-        return {
-            "stones": len(self._log.stones),
-            "known": len(set(found)),
-            "twice": len(found) - len(set(found)),
-            "ghosts": len(self._stones) - len(found),
-        }
+        return KnownObjects(
+            stones=len(self._log.stones),
+            known=len(set(found)),
+            twice=len(found) - len(set(found)),
+            ghosts=len(self._stones) - len(found),
+        )
 
     def found_as(self, stone: int) -> int | None:
         """Return the number of the first object that a stone was found as; None if of none."""
         return next((number for number, found in self._stones.items() if found == stone), None)
 
-    def error(self, number: int, T_map_object: Float) -> dict[str, float]:
-        """Return how far a pose of an object is off at the end: `database_error_m` and `_rad`, and
-        `models`, how many models it has had; errors count since the newest was seen.
+    def error(self, number: int, T_map_object: Float) -> PoseError | None:
+        """Return how far a pose of an object is off at the end, since its newest model was seen.
+
+        None of an object that is no stone.
         """
         stone = self._stones[number]
         if stone is None:
-            return {}
+            return None
         events = self._histories[number]
         bases = self._bases(stone, events)
         base = events[bases[-1]]
         at_end = replace(base, stamp_s=self._log.end_s, T_map_object=T_map_object)
         away_m, away_rad = self._error(stone, self._T_stone_object(stone, base), at_end)
-        return {
-            "database_error_m": away_m,
-            "database_error_rad": away_rad,
-            "models": len(bases),
-        }
+        return PoseError(away_m, away_rad, len(bases))
 
-    def realignments(self) -> list[dict[str, object]]:
+    def realignments(self) -> tuple[Realignment, ...]:
         """Return an entry for each release of each known stone.
 
         `settled_error_m` and `settled_error_rad` are those of the pose after the release, which
         follows from the gripper's motion (Mascaro 2020, Eq. 3); `error_m` and `error_rad` those
         after the first realignment, and equal to the former where there was none.
         """
-        return [
+        return tuple(
             entry
             for number, stone in self._stones.items()
             if stone is not None
             for entry in self._of_object(stone, self._histories[number])
-        ]
+        )
 
-    def _of_object(self, stone: int, events: Sequence[StoneEvent]) -> Iterator[dict[str, object]]:
+    def _of_object(self, stone: int, events: Sequence[StoneEvent]) -> Iterator[Realignment]:
         bases = self._bases(stone, events)
         releases = [i for i, event in enumerate(events) if event.kind == "release"]
         for number, i in enumerate(releases):
@@ -91,15 +95,15 @@ class Tracking:
             realigned = next((e for e in events[i:last] if e.kind == "realign"), None)
             settled_m, settled_rad = self._error(stone, T_stone_object, events[i])
             error_m, error_rad = self._error(stone, T_stone_object, realigned or events[i])
-            yield {
-                "stone": stone + 1,
-                "round": number + 1,
-                "was_realigned": realigned is not None,
-                "settled_error_m": settled_m,
-                "settled_error_rad": settled_rad,
-                "error_m": error_m,
-                "error_rad": error_rad,
-            }
+            yield Realignment(
+                stone=stone + 1,
+                round=number + 1,
+                was_realigned=realigned is not None,
+                settled_error_m=settled_m,
+                settled_error_rad=settled_rad,
+                error_m=error_m,
+                error_rad=error_rad,
+            )
 
     def _bases(self, stone: int, events: Sequence[StoneEvent]) -> list[int]:
         """Return at which events an object got a model: when it was found, and when it was replaced

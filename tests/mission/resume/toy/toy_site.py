@@ -107,8 +107,8 @@ def complaints(robot, stones, report) -> list[str]:
     from toy_plugins import SLOTS, STONES
 
     found = []
-    if report["outcome"] != "success":
-        found.append(f"{report['outcome']}: {report['reason']}")
+    if report.outcome != "success":
+        found.append(f"{report.outcome}: {report.reason}")
     if len(stones) != len(STONES):
         found.append(f"the database has {len(stones)} stones for {len(STONES)}")
     if robot.held >= 0 or any(stone.state.value == "held" for stone in stones):
@@ -121,7 +121,7 @@ def complaints(robot, stones, report) -> list[str]:
     for stone in stones:
         if np.linalg.norm(robot.stones - stone.centroid_map, axis=1).min() > 0.1:
             found.append(f"stone {stone.id} is not where the database has it")
-    counts = report["counts"]
-    if (counts["picks"], counts["placed"]) != (len(STONES), len(STONES)):
-        found.append(f"the report tells of {counts['placed']} of {counts['picks']} picks placed")
+    counts = report.counts
+    if (counts.picks, counts.placed) != (len(STONES), len(STONES)):
+        found.append(f"the report tells of {counts.placed} of {counts.picks} picks placed")
     return found
