@@ -64,6 +64,11 @@ class Connection:
             self.close()
         return self.is_open
 
+    @property
+    def has_kept(self) -> bool:
+        """Whether there is something that the other end has not taken yet."""
+        return self.is_open and bool(self._kept)
+
     def receive(self, wait_s: float = 0.0) -> Iterator[Frame]:
         """Yield the frames that have arrived; wait so long for the first one [s].
 

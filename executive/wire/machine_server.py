@@ -131,7 +131,8 @@ class MachineServer:
     def _wait(self) -> None:
         due_s = self._origin_s + self._time_s + self.slipped_s + STEP_S - time.monotonic()
         waited = [self._listening.fileno(), *(one.fileno() for one in self._guests if one.is_open)]
-        select.select(waited, [], [], min(max(due_s, 0.0), STEP_S))
+        kept = [one.fileno() for one in self._guests if one.has_kept]
+        select.select(waited, kept, [], min(max(due_s, 0.0), STEP_S))
 
     def _accept(self) -> None:
         try:

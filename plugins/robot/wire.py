@@ -17,6 +17,7 @@ from executive.wire.address import Address
 from executive.wire.connection import Connection
 from executive.wire.frame import Frame, Kind, WireError
 from executive.wire.payload import pack, unpack
+from executive.wire.read_ahead import ReadAheadConnection
 from executive.wire.survey import cloud_of
 
 _ON_THE_WAY_S = 0.02  # two periods of the fastest sensors, in which nothing may arrive
@@ -66,7 +67,7 @@ class WireRobot(Robot, SurveyedElsewhere):
                 f"no machine listens at {address} ({error.strerror or error}); start one with "
                 "'executive simulate', or correct robot.address"
             ) from error
-        self._connection = Connection(found)
+        self._connection = ReadAheadConnection(found)
         try:
             hello = {"role": "executive", "model": self._settings.model}
             welcome = self._ask(Frame(Kind.HELLO, hello))

@@ -1,7 +1,9 @@
 """A machine behind the wire: driven by one executive, stopped by silence or by a supervisor."""
 
+import socket
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from executive.messages.command import Follow
 from executive.messages.joints import JointSample
 from executive.messages.trajectory import JointTrajectory
 from executive.supervision.link import MachineLink
+from executive.wire import machine_server
 from executive.wire.address import Address
 from executive.wire.connection import Connection
 from executive.wire.frame import Frame, Kind
@@ -192,3 +195,20 @@ def test_nonsense_ends_its_connection_and_no_other(machine, driver):
     assert "no frame of the robot wire" in next(iter(guest.receive(5.0))).head["reason"]
     guest.close()
     assert keep_alive(driver, 0.3, time.monotonic())
+
+
+def test_it_waits_for_room_only_where_something_is_left_to_send(tmp_path, monkeypatch):
+    robot = KinematicRobot(KinematicSettings(), load_machine("m545"))
+    server = MachineServer(robot, "m545", Address(str(tmp_path / "machine.sock")), SILENCE_S)
+    (reads_nothing, _), (reads_all, _) = ends = socket.socketpair(), socket.socketpair()
+    server._guests = [Connection(reads_nothing), Connection(reads_all)]
+    server._guests[0].post(Frame(Kind.OBSERVATIONS, body=bytes(32 * 2**20)))
+    server._guests[1].post(Frame(Kind.OBSERVATIONS))
+    waited = []
+    monkeypatch.setattr(
+        machine_server, "select", SimpleNamespace(select=lambda *found: waited.append(found[1]))
+    )
+    server._wait()
+    assert waited == [[reads_nothing.fileno()]]
+    for end in (*ends[0], *ends[1], server._listening):
+        end.close()

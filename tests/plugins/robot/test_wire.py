@@ -86,7 +86,8 @@ def machine(monkeypatch, clock) -> Wire:
     end = Wire(clock)
     where = SimpleNamespace(connect=lambda _: None)
     monkeypatch.setattr(wire, "Address", SimpleNamespace(parse=lambda _: where))
-    monkeypatch.setattr(wire, "Connection", lambda _: end)
+    for name in ("Connection", "ReadAheadConnection"):
+        monkeypatch.setattr(wire, name, lambda _: end)
     return end
 
 
