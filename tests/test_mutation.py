@@ -249,6 +249,17 @@ def test_tests_are_those_that_mirror_hold_and_import_a_file(load) -> None:
     assert related(TESTS.parent, "executive/config.py")[0] == ("tests/test_config.py",)
 
 
+def test_tests_beside_the_mirror_of_a_folder_belong_to_its_files(load) -> None:
+    related = load("mutants.related_tests").related
+    both = ("tests/tree/test_import.py", "tests/tree/test_export.py")
+    for file in ("names.py", "import_xml.py"):  # the second one is named by one of the two
+        stages = related(TESTS.parent, f"executive/tree/btcpp/{file}")
+        assert [stage for stage in stages if both[0] in stage] == [("tests/tree/btcpp", *both)]
+    assert not any(both[0] in one for one in related(TESTS.parent, "executive/tree/load.py")[1:2])
+    leaf = related(TESTS.parent, "executive/leaf/port.py")
+    assert ("tests/leaf", "tests/behaviours", "tests/mission") in leaf
+
+
 def test_recorded_results_of_the_mirror_run_first(load) -> None:
     related = load("mutants.related_tests").related
     assert related(TESTS.parent, "plugins/monitoring/hold_state.py")[0] == (

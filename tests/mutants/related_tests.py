@@ -5,17 +5,21 @@ from pathlib import Path
 
 RECORDED = Path("tests/recorded")
 SUITES = Path("executive/testing/suites")  # what every plugin of a capability must do
-BESIDE = {"leaf": ("tests/behaviours", "tests/mission"), "behaviours": ("tests/mission",)}
+BESIDE = {  # tests of what is in a folder that are not in its mirror
+    "executive/leaf": ("tests/behaviours", "tests/mission"),
+    "executive/behaviours": ("tests/mission",),
+    "executive/tree/btcpp": ("tests/tree/test_import.py", "tests/tree/test_export.py"),
+}
 
 
 def related(root: Path, file: str) -> list[tuple[str, ...]]:
     """Return what to run for a file, the nearest first; none if no test concerns it.
 
     Nearest are the test files of its name in its mirror and the recorded results of its mirror;
-    then come the whole mirror, for a plugin the suite of its capability, and all other test files
-    that import it. The mirror of `executive/a/b.py` is `tests/a`, that of `plugins/x/room/y.py` is
-    `tests/plugins/x/room` if there is one, else `tests/plugins/x`; recorded results are in the
-    same folders under `tests/recorded`.
+    then come the whole mirror with what is `BESIDE` it, for a plugin the suite of its capability,
+    and all other test files that import it. The mirror of `executive/a/b.py` is `tests/a`, that of
+    `plugins/x/room/y.py` is `tests/plugins/x/room` if there is one, else `tests/plugins/x`;
+    recorded results are in the same folders under `tests/recorded`.
     """
     path = Path(file)
     is_plugin = path.parts[0] == "plugins"
@@ -24,13 +28,13 @@ def related(root: Path, file: str) -> list[tuple[str, ...]]:
     near = [p.relative_to(root) for p in sorted((root / mirror).rglob(f"test_{path.stem}.py"))]
     near += _recorded(root, place)
     wide = [mirror.as_posix()] if mirror != Path("tests") else []
-    wide += [] if is_plugin else BESIDE.get(path.parts[1], ())
+    wide += [test for beside, of in BESIDE.items() if path.is_relative_to(beside) for test in of]
     others = [
         p.as_posix()
         for p in _importing(root, _module(path))
         if not any(p.is_relative_to(folder) for folder in (*near, *wide))
     ]
-    stages = [[p.as_posix() for p in near], [p for p in wide if (root / p).is_dir()]]
+    stages = [[p.as_posix() for p in near], [p for p in wide if (root / p).exists()]]
     if is_plugin and (root / SUITES / f"test_{path.parts[1]}.py").is_file():
         kit = ["-p", "executive.testing.pytest_plugin", "--capability", path.parts[1]]
         stages.append([*kit, SUITES.as_posix()])
