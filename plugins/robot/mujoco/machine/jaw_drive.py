@@ -31,10 +31,9 @@ class JawDrive:
         self._model, self._data, self._machine, self._settings = model, data, machine, settings
         self._id = model.actuator(machine.jaw.name).id
         self._joint = data.joint(machine.jaw.name)
-        self._share, self._torque = 1.0, 0.0
-        self._target_rad = self.position_rad
+        self._share = 1.0
         self._interrupted_rad: float | None = None
-        self.press(self._target_rad, settings.grip_force_n)
+        self.press(self.position_rad, settings.grip_force_n)
 
     @property
     def position_rad(self) -> float:
