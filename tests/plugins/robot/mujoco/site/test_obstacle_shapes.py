@@ -58,4 +58,6 @@ def test_rays_and_contacts_meet_the_same_shape(shape: str) -> None:
     assert geom.size[: len(sizes)] == pytest.approx(sizes)
     assert geom.pos == pytest.approx([3.0, -2.0, 1.5])
     assert geom.quat == pytest.approx([np.cos(0.15), 0.0, 0.0, np.sin(0.15)])
+    brown = [0.55, 0.36, 0.28, 1.0] if shape == "box" else [0.36, 0.27, 0.18, 1.0]
+    assert geom.rgba == pytest.approx(brown)
     assert (geom.contype[0], geom.conaffinity[0], geom.bodyid[0]) == (1, 1, 0)
