@@ -43,6 +43,9 @@ def read_given(value: Value, kind: Any, what: str, reading: Reading) -> Recipe |
             return _items(value, kind, what, reading)
         case "array":
             return _array(value, kind, what, reading)
+        case "number" if typing.get_origin(bare(kind)) is typing.Literal:
+            allowed = {str(one): one for one in typing.get_args(bare(kind))}
+            return _one_of(value, str(plain(value)), allowed, what, reading)
         case "number":
             return _constant(_number(value, kind, what, reading))
         case "truth":
@@ -122,10 +125,16 @@ def _items(value: Value, kind: Any, what: str, reading: Reading) -> Recipe | Non
         return None
     inner = bare(kind)
     origin, arguments = typing.get_origin(inner) or inner, typing.get_args(inner)
-    item = arguments[0] if arguments else object
+    is_of_one_kind = origin is not tuple or not arguments or arguments[-1] is Ellipsis
+    kinds = [arguments[0] if arguments else object] * len(value.items)
+    if not is_of_one_kind:
+        kinds = list(arguments)
+        if len(kinds) != len(value.items):
+            reading.fail(value, f"{what} has {len(kinds)} items, not {len(value.items)}")
+            return None
     found = [
         read_given(one, item, f"{what}[{number}]", reading)
-        for number, one in enumerate(value.items)
+        for number, (one, item) in enumerate(zip(value.items, kinds, strict=True))
     ]
     recipes = [one for one in found if one is not None]
     if len(recipes) != len(found):

@@ -20,7 +20,7 @@ from executive.tree.expressions.dimension import NAMED, PLAIN, Dimension
 from executive.tree.expressions.kinds import bare, dimension_of, fields_of, members, sort_of
 
 _MOST = 3  # items of a list, from none
-_SHAPE = re.compile(r"shape \(([^)]*)\)|each \(([^)]*)\)")
+_SHAPE = re.compile(r"(?:shape|each) \(([^)]*)\)")
 # Bounds of the numbers that are drawn, in SI units: those of stones, of their places and of moves.
 _BOUNDS: tuple[tuple[Dimension, float, float], ...] = (
     (NAMED["length"], 0.0, 5.0),
@@ -118,7 +118,7 @@ class Maker:
                 f"'{name}' cannot be made up: its docstring states no shape, such as 'shape (3,)'; "
                 "give it in the file of --mocks"
             )
-        sizes = [one.strip() for one in (stated[1] or stated[2]).split(",") if one.strip()]
+        sizes = [one.strip() for one in stated[1].split(",") if one.strip()]
         shape = tuple(int(one) if one.isdecimal() else _MOST + 1 for one in sizes)
         if shape == (4, 4):  # a pose
             pose = np.eye(4)
