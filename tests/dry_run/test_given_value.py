@@ -141,6 +141,7 @@ def test_fields_of_an_object_are_given_and_the_others_are_made_up(given):
                "not 3"]),
         ("{siez: 1, id: 2.5}",
          ["Stone has no field 'siez'. Did you mean 'size'?", "out.id is a whole number, not 2.5"]),
+        ("{siez: 1}", ["Stone has no field 'siez'. Did you mean 'size'?"]),
         ("{colours: [pink]}", ["out.colours[0] has no value 'pink'; there is: grey, red"]),
     ],
 )  # fmt: skip
