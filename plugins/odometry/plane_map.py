@@ -40,7 +40,7 @@ class PlaneMap:
         self._voxel_m, self._radius_m, self._neighbours = voxel_m, radius_m, neighbours
         self._most_scans = most_scans
         self._scans: list[_KeyScan] = []
-        self.planes = Planes(np.zeros((0, 3)), np.zeros((0, 3)))
+        self.planes = _planes(np.zeros((0, 3)), radius_m, neighbours)
         self._tree: cKDTree | None = None
 
     def add(self, T_map_lidar: Float, points_lidar: Float) -> None:

@@ -116,6 +116,7 @@ def test_a_map_without_planes_has_none_near_anything() -> None:
     for one in (empty, barren):
         found, index = one.nearest(np.zeros((3, 3)), 100.0)
         assert (found.tolist(), index.tolist()) == ([False] * 3, [])
+        assert one.planes.points.shape == one.planes.normals.shape == (0, 3)
     assert empty.is_new(np.eye(4), 0.5, 0.1)
 
 
