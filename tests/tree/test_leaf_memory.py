@@ -152,3 +152,17 @@ def test_the_outputs_of_the_past_stand_on_the_keys_that_they_were_wired_to(follo
     tree, _ = follow(main, Recalled(Outcome(True, ""), {"cloud": "an old cloud"}, has_begun=False))
     tree.tick()
     assert tree.runtime.store.get("first") == "an old cloud"
+
+
+def test_a_leaf_that_had_not_begun_is_called_in_the_present(follow: Any) -> None:
+    tree, past = follow(COUNT, Recalled(None, {}, has_begun=False))
+    assert tree.finish() == "SUCCESS"
+    assert [kind for kind, *_ in past.told] == ["visit", "visit", "called", "visit", "answered"]
+
+
+def test_a_leaf_is_taken_up_once_and_called_in_the_next_round(follow: Any) -> None:
+    main = "sequence:\n  - set: {least: 3}\n  - loop: {max: 2}\n    do: {run: Count}"
+    tree, past = follow(main, Recalled(None, {}, has_begun=True))
+    assert tree.finish() == "SUCCESS"
+    told = [kind for kind, *_ in past.told if kind != "visit"]
+    assert told == ["taken up", "answered", "called", "answered"]
