@@ -98,34 +98,41 @@ class Run:
         self._assembly = assembled(self._selections, self._model, options.seed)
         self._groot = publisher_at(options.groot)
         self._resumption = resumption
-        if resumption is None:
-            self.folder = RunFolder.create(options.run_dir, description.name)
-            self.folder.mission.write_text(resolved_yaml(description), encoding="utf-8")
-            options.kept.write(self.folder.options)
-        else:
-            self.folder = resumption.folder
+        self.folder = self._new_folder() if resumption is None else resumption.folder
         self._account = Account(verifies=verifies(description))
         self._journal = Journal(self.folder.journal)
         if resumption is not None:
             resumption.write_after(self._journal, self._account)
         self._journal.follow(self._account.add)
+        self._setup = self._made_setup()
+        self._tell: Callable[[str], None] = lambda text: None
+        self._mission: Mission | None = None
+        self._is_closed = False
+
+    def _new_folder(self) -> RunFolder:
+        """Make the folder, with what is needed to run the mission again or to resume it."""
+        folder = RunFolder.create(self._options.run_dir, self._description.name)
+        folder.mission.write_text(resolved_yaml(self._description), encoding="utf-8")
+        self._options.kept.write(folder.options)
+        return folder
+
+    def _made_setup(self) -> Setup:
+        """Make what the mission's loop works with, from the plugins and what the file says."""
+        description, options, loop = self._description, self._options, self._description.loop
         values = ValueFolder(self.folder.values)
-        self._memory = LeafMemory(values, lambda: self._secure(values))
         clock = WallClock() if options.real_time else SimulatedClock()
         choice = Choice(self._assembly.plugins, self._selections, self._model, options.seed)
-        self._setup = Setup(
+        return Setup(
             clock=clock,
-            tick_s=description.loop.tick,
-            time_limit_s=description.loop.time_limit,
+            tick_s=loop.tick,
+            time_limit_s=loop.time_limit,
             seed=options.seed,
             assembly=self._assembly,
-            jobs=choice.make(
-                description.loop, clock, options.runner, is_lock_step=not options.real_time
-            ),
+            jobs=choice.make(loop, clock, options.runner, is_lock_step=not options.real_time),
             journal=self._journal,
             account=self._account,
             operator=Operator(options.answer, chosen=options.choices, is_attended=options.attended),
-            memory=self._memory,
+            memory=LeafMemory(values, lambda: self._secure(values)),
             keeper=Keeper(self.folder.kept, self._assembly.plugins, beside=options.real_time),
             folder=self.folder.path,
             recorder=self._recorder(),
@@ -137,12 +144,9 @@ class Run:
                 has_judge=self._machine is not None and is_judged(description),
             ),
             machine=self._machine,
-            heartbeat_limit_s=description.loop.heartbeat_limit if options.real_time else 0.0,
-            late_ticks=description.loop.late_ticks,
+            heartbeat_limit_s=loop.heartbeat_limit if options.real_time else 0.0,
+            late_ticks=loop.late_ticks,
         )
-        self._tell: Callable[[str], None] = lambda text: None
-        self._mission: Mission | None = None
-        self._is_closed = False
 
     def execute(
         self, after_tick: Callable[[Mission], None], tell: Callable[[str], None] = lambda text: None
