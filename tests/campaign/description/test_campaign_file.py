@@ -73,6 +73,8 @@ def test_ten_mistakes_get_ten_messages_each_with_place_and_cure() -> None:
         ("seeds: 1\narguments: {}", "5:1 no 'arguments' here: missions take settings"),
         ("seeds: 1\nwork: misson", "5:7 no work plugin 'misson'. Did you mean 'mission'?"),
         ("seeds: 1\nlimits: {time: 0}", "5:16 'time' must be more than 0 s"),
+        ("seeds: 1\nlimits: {memory: [4]}", "5:18 'memory' is a size such as 4 GB, not a list"),
+        ("seeds: 1\nlimits: {memory: 4 s}", "5:18 'memory': "),
         ("seeds: 1\nlimits: {memory: 4}", "5:18 'memory' must be at least 100 MB"),
         ("seeds: 1\nmetrics: [sucess]", "5:11 no metric plugin 'sucess'. Did you mean 'success'?"),
         ("seeds: 1\nmetrics: {success: {at_least: 95}}", "5:31 'at_least' is a share from 0 to 1"),
