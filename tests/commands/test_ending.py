@@ -60,14 +60,21 @@ def levels(grasping):
 
 
 def estimate(metric, grasping="old", of=20, **more):
-    given = {"hits": 0, "measured": of, "without_answer": 0, "statistics": {}} | more
+    given = {
+        "hits": 0,
+        "measured": of,
+        "without_answer": 0,
+        "statistics": {},
+        "assumed": 0,
+        "problems": 0,
+    } | more
     return Estimate(metric=metric, levels=levels(grasping), runs=10, of=of, **given)
 
 
 def difference(others, *, pairs=10):
     return Difference(
         "success", "plugins.grasping", "old", "new", others, pairs, 0, 0, 0.0, NOTHING_KNOWN,
-        "alike", "no difference that matters",
+        "alike", "no difference that matters", 0, math.nan,
     )  # fmt: skip
 
 
