@@ -127,10 +127,10 @@ def _sorted_rows(keys: Int, counts: Int) -> Int:  # pragma: no cover - compiled
     return sorted_rows
 
 
-def _capacity_for(voxels: int) -> int:
-    """Return the rows of a table for an expected number of voxels."""
+def _capacity_for(voxels: int, load: float = 0.5 * _LOAD) -> int:
+    """Return the rows of a table that an expected number of voxels fills up to a load."""
     capacity = _FIRST_CAPACITY
-    while voxels > 0.5 * _LOAD * capacity:
+    while voxels > load * capacity:
         capacity *= 2
     return capacity
 
@@ -160,18 +160,22 @@ class VoxelGrid:
     Inserting a million points takes about 50 ms.
     """
 
-    def __init__(self, voxel_m: float, memory: int) -> None:
+    def __init__(self, voxel_m: float, memory: int, expected: int = 0) -> None:
         """Start empty.
 
         Args:
             voxel_m: Edge of a voxel [m].
             memory: Number of points over which a mean is taken; the weight of older ones decays.
+            expected: Number of voxels for which there is room at once: to grow takes up to half a
+                second.
         """
         self._voxel_m = voxel_m
         self._memory = memory
         self._size = 0
         self._is_same: bool = False  # whether the table is that of the last `take_changes`
-        self._allocate(_FIRST_CAPACITY)
+        self._allocate(_capacity_for(expected, _LOAD))
+        if expected:
+            self._touch()
 
     @classmethod
     def compile(cls) -> None:
@@ -266,6 +270,13 @@ class VoxelGrid:
         self._allocate(_capacity_for(expected))
         _refill(self._keys, self._means, self._counts, keys, means, counts)
         self._size = len(rows)
+
+    def _touch(self) -> None:
+        """Write to all of the table: the system gives memory only where it is written to, and that
+        takes longer than to insert.
+        """
+        for part in (self._means, self._counts, self._changes.rows, self._changes.is_noted):
+            part.fill(0)
 
     def _allocate(self, capacity: int) -> None:
         self._keys = np.full(capacity, FREE, dtype=np.int64)

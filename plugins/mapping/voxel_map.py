@@ -29,6 +29,9 @@ from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
 from executive.messages.sector import Sector
 
+_LAYERS = 3  # of voxels that noise spreads a surface over
+_MOST_AT_ONCE = 1_200_000  # voxels for which there is room from the start: 94 MB
+
 
 class KeptMap(TypedDict):
     """The voxels, the cylinder's centre, and the radius around a held stone."""
@@ -73,7 +76,9 @@ class VoxelMap(Mapper):
         compile_voxel_means()  # of what the jaws hold
         s = self._settings
         MapCloud.compile(s)
-        self._grid = VoxelGrid(s.voxel_m, s.memory)
+        columns = np.pi * (s.radius_m / s.voxel_m) ** 2
+        expected = min(round(_LAYERS * columns), _MOST_AT_ONCE)
+        self._grid = VoxelGrid(s.voxel_m, s.memory, expected)
         if s.forget_after:
             Carver.compile()
             self._carver = Carver(

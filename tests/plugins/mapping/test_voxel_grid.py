@@ -76,3 +76,15 @@ def test_noise_averages_out() -> None:
 def test_points_beyond_the_keys_are_refused() -> None:
     with pytest.raises(DataError, match="set the datum near the site"):
         VoxelGrid(0.03, 100).insert(np.array([[400_000.0, 0, 0]]))
+
+
+def test_a_grid_has_room_at_once_for_what_is_expected_and_holds_the_same():
+    points = np.argwhere(np.ones((60, 60, 60))) + 0.5  # more than a grid has room for at first
+    ready, grown = VoxelGrid(1.0, 100, expected=len(points)), VoxelGrid(1.0, 100)
+    rows = [len(grid.table().keys) for grid in (ready, grown)]
+    for grid in (ready, grown):
+        grid.insert(points)
+    assert len(ready.table().keys) == rows[0]
+    assert len(grown.table().keys) > rows[1]
+    for one, other in zip(ready.points(), grown.points(), strict=True):
+        assert np.array_equal(one, other)
