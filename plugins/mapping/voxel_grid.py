@@ -12,6 +12,7 @@ from executive.geometry.radix_sort import radix_order
 
 _HALF = 1 << (BITS - 1)
 _LOAD = 0.6  # above it, collisions become too frequent
+_FULL = 0.8  # share of that load up to which a table is used again: it would soon be full
 _FIRST_CAPACITY = 1 << 18
 
 
@@ -172,10 +173,12 @@ class VoxelGrid:
         self._voxel_m = voxel_m
         self._memory = memory
         self._size = 0
+        self._keys = np.empty(0, dtype=np.int64)
         self._is_same: bool = False  # whether the table is that of the last `take_changes`
-        self._allocate(_capacity_for(expected, _LOAD))
+        self._ready = _capacity_for(expected, _LOAD) if expected else 0  # rows from the start
+        self._allocate(self._ready or _FIRST_CAPACITY)
         if expected:
-            self._touch()
+            self._clear()
 
     @classmethod
     def compile(cls) -> None:
@@ -240,7 +243,7 @@ class VoxelGrid:
 
     def refill(self, keys: Int, means: Float, counts: Int) -> None:
         """Replace the content by what `rows` returned."""
-        self._allocate(_capacity_for(len(keys)))
+        self._make_room(len(keys))
         _refill(self._keys, self._means, self._counts, keys, means, counts)
         self._size = len(keys)
 
@@ -267,18 +270,30 @@ class VoxelGrid:
     def _rebuild(self, rows: Int, expected: int) -> None:
         """Move some rows into a table for an expected number of voxels."""
         keys, means, counts = self._keys[rows], self._means[rows], self._counts[rows]
-        self._allocate(_capacity_for(expected))
+        self._make_room(expected)
         _refill(self._keys, self._means, self._counts, keys, means, counts)
         self._size = len(rows)
 
-    def _touch(self) -> None:
-        """Write to all of the table: the system gives memory only where it is written to, and that
-        takes longer than to insert.
+    def _make_room(self, voxels: int) -> None:
+        """Empty the table, and make another one only where that of the start is too small."""
+        is_enough = voxels <= _FULL * _LOAD * self._ready
+        self._allocate(self._ready if is_enough else _capacity_for(voxels))
+
+    def _clear(self) -> None:
+        """Empty the table by writing to all of it.
+
+        The system gives memory only where it is written to, which takes longer than to insert:
+        after this it is there.
         """
-        for part in (self._means, self._counts, self._changes.rows, self._changes.is_noted):
+        self._keys.fill(FREE)
+        for part in (self._means, self._counts, *self._changes):
             part.fill(0)
+        self._is_same = False
 
     def _allocate(self, capacity: int) -> None:
+        if capacity == self._ready and len(self._keys) == capacity:
+            self._clear()
+            return
         self._keys = np.full(capacity, FREE, dtype=np.int64)
         self._means = np.zeros((capacity, 3))
         self._counts = np.zeros(capacity, dtype=np.int64)

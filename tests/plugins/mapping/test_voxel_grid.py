@@ -88,3 +88,18 @@ def test_a_grid_has_room_at_once_for_what_is_expected_and_holds_the_same():
     assert len(grown.table().keys) > rows[1]
     for one, other in zip(ready.points(), grown.points(), strict=True):
         assert np.array_equal(one, other)
+
+
+def test_a_grid_keeps_its_room_when_voxels_are_removed_and_holds_what_is_kept():
+    points = np.argwhere(np.ones((60, 60, 60))) + 0.5
+    grid, other = VoxelGrid(1.0, 100, expected=len(points)), VoxelGrid(1.0, 100)
+    rows = len(grid.table().keys)
+    for one in (grid, other):
+        one.insert(points)
+        one.take_changes()
+        one.keep(points[:, 0] < 20)
+        assert one.take_changes() is None  # every row may hold another voxel
+        one.insert(points[::2])
+    assert len(grid.table().keys) == rows
+    for found, wanted in zip(grid.rows(), other.rows(), strict=True):
+        assert np.array_equal(found, wanted)
