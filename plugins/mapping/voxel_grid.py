@@ -167,8 +167,7 @@ class VoxelGrid:
         Args:
             voxel_m: Edge of a voxel [m].
             memory: Number of points over which a mean is taken; the weight of older ones decays.
-            expected: Number of voxels for which there is room at once: to grow takes up to half a
-                second.
+            expected: Number of voxels for which there is room at once; to grow takes up to 0.5 s.
         """
         self._voxel_m = voxel_m
         self._memory = memory
@@ -280,11 +279,7 @@ class VoxelGrid:
         self._allocate(self._ready if is_enough else _capacity_for(voxels))
 
     def _clear(self) -> None:
-        """Empty the table by writing to all of it.
-
-        The system gives memory only where it is written to, which takes longer than to insert:
-        after this it is there.
-        """
+        """Empty the table in place; only what is written to gets memory, which takes long."""
         self._keys.fill(FREE)
         for part in (self._means, self._counts, *self._changes):
             part.fill(0)
