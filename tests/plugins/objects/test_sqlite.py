@@ -234,3 +234,17 @@ def test_the_database_does_not_wait_for_a_thread_that_computes_surroundings(
     go_on.set()
     asking.join()
     assert len(found[0]) == 4
+
+
+def test_a_database_that_is_open_is_not_opened_again(
+    objects: SqliteObjects, tmp_path: Path
+) -> None:
+    other = str(tmp_path / "other.sqlite")
+    with pytest.raises(ConfigError, match=r"is open already; close it before opening .*other"):
+        objects.open(other)
+    assert not Path(other).exists()
+    objects.observe([segment(box((3, 0, 0)))], 1.0, False)  # the first one is open still
+    objects.close()
+    objects.close()
+    objects.open(other)
+    assert Path(other).exists()
