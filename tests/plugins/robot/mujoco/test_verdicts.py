@@ -7,6 +7,7 @@ import pytest
 from executive_plugins.robot.mujoco.oracle import MujocoOracle
 from executive_plugins.robot.mujoco.truth.contact_log import Span
 
+from executive.events.event import plain
 from executive.geometry.pose import pose
 from executive.geometry.rotation import about_axis
 from executive.interfaces.oracle import Attempt, MissionView
@@ -48,7 +49,7 @@ def verdicts(log: Log, monkeypatch: pytest.MonkeyPatch, **view: object) -> dict[
     tracking = SimpleNamespace(objects=dict, realignments=list)
     module = "executive_plugins.robot.mujoco.oracle"
     monkeypatch.setattr(f"{module}.Tracking", lambda *given: tracking)
-    return oracle.truth(MissionView(**(SILENT | view)))
+    return plain(oracle.truth(MissionView(**(SILENT | view))))
 
 
 def attempt(started_s: float, ended_s: float, x_m: float = 1.0) -> Attempt:
