@@ -134,7 +134,7 @@ class FixedLifts(Rehearsal):
 
 
 class DrawnLifts(Rehearsal):
-    """Lifts with the errors of pose and friction that labels have, each one a trial.
+    """Lifts with errors of pose and friction, each one a trial.
 
     Where even good grasps fall at times, one fall is evidence and no verdict: in `nominal`, of
     grasps that fell in all of four such lifts of the seen points' hull, 34 % lifted the true stone.
@@ -143,10 +143,13 @@ class DrawnLifts(Rehearsal):
     lifts end once it cannot reach the best one any more: its score then has fewer of them.
     """
 
-    def __init__(self, belief: Belief) -> None:
+    def __init__(self, belief: Belief, shift_m: float, turn_rad: float) -> None:
         rng = np.random.default_rng(_SEED)
         self._variants = [
-            (drawn_offset(rng), belief.contact(float(rng.uniform(*belief.friction))))
+            (
+                drawn_offset(rng, shift_m, turn_rad),
+                belief.contact(float(rng.uniform(*belief.friction))),
+            )
             for _ in range(_DRAWN)
         ]
 
@@ -179,9 +182,17 @@ class DrawnLifts(Rehearsal):
         return seen.made == _DRAWN and seen.least_slip_m > most_m
 
 
-def rehearsal_of(belief: Belief) -> Rehearsal:
-    """Return the rehearsal for a belief: fixed lifts in `kind`, drawn ones elsewhere."""
-    return FixedLifts(belief) if belief.scenario == "kind" else DrawnLifts(belief)
+def rehearsal_of(belief: Belief, shift_m: float, turn_rad: float) -> Rehearsal:
+    """Return the rehearsal for a belief: fixed lifts in `kind`, drawn ones elsewhere.
+
+    Args:
+        belief: The contacts that are assumed.
+        shift_m: Largest error of the gripper along each axis in drawn lifts [m].
+        turn_rad: The same about each axis [rad].
+    """
+    if belief.scenario == "kind":
+        return FixedLifts(belief)
+    return DrawnLifts(belief, shift_m, turn_rad)
 
 
 def _rate(worth: float | None, held: float, made: int) -> float:

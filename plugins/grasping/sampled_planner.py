@@ -87,7 +87,9 @@ class SampledPlanner(GraspPlanner):
         self._arm = ArmReach(machine, motion)
         self._sampler = Sampler(settings, machine.gripper)
         self._rehearsal = rehearsal_of(
-            belief_of(settings.physics, machine.gripper, settings.steel_friction)
+            belief_of(settings.physics, machine.gripper, settings.steel_friction),
+            settings.arm_error_m,
+            settings.arm_error_rad,
         )
 
     def start(self) -> None:

@@ -6,7 +6,7 @@ from executive_plugins.grasping.sampling.settings import SamplingSettings
 from executive_plugins.physics.scenario import Scenario
 from pydantic import Field, field_validator, model_validator
 
-from executive.config import Meters
+from executive.config import Meters, Radians
 
 
 class SampledPlannerSettings(SamplingSettings):
@@ -46,6 +46,19 @@ class SampledPlannerSettings(SamplingSettings):
         None,
         description="Least and largest friction of steel on stone that simulated lifts assume; by "
         "`physics` if not given.",
+    )
+    arm_error_m: Meters = Field(
+        0.02,
+        ge=0,
+        le=0.2,
+        description="Largest error of the gripper's place along each axis that simulated lifts "
+        "assume [m]: that of the arm, and of the map. `kind` assumes its own.",
+    )
+    arm_error_rad: Radians = Field(
+        0.026,
+        ge=0,
+        le=0.5,
+        description="The same of the gripper's attitude about each axis [rad].",
     )
     max_slip_m: Meters = Field(
         0.3,

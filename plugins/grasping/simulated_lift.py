@@ -28,7 +28,6 @@ _STONE, _GRIPPER, _GROUND = 1, 2, 4  # contact groups; gripper and ground do not
 _ARM_MASS_KG = 1500.0  # effective mass of the arm at the gripper
 _ARM_STIFFNESS = 2e6  # stiffness of its servos at the gripper [N/m]
 LIFTED_M = 0.2  # a stone that slips more is lost, or will be
-_SHIFT_M, _TURN_RAD = 0.05, np.radians(5.0)  # bounds of the arm's error per axis
 OPENED_RAD = 0.15  # the jaws start this much wider than planned, to allow for the errors
 FALLEN_M = 0.5  # slip at which a stone counts as fallen
 _ARM_M = 0.5  # a turn counts by the motion that it causes at this distance from the centre
@@ -212,7 +211,13 @@ def _stone_in_palm(data: mujoco.MjData) -> Float:
     return T
 
 
-def drawn_offset(rng: np.random.Generator) -> Float:
-    """Return where the arm brings a gripper, seen from where it shall be, shape (4, 4)."""
-    turn, shift = rng.uniform(-_TURN_RAD, _TURN_RAD, 3), rng.uniform(-_SHIFT_M, _SHIFT_M, 3)
+def drawn_offset(rng: np.random.Generator, shift_m: float, turn_rad: float) -> Float:
+    """Return where the arm brings a gripper, seen from where it shall be, shape (4, 4).
+
+    Args:
+        rng: Draws it.
+        shift_m: Largest shift along each axis [m].
+        turn_rad: Largest component of the turn about each axis [rad].
+    """
+    turn, shift = rng.uniform(-turn_rad, turn_rad, 3), rng.uniform(-shift_m, shift_m, 3)
     return pose(exp_so3(turn), shift)

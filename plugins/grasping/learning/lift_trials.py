@@ -14,6 +14,9 @@ from executive.machine.gripper import Gripper
 
 _KIND_FRICTION = (0.4, 0.8)  # in `kind`; in another scenario that of its belief
 _DENSITY_KG_M3 = (2300.0, 2900.0)
+# Bounds of the gripper's error along and about each axis. They are wider than those of an arm, so
+# that labels tell robust grasps from narrow ones, whatever arm they are used with.
+_SHIFT_M, _TURN_RAD = 0.05, np.radians(5.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +64,7 @@ class LiftTrials:
 
     def draw(self, rng: np.random.Generator) -> LiftErrors:
         """Draw the errors of one lift."""
-        off = drawn_offset(rng)
+        off = drawn_offset(rng, _SHIFT_M, _TURN_RAD)
         mass_kg = self._volume_m3 * rng.uniform(*_DENSITY_KG_M3)
         contact = self._contacts.contact(float(rng.uniform(*self._contacts.friction)))
         return LiftErrors(off, mass_kg, contact)

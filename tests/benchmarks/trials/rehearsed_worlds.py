@@ -1,5 +1,6 @@
 """How often the first-ranked grasp lifts in a scenario, by the contacts that rehearsals assumed."""
 
+import math
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
@@ -25,6 +26,7 @@ BELIEFS: tuple[Scenario, ...] = ("kind", "nominal", "wet", "harsh")
 WORLDS: tuple[Scenario, ...] = ("nominal", "wet", "harsh")
 LIFTS = 4
 NO_LESS = Bound(0.0, 5.0, is_least=True)  # points that one's own contacts are above `kind`
+ERROR_M, ERROR_RAD = 0.05, math.radians(5)  # as those of `LiftTrials`
 MACHINE = load_machine("m545")
 
 
@@ -56,7 +58,11 @@ def lifted_share(
 def measure(kind: str, stones: Iterator[tuple[Float, Solid]], seed: int) -> list[Figure]:
     """Plan with each belief, lift in each world, and compare with the belief in `kind`."""
     planners = {
-        belief: SampledCnn(SampledCnnSettings(physics=belief), MACHINE, FreeMotion())
+        belief: SampledCnn(
+            SampledCnnSettings(physics=belief, arm_error_m=ERROR_M, arm_error_rad=ERROR_RAD),
+            MACHINE,
+            FreeMotion(),
+        )
         for belief in BELIEFS
     }
     rates: dict[tuple[Scenario, Scenario], list[float]] = {}

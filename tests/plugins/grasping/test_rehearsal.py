@@ -10,9 +10,11 @@ from executive_plugins.grasping.simulated_lift import Lifted
 from executive_plugins.physics.belief import belief_of
 from executive_plugins.physics.scenario import Scenario
 
+from executive.geometry.rotation import log_so3
 from executive.machine.machine import load_machine
 
 GRIPPER = load_machine("m545").gripper
+SHIFT_M, TURN_RAD = 0.02, 0.03
 HELD, FALLEN = Lifted(0.01, 0.0, 0.0), Lifted(0.6, 0.0, 0.0)
 
 
@@ -29,7 +31,7 @@ class Given:
 
 
 def rehearsal(scenario: Scenario) -> Rehearsal:
-    return rehearsal_of(belief_of(scenario, GRIPPER))
+    return rehearsal_of(belief_of(scenario, GRIPPER), SHIFT_M, TURN_RAD)
 
 
 def test_in_kind_a_first_fall_ends_the_lifts_and_costs_the_whole_prediction() -> None:
@@ -87,3 +89,18 @@ def test_all_grasps_are_rehearsed_with_the_same_errors() -> None:
     for (T, _, contact), (T_again, _, contact_again) in zip(first.made, second.made, strict=True):
         assert np.array_equal(T, T_again)
         assert contact == contact_again
+
+
+def test_drawn_lifts_are_off_by_no_more_than_the_arm_is_said_to_be_and_use_most_of_it() -> None:
+    lifts = Given([HELD] * 4)
+    rehearsal("nominal").lift(lifts, np.eye(4), 0.5)  # type: ignore[arg-type]
+    shifts = np.array([np.abs(T[:3, 3]) for T, _, _ in lifts.made])
+    turns = np.array([np.abs(log_so3(T[:3, :3])) for T, _, _ in lifts.made])
+    assert 0.5 * SHIFT_M < shifts.max() <= SHIFT_M
+    assert 0.5 * TURN_RAD < turns.max() <= TURN_RAD * (1 + 1e-9)
+
+
+def test_an_arm_without_errors_rehearses_the_planned_pose_itself() -> None:
+    lifts = Given([HELD] * 4)
+    rehearsal_of(belief_of("nominal", GRIPPER), 0.0, 0.0).lift(lifts, np.eye(4), 0.5)  # type: ignore[arg-type]
+    assert all(np.array_equal(T, np.eye(4)) for T, _, _ in lifts.made)
