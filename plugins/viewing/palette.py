@@ -16,6 +16,7 @@ STATES = {
     "SUCCESS": (70, 180, 90),
     "FAILURE": (220, 70, 60),
     "INVALID": (110, 110, 110),
+    "SKIPPED": (170, 170, 170),
 }
 ESTIMATES = {  # status of an estimator
     "INITIALISING": (110, 110, 110),

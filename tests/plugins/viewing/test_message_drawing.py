@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 from executive_plugins.viewing.message_drawing import draw
-from executive_plugins.viewing.palette import DRONE, GROUND, SLOT, of_number
+from executive_plugins.viewing.palette import DRONE, GROUND, SLOT, STATES, of_number
+from py_trees.common import Status
 
 from executive.machine.machine import load_machine
 from executive.messages.cloud import Cloud
@@ -32,6 +33,11 @@ def drawn(value: object, entity: str, max_points: int = 1000) -> dict[str, dict[
 def colour(rgb: tuple[int, int, int]) -> int:
     r, g, b = rgb
     return (r << 24) + (g << 16) + (b << 8) + 255
+
+
+def test_every_state_of_a_node_has_a_colour_of_its_own() -> None:
+    assert set(STATES) == {*(status.name for status in Status), "SKIPPED"}
+    assert len(set(STATES.values())) == len(STATES)
 
 
 @pytest.mark.parametrize(("most", "count"), [(1001, 1000), (1000, 500), (333, 250)])
