@@ -23,7 +23,8 @@ class KeptPath(TypedDict):
     held: Float
     trajectory: JointTrajectory | None
     columns: Int
-    progress: tuple[float, float, bool]
+    progress: tuple[float, float]  # along the path [s], and its rate
+    end: tuple[bool, bool]  # stopping, given up
 
 
 class Follower:
@@ -159,14 +160,16 @@ class Follower:
             "held": self._held,
             "trajectory": self._trajectory,
             "columns": self._columns,
-            "progress": (self._s, self._rate, self._is_stopping),
+            "progress": (self._s, self._rate),
+            "end": (self._is_stopping, self._is_given_up),
         }
 
     def restore(self, kept: KeptPath) -> None:
         """Take back what `keep` returned."""
         self._held, self._trajectory = kept["held"], kept["trajectory"]
         self._columns = kept["columns"]
-        self._s, self._rate, self._is_stopping = kept["progress"]
+        self._s, self._rate = kept["progress"]
+        self._is_stopping, self._is_given_up = kept["end"]
 
     def _reference(self) -> tuple[Float, Float]:
         position, velocity = self._held.copy(), np.zeros_like(self._held)

@@ -69,6 +69,24 @@ def test_a_stop_stays_on_the_path_within_the_acceleration_limits(
     assert share[-1] < 1.0 or stop_s > 6.0
 
 
+@pytest.mark.parametrize("is_given_up", [False, True])
+def test_a_path_that_was_given_up_stays_so_in_a_world_that_is_taken_back(
+    machine: Machine, is_given_up: bool
+) -> None:
+    follower, other = (Follower(machine, machine.posture("scan")) for _ in range(2))
+    follower.follow(quintic(machine, machine.posture("carry"), 8.0), machine.posture("scan"))
+    for _ in range(400):
+        follower.advance(DT_S)
+    follower.give_up() if is_given_up else follower.stop()
+    follower.advance(DT_S)
+    other.restore(follower.keep())
+    other.resume()
+    for _ in range(round(9.0 / DT_S)):
+        position, _ = other.advance(DT_S)
+    has_arrived = bool(np.allclose(position, machine.posture("carry")))
+    assert has_arrived is not is_given_up
+
+
 def test_a_stop_in_mid_swing_is_quick(machine: Machine) -> None:
     start = machine.posture("scan")
     follower = Follower(machine, start)

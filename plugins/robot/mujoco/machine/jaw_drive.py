@@ -66,14 +66,14 @@ class JawDrive:
         torque = self._share * self._torque
         self._model.actuator_forcerange[self._id] = (-torque, torque)
 
-    def keep(self) -> tuple[float, float]:
-        """Return the target [rad] and the largest torque [N·m]."""
-        return self._target_rad, float(self._model.actuator_forcerange[self._id][1])
+    def keep(self) -> tuple[float, float, float]:
+        """Return the target [rad], the commanded torque [N·m] and the share of it that there is."""
+        return self._target_rad, self._torque, self._share
 
-    def restore(self, kept: tuple[float, float]) -> None:
+    def restore(self, kept: tuple[float, float, float]) -> None:
         """Take back what `keep` returned."""
-        self._target_rad, torque = kept
-        self._model.actuator_forcerange[self._id] = (-torque, torque)
+        self._target_rad, self._torque, self._share = kept
+        self._limit()
 
     def drive(self) -> None:
         """Set the speed of this step."""

@@ -78,7 +78,7 @@ def test_free_jaws_hold_in_a_pause_and_go_on_after_it(effort_nm: float, holds: b
     drive.go_on()
     assert speed(drive) == pytest.approx(-0.4)
     drive.go_on()
-    assert drive.keep() == (0.0, 3000.0)
+    assert drive.keep() == (0.0, 3000.0, 1.0)
 
 
 def test_a_new_command_in_a_pause_is_what_goes_on() -> None:
@@ -87,14 +87,17 @@ def test_a_new_command_in_a_pause_is_what_goes_on() -> None:
     drive.hold()
     drive.press(0.9, 1000.0)
     drive.go_on()
-    assert drive.keep() == (0.9, 3000.0)
+    assert drive.keep() == (0.9, 3000.0, 1.0)
 
 
 def test_what_is_kept_is_taken_back() -> None:
     drive, other = jaws(), jaws(0.1)
     drive.press(0.2, 500.0)
-    assert drive.keep() == (0.2, 1500.0)
+    drive.weaken(0.5)
+    assert drive.keep() == (0.2, 1500.0, 0.5)
     other.restore(drive.keep())
-    assert limits(other) == [-1500.0, 1500.0]
+    assert limits(other) == [-750.0, 750.0]
     assert speed(other) == pytest.approx(0.4)
-    assert other.keep() == (0.2, 1500.0)
+    assert other.keep() == (0.2, 1500.0, 0.5)
+    other.weaken(1.0)  # the pressure is back, and what was commanded with it
+    assert limits(other) == [-1500.0, 1500.0]

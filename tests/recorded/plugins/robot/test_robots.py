@@ -100,8 +100,8 @@ def test_truth(recorded, robot, seen) -> None:
     corners = transform(T_stone, robot.world.site.stones[0].vertices)
     middle = corners.mean(axis=0)
     found = surface.misplacement(transform(T_off, corners - middle) + middle)
-    assert found["error_m"] == pytest.approx(np.linalg.norm(T_off[:3, 3]), rel=0.02)
-    assert found["error_rad"] == pytest.approx(0.02, rel=0.05)
+    assert found.error_m == pytest.approx(np.linalg.norm(T_off[:3, 3]), rel=0.02)
+    assert found.error_rad == pytest.approx(0.02, rel=0.05)
 
 
 def event(log, stamp_s: float, kind: str, off: float) -> StoneEvent:
