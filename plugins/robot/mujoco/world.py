@@ -44,7 +44,7 @@ class KeptWorld(TypedDict):
     steps: int
     follower: KeptPath
     arm: Mapping[str, object]
-    jaws: tuple[float, float]
+    jaws: tuple[float, float, float]
     wheels: KeptBase | None
 
 
