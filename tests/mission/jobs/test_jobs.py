@@ -141,11 +141,14 @@ def test_against_the_wall_clock_a_job_is_ready_when_it_is_done():
     assert jobs.start(plugin_of(jobs).square, 3).is_ready()
 
 
-def test_wall_times_are_kept_for_the_report():
+def test_wall_times_are_kept_for_the_report(monkeypatch):
     jobs, _ = jobs_with(InlineRunner())
-    for _ in range(3):
-        jobs.start(plugin_of(jobs).square, 3)
-    assert len(jobs.durations_ms["motion.square"]) == 3
+    plugin = plugin_of(jobs)
+    times_s = iter([10.0, 10.25, 20.0, 20.5])
+    monkeypatch.setattr("executive.mission.jobs.jobs.wall_s", lambda: next(times_s))
+    for _ in range(2):
+        jobs.start(plugin.square, 3)
+    assert list(jobs.durations_ms["motion.square"]) == [250.0, 500.0]
 
 
 def plugin_of(jobs):
