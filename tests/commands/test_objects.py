@@ -108,3 +108,6 @@ def test_wrong_folders_are_named(
     )
     assert executive(monkeypatch, run_dir) == 2
     assert "Did you mean 'sqlite'?" in capsys.readouterr().err
+    (run_dir / "mission.yaml").write_text("mission: relocate\nplugins: {}\n")
+    assert executive(monkeypatch, run_dir) == 2
+    assert "mission.yaml: names no objects plugin" in capsys.readouterr().err

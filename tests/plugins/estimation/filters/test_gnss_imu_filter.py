@@ -50,6 +50,18 @@ def test_a_swinging_cabin_is_followed_to_millimetres(cabin, estimator) -> None:
     assert estimator.refused == {}
 
 
+def test_it_keeps_the_origin_of_the_map_and_nothing_before_there_is_one(cabin, start) -> None:
+    estimator, other = start(datum=None), start(datum=None)
+    assert (estimator.keep(), estimator.revision) == ({}, 0)
+    run(estimator, cabin.observations(4.0))
+    kept = estimator.keep()
+    assert (list(kept), estimator.revision) == (["datum"], 1)
+    other.restore(kept)
+    np.testing.assert_array_equal(other.keep()["datum"], kept["datum"])
+    other.restore({})
+    assert list(other.keep()) == ["datum"]
+
+
 def test_velocity_and_rate_are_those_of_the_cabin(cabin, estimator) -> None:
     cabin.noise = 0.0
     states = run(estimator, cabin.observations(12.0))
