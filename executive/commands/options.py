@@ -22,9 +22,7 @@ SeedOption = Annotated[
 MissionArgument = Annotated[
     str, typer.Argument(metavar="MISSION", help="A mission file, or the name of a shipped one.")
 ]
-RunArgument = Annotated[
-    Path, typer.Argument(metavar="RUN_DIR", help="Folder of the run.", show_default=False)
-]
+RunArgument = Annotated[Path, typer.Argument(metavar="RUN_DIR", help="Folder of the run.")]
 ByTreeOption = Annotated[
     bool,
     typer.Option("--by-tree", help="Count what several calls of one tree have taken together."),

@@ -50,6 +50,24 @@ def test_a_pcd_that_claims_billions_of_points_is_refused(tmp_path: Path, form: s
         read_points(pcd(tmp_path / "claim.pcd", 4_000_000_000, b"1 2 3\n" * 100, form))
 
 
+@pytest.mark.parametrize(
+    ("width", "height", "is_right"), [(20, 20, True), (400, 1, True), (800, 2, False)]
+)
+def test_a_pcd_has_as_many_points_as_columns_times_rows(
+    tmp_path: Path, width: int, height: int, is_right: bool
+) -> None:
+    path = pcd(tmp_path / "site.pcd", 400, POINTS.tobytes())
+    head = path.read_bytes().replace(
+        b"WIDTH 400\nHEIGHT 1\n", b"WIDTH %d\nHEIGHT %d\n" % (width, height)
+    )
+    path.write_bytes(head)
+    if is_right:
+        assert len(read_points(path)) == 400
+        return
+    with pytest.raises(DataError, match="WIDTH times HEIGHT is not 400"):
+        read_points(path)
+
+
 def test_a_compressed_pcd_that_claims_more_than_can_be_packed_is_refused(tmp_path: Path) -> None:
     body = struct.pack("<II", 100, 0xFFFFFFFF) + bytes(100)
     with pytest.raises(DataError, match="300000000 points cannot be in 100 packed bytes"):

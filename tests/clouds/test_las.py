@@ -53,6 +53,29 @@ def test_national_coordinates_are_read_to_the_files_own_millimetre(
 
 
 @pytest.mark.parametrize("suffix", ["las", "laz"])
+def test_records_behind_the_points_are_read_over_and_false_ones_refused(
+    tmp_path: Path, suffix: str
+) -> None:
+    path = las(tmp_path / f"site.{suffix}", "1.4", 6)
+    data = laspy.read(path)
+    data.evlrs = laspy.vlrs.vlrlist.VLRList([laspy.VLR("someone", 7, record_data=b"x" * 10)])
+    data.write(path)
+    assert len(read_points(path)) == len(POINTS)
+    content = path.read_bytes()
+    start, count = struct.unpack_from("<QI", content, 235)
+    for place, number, told in (
+        (len(content) + 1, count, f"promises 1 records from byte {len(content) + 1} on"),
+        (start, 2, f"promises 2 records from byte {start} on"),
+    ):
+        path.write_bytes(content[:235] + struct.pack("<QI", place, number) + content[247:])
+        with pytest.raises(DataError, match=told):
+            read_points(path)
+    path.write_bytes(content[: start + 20] + struct.pack("<Q", 11) + content[start + 28 :])
+    with pytest.raises(DataError, match=f"behind the points ends at byte {len(content) + 1}"):
+        read_points(path)
+
+
+@pytest.mark.parametrize("suffix", ["las", "laz"])
 @pytest.mark.parametrize("share", [0.01, 0.1, 0.5, 0.99])
 def test_a_file_cut_short_is_refused(tmp_path: Path, suffix: str, share: float) -> None:
     path = las(tmp_path / f"site.{suffix}")
