@@ -21,7 +21,7 @@ from executive.geometry.rotation import about_axis, exp_so3, from_quaternion
 from executive.machine.lift_capacity import LiftCapacity
 
 _TRIES = 200  # draws of the place of one stone before a new arrangement is begun
-_ARRANGEMENTS = 10
+_ARRANGEMENTS = 30  # before a site counts as full: 120 drawn sites needed 10 at most, one 23
 _TILT_RAD = 0.15  # standard deviation of the tilt at the drop
 _CLEARANCE_M = 0.02  # height above the ground at the drop
 _ROLL_M = 0.15  # added to the gap, since stones roll slightly when they are dropped
