@@ -56,7 +56,7 @@ def test_its_journal_of_nodes_is_that_of_a_real_run(tmp_path):
     path.write_text(MISSION)
     mission = load_mission(str(path))
     done = Run(mission, Options(run_dir=tmp_path / "run")).execute(lambda _: None)
-    assert done.report["outcome"] == "success"
+    assert done.report.outcome == "success"
     journal, entries = Journal(), []
     journal.follow(entries.append)
     result = DryRun(mission, DryOptions(), journal).run()

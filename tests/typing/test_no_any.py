@@ -12,7 +12,6 @@ ALLOWED = {
     "executive/leaf/action.py Action.run",
     "executive/leaf/action.py Action.verify",
     "executive/leaf/action.py Condition.check",
-    "executive/interfaces/metric.py RunRecord.report",
 }
 
 
