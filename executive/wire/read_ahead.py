@@ -27,7 +27,7 @@ class ReadAheadConnection(Connection):
         threading.Thread(target=self._take, name="robot wire", daemon=True).start()
 
     def receive(self, wait_s: float = 0.0) -> Iterator[Frame]:
-        while True:
+        while self.is_open:  # nothing comes after the end
             try:
                 one = self._inbox.get(timeout=wait_s) if wait_s > 0 else self._inbox.get_nowait()
             except Empty:
