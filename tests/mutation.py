@@ -2,7 +2,7 @@
 
 Each fault is planted in a copy of the tree, never in place. Then the tests of the fast lane run
 that reach its line, the nearest and cheapest first, up to the first that fails: a map says which
-these are. It is recorded on the first use (some ten minutes) in a folder outside the tree, and
+these are. It is recorded on the first use (some five minutes) in a folder outside the tree, and
 brought up to date where a test or what it reaches changed. If none fails, or none reaches the line,
 the slow tests follow that mirror the file, hold its contract or import it, unless `--no-slow`. A
 fault is killed if a test fails or does not end; otherwise it survives, and `not covered` says that
