@@ -10,27 +10,7 @@ import pytest
 pytestmark = pytest.mark.mission
 
 SCRIPT = Path(__file__).parents[1] / "late_compilation.py"
-MISSION = """
-api: 1
-mission: one_stone
-extends: base
-trees:
-  main:
-    sequence:
-      - run: Localise
-        timeout: 30 s
-      - run: SurveySite
-      - run: ScanSwing
-        with: {angle: 170 deg, duration: 15 s}
-      - run: RegisterDroneMap
-      - run: Segment
-      - run: FindSlots
-        with: {count: 3}
-      - check: SelectLargest
-      - check: FindFreeSlots
-      - call: relocate_one
-      - check: SomeStonePlaced
-"""
+MISSION = Path(__file__).with_name("one_stone.yaml")
 THIN = (
     "robot.sensors.azimuth_stride=8",
     "mapping.slice_s=0.05",
@@ -53,10 +33,8 @@ CHOICES = {
 
 @pytest.mark.parametrize("chosen", CHOICES)
 def test_all_that_a_mission_has_compiled_it_has_compiled_before_its_first_tick(chosen, tmp_path):
-    mission = tmp_path / "mission.yaml"
-    mission.write_text(MISSION, encoding="utf-8")
     ended = subprocess.run(
-        [sys.executable, SCRIPT, "mission", mission, tmp_path / "run", *THIN, *CHOICES[chosen]],
+        [sys.executable, SCRIPT, "mission", MISSION, tmp_path / "run", *THIN, *CHOICES[chosen]],
         capture_output=True,
         text=True,
         timeout=800,

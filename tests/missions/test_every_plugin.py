@@ -2,6 +2,8 @@
 part of a mission that sets a stone down; one run tries several at once.
 """
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from executive_plugins.surveying.simulated_drone import SimulatedDrone
@@ -13,27 +15,7 @@ from executive.tree.load import load_mission
 
 pytestmark = pytest.mark.mission
 
-TREE = """
-api: 1
-mission: one_stone
-extends: base
-trees:
-  main:
-    sequence:
-      - run: Localise
-        timeout: 30 s
-      - run: SurveySite
-      - run: ScanSwing
-        with: {angle: 170 deg, duration: 15 s}
-      - run: RegisterDroneMap
-      - run: Segment
-      - run: FindSlots
-        with: {count: 3}
-      - check: SelectLargest
-      - check: FindFreeSlots
-      - call: relocate_one
-      - check: SomeStonePlaced
-"""
+TREE = Path(__file__).with_name("one_stone.yaml").read_text(encoding="utf-8")
 STONES = 3  # the fewest that a survey can be registered by
 # What `pick_and_place` runs with stands in base.yaml; these are all the others.
 CHOICES = {
