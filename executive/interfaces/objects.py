@@ -37,7 +37,7 @@ class ObjectDatabase(Plugin, ABC):
         self, segments: Sequence[Segment], stamp_s: float, seen_from_above: bool
     ) -> tuple[Stone, ...]:
         """Match segments of the map with known stones that lie on the ground, update those, and add
-        the rest.
+        the rest. What lies in the body of a known stone is a piece of it, and no stone of its own.
 
         Returns:
             The stone of each segment, in the order of the segments.

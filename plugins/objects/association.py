@@ -6,11 +6,17 @@ import numpy as np
 from executive_plugins.objects.surface import box_centre, diagonal_m
 from scipy.optimize import linear_sum_assignment
 
+from executive.arrays import Float
+from executive.errors import DataError
+from executive.geometry.convex import depth_inside, half_spaces
 from executive.messages.segment import Segment
 from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
 
 _FORBIDDEN = 1e6  # cost of an impossible pair [m]
+_MOST = 0.5  # share of a segment's points beyond which it is a piece of the body around them
+PIECE = "piece"  # kind of event of a stone whose model holds a segment: it tells no pose
+_NO_POSE = frozenset({PIECE, "state"})  # kinds of events that tell nothing of where a stone is
 
 
 def associate(
@@ -75,15 +81,51 @@ def associate_known_first(
     return partners
 
 
+def owner_of_piece(segment: Segment, stones: Sequence[Stone], distance_m: float) -> Stone | None:
+    """Return the stone that a segment is a piece of, or None.
+
+    A stone of which the map shows parts comes in several segments, and one of them is its partner.
+    The others are no stones of their own: bodies do not share space, so what lies for the most part
+    in the convex hull of a known stone is of that stone.
+
+    Args:
+        segment: A segment that is no stone's partner.
+        stones: The stones that lie at their poses.
+        distance_m: How far outside the hull a point may be, by the errors of map and model [m].
+    """
+    shares = [_share_inside(segment.points, stone.points_map, distance_m) for stone in stones]
+    if not shares or max(shares) <= _MOST:
+        return None
+    return stones[int(np.argmax(shares))]
+
+
+def newest_pose(history: Sequence[StoneEvent]) -> StoneEvent:
+    """Return the newest event of a stone that tells where it is."""
+    return next(event for event in reversed(history) if event.kind not in _NO_POSE)
+
+
 def carried_m(history: Sequence[StoneEvent]) -> float:
     """Return how far a stone was carried to its last release [m]: it may have fallen on that way.
 
     Zero for a stone that was seen since.
     """
-    poses = [event for event in history if event.kind != "state"]
+    poses = [event for event in history if event.kind not in _NO_POSE]
     if len(poses) < 2 or poses[-1].kind != "release":
         return 0.0
     return float(np.linalg.norm((poses[-1].T_map_object - poses[-2].T_map_object)[:3, 3]))
+
+
+def _share_inside(points: Float, model: Float, distance_m: float) -> float:
+    """Return the share of points (N, 3) in the hull of a model (M, 3), or this near to it."""
+    low, high = model.min(axis=0) - distance_m, model.max(axis=0) + distance_m
+    near = points[((points >= low) & (points <= high)).all(axis=1)]
+    if len(near) <= _MOST * len(points):
+        return 0.0
+    try:
+        depths_m = depth_inside(half_spaces(model), near)
+    except DataError:  # a flat model has no inside
+        return 0.0
+    return float(np.count_nonzero(depths_m >= -distance_m) / len(points))
 
 
 def _distance_m(segment: Segment, stone: Stone) -> float:

@@ -8,7 +8,13 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 
-from executive_plugins.objects.association import associate_known_first, carried_m
+from executive_plugins.objects.association import (
+    PIECE,
+    associate_known_first,
+    carried_m,
+    newest_pose,
+    owner_of_piece,
+)
 from executive_plugins.objects.database_file import open_file, transaction
 from executive_plugins.objects.growth import merged
 from executive_plugins.objects.rows import add_event, move_row, row_of
@@ -84,6 +90,10 @@ class SqliteObjects(ObjectDatabase):
         follows the centroid, while the rotation is unknown. A stone that was released and not seen
         since may have rolled away; one that is lost may lie anywhere on the way that it was carried
         last. A lost stone that is seen again is on the ground.
+
+        A stone of which the map shows parts comes in several segments. Those that are not its
+        partner but lie in its body are pieces of it: they change nothing, and its history counts
+        them.
         """
         if any(not len(segment.points) for segment in segments):
             raise DataError("a segment without points is no stone")
@@ -91,11 +101,15 @@ class SqliteObjects(ObjectDatabase):
         reaches_m = [self._reach_m(stone) for stone in known]
         partners = associate_known_first(segments, known, reaches_m, self._settings.max_growth)
         with self._transaction() as db:
+            for row, segment in zip(partners, segments, strict=True):
+                if row >= 0:
+                    self._update(db, known[row], segment, stamp_s, seen_from_above)
+            lying = [one for one in self.stones() if one.state.is_lying]
             ids = [
-                self._add(db, segment, stamp_s, seen_from_above)
-                if row < 0
-                else self._update(db, known[row], segment, stamp_s, seen_from_above)
-                for segment, row in zip(segments, partners, strict=True)
+                known[row].id
+                if row >= 0
+                else self._piece_or_new(db, segment, lying, stamp_s, seen_from_above)
+                for row, segment in zip(partners, segments, strict=True)
             ]
         return tuple(self.stone(stone_id) for stone_id in ids)
 
@@ -239,6 +253,22 @@ class SqliteObjects(ObjectDatabase):
         with self._lock:
             return row_of(self._connection(), stone_id)
 
+    def _piece_or_new(
+        self,
+        db: sqlite3.Connection,
+        segment: Segment,
+        lying: Sequence[Stone],
+        stamp_s: float,
+        seen_from_above: bool,
+    ) -> int:
+        """Note a piece of a known stone, or add a new stone; return its id."""
+        owner = owner_of_piece(segment, lying, self._settings.explained_m)
+        if owner is None:
+            return self._add(db, segment, stamp_s, seen_from_above)
+        told = f"{_sensors(seen_from_above)}, {len(segment.points)} points in its body"
+        add_event(db, owner.id, stamp_s, PIECE, owner.state, told)
+        return owner.id
+
     def _add(
         self, db: sqlite3.Connection, segment: Segment, stamp_s: float, seen_from_above: bool
     ) -> int:
@@ -264,7 +294,7 @@ class SqliteObjects(ObjectDatabase):
         s = self._settings
         if stone.state is StoneState.LOST:
             return s.max_roll_m + carried_m(self.history(stone.id))
-        newest = next(one for one in reversed(self.history(stone.id)) if one.kind != "state")
+        newest = newest_pose(self.history(stone.id))
         return s.max_roll_m if newest.kind == "release" else s.max_distance_m
 
     def _update(
@@ -274,12 +304,12 @@ class SqliteObjects(ObjectDatabase):
         segment: Segment,
         stamp_s: float,
         seen_from_above: bool,
-    ) -> int:
+    ) -> None:
         sighting, state = sighting_of(stone, segment, self._settings), _found(stone.state)
         told = f"{_sensors(seen_from_above)}, {sighting.fit}"
         if sighting.is_too_large:
             add_event(db, stone.id, stamp_s, "seen", state, f"{told}: too much, nothing added")
-            return stone.id
+            return
         from_above = seen_from_above or (sighting.kind != "replaced" and stone.seen_from_above)
         db.execute(
             "UPDATE stones SET points_object = ?, seen_from_above = ?, T_map_object = "
@@ -292,7 +322,6 @@ class SqliteObjects(ObjectDatabase):
             ),
         )
         add_event(db, stone.id, stamp_s, sighting.kind, state, told)
-        return stone.id
 
 
 def _found(state: StoneState) -> StoneState:

@@ -12,6 +12,7 @@ from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import from_rpy
 from executive.interfaces.objects import ObjectDatabase
 from executive.messages.cloud import Cloud
+from executive.messages.segment import Segment
 from executive.messages.stone import StoneState
 from executive.testing.exercises.objects import T_GRASP, T_RELEASE, boulder
 
@@ -38,6 +39,19 @@ def test_stones_are_numbered_from_one_and_recognised(database: ObjectDatabase) -
     assert [stone.id for stone in database.stones()] == [1, 2, 3]
     assert all(stone.seen_from_above for stone in database.stones())
     assert {stone.state for stone in database.stones()} == {StoneState.ON_GROUND}
+
+
+def test_pieces_of_a_known_stone_are_no_stones_of_their_own(database: ObjectDatabase) -> None:
+    """The map shows parts of a stone where other parts were removed from it."""
+    whole = boulder(3, 0)
+    database.observe([whole], 1.0, False)
+    is_left = whole.points[:, 0] < whole.centroid[0]
+    halves = [
+        Segment(number, points, points.mean(axis=0), np.sort(np.ptp(points, axis=0))[::-1])
+        for number, points in enumerate((whole.points[is_left], whole.points[~is_left]))
+    ]
+    assert [stone.id for stone in database.observe(halves, 2.0, False)] == [1, 1]
+    assert [stone.id for stone in database.stones()] == [1]
 
 
 def test_the_object_frame_begins_at_the_centroid_along_the_maps_axes(

@@ -2,10 +2,17 @@
 
 import numpy as np
 import pytest
-from executive_plugins.objects.association import associate
+from executive_plugins.objects.association import (
+    associate,
+    carried_m,
+    newest_pose,
+    owner_of_piece,
+)
 
+from executive.geometry.pose import pose
 from executive.messages.segment import Segment
 from executive.messages.stone import Stone, StoneState
+from executive.messages.stone_event import StoneEvent
 
 CUBE = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3), axis=-1).reshape(-1, 3) / 3**0.5  # diagonal 1 m
 LARGE_M = 2.0  # diagonal of the stone
@@ -43,3 +50,37 @@ def test_no_segment_or_no_stone_is_no_pair() -> None:
     assert associate([], [], [], MAX_RATIO) == []
     segment = Segment(0, CUBE, np.zeros(3), np.ones(3))
     assert associate([segment], [], [], MAX_RATIO) == [-1]
+
+
+def test_a_piece_tells_nothing_of_where_a_stone_is() -> None:
+    """It was released 3 m from its grasp, and has not been seen since."""
+    kinds = {"found": 0.0, "grasp": 0.0, "release": 3.0, "piece": 3.0, "state": 3.0}
+    history = [
+        StoneEvent(0.0, kind, StoneState.ON_GROUND, pose(t=np.array([x_m, 0.0, 0.0])))
+        for kind, x_m in kinds.items()
+    ]
+    assert newest_pose(history).kind == "release"
+    assert carried_m(history) == 3.0
+
+
+@pytest.mark.parametrize(("outside_m", "owner"), [(0.07, 7), (0.09, None)])
+def test_a_piece_lies_in_the_hull_of_its_stone_but_for_the_errors_of_the_map(
+    outside_m: float, owner: int | None
+) -> None:
+    model = LARGE_M * CUBE
+    top_m = model[:, 2].max()
+    points = np.array([[0.0, 0.0, top_m + outside_m], [0.1, 0.0, top_m + outside_m]])
+    stones = [
+        Stone(
+            number, StoneState.ON_GROUND, model + [away_m, 0.0, 0.0], np.zeros(3), np.eye(4), True
+        )
+        for number, away_m in ((3, 5.0), (7, 0.0))
+    ]
+    found = owner_of_piece(Segment(0, points, points[0], np.ones(3)), stones, 0.08)
+    assert (None if found is None else found.id) == owner
+
+
+def test_a_flat_model_holds_no_piece() -> None:
+    flat = CUBE * [1.0, 1.0, 0.0]
+    stone = Stone(1, StoneState.ON_GROUND, flat, np.zeros(3), np.eye(4), True)
+    assert owner_of_piece(Segment(0, flat, flat[0], np.ones(3)), [stone], 0.08) is None

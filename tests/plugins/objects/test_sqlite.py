@@ -84,6 +84,38 @@ def test_two_merged_stones_are_not_one_that_has_grown(objects: SqliteObjects) ->
     assert objects.observe([segment(merged)], 2.0, False)[0].id == 2
 
 
+def test_a_piece_is_told_in_the_history_of_its_stone_and_changes_nothing(
+    objects: SqliteObjects,
+) -> None:
+    whole = box((3, 0, 0))
+    known = objects.observe([segment(whole)], 1.0, True)[0]
+    ends = [whole[whole[:, 0] < 2.85] + [0, 0, 0.02], whole[whole[:, 0] > 3.05]]
+    objects.observe([segment(points) for points in ends], 2.0, False)
+    kinds = {event.kind: event.note for event in objects.history(known.id)}
+    assert list(kinds) == ["found", "seen", "piece"]
+    assert kinds["piece"].endswith("points in its body")
+    assert len(objects.stones()) == 1
+    np.testing.assert_array_equal(objects.stone(1).T_map_object, known.T_map_object)
+
+
+@pytest.mark.parametrize(
+    ("shift_m", "ids"),
+    [
+        ((0.0, 0.0, 0.55), [1, 2]),  # a stone that stands on it
+        ((1.1, 0.0, 0.0), [1, 2]),  # one beside it
+        ((0.65, 0.0, 0.0), [1, 2]),  # most of it lies outside
+        ((0.45, 0.0, 0.0), [1, 1]),  # most of it lies inside: bodies do not share space
+    ],
+)
+def test_a_body_that_is_mostly_outside_a_stone_is_another_stone(
+    objects: SqliteObjects, shift_m: tuple[float, float, float], ids: list[int]
+) -> None:
+    known = box((3, 0, 0))
+    objects.observe([segment(known)], 1.0, True)
+    seen = objects.observe([segment(known), segment(known + shift_m)], 2.0, False)
+    assert [stone.id for stone in seen] == ids
+
+
 def test_release_moves_a_stone_as_the_gripper_moved(objects: SqliteObjects) -> None:
     stone = objects.observe([segment(box((5, 0, 0.3)))], 1.0, False)[0]
     T_grasp = pose(from_rpy(0.1, 1.5, 0.3), np.array([5.0, 0.1, 1.0]))
