@@ -201,3 +201,8 @@ class WallClock(Clock):
 def wall_s() -> float:
     """Return monotonic wall time [s], for durations in reports only, never for decisions."""
     return time.monotonic()
+
+
+def thread_s() -> float:
+    """Return processor time of the calling thread [s], for reports only, as `wall_s`."""
+    return time.thread_time()

@@ -33,10 +33,27 @@ class TickLate(Event):
     Attributes:
         late_s: By how much [s].
         in_a_row: Number of late ticks in a row, this one included.
+        step: What took the most time: `capability.verb`, `leaf` (a leaf's own code), a part of the
+            loop (`robot.read`, `recorder`, `streams`, `watch`, `tree`, `journal`, `keeping`,
+            `display`, `control`, `progress`, `loop`), or `wake`: before the tick, which began too
+            late. Empty in a journal of an earlier version.
+        in_node: Path of the node in which that was; empty outside of the tree.
+        took_s: How long it took on the wall, without the steps within it [s].
+        computed_s: Processor time of the loop in it [s]; where that is much less, the loop waited,
+            for a disk or for a computer that was busy with something else.
     """
 
     late_s: float
     in_a_row: int
+    step: str = ""
+    in_node: str = ""
+    took_s: float = 0.0
+    computed_s: float = 0.0
+
+    @property
+    def cause(self) -> str:
+        """Return what took the most time, for a person."""
+        return f"{self.step} in {self.in_node}" if self.in_node else self.step
 
 
 @dataclass(frozen=True, slots=True, eq=False)

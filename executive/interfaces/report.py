@@ -5,7 +5,7 @@ the file.
 """
 
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, dataclass, field, fields
 from typing import Literal
 
 from executive.arrays import Float
@@ -160,11 +160,22 @@ class PausesReport:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LateTicksReport:
-    """Number of late ticks, by how much the worst was late [s], and how many end the mission."""
+    """Late ticks.
+
+    Attributes:
+        count: Number of late ticks.
+        worst_s: By how much the worst was late [s].
+        limit: How many in a row end the mission.
+        worst_cause: What took the most time in the worst: `mapping.add_scan_pair`, or
+            `leaf in main/3:PlanPick`; empty if none was late.
+        causes: Number of late ticks by what took the most time in them, the most frequent first.
+    """
 
     count: int
     worst_s: float
     limit: int
+    worst_cause: str = ""
+    causes: Mapping[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, TypeAlias
 
 from executive.clock import Clock
@@ -75,6 +76,10 @@ class Runtime(ABC):
         Args:
             at_s: The time [s]; not later than now if the node goes on at the next tick.
         """
+
+    def timed(self, node: str) -> AbstractContextManager[object]:
+        """Return the context in which the time of a tick is charged to the leaf at a node path."""
+        return nullcontext()
 
     @abstractmethod
     def record(self, node: str, event: Event) -> None:

@@ -99,9 +99,7 @@ def _of_mission(event: Event) -> str:
         case mission.ObservationIgnored():
             return f"warning: no plugin takes observations of type {event.type}"
         case mission.TickLate():
-            return (
-                f"warning: a tick was {1e3 * event.late_s:.0f} ms late ({event.in_a_row} in a row)"
-            )
+            return _of_late_tick(event)
         case mission.PartsReleased():
             return f"{' and '.join(event.parts)} at rest {event.after_s:.1f} s after a cancel"
         case mission.StopFailed():
@@ -109,6 +107,15 @@ def _of_mission(event: Event) -> str:
         case mission.PhaseChanged():
             return event.after + (f": {event.reason}" if event.reason else "")
     return ""
+
+
+def _of_late_tick(event: mission.TickLate) -> str:
+    """Return by how much a tick was late, and what took the time."""
+    line = f"warning: a tick was {1e3 * event.late_s:.0f} ms late ({event.in_a_row} in a row)"
+    if not event.step:
+        return line
+    took, computed = 1e3 * event.took_s, 1e3 * event.computed_s
+    return f"{line}: {event.cause} took {took:.0f} ms, {computed:.0f} ms of it computed"
 
 
 def _of_faults_and_people(event: Event) -> str:

@@ -83,7 +83,7 @@ class Mission(NodeRuntime):
                 self._observe_anew(after_tick)
             while self._ending is None:
                 self._guarded_tick()
-                after_tick(self)
+                self._after_tick(after_tick)
         except BaseException:  # the operator ends it at once, or the loop itself failed
             self._safe_stop("the run was ended at once")
             raise
@@ -127,7 +127,7 @@ class Mission(NodeRuntime):
         try:
             for _ in Observation(self.services).steps():
                 self._end_tick()
-                after_tick(self)
+                self._after_tick(after_tick)
                 self._read()
                 self._follow_stop()
                 if self._ending is not None:
@@ -141,7 +141,9 @@ class Mission(NodeRuntime):
             self._follow_stop()
             if not self._is_still:
                 self.injector.step()
-                self._heed(self.guard.step(self._read()))
+                read_s = self._read()
+                with self.times.spent("watch"):
+                    self._heed(self.guard.step(read_s))
             self._follow_pauses()
             if self._ending is None and self.phase is Phase.RUNNING:
                 self.late_ticks.check()
@@ -159,14 +161,17 @@ class Mission(NodeRuntime):
         latest_s = self._robot.latest_s()
         self.clock.wait_for(latest_s)
         started_s, now_s = wall_s(), self.clock.machine_s()
-        observations = observations_of(self._robot, now_s)
+        with self.times.spent("robot.read"):
+            observations = observations_of(self._robot, now_s)
         read_s = wall_s()
         if self._setup.recorder is not None:
-            self._setup.recorder.write(observations, now_s)
+            with self.times.spent("recorder"):
+                self._setup.recorder.write(observations, now_s)
         if any(isinstance(one, JointSample) for one in observations):
             beacon().see_joints()
         self._follow_stop()
-        self.services.streams.process(observations)
+        with self.times.spent("streams"):
+            self.services.streams.process(observations)
         durations = self._setup.jobs.durations_ms
         durations.setdefault("robot.read", Samples()).append(1e3 * (read_s - started_s))
         durations.setdefault("streams", Samples()).append(1e3 * (wall_s() - read_s))
@@ -177,7 +182,8 @@ class Mission(NodeRuntime):
 
     def _tick_tree(self) -> None:
         self.memory.begin_tick(self._tick)
-        self.root.tick_once()
+        with self.times.spent("tree"):
+            self.root.tick_once()
         if self._ending is None and self.root.status.value in ("SUCCESS", "FAILURE"):
             succeeded = self.root.status.value == "SUCCESS"
             self._ending = Ending(
@@ -191,8 +197,9 @@ class Mission(NodeRuntime):
 
     def _follow_stop(self) -> None:
         """Tell the machine to stop once the operator wants it; that outranks how the tree ended."""
-        for follow in self.between:
-            follow()
+        with self.times.spent("control"):
+            for follow in self.between:
+                follow()
         if not self.wishes.stop or (self._ending and self._ending.outcome != "success"):
             return
         self._ending = Ending("stopped", "stopped by the operator")
@@ -235,7 +242,7 @@ class Mission(NodeRuntime):
             while not standstill.reached(self.services.streams.joints):
                 self._read()
                 self._end_tick()
-                after_tick(self)
+                self._after_tick(after_tick)
         except Exception as error:  # whatever escaped while the machine came to rest
             self._fault(self._errors.fault_of(error))
 
@@ -252,6 +259,10 @@ class Mission(NodeRuntime):
 
     # --- the end of a tick
 
+    def _after_tick(self, after_tick: Callable[["Mission"], None]) -> None:
+        with self.times.spent("progress"):
+            after_tick(self)
+
     def _end_tick(self) -> None:
         beacon().beat()
         while self._setup.jobs.told:
@@ -260,11 +271,15 @@ class Mission(NodeRuntime):
         if state.is_ready and not self.pause.is_on and self._is_due(_STATE_PERIOD_S):
             self.guard.judge(state)
         if self._display.is_on and self._is_due(_VIEW_PERIOD_S):
-            self._display.show_machine(self.root, state, self.services.streams.joints)
+            with self.times.spent("display"):
+                self._display.show_machine(self.root, state, self.services.streams.joints)
         if self._is_still:
             self.clock.idle()
+            self.times.start()
             return
-        late = self.late_ticks.add(self.clock.advance(self._setup.tick_s))
+        shares = self.times.shares()
+        late = self.late_ticks.add(self.clock.advance(self._setup.tick_s), shares)
+        self.times.start()
         if late is not None:
             self.record("", late)
         self._loops += 1
@@ -282,7 +297,8 @@ class Mission(NodeRuntime):
             if self._ending is None:
                 self._fault(folder_fault(failure))
             return
-        self._setup.keeper.keep(instant, leaf_ended=leaf_ended)
+        with self.times.spent("keeping"):
+            self._setup.keeper.keep(instant, leaf_ended=leaf_ended)
 
     @property
     def _is_still(self) -> bool:

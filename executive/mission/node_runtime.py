@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 from executive.events.event import Event
@@ -23,6 +24,7 @@ from executive.mission.report import Ending
 from executive.mission.setup import Setup
 from executive.mission.stream_events import StreamEvents
 from executive.mission.streams import Streams
+from executive.mission.tick_times import LEAF
 from executive.mission.wishes import Wishes
 
 
@@ -47,6 +49,7 @@ class NodeRuntime(Runtime):
         self.survey: Cloud | None = None
         self._setup = setup
         self.journal = setup.journal
+        self.times = setup.jobs.times
         self.account = setup.account
         self._tick = 0  # of the mission: it stands still in a pause
         self._ending: Ending | None = None
@@ -76,7 +79,7 @@ class NodeRuntime(Runtime):
             kinematics=Kinematics(machine),
             plugins=plugins,
             jobs=setup.jobs,
-            streams=Streams(plugins, lidars, events, self.guard),
+            streams=Streams(plugins, lidars, events, self.guard, self.times),
             account=self.account,
             journal=setup.journal,
             folder=setup.folder,
@@ -110,13 +113,18 @@ class NodeRuntime(Runtime):
     def record(self, node: str, event: Event) -> None:
         if self.memory.took(node, event):
             return
-        self.journal.append(self._tick, self.clock.now_s(), node, event)
+        with self.times.spent("journal"):
+            self.journal.append(self._tick, self.clock.now_s(), node, event)
         self.injector.heed(node, event)
+
+    def timed(self, node: str) -> AbstractContextManager[object]:
+        return self.times.spent(LEAF, node)
 
     def show(self, entity: str, value: object) -> None:
         if entity == "survey" and isinstance(value, Cloud):
             self.survey = value
-        self._display.show(entity, value)
+        with self.times.spent("display"):
+            self._display.show(entity, value)
 
     def ask(
         self, node: str, question: str, default: bool | str | None, choices: Sequence[str] = ()

@@ -13,6 +13,7 @@ from executive.interfaces.truth import Truth
 from executive.mission.record.samples import Samples
 
 NEAR_M = 0.30  # a stone within this distance of its slot, by the truth, counts as placed
+_CAUSES = 3  # of late ticks that the summary names
 _MAXRSS_BYTES = 1 if sys.platform == "darwin" else 1024  # unit of getrusage's resident memory
 
 
@@ -149,7 +150,10 @@ def _time_lines(report: MissionReport) -> list[str]:
     if pauses is not None and pauses.count:
         lines.append(f"  paused     {pauses.count} times, {_minutes(pauses.wall_s)} on the wall")
     if late is not None and late.count:
-        lines.append(f"  late       {late.count} ticks, the worst by {late.worst_s:.2f} s")
+        told = f"  late       {late.count} ticks, the worst by {late.worst_s:.2f} s"
+        lines.append(f"{told}, for {late.worst_cause}" if late.worst_cause else told)
+        often = [f"{cause} ({count})" for cause, count in list(late.causes.items())[:_CAUSES]]
+        lines += [f"             most often for {', '.join(often)}"] if often else []
     return lines
 
 

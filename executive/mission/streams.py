@@ -25,6 +25,7 @@ from executive.messages.verdict import Verdict
 from executive.mission.assembly import each_plugin
 from executive.mission.jobs.tick_call import asked
 from executive.mission.record.samples import Samples
+from executive.mission.tick_times import TickTimes, step_of
 
 _HISTORY_S = 1.0  # a scan pair spans at most two revolutions of 0.1 s, plus the sensors' latency
 
@@ -70,6 +71,7 @@ class Streams:
         lidars: Sequence[str],
         listener: StreamListener,
         guard: "StreamGuard | None" = None,
+        times: TickTimes | None = None,
     ) -> None:
         self._estimator: Estimator = plugins["estimation"]
         self._odometry: LidarOdometry | None = plugins.get("odometry")
@@ -78,6 +80,7 @@ class Streams:
         self._observers = _observers(plugins)
         self._lidars = tuple(lidars)
         self._listener = listener
+        self._times = TickTimes() if times is None else times
         self._guard = guard
         self._status = "INITIALISING"
         self._told = 0  # number of the estimator's status changes that have been handed on
@@ -85,7 +88,7 @@ class Streams:
         self._scans: dict[str, LidarScan] = {}
         self._handlers: Mapping[type, Callable[[Any], None]] = {
             ImuSample: self._take_imu,
-            GnssFix: lambda fix: asked(self._estimator.add_gnss, fix),
+            GnssFix: lambda fix: self._asked(self._estimator.add_gnss, fix),
             JointSample: self._take_joints,
             LidarScan: self._take_scan,
         }
@@ -116,12 +119,18 @@ class Streams:
         """Return the states of the last second, in order of their stamps."""
         return [state for _, state, _ in self._history]
 
+    def _asked(self, verb: Callable[..., Any], *args: object) -> Any:
+        """Call a verb of a stream plugin within the tick."""
+        with self._times.spent(step_of(verb)):
+            return asked(verb, *args)
+
     def _observe(self, observation: object) -> bool:
         """Hand an observation to the plugins that ask for its type; return whether one does."""
         asking = [(c, p) for c, p in self._observers if isinstance(observation, p.takes)]
         for capability, plugin in asking:
             try:
-                plugin.take(observation)
+                with self._times.spent(f"{capability}.take"):
+                    plugin.take(observation)
             except Exception as error:  # the listener decides what it means
                 self._listener.take_error(capability, plugin, error)
                 self._observers.remove((capability, plugin))
@@ -136,7 +145,7 @@ class Streams:
     def _hand_on_status(self) -> None:
         """Hand on each change of the estimator's status once, with its reason if there is one."""
         account = self._estimator.account()
-        state: BaseState = asked(self._estimator.state)
+        state: BaseState = self._asked(self._estimator.state)
         for change in account[self._told :]:
             self._listener.take_status(change)
             self._status = change.after
@@ -145,18 +154,18 @@ class Streams:
         self._told, self._status = len(account), state.status
 
     def _take_imu(self, sample: ImuSample) -> None:
-        asked(self._estimator.add_imu, sample)
+        self._asked(self._estimator.add_imu, sample)
         if self._odometry is not None:
             self._with_odometry(self._odometry.add_imu, sample)
 
     def _take_joints(self, sample: JointSample) -> None:
-        asked(self._estimator.add_joints, sample)
+        self._asked(self._estimator.add_joints, sample)
         if self._odometry is not None:
             self._with_odometry(self._odometry.add_joints, sample)
         self.joints = sample
         for monitor in tuple(self.monitors):
             self._watch(monitor, sample)
-        state: BaseState = asked(self._estimator.state)
+        state: BaseState = self._asked(self._estimator.state)
         if state.is_ready and (not self._history or state.stamp_s > self._history[-1][0]):
             self._history.append((state.stamp_s, state, sample))
             while self._history[0][0] < state.stamp_s - _HISTORY_S:
@@ -164,7 +173,7 @@ class Streams:
 
     def _watch(self, monitor: Monitor, sample: JointSample) -> None:
         try:
-            verdict = asked(monitor.update, sample)
+            verdict = self._asked(monitor.update, sample)
         except Exception as error:  # the listener decides what it means
             self._listener.take_error("monitoring", monitor, error)
             self.monitors.remove(monitor)
@@ -176,7 +185,7 @@ class Streams:
         if self._odometry is not None:
             increment = self._with_odometry(self._odometry.add_scan, scan)
             if increment is not None:
-                asked(self._estimator.add_odometry, increment)
+                self._asked(self._estimator.add_odometry, increment)
         self._scans[scan.frame] = scan
         self.arrived_scans.append(scan)
         if self._mapper is not None and self._history and len(self._scans) == len(self._lidars):
@@ -184,7 +193,7 @@ class Streams:
 
     def _with_odometry(self, verb: Callable[[Any], Any], observation: Observation) -> Any:
         try:
-            return asked(verb, observation)
+            return self._asked(verb, observation)
         except Exception as error:  # the listener decides what it means
             if self._odometry is not None:
                 self._listener.take_error("odometry", self._odometry, error)
@@ -199,7 +208,7 @@ class Streams:
         started_s = wall_s()
         try:
             pair = [self._scans[name] for name in self._lidars]
-            asked(mapper.add_scan_pair, pair, self._motion())
+            self._asked(mapper.add_scan_pair, pair, self._motion())
         except Exception as error:  # the listener decides what it means
             self._listener.take_error("mapping", mapper, error)
             self._mapper = None

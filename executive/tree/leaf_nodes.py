@@ -1,6 +1,7 @@
 """Leaves as nodes: an action's generator is resumed tick by tick, a condition is asked."""
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from typing import Any
 
 from py_trees.common import Status
@@ -43,6 +44,10 @@ class LeafCall:
         self.memory = runtime.memory
         if self.memory is not None:
             self.memory.attach(path, lambda state: self.leaf.restore(state))
+
+    def timed(self) -> AbstractContextManager[object]:
+        """Return the context in which the tick's time is charged to this leaf."""
+        return self._runtime.timed(self.path)
 
     def recalled(self) -> Recalled | None:
         """Return how this visit went in the past of a resumed mission; None in the present."""
@@ -109,12 +114,13 @@ class Asked:
 
     def __call__(self) -> Outcome[Any]:
         """Ask, and write the outputs."""
-        if self._call.memory is None:
-            return self._answer()
-        found = self._call.recalled()
-        if found is not None and found.outcome is not None:
-            return found.outcome
-        return self._call.kept(self._answer())
+        with self._call.timed():
+            if self._call.memory is None:
+                return self._answer()
+            found = self._call.recalled()
+            if found is not None and found.outcome is not None:
+                return found.outcome
+            return self._call.kept(self._answer())
 
     def _answer(self) -> Outcome[Any]:
         try:
@@ -181,6 +187,10 @@ class RunNode(TreeNode):
 
     def update(self) -> Status:
         """Go on as far as possible without waiting."""
+        with self._call.timed():
+            return self._updated()
+
+    def _updated(self) -> Status:
         if self._call.memory is not None:
             found = self._call.recalled()
             if found is not None:
@@ -234,6 +244,10 @@ class RunNode(TreeNode):
 
     def cancel(self) -> None:
         """Give up the job, and let the generator clean up."""
+        with self._call.timed():
+            self._cancelled()
+
+    def _cancelled(self) -> None:
         steps, job = self._steps, self._job
         self._steps = self._job = self._cut_off = self._order = self._failed = None
         try:

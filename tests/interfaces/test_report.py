@@ -171,7 +171,13 @@ WHOLE: dict[str, Any] = {
         }
     ],
     "pauses": {"count": 1, "machine_s": 2.5, "wall_s": 2.6},
-    "late_ticks": {"count": 1, "worst_s": 0.02, "limit": 5},
+    "late_ticks": {
+        "count": 1,
+        "worst_s": 0.02,
+        "limit": 5,
+        "worst_cause": "mapping.add_scan_pair",
+        "causes": {"mapping.add_scan_pair": 1},
+    },
     "resources": {"cpu_s": 40.5, "peak_memory_bytes": 300000000},
     "timings_ms": {"motion.move": {"median": 20.5, "p95": 35.0, "n": 12}},
     "truth": TRUTH,
@@ -255,10 +261,10 @@ def places(value: object, at: tuple[str | int, ...] = ()) -> Iterator[tuple[str 
 
 # What may be absent: an entry of a mapping whose names the mission chooses, a field with a default,
 # and the one field of the map's errors, which are then nothing.
-FREE = ("plugins", "figures", "timings_ms", "costs", "refused", "ignored_observations")
+FREE = ("plugins", "figures", "timings_ms", "costs", "refused", "ignored_observations", "causes")
 OPTIONAL = {
     "refused_observations", "scans_not_fused", "stale_states", "faults", "pauses", "late_ticks",
-    "truth", "volume_m3",
+    "truth", "volume_m3", "worst_cause", "causes",
 }  # fmt: skip
 NEEDED = [
     at

@@ -24,6 +24,7 @@ from executive.mission.jobs.faulty_call import decided
 from executive.mission.jobs.limits import DEFAULT, Limits
 from executive.mission.jobs.runner import Runner, Task
 from executive.mission.record.samples import Samples
+from executive.mission.tick_times import TickTimes
 
 _EPSILON_S = 1e-9
 _NO_PLUGIN = Plugin()  # what a leaf's own function belongs to
@@ -100,6 +101,8 @@ class Jobs:
         self._memory: MemoryLimit | None = None
         # Which calls a fault on purpose lets fail; None without such faults.
         self.faults: Injector | None = None
+        # What a tick spends on calls, which beside the tick is little more than to send them.
+        self.times = TickTimes()
 
     def prepare(self) -> None:
         """Limit the memory of this process; in real time, start workers and wait for them.
@@ -138,8 +141,9 @@ class Jobs:
             task = self._task(verb, VerbCall(verb.__name__, args, dict(kwargs)))
         name = task.call.verb
         started_s = wall_s()
-        future = self._runner.submit(task)
         stage = f"{task.address.capability or 'leaf'}.{name}"
+        with self.times.spent(stage):
+            future = self._runner.submit(task)
         future.add_done_callback(lambda _: self._measure(stage, started_s))
         latency_s = task.plugin.latency_s.get(name, 0.0) + getattr(task.call, "charged_s", 0.0)
         ready_s = self._clock.now_s() + latency_s if self._is_lock_step else None

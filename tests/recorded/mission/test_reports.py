@@ -128,8 +128,15 @@ def test_summaries(recorded) -> None:
             structures=(BuildingEnded("wall", "complete", "all of it", (1, 2), {}),),
             figures={"depth": FigureReport(1.5, "m"), "n": FigureReport(2.0, "")},
             pauses=PausesReport(2, 3.0, 65.5),
-            late_ticks=LateTicksReport(4, 0.25, 5),
+            late_ticks=LateTicksReport(
+                4,
+                0.25,
+                5,
+                "leaf in main/3:PlanPick",
+                {"mapping.add_scan_pair": 3, "leaf in main/3:PlanPick": 1},
+            ),
         ),
         report(pauses=PausesReport(0, 0.0, 0.0), late_ticks=LateTicksReport(0, 0.0, 5)),
+        report(late_ticks=LateTicksReport(2, 0.25, 5)),
     ]
     recorded([summary(one) for one in told])
