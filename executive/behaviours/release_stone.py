@@ -3,13 +3,14 @@
 from collections.abc import Generator
 from typing import Any
 
+import numpy as np
 from pydantic import Field
 
 from executive.arrays import Float
-from executive.config import Newtons, Radians, Settings
+from executive.config import Meters, Newtons, Radians, Settings
 from executive.events.stone import StoneLetGo, StoneReleased, StoneWeighed
 from executive.geometry.gap import gap_below
-from executive.geometry.pose import transform
+from executive.geometry.pose import inverse, transform
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.monitoring import Monitor
 from executive.interfaces.objects import ObjectDatabase
@@ -22,6 +23,7 @@ from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_surface, surroundings
+from executive.machine.jaw_clearance import angle_beside, angle_free_of
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement
 from executive.messages.stone import Stone, StoneState
@@ -33,14 +35,22 @@ class ReleaseStoneSettings(Settings):
         None, gt=0, description="Force at each tip [N]; by default the gripper's own."
     )
     clearance: Radians = Field(
-        0.2, gt=0, le=2, description="Opening beyond that of the hold [rad]."
+        0.2, gt=0, le=2, description="Least opening beyond that of the hold [rad]."
+    )
+    room: Meters = Field(
+        0.05,
+        ge=0,
+        le=0.5,
+        description="Room between each tip and the stone on the way up [m]: of the errors of its "
+        "pose and of the surface that was seen.",
     )
 
 
 class ReleaseStone(Action[ReleaseStoneSettings]):
     """Open the jaws a little, and move the stone's model by the gripper's motion since the grasp.
 
-    The jaws open only a little, because jaws that open wide beside another stone push it away.
+    The jaws open only until their tips rise past the stone, because jaws that open wide beside
+    another stone push it away; where that stone is in the way, they open as far as there is room.
     Source: Mascaro et al. 2020, Eq. 3. Deviation from the paper: the model of a stone that is
     released without a placement is lowered to the ground below, because nothing holds it in the
     air; a stone that has slid out of the jaws did not rise with them. A stone of which a monitor
@@ -62,10 +72,8 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
         T_map_gripper = self.context.gripper()
+        opening_rad = self._opening_rad(hold, T_map_gripper)
         self.context.end_hold()
-        opening_rad = min(
-            hold.jaw_rad + self.settings.clearance, self.context.machine().gripper.open_rad
-        )
         yield from drive_jaws(self.context, opening_rad, self.settings.force)
         self.context.use(Mapper).mask_held(0.0)
         stone = self.context.use(ObjectDatabase).stone(hold.stone_id)
@@ -77,6 +85,19 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
             self.context.use(ObjectDatabase).weigh(stone.id, weight, self.context.now_s())
             self.context.record(StoneWeighed(stone.id, weight.mass_kg, weight.std_kg))
         return succeeded()
+
+    def _opening_rad(self, hold: Hold, T_map_gripper: Float) -> float:
+        """Return the angle at which the jaws come free of the stone, as far as there is room."""
+        gripper, objects = self.context.machine().gripper, self.context.use(ObjectDatabase)
+        least_rad = min(hold.jaw_rad + self.settings.clearance, gripper.open_rad)
+        if objects.stone(hold.stone_id).state is not StoneState.HELD:  # resumed after the release
+            return least_rad
+        surface, up = held_surface(self.context, hold), T_map_gripper[2, :3]
+        free_rad = angle_free_of(gripper, surface, up, least_rad, self.settings.room)
+        radius_m = float(np.linalg.norm(gripper.tips(gripper.open_rad), axis=1).max())
+        others = objects.surface_within(T_map_gripper[:3, 3], radius_m, hold.stone_id)
+        others_gripper = transform(inverse(T_map_gripper), others)
+        return angle_beside(gripper, others_gripper, least_rad, free_rad)
 
     def _released(
         self, hold: Hold, T_map_gripper: Float, placement: Placement | None

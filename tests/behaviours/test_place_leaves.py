@@ -340,6 +340,34 @@ def test_a_stone_is_released_on_its_slot(world, database):
     assert plugins(world)["mapping"].masks == [0.0]
 
 
+@pytest.mark.parametrize(
+    ("half_m", "neighbour_m", "opening_m"),
+    [(0.6, None, 1.3), (0.6, 0.62, None), (0.2, None, None)],
+)
+def test_jaws_that_have_closed_below_a_stone_open_until_they_rise_past_it(
+    stage, world, database, half_m, neighbour_m, opening_m
+):
+    """Half of the stone's width, and the distance at which another stone begins beside it."""
+    gripper = world.leaf_context.machine().gripper
+    bar = np.column_stack([np.full(61, 0.7), np.linspace(-half_m, half_m, 61), np.zeros(61)])
+    T_down = pose(from_rpy(0.0, np.pi / 2, 0.0), np.array([5.0, 0.0, 2.0]))
+    lying = Segment(0, transform(T_down, bar), transform(T_down, bar).mean(axis=0), np.ones(3))
+    (stone,) = database.observe([lying], 1.0, True)
+    if neighbour_m is not None:
+        y, x = np.meshgrid(
+            np.arange(neighbour_m, neighbour_m + 1.2, 0.03), np.arange(0.3, 1.3, 0.03)
+        )
+        beside = transform(T_down, np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]))
+        database.observe([Segment(1, beside, beside.mean(axis=0), np.ones(3))], 1.0, True)
+    database.grasp(stone.id, T_down, 2.0)
+    world.leaf_context.gripper = lambda: T_down
+    world.tick(ReleaseStone, hold=Hold(stone.id, T_down, 0.2), placement=placement(SLOTS[0]))
+    (asked,) = plugins(world)["robot"].calls("command")
+    least_m = gripper.opening_m(0.4)
+    expected_m = least_m if opening_m is None else opening_m
+    assert gripper.opening_m(asked["command"].position_rad) == pytest.approx(expected_m, abs=0.05)
+
+
 def test_a_stone_that_is_let_go_lies_on_the_ground_below(world, database):
     ended = world.tick(ReleaseStone, hold=world.hold)
     assert ended.status == "SUCCESS"

@@ -1,0 +1,71 @@
+"""How far jaws have to open so that they come free of a stone, and how far neighbours let them."""
+
+import numpy as np
+
+from executive.arrays import Float
+from executive.geometry.convex import depth_inside, half_spaces
+from executive.machine.gripper import Gripper
+
+_STEP_RAD = 0.02  # 4 cm at the tips of the M545's gripper
+
+
+def angle_free_of(
+    gripper: Gripper, stone_gripper: Float, up_gripper: Float, least_rad: float, room_m: float
+) -> float:
+    """Return the least jaw angle at which the tips rise past a stone [rad].
+
+    Jaws that have closed far hold a stone inside them, with their tips below its widest part. If
+    they open by a little, it rises with them.
+
+    Args:
+        gripper: The gripper.
+        stone_gripper: The stone's surface in the gripper's frame [m], shape (N, 3).
+        up_gripper: The direction in which the gripper leaves, a unit vector in its own frame.
+        least_rad: Angle from which on it is sought.
+        room_m: Room between each tip and the stone [m].
+
+    Returns:
+        The angle; that of the widest opening if none is enough.
+    """
+    is_beside = np.abs(stone_gripper[:, 2]) <= gripper.jaw_width_m / 2 + room_m
+    points = stone_gripper[is_beside]
+    for angle_rad in np.arange(least_rad, gripper.open_rad, _STEP_RAD):
+        left, right = gripper.tips(float(angle_rad))
+        above_left = _sideways(points, left, up_gripper)
+        above_right = _sideways(points, right, up_gripper)
+        if not ((above_left > -room_m).any() or (above_right < room_m).any()):
+            return float(angle_rad)
+    return gripper.open_rad
+
+
+def _sideways(points: Float, tip: Float, up: Float) -> Float:
+    """Return how far those points that lie above a tip are from its way up, along y [m]."""
+    away = points - tip
+    height = away @ up
+    return np.asarray((away[:, 1] - height * up[1])[height > 0.0])
+
+
+def angle_beside(
+    gripper: Gripper, others_gripper: Float, least_rad: float, wanted_rad: float
+) -> float:
+    """Return the largest jaw angle up to a wanted one at which no jaw meets other stones [rad].
+
+    Args:
+        gripper: The gripper.
+        others_gripper: Surfaces of other stones in the gripper's frame [m], shape (N, 3).
+        least_rad: The angle that is returned if the jaws meet them at all wider ones.
+        wanted_rad: The angle up to which is sought.
+    """
+    for angle_rad in np.arange(wanted_rad, least_rad, -_STEP_RAD):
+        if not _meets(gripper, others_gripper, float(angle_rad)):
+            return float(angle_rad)
+    return least_rad
+
+
+def _meets(gripper: Gripper, points: Float, angle_rad: float) -> bool:
+    """Return whether a point lies in one of the jaws."""
+    parts = gripper.hulls(angle_rad)
+    jaws = [corners for name in gripper.links for corners in parts[name]]
+    return bool(len(points)) and any(
+        bool((depth_inside(half_spaces(corners), points) > 0.0).any()) for corners in jaws
+    )

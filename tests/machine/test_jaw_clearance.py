@@ -1,0 +1,90 @@
+"""How far the jaws open to come free of a stone, by what the tips pass on the way up."""
+
+import numpy as np
+import pytest
+
+from executive.arrays import Float
+from executive.machine.gripper import Gripper
+from executive.machine.jaw_clearance import angle_beside, angle_free_of
+from executive.machine.machine import load_machine
+
+UP = np.array([-1.0, 0.0, 0.0])  # the palm is above, the tips are below
+ROOM_M = 0.05
+STEP_RAD = 0.02
+
+
+@pytest.fixture(scope="module")
+def gripper() -> Gripper:
+    return load_machine("m545").gripper
+
+
+def bar(x_m: float, left_m: float, right_m: float, z_m: float = 0.0) -> Float:
+    """Return a bar along y, from the right jaw's side to the left one's."""
+    y = np.linspace(right_m, left_m, 81)
+    return np.column_stack([np.full(81, x_m), y, np.full(81, z_m)])
+
+
+def test_tips_that_are_below_a_stone_open_until_they_rise_past_it(gripper: Gripper) -> None:
+    """The jaws have closed to 0.4 m below a stone that is 1 m wide: 0.2 rad more frees no tip."""
+    angle_rad = angle_free_of(gripper, bar(0.7, 0.5, -0.5), UP, 0.36, ROOM_M)
+    assert gripper.opening_m(0.36) < 1.0
+    assert gripper.opening_m(angle_rad) >= 1.0 + 2 * ROOM_M
+    assert gripper.opening_m(angle_rad - STEP_RAD) < 1.0 + 2 * ROOM_M
+
+
+@pytest.mark.parametrize(("left_m", "right_m"), [(0.7, -0.2), (0.2, -0.7)])
+def test_the_side_on_which_the_stone_reaches_farther_decides(
+    gripper: Gripper, left_m: float, right_m: float
+) -> None:
+    angle_rad = angle_free_of(gripper, bar(0.7, left_m, right_m), UP, 0.3, ROOM_M)
+    assert gripper.opening_m(angle_rad) / 2 == pytest.approx(0.7 + ROOM_M, abs=0.025)
+    assert gripper.opening_m(angle_rad) / 2 >= 0.7 + ROOM_M
+
+
+@pytest.mark.parametrize(
+    ("stone", "why"),
+    [
+        (bar(1.3, 1.0, -1.0), "it lies below the tips"),
+        (bar(0.7, 1.0, -1.0, z_m=0.28 + ROOM_M + 0.01), "it lies beside the jaws' width"),
+        (bar(0.7, 0.2, -0.2), "the tips are farther apart already"),
+        (np.zeros((0, 3)), "nothing was seen of it"),
+    ],
+)
+def test_what_no_tip_passes_asks_for_no_more_than_the_least_angle(
+    gripper: Gripper, stone: Float, why: str
+) -> None:
+    assert angle_free_of(gripper, stone, UP, 0.3, ROOM_M) == 0.3, why
+
+
+def test_a_stone_wider_than_the_open_jaws_asks_for_all_of_their_opening(gripper: Gripper) -> None:
+    assert angle_free_of(gripper, bar(0.7, 1.5, -1.5), UP, 0.3, ROOM_M) == gripper.open_rad
+
+
+def test_jaws_that_lean_pass_more_of_the_stone_with_one_tip(gripper: Gripper) -> None:
+    """Leaning by 0.3 rad, a tip that is 0.4 m below the bar comes 0.12 m nearer on its way up."""
+    upright = angle_free_of(gripper, bar(0.7, 0.5, -0.5), UP, 0.2, ROOM_M)
+    for lean_rad in (-0.3, 0.3):
+        up = np.array([-np.cos(lean_rad), np.sin(lean_rad), 0.0])
+        leaning = angle_free_of(gripper, bar(0.7, 0.5, -0.5), up, 0.2, ROOM_M)
+        nearer_m = gripper.opening_m(leaning) / 2 - gripper.opening_m(upright) / 2
+        assert nearer_m == pytest.approx(0.4 * np.tan(0.3), abs=0.06)
+
+
+def test_jaws_open_beside_another_stone_as_far_as_there_is_room(gripper: Gripper) -> None:
+    neighbour = bar(0.6, 1.6, 0.85)
+    wanted_rad = 0.9
+    angle_rad = angle_beside(gripper, neighbour, 0.4, wanted_rad)
+    assert 0.4 < angle_rad < wanted_rad
+    assert angle_beside(gripper, neighbour, 0.4, angle_rad - 0.02) == angle_rad - 0.02
+
+
+def test_without_a_neighbour_the_jaws_open_as_far_as_is_wanted(gripper: Gripper) -> None:
+    assert angle_beside(gripper, np.zeros((0, 3)), 0.4, 0.9) == 0.9
+    assert angle_beside(gripper, bar(1.0, 3.0, 2.0), 0.4, 0.9) == 0.9
+
+
+def test_a_neighbour_that_is_met_at_each_angle_leaves_the_least_one(gripper: Gripper) -> None:
+    """A wall all along the way of the left jaw's tip."""
+    tips = [gripper.tips(angle_rad)[0] for angle_rad in np.arange(0.4, 0.95, 0.005)]
+    wall = np.array([tip + [-depth_m, 0.0, 0.0] for tip in tips for depth_m in (0.02, 0.05, 0.1)])
+    assert angle_beside(gripper, wall, 0.4, 0.9) == 0.4
