@@ -6,6 +6,7 @@ piped. A refusal is a ConfigError, which the command line turns into a message a
 
 import contextlib
 import json
+import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -23,6 +24,11 @@ def say(text: str, end: str = "\n") -> None:
 def answer(value: Any) -> None:
     """Print plain values as JSON, on standard output."""
     print(json.dumps(value, indent=2, ensure_ascii=False), flush=True)
+
+
+def terminal_width() -> int | None:
+    """Return the columns of the terminal on standard output; None for a pipe or a file."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
 
 
 def one_of(option: str, value: str, allowed: Sequence[str]) -> str:

@@ -70,11 +70,34 @@ def test_a_line_for_people_has_the_time_the_kind_and_the_words() -> None:
     assert " ".join(line_for_people(scanned).split()) == words
     journal = Journal()
     journal.append(1, 1.0, "main", PauseEnded(3.5))  # which has no words of its own
-    journal.append(2, 1.0, "m" * 200, PauseEnded(3.5))
-    wordless, long = journal.newest
+    (wordless,) = journal.newest
     assert line_for_people(wordless).endswith(json.dumps({"machine_s": 3.5}))
-    assert len(line_for_people(long)) == 160
-    assert line_for_people(long).endswith("…")
+
+
+@pytest.mark.parametrize(
+    ("path", "shown"),
+    [
+        ("main/4:relocate_all/2:loop/0:sequence/1:PlanPick", "…/2:loop/0:sequence/1:PlanPick"),
+        ("main/0:relocate_all/1:move_stone/22:PlanGrasps", "…/1:move_stone/22:PlanGrasps"),
+        (
+            "main/0:relocate/1:move_stone/2:PlanPlacement",
+            "main/0:relocate/1:move_stone/2:PlanPlacement",
+        ),
+        ("m" * 60, f"…/{'m' * 60}"),  # one name is not cut
+    ],
+)
+def test_of_a_long_path_the_end_is_shown_and_what_happened_is_not_cut_off(
+    path: str, shown: str
+) -> None:
+    journal = Journal()
+    journal.append(2, 1.0, path, PauseEnded(3.5))
+    (entry,) = journal.newest
+    words = line_for_people(entry).split()
+    assert words[3] == shown
+    assert words[4:] == ['{"machine_s":', "3.5}"]
+    assert len(line_for_people(entry, 60)) == 60
+    assert line_for_people(entry, 60).endswith("…")
+    assert line_for_people(entry, 500) == line_for_people(entry)
 
 
 def test_an_entry_is_plain_data() -> None:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from executive.commands.console import say
+from executive.commands.console import say, terminal_width
 from executive.commands.options import JsonOption, RunArgument
 
 
@@ -27,12 +27,14 @@ def journal(
 ) -> None:
     """Print a run's journal, every line checked.
 
-    The run may still go on.
+    The run may still go on. On a terminal, lines are cut to its width; in a pipe or a file they are
+    whole. Of a node's path the end is shown; --json has all of it.
 
     Example: executive journal runs/monday --kind stone_grasped --from 60
     """
     from executive.mission.record.journal_view import line_for_people, plain_entry, reading
 
+    width = terminal_width()
     with reading(run_dir) as entries:
         for entry in entries:
             is_kind = not kind or entry.kind in kind
@@ -41,7 +43,7 @@ def journal(
             )
             if is_kind and is_time and (node is None or _is_within(entry.node, node)):
                 text = json.dumps(plain_entry(entry), ensure_ascii=False) if as_json else None
-                print(line_for_people(entry) if text is None else text)
+                print(line_for_people(entry, width) if text is None else text)
     if kind:
         _say_unknown(kind)
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from executive.commands.console import answer, say
+from executive.commands.console import answer, say, terminal_width
 from executive.commands.options import JsonOption, RunArgument
 
 if TYPE_CHECKING:
@@ -38,13 +38,14 @@ def replay(
         entry = plain_entry(moment.entry) if moment.entry else None
         answer({"event": entry, "nodes": {n: list(s) for n, s in moment.states.items()}})
     else:
-        print("\n".join(moment.lines()))
+        print("\n".join(moment.lines(terminal_width())))
 
 
 def _walk(moments: "Moments") -> None:
     say(_KEYS)
+    width = terminal_width()
     while True:
-        print("\n".join([f"[{moments.at} of {len(moments)}]", *moments.moment().lines()]))
+        print("\n".join([f"[{moments.at} of {len(moments)}]", *moments.moment().lines(width)]))
         sys.stdout.flush()
         line = sys.stdin.readline()
         word = line.strip().lower()

@@ -14,7 +14,7 @@ from executive.journal import Entry, JournalFile
 from executive.mission.event_lines import line_of
 from executive.mission.run_folder import RunFolder
 
-_WIDTH = 160
+_NODE = 44  # characters of a path: two or three nodes
 
 
 @contextmanager
@@ -48,11 +48,26 @@ def plain_entry(entry: Entry) -> dict[str, Any]:
     }
 
 
-def line_for_people(entry: Entry) -> str:
-    """Return an entry as one line."""
+def line_for_people(entry: Entry, width: int | None = None) -> str:
+    """Return an entry as one line: its time, kind, the end of its node's path, and what it says.
+
+    Args:
+        entry: The entry.
+        width: Characters after which the line is cut; None leaves it whole.
+    """
     said = line_of(entry.event) or json.dumps(entry.event.payload(), ensure_ascii=False)
-    text = f"{entry.time_s:9.2f} s  {entry.kind:<20} {entry.node}  {said}"
-    return text if len(text) <= _WIDTH else f"{text[: _WIDTH - 1]}…"
+    text = f"{entry.time_s:9.2f} s  {entry.kind:<20} {_end_of(entry.node):<{_NODE}}  {said}"
+    return text if width is None or len(text) <= width else f"{text[: width - 1]}…"
+
+
+def _end_of(path: str) -> str:
+    """Return a node's path, or its last parts where it is long."""
+    if len(path) <= _NODE:
+        return path
+    parts = path.split("/")
+    while len(parts) > 1 and len("/".join(parts)) > _NODE - 2:
+        parts.pop(0)
+    return f"…/{'/'.join(parts)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,9 +82,9 @@ class Moment:
     entry: Entry | None
     states: dict[str, tuple[str, str]]
 
-    def lines(self) -> Iterator[str]:
-        """Yield the entry, then the nodes that run, outermost first."""
-        yield line_for_people(self.entry) if self.entry else "before the first event"
+    def lines(self, width: int | None = None) -> Iterator[str]:
+        """Yield the entry, cut to a width, then the nodes that run, outermost first."""
+        yield line_for_people(self.entry, width) if self.entry else "before the first event"
         for node in sorted(self.states):
             state, reason = self.states[node]
             if state == "running":
