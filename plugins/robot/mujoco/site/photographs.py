@@ -18,8 +18,6 @@ from executive.geometry.pose import transform
 from executive.geometry.rotation import quaternion_wxyz
 
 _CAMERA = "drone"
-_SHADOW_PX = 4096
-_SAMPLES = 4  # samples per pixel, against jagged edges
 # From MuJoCo's camera (x right, y up, z backward) to the optical frame (x right, y down, z
 # forward).
 _R_OPTICAL_CAMERA = np.diag([1.0, -1.0, -1.0])
@@ -64,7 +62,7 @@ def _drawn(
 ) -> NDArray[np.uint8]:
     camera = mujoco.MjvCamera()
     camera.type, camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, 0
-    scene = mujoco.MjvScene(model, maxgeom=model.ngeom + 16)
+    scene = mujoco.MjvScene(model, maxgeom=model.ngeom)
     mujoco.mjv_updateScene(
         model, data, mujoco.MjvOption(), None, camera, mujoco.mjtCatBit.mjCAT_ALL, scene
     )
@@ -106,8 +104,6 @@ def _world(site: Site, T_world_stones: Sequence[Float], size_px: tuple[int, int]
         )
     spec.worldbody.add_camera(name=_CAMERA)
     spec.visual.global_.offwidth, spec.visual.global_.offheight = size_px
-    spec.visual.quality.shadowsize = _SHADOW_PX
-    spec.visual.quality.offsamples = _SAMPLES
     spec.visual.map.znear = 0.001
     return spec.compile()
 
@@ -120,7 +116,7 @@ def _add(spec: mujoco.MjSpec, name: str, skin: TexturedMesh) -> None:
         name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, width=width, height=height, nchannel=3
     )
     texture.data = skin.texture[::-1].tobytes()
-    material = spec.add_material(name=name, specular=0.0, shininess=0.0)
+    material = spec.add_material(name=name, specular=0.0)
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
     spec.add_mesh(
         name=name,
