@@ -25,9 +25,9 @@ def _oriented(points: Float, voxel_m: float, normal_radius_m: float) -> o3d.geom
     cloud.estimate_normals(
         o3d.geometry.KDTreeSearchParamHybrid(normal_radius_m, _NORMAL_NEIGHBOURS)
     )
-    thinned, normals = np.asarray(cloud.points), np.array(cloud.normals)
-    normals[np.einsum("ij,ij->i", thinned - thinned.mean(axis=0), normals) < 0] *= -1
-    cloud.normals = o3d.utility.Vector3dVector(normals)
+    thinned, normals = np.asarray(cloud.points), np.asarray(cloud.normals)
+    is_inwards = ((thinned - thinned.mean(axis=0)) * normals).sum(axis=1) < 0
+    cloud.normals = o3d.utility.Vector3dVector(np.where(is_inwards[:, None], -normals, normals))
     return cloud
 
 
@@ -39,14 +39,15 @@ def describe(
     The paper prefers SHOT; FPFH is what open3d brings, and the constellation of segments makes up
     for it.
     """
+    nothing = Features(np.empty((0, 3)), np.empty((0, 33)))
+    if not segments:
+        return nothing
     cloud = o3d.geometry.PointCloud()
     for segment in segments:
         cloud += _oriented(segment.points, voxel_m, iss_radius_m)
-    if len(cloud.points) == 0:
-        return Features(np.empty((0, 3)), np.empty((0, 33)))
     keypoints = o3d.geometry.keypoint.compute_iss_keypoints(cloud, iss_radius_m, 0.8 * iss_radius_m)
-    if len(keypoints.points) == 0:
-        return Features(np.empty((0, 3)), np.empty((0, 33)))
+    if not keypoints.points:
+        return nothing
     chosen = cKDTree(np.asarray(cloud.points)).query(np.asarray(keypoints.points))[1]
     search = o3d.geometry.KDTreeSearchParamHybrid(fpfh_radius_m, _FEATURE_NEIGHBOURS)
     fpfh = o3d.pipelines.registration.compute_fpfh_feature(cloud, search, [int(i) for i in chosen])

@@ -71,7 +71,7 @@ def _one_core() -> Iterator[None]:
 def _orthonormal(R: Float) -> Float:
     """Return the rotation nearest to one that was told in single precision."""
     U, _, Vt = np.linalg.svd(R)
-    return np.asarray(U @ np.diag([1.0, 1.0, np.sign(np.linalg.det(U @ Vt))]) @ Vt)
+    return np.asarray(U @ np.diag([1.0, 1.0, np.sign(np.linalg.det(R))]) @ Vt)
 
 
 def _package() -> Any:

@@ -74,3 +74,10 @@ def test_a_rotation_of_single_precision_becomes_one(sign: float) -> None:
     assert np.linalg.det(found) > 0  # also of a reflection
     if sign > 0:
         np.testing.assert_allclose(found, R, atol=1e-5)
+
+
+def test_of_a_reflection_the_nearest_rotation_is_taken() -> None:
+    R = exp_so3(np.array([0.3, -1.2, 0.8]))
+    np.testing.assert_allclose(
+        _orthonormal(R @ np.diag([1.1, 1.0, -0.5]) @ R.T), np.eye(3), atol=1e-12
+    )

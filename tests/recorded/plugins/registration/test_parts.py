@@ -10,6 +10,7 @@ from executive_plugins.registration.constellation import constellation_transform
 from executive_plugins.registration.eigen import sorted_eigenvectors
 from executive_plugins.registration.features import Features, match
 from executive_plugins.registration.form import form_error
+from executive_plugins.registration.fpfh_features import describe
 from executive_plugins.registration.gate import NOTHING, measure
 from executive_plugins.registration.iss import salient_points, surface_shapes
 from executive_plugins.registration.neighbours import neighbours_within
@@ -188,6 +189,19 @@ def test_features_of_a_segment(recorded) -> None:
     segment = Segment(0, points, points.mean(axis=0), np.ones(3))
     found = find_keypoints(segment, 0.06, 0.15, 0.1)
     recorded((found, describe_keypoints([found, found], 0.4), describe_keypoints([], 0.4)))
+
+
+def test_fast_features(recorded) -> None:
+    """Of dense lumps, whose neighbourhoods are cut to the most neighbours, and of sparse ones."""
+    told = []
+    for count, voxel_m in ((3500, 0.025), (300, 0.1)):
+        points = lump(count) + [4, 5, 1]
+        segments = [
+            Segment(i, part, part.mean(axis=0), np.ones(3))
+            for i, part in enumerate((points, points * [1, -1, 1] + [2, 0, 0]))
+        ]
+        told.append(describe(segments, voxel_m, 0.15, 0.4))
+    recorded(told, relative=1e-6)  # neighbours are found in another order by other builds
 
 
 @pytest.mark.parametrize("max_scale_error", [0.0, 0.01, 0.1])
