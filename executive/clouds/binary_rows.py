@@ -1,4 +1,4 @@
-"""Coordinates from rows of fixed size in a binary file."""
+"""Points from rows of fixed size in a binary file."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from executive.clouds.point_collector import CHUNK, PointCollector
 def collect_rows(
     path: Path, start: int, row: np.dtype, count: int, collector: PointCollector
 ) -> None:
-    """Add x, y and z of `count` rows to a collector.
+    """Add x, y, z and the carried fields of `count` rows to a collector.
 
     Args:
         path: The file; the caller has checked that it is long enough.
@@ -23,4 +23,4 @@ def collect_rows(
         file.seek(start)
         for begun in range(0, count, CHUNK):
             rows = np.fromfile(file, row, min(CHUNK, count - begun))
-            collector.add(rows["x"], rows["y"], rows["z"])
+            collector.add(rows["x"], rows["y"], rows["z"], rows)

@@ -17,6 +17,7 @@ _RECORD_HEADER, _EXTENDED_HEADER = 54, 60  # bytes before the content of a varia
 _MOST_CONTENT = 1 << 16  # bytes of a record that are read; a longer one holds no name
 _PACKED_BITS = 0xC0  # of the point format: set in LAZ files
 _LEAST_POINT = 20  # bytes of format 0, the shortest
+_PROJECTION = b"LASF_Projection"
 _LASZIP = b"laszip encoded"
 _CHUNK_TABLE_AT_END = -1  # written by programs that could not go back
 
@@ -56,6 +57,13 @@ def contents(path: Path) -> Iterator[tuple[bytes, int, bytes]]:
             if header[25] < 4:
                 return
             start, count = struct.unpack_from("<QI", header, 235)
+
+
+def projection_records(path: Path) -> tuple[tuple[int, bytes], ...]:
+    """Return the numbers and contents of a sound file's records of its coordinate system."""
+    return tuple(
+        (number, content) for user, number, content in contents(path) if user == _PROJECTION
+    )
 
 
 def _check(file: IO[bytes], size: int) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from executive.arrays import Float
+from executive.clouds.carried_fields import CarriedFields
 from executive.clouds.point_collector import CHUNK, PointCollector
 from executive.errors import DataError
 
@@ -32,6 +33,28 @@ def las_points(path: Path) -> tuple[Float]:
     Raises:
         DataError: If it is cut short or damaged, or its coordinate system is not in metres.
     """
+    points, _, _ = _read(path, is_whole=False)
+    return (points,)
+
+
+def las_cloud(path: Path) -> tuple[np.ndarray, ...]:
+    """Return points, colour, intensity, and the steps and the beginning of coordinates.
+
+    Returns:
+        Points [m], shape (N, 3); colour as integers of 16 bits, shape (N, 3), or (0, 3) if the
+        file has none; intensity, shape (N,); scales [m], shape (3,); offsets [m], shape (3,).
+
+    Raises:
+        DataError: As `las_points`.
+    """
+    points, carried, header = _read(path, is_whole=True)
+    has_colour = carried is not None and "colour" in (carried.dtype.names or ())
+    colour = carried["colour"] if has_colour else np.empty((0, 3), np.uint16)  # type: ignore[index]
+    return points, colour, carried["intensity"], header.scales, header.offsets  # type: ignore[index]
+
+
+def _read(path: Path, is_whole: bool) -> tuple[Float, np.ndarray | None, Any]:
+    """Return the points of a file, what is carried with them if it is asked for, and the header."""
     damage = (
         laspy.errors.LaspyException,
         lazrs.LazrsError,
@@ -44,16 +67,24 @@ def las_points(path: Path) -> tuple[Float]:
     try:
         with laspy.open(path, laz_backend=laspy.LazBackend.Lazrs) as file:
             _check_header(path, file.header)
-            collector = PointCollector(path, file.header.point_count)
+            fields = _fields(file.header) if is_whole else CarriedFields()
+            collector = PointCollector(path, file.header.point_count, fields)
             for rows in file.chunk_iterator(CHUNK):
-                collector.add(rows.x, rows.y, rows.z)
-            points = collector.points()
+                carried = {name: np.asarray(rows[name]) for name in fields.names}
+                collector.add(rows.x, rows.y, rows.z, carried)
+            points, carried_rows = collector.with_carried()
             _check_box(path, file.header, points)
+            return points, carried_rows, file.header
     except damage as error:
         raise DataError(
             f"{path}: cut short or damaged ({error}); copy or export it again"
         ) from error
-    return (points,)
+
+
+def _fields(header: Any) -> CarriedFields:
+    names = set(header.point_format.dimension_names)
+    colour = ("red", "green", "blue")
+    return CarriedFields(colour if names >= set(colour) else (), "u2", "intensity")
 
 
 def _check_header(path: Path, header: Any) -> None:

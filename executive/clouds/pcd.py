@@ -6,6 +6,8 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.clouds.binary_rows import collect_rows
+from executive.clouds.carried_fields import CarriedFields, left_out
+from executive.clouds.file_cloud import FileCloud
 from executive.clouds.pcd_header import PcdHeader, read_pcd_header
 from executive.clouds.point_collector import CHUNK, PointCollector
 from executive.clouds.text_rows import collect_lines
@@ -22,29 +24,45 @@ def read_pcd(path: Path) -> Float:
     Raises:
         DataError: If it is cut short, or its header or a line cannot be parsed.
     """
+    return _collected(path, read_pcd_header(path), CarriedFields()).points()
+
+
+def read_pcd_cloud(path: Path) -> FileCloud:
+    """Return the points of a PCD file, their colour and intensity.
+
+    Raises:
+        DataError: As `read_pcd`, or if a colour is beyond its range.
+    """
     header = read_pcd_header(path)
+    fields = CarriedFields.of(header.row)
+    points, carried = _collected(path, header, fields).with_carried()
+    return FileCloud.of(points, carried, left_out(header.row.names or (), fields))
+
+
+def _collected(path: Path, header: PcdHeader, fields: CarriedFields) -> PointCollector:
     size = path.stat().st_size - header.start
     if header.form == "binary_compressed":
-        return _read_compressed(path, header, size)
+        return _compressed(path, header, size, fields)
     least = header.count * (
         2 * header.columns_of_a_line if header.form == "ascii" else header.row.itemsize
     )
     if size < least - (header.form == "ascii"):
         raise _cut_short(path, header, f"at least {least} bytes", f"{size} bytes")
-    collector = PointCollector(path, header.count)
+    collector = PointCollector(path, header.count, fields)
     if header.form == "binary":
         collect_rows(path, header.start, header.row, header.count, collector)
     else:
+        columns = header.columns((*"xyz", *fields.names))
         found = collect_lines(
-            path, header.start, header.lines + 1, header.columns, header.count, collector
+            path, header.start, header.lines + 1, columns, header.count, collector
         )
         if found < header.count:
             raise _cut_short(path, header, "a line each", f"{found} lines")
-    return collector.points()
+    return collector
 
 
-def _read_compressed(path: Path, header: PcdHeader, size: int) -> Float:
-    """Return the points of a compressed file, which stores all x, then all y, and so on."""
+def _compressed(path: Path, header: PcdHeader, size: int, fields: CarriedFields) -> PointCollector:
+    """Collect the points of a compressed file, which stores all x, then all y, and so on."""
     from executive.clouds.lzf import decompress  # imports numba: only compressed files need it
 
     with path.open("rb") as file:
@@ -59,24 +77,21 @@ def _read_compressed(path: Path, header: PcdHeader, size: int) -> Float:
             f"{path}: {header.count} points cannot be in {len(packed)} packed bytes; "
             "export it again"
         )
-    collector = PointCollector(path, header.count)
-    starts = (
-        {name: header.count * header.row.fields[name][1] for name in "xyz"}
-        if header.row.fields
-        else {}
-    )
-    ends = [starts[name] + header.count * header.row[name].itemsize for name in "xyz"]
-    unpacked = decompress(packed[: lengths[0]], max(ends))
-    if len(unpacked) < max(ends):
+    collector = PointCollector(path, header.count, fields)
+    wanted_fields = (*"xyz", *fields.names)
+    offsets = header.row.fields or {}
+    starts = {name: header.count * offsets[name][1] for name in wanted_fields}
+    ends = {name: starts[name] + header.count * header.row[name].itemsize for name in wanted_fields}
+    unpacked = decompress(packed[: lengths[0]], max(ends.values()))
+    if len(unpacked) < max(ends.values()):
         raise DataError(f"{path}: its compressed points are damaged; copy or export it again")
-    columns = [
-        unpacked[starts[name] : end].view(header.row[name])
-        for name, end in zip("xyz", ends, strict=True)
-    ]
+    columns = {
+        name: unpacked[starts[name] : ends[name]].view(header.row[name]) for name in wanted_fields
+    }
     for begun in range(0, header.count, CHUNK):
-        x, y, z = (column[begun : begun + CHUNK] for column in columns)
-        collector.add(x, y, z)
-    return collector.points()
+        piece = {name: column[begun : begun + CHUNK] for name, column in columns.items()}
+        collector.add(piece["x"], piece["y"], piece["z"], piece)
+    return collector
 
 
 def _cut_short(path: Path, header: PcdHeader, wanted: str, found: str) -> DataError:

@@ -1,5 +1,7 @@
 """The header of a PCD file."""
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,7 +22,8 @@ class PcdHeader:
     Attributes:
         form: `ascii`, `binary` or `binary_compressed`.
         count: Number of points.
-        row: Fields of a point; a field of several values has a shape.
+        row: Fields of a point; a field of several values has a shape. Fields of one name, as that
+            of padding, have numbers for names.
         start: Byte at which the points begin.
         lines: Lines of the header.
     """
@@ -31,12 +34,11 @@ class PcdHeader:
     start: int
     lines: int
 
-    @property
-    def columns(self) -> list[int]:
-        """Indices of x, y and z among the numbers of a line of a text file."""
+    def columns(self, names: Sequence[str]) -> dict[str, int]:
+        """Return the indices of fields among the numbers of a line of a text file, by name."""
         widths = [int(np.prod(self.row[name].shape)) for name in self.row.names or ()]
         starts = dict(zip(self.row.names or (), np.cumsum([0, *widths]).tolist(), strict=False))
-        return [starts[axis] for axis in "xyz"]
+        return {name: starts[name] for name in names}
 
     @property
     def columns_of_a_line(self) -> int:
@@ -80,13 +82,14 @@ def _row(fields: dict[str, list[str]]) -> np.dtype:
     names = fields["FIELDS"]
     kinds = fields.get("TYPE", ["F"] * len(names))
     counts = [int(count) for count in fields.get("COUNT", ["1"] * len(names))]
-    described = []
+    described, times = [], Counter(names)
     for i, (name, kind, size, count) in enumerate(
         zip(names, kinds, fields["SIZE"], counts, strict=True)
     ):
         if count < 1 or (name in ("x", "y", "z") and count != 1):
             raise ValueError(f"field {name} has {count} values")
-        unique = name if name in ("x", "y", "z") else f"{i}"  # padding fields share the name _
+        is_one = name in ("x", "y", "z") or times[name] == 1
+        unique = name if is_one else f"{i}"  # padding fields share the name _
         described.append(
             (unique, f"<{_KINDS[kind]}{size}", (count,))
             if count > 1

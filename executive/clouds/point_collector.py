@@ -1,11 +1,14 @@
 """Points collected from a file piece by piece, thinned if they are too many for memory."""
 
 import logging
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from executive.arrays import Float, Int
+from executive.clouds.carried_fields import CarriedFields
 from executive.errors import DataError
 
 CHUNK = 1 << 18  # points read at a time
@@ -25,12 +28,13 @@ class PointCollector:
     points are left. So memory does not grow with the file.
     """
 
-    def __init__(self, path: Path, most: int) -> None:
+    def __init__(self, path: Path, most: int, fields: CarriedFields | None = None) -> None:
         """Reserve address space for points; the memory itself is used only as they arrive.
 
         Args:
             path: The file, for messages.
             most: Largest number of points that the file can hold.
+            fields: Fields that are carried with the points; none if it is not given.
 
         Raises:
             DataError: If they are so many that reading them would take minutes.
@@ -41,19 +45,40 @@ class PointCollector:
             )
         self._path = path
         self._points = np.empty((min(most, MOST + CHUNK), 3))
+        self._fields = fields if fields is not None and fields.names else None
+        self._carried = (
+            None if self._fields is None else np.empty(len(self._points), self._fields.layout)
+        )
         self._kept = 0
         self._not_finite = 0
         self._crowded = 0
         self._grid_m = _FINEST_M
 
-    def add(self, x: Float, y: Float, z: Float) -> None:
-        """Add points by their coordinates [m], shape (N,) each, of any numeric type."""
+    def add(
+        self,
+        x: Float,
+        y: Float,
+        z: Float,
+        source: Mapping[str, Any] | np.ndarray | None = None,
+    ) -> None:
+        """Add points by their coordinates [m], shape (N,) each, of any numeric type.
+
+        Args:
+            x: Coordinate along x.
+            y: Coordinate along y.
+            z: Coordinate along z.
+            source: The carried fields by their names, shape (N,) each; needed if there are any.
+        """
+        rows = None
+        if self._fields is not None and source is not None:
+            rows = self._fields.rows(self._path, source)
         for start in range(0, len(x), CHUNK):
-            self._add(*(axis[start : start + CHUNK] for axis in (x, y, z)))
+            piece = slice(start, start + CHUNK)
+            self._add(x[piece], y[piece], z[piece], None if rows is None else rows[piece])
             if self._kept > MOST:
                 self._thin()
 
-    def _add(self, x: Float, y: Float, z: Float) -> None:
+    def _add(self, x: Float, y: Float, z: Float, rows: np.ndarray | None) -> None:
         piece = np.empty((len(x), 3))
         # Widening a signalling NaN from single to double precision would raise a warning.
         with np.errstate(invalid="ignore"):
@@ -61,7 +86,10 @@ class PointCollector:
         finite = np.isfinite(piece).all(axis=1)
         self._not_finite += len(piece) - int(finite.sum())
         piece = piece if finite.all() else piece[finite]
-        self._points[self._kept : self._kept + len(piece)] = piece
+        here = slice(self._kept, self._kept + len(piece))
+        self._points[here] = piece
+        if self._carried is not None and rows is not None:
+            self._carried[here] = rows[finite]
         self._kept += len(piece)
 
     def points(self) -> Float:
@@ -70,7 +98,16 @@ class PointCollector:
         Raises:
             DataError: If no finite point was added.
         """
+        return self.with_carried()[0]
+
+    def with_carried(self) -> tuple[Float, np.ndarray | None]:
+        """Return the points as `points` does, and what is carried with them, shape (N,).
+
+        Raises:
+            DataError: If no finite point was added.
+        """
         points = self._points[: self._kept]
+        carried = None if self._carried is None else self._carried[: self._kept]
         read = self._kept + self._not_finite + self._crowded
         if not read:
             raise DataError(f"{self._path}: holds no points; export the cloud again")
@@ -78,7 +115,10 @@ class PointCollector:
             raise DataError(
                 f"{self._path}: none of its {read} points is finite; export the cloud again"
             )
-        points, repeated = _once(points)
+        once = _once(points)
+        repeated = 0 if once is None else len(points) - len(once)
+        if once is not None:
+            points, carried = points[once], None if carried is None else carried[once]
         crowd = f"are nearer than {100 * self._grid_m:.3g} cm to others"
         for number, what in (
             (self._not_finite, "are not finite"),
@@ -89,18 +129,16 @@ class PointCollector:
                 logging.getLogger(__name__).warning(
                     "%s: %d of %d points %s and are left out", self._path, number, read, what
                 )
-        return points
+        return points, carried
 
     def _thin(self) -> None:
         """Keep the first point in each cell, on a grid that leaves at most half of `MOST`."""
         before = self._kept
         while True:
-            first = _first(_digests(self._points[: self._kept], self._grid_m))
-            # In place: a row never moves to a higher index, so none is overwritten before its turn.
-            for start in range(0, len(first), CHUNK):
-                self._points[start : start + CHUNK][: len(first) - start] = self._points[
-                    first[start : start + CHUNK]
-                ]
+            first = first_in_cells(self._points[: self._kept], self._grid_m)
+            _move_up(self._points, first)
+            if self._carried is not None:
+                _move_up(self._carried, first)
             self._kept = len(first)
             if self._kept <= MOST // 2:
                 break
@@ -108,19 +146,33 @@ class PointCollector:
         self._crowded += before - self._kept
 
 
-def _once(points: Float) -> tuple[Float, int]:
-    """Return the points without exact repetitions, in their order, and how many were left out.
+def first_in_cells(points: Float, grid_m: float) -> Int:
+    """Return the rows of the points (N, 3) [m] that are the first in their cell of a grid [m]."""
+    return _first(_digests(points, grid_m))
+
+
+def _move_up(rows: np.ndarray, kept: Int) -> None:
+    """Move the kept rows to the beginning, in place.
+
+    A row never moves to a higher index, so none is overwritten before its turn.
+    """
+    for start in range(0, len(kept), CHUNK):
+        some = kept[start : start + CHUNK]
+        rows[start : start + len(some)] = rows[some]
+
+
+def _once(points: Float) -> Int | None:
+    """Return the rows of the points without exact repetitions, in their order; None if none
+    repeats another.
 
     Points are compared by 64-bit digests. In 3 of a million clouds of 10 million points two
     different points share a digest, and one of them is lost.
     """
     digests = _digests(points)
     ordered = np.sort(digests)
-    repeated = int((ordered[1:] == ordered[:-1]).sum())
-    if not repeated:
-        return points, 0
+    repeats = bool((ordered[1:] == ordered[:-1]).any())
     del ordered
-    return points[_first(digests)], repeated
+    return _first(digests) if repeats else None
 
 
 def _first(digests: np.ndarray) -> Int:

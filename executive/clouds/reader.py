@@ -5,20 +5,31 @@ piece by piece into one array of double precision, so that little memory is need
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import TypeVar
 
 from executive.arrays import Float
-from executive.clouds.las import read_las
-from executive.clouds.pcd import read_pcd
-from executive.clouds.ply import read_ply
+from executive.clouds.coordinate_system import coordinate_system
+from executive.clouds.file_cloud import FileCloud
+from executive.clouds.las import read_las, read_las_cloud
+from executive.clouds.pcd import read_pcd, read_pcd_cloud
+from executive.clouds.ply import read_ply, read_ply_cloud
 from executive.clouds.units import check_site
-from executive.clouds.xyz import read_xyz
+from executive.clouds.xyz import read_xyz, read_xyz_cloud
 from executive.errors import DataError
 
+T = TypeVar("T")
 _READERS: dict[str, Callable[[Path], Float]] = {
     ".ply": read_ply, ".pcd": read_pcd, ".las": read_las, ".laz": read_las,
     ".xyz": read_xyz, ".txt": read_xyz, ".asc": read_xyz, ".csv": read_xyz, ".pts": read_xyz,
 }  # fmt: skip
+_CLOUD_READERS: dict[Callable[[Path], Float], Callable[[Path], FileCloud]] = {
+    read_ply: read_ply_cloud,
+    read_pcd: read_pcd_cloud,
+    read_las: read_las_cloud,
+    read_xyz: read_xyz_cloud,
+}
 SUFFIXES = tuple(_READERS)
 _BEGINNINGS = {b"ply\n": ".ply", b"ply\r": ".ply", b"# .PCD": ".pcd", b"LASF": ".las"}
 _PACKED = {b"\x1f\x8b": "gzip", b"PK\x03\x04": "zip", b"7z\xbc\xaf": "7-zip"}
@@ -35,12 +46,32 @@ def read_points(path: Path) -> Float:
         DataError: If the file is missing, of another format, cut short or empty, or a coordinate is
             beyond 10,000 km.
     """
+    points = _read(path, _reader)
+    _check_range(path, points)
+    return points
+
+
+def read_cloud(path: Path) -> FileCloud:
+    """Return the points of a file as `read_points` does, with what it says of them.
+
+    Raises:
+        DataError: As `read_points`; or if a colour is beyond its range.
+    """
+    cloud = _read(path, lambda one: _CLOUD_READERS[_reader(one)])
+    _check_range(path, cloud.points)
+    return replace(cloud, place=replace(cloud.place, crs=coordinate_system(path)))
+
+
+def _read(path: Path, choose: Callable[[Path], Callable[[Path], T]]) -> T:
     if not path.is_file():
         raise DataError(f"{path}: no such file; give the path of a cloud: {', '.join(_READERS)}")
     try:
-        points = _reader(path)(path)
+        return choose(path)(path)
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror or error}") from error
+
+
+def _check_range(path: Path, points: Float) -> None:
     farthest = float(max(abs(points.min()), abs(points.max())))
     if farthest > _FARTHEST_M:
         raise DataError(
@@ -48,7 +79,6 @@ def read_points(path: Path) -> Float:
             "coordinates are in metres: scale or shift the cloud, or export it again "
             "if they are nonsense"
         )
-    return points
 
 
 def read_site(path: Path) -> Float:
@@ -61,6 +91,17 @@ def read_site(path: Path) -> Float:
     points = read_points(path)
     check_site(path, points)
     return points
+
+
+def read_site_cloud(path: Path) -> FileCloud:
+    """Return what `read_cloud` does of a file that holds a site.
+
+    Raises:
+        DataError: As `read_site`; or if a colour is beyond its range.
+    """
+    cloud = read_cloud(path)
+    check_site(path, cloud.points)
+    return cloud
 
 
 def _reader(path: Path) -> Callable[[Path], Float]:

@@ -1,7 +1,7 @@
 """Coordinates from lines of numbers: XYZ files and the text forms of PLY and PCD."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +20,7 @@ def collect_lines(
     path: Path,
     start: int,
     first_line: int,
-    columns: Sequence[int],
+    columns: Mapping[str, int],
     most: int,
     collector: PointCollector,
 ) -> int:
@@ -33,12 +33,13 @@ def collect_lines(
         path: The file.
         start: Byte at which the first line begins.
         first_line: Number of that line, for messages.
-        columns: Indices of x, y and z among the numbers of a line, from 0.
+        columns: Indices of x, y, z and the carried fields among the numbers of a line, from 0, by
+            name.
         most: Lines after this many points are not read.
         collector: Receives the points.
 
     Raises:
-        DataError: If a line lacks one of the three numbers; the message names the line.
+        DataError: If a line lacks one of the numbers; the message names the line.
     """
     found = 0
     for number, block, is_last in _blocks(path, start, first_line):
@@ -46,9 +47,10 @@ def collect_lines(
         rows = [(number + i, line) for i, line in enumerate(lines) if line][: most - found]
         if not rows:
             continue
-        points = _parse(path, rows, columns, is_last)
-        collector.add(points[:, 0], points[:, 1], points[:, 2])
-        found += len(points)
+        table = _parse(path, rows, tuple(columns.values()), is_last)
+        fields = dict(zip(columns, table.T, strict=True))
+        collector.add(fields["x"], fields["y"], fields["z"], fields)
+        found += len(table)
         if found == most:
             break
     return found
@@ -92,7 +94,7 @@ def _content(block: str) -> list[str]:
 def _parse(
     path: Path, rows: Sequence[tuple[int, str]], columns: Sequence[int], is_last: bool
 ) -> Float:
-    """Return the numbers of the wanted columns, shape (N, 3)."""
+    """Return the numbers of the wanted columns, a column each."""
     if any("," in line or ";" in line for _, line in rows):
         for number, line in rows:
             if _DECIMAL_COMMAS.match(line):

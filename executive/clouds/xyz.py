@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from executive.arrays import Float
+from executive.clouds.file_cloud import FileCloud
 from executive.clouds.point_collector import PointCollector
 from executive.clouds.text_rows import collect_lines, count_lines
 from executive.errors import DataError
@@ -29,5 +30,14 @@ def read_xyz(path: Path) -> Float:
     start = len(beginning) - len(body) + (first.end() if first else 0)
     lines = count_lines(path)
     collector = PointCollector(path, lines)
-    collect_lines(path, start, 2 if first else 1, (0, 1, 2), lines, collector)
+    collect_lines(path, start, 2 if first else 1, {"x": 0, "y": 1, "z": 2}, lines, collector)
     return collector.points()
+
+
+def read_xyz_cloud(path: Path) -> FileCloud:
+    """Return the points of a text file; its other columns have no names that are known.
+
+    Raises:
+        DataError: As `read_xyz`.
+    """
+    return FileCloud(read_xyz(path), left_out=("columns behind x, y and z",))

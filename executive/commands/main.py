@@ -46,6 +46,7 @@ class _Verbs(Verbs):
         "register": "clouds.register:register",
         "align": "clouds.align:align",
         "changes": "clouds.changes:changes",
+        "convert": "clouds.convert:convert",
         "survey": "clouds.survey:survey",
         "grasp": "grasps.grasp:grasp",
         "objects": "stones.objects:objects",

@@ -51,9 +51,21 @@ def _written(path: Path, content: bytes | str) -> Sample:
 
 
 def _cloud(path: Path) -> object:
-    from executive.clouds.reader import read_points
+    from executive.clouds.reader import read_cloud, read_points
 
-    return read_points(path)
+    return read_points(path), read_cloud(path)
+
+
+def _carried(path: Path) -> Sample:
+    """Write a cloud with colour, intensity and coordinate system."""
+    from executive.clouds.file_cloud import FileCloud, Place
+    from executive.clouds.writer import write_cloud
+
+    rng = np.random.default_rng(2)
+    colour = rng.integers(0, 256, _POINTS.shape, np.uint8)
+    intensity = rng.random(len(_POINTS), np.float32)
+    write_cloud(path, FileCloud(_POINTS, colour, intensity, Place("EPSG:2056")))
+    return Sample(path, path)
 
 
 def _ply(folder: Path) -> Iterator[Sample]:
@@ -65,6 +77,7 @@ def _ply(folder: Path) -> Iterator[Sample]:
     }.items():
         head = f"ply\nformat {form} 1.0\ncomment x\nelement vertex {len(_POINTS)}\n".encode()
         yield _written(folder / f"{form}.ply", head + axes + b"end_header\n" + body)
+    yield _carried(folder / "carried.ply")
 
 
 def _pcd(folder: Path) -> Iterator[Sample]:
@@ -83,6 +96,7 @@ def _pcd(folder: Path) -> Iterator[Sample]:
             f"DATA {form}\n"
         )
         yield _written(folder / f"{form}.pcd", head.encode() + body)
+    yield _carried(folder / "carried.pcd")
 
 
 def _xyz(folder: Path) -> Iterator[Sample]:
@@ -101,6 +115,7 @@ def _las_of(suffix: str) -> Callable[[Path], Iterator[Sample]]:
             header.scales, header.offsets = np.full(3, 0.001), np.zeros(3)
             data = laspy.LasData(header)
             data.xyz = _POINTS
+            data.intensity = data.red = np.arange(len(_POINTS))
             keys = struct.pack("<8H", 1, 1, 0, 1, 3076, 0, 1, 9001)
             data.header.vlrs.append(laspy.VLR("LASF_Projection", 34735, record_data=keys))
             if version == "1.4":

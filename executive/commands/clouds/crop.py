@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from executive.errors import ConfigError, DataError
 
 if TYPE_CHECKING:
+    from executive.arrays import Bool, Float
     from executive.messages.cloud import Cloud
 
 _FORMS = "x,y,radius or x_low,y_low,x_high,y_high, in the cloud's coordinates [m]"
@@ -29,26 +30,39 @@ class Crop:
         self._words, self._numbers = words, numbers
 
     def of(self, cloud: "Cloud") -> "Cloud":
-        """Return the part of a cloud.
+        """Return the part of a cloud, without normals.
 
         Raises:
             DataError: If no point is in it.
         """
-        import numpy as np
+        from executive.messages.cloud import Cloud
 
         if not self._numbers:
             return cloud
-        if len(self._numbers) == 3:
-            part = cloud.near(np.array(self._numbers[:2]), self._numbers[2])
+        return Cloud(cloud.frame, cloud.points[self.inside(cloud.points)])
+
+    def inside(self, points: "Float") -> "Bool":
+        """Return which points are in the area, shape (N,).
+
+        Args:
+            points: Points [m], shape (N, 3).
+
+        Raises:
+            DataError: If none is.
+        """
+        import numpy as np
+
+        numbers, xy = self._numbers, points[:, :2]
+        if not numbers:
+            return np.ones(len(points), dtype=bool)
+        if len(numbers) == 3:
+            kept = np.hypot(*(xy - numbers[:2]).T) < numbers[2]
         else:
-            low, high = [*self._numbers[:2], -np.inf], [*self._numbers[2:], np.inf]
-            part = cloud.in_box(np.array(low), np.array(high))
-        if not len(part):
+            kept = ((xy >= numbers[:2]) & (xy <= numbers[2:])).all(axis=1)
+        if not kept.any():
             spans = " and ".join(
                 f"{name} from {low:.6g} to {high:.6g} m"
-                for name, low, high in zip(
-                    "xy", cloud.points.min(axis=0), cloud.points.max(axis=0), strict=False
-                )
+                for name, low, high in zip("xy", xy.min(axis=0), xy.max(axis=0), strict=True)
             )
             raise DataError(f"--crop: no point is in {self._words}; the cloud has {spans}")
-        return part
+        return np.asarray(kept)

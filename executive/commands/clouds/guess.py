@@ -17,9 +17,13 @@ _FORMS = (
 )
 
 
-def read_guess(text: str | None) -> tuple[Float, float]:
+def read_guess(text: str | None, option: str = "--guess") -> tuple[Float, float]:
     """Return T_target_source, shape (4, 4), and the source's scale; without a text, no motion and
     1.
+
+    Args:
+        text: What was given, if anything was.
+        option: The option that it was given to, for messages.
 
     Raises:
         ConfigError: If the text is neither numbers nor a file with a rigid motion.
@@ -28,23 +32,23 @@ def read_guess(text: str | None) -> tuple[Float, float]:
         return np.eye(4), 1.0
     path = Path(text)
     if path.is_file():
-        T, scale = _from_file(path)
-        return _rigid(text, T), scale
+        T, scale = _from_file(path, option)
+        return _rigid(text, T, option), scale
     words = text.split(",")
     try:
         numbers = np.array([float(word) for word in words])
     except ValueError:
-        raise ConfigError(f"--guess: '{text}' is neither numbers nor a file; {_FORMS}") from None
+        raise ConfigError(f"{option}: '{text}' is neither numbers nor a file; {_FORMS}") from None
     if len(numbers) not in (3, 6) or not np.isfinite(numbers).all():
         raise ConfigError(
-            f"--guess: '{text}' holds {len(numbers)} numbers, not 3 or 6 finite ones; {_FORMS}"
+            f"{option}: '{text}' holds {len(numbers)} numbers, not 3 or 6 finite ones; {_FORMS}"
         )
     return pose_xyz_rpy(
         numbers[:3], np.radians(np.append(numbers[3:], np.zeros(6 - len(numbers))))
     ), 1.0
 
 
-def _from_file(path: Path) -> tuple[Float, float]:
+def _from_file(path: Path, option: str) -> tuple[Float, float]:
     try:
         content = path.read_text(encoding="utf-8")
         if content.lstrip().startswith(("{", "[")):
@@ -63,18 +67,18 @@ def _from_file(path: Path) -> tuple[Float, float]:
             ]
         ), 1.0
     except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
-        raise ConfigError(f"--guess: {path} holds no 4×4 matrix ({error}); {_FORMS}") from error
+        raise ConfigError(f"{option}: {path} holds no 4×4 matrix ({error}); {_FORMS}") from error
 
 
-def _rigid(text: str, T: Float) -> Float:
+def _rigid(text: str, T: Float, option: str) -> Float:
     """Check a matrix; a rotation that was printed with four digits is made exact."""
     if T.shape != (4, 4) or not np.isfinite(T).all() or not np.allclose(T[3], [0, 0, 0, 1]):
-        raise ConfigError(f"--guess: {text} holds no 4×4 matrix of a motion; {_FORMS}")
+        raise ConfigError(f"{option}: {text} holds no 4×4 matrix of a motion; {_FORMS}")
     U, sizes, V = np.linalg.svd(T[:3, :3])
     R = U @ V
     if np.abs(sizes - 1).max() > 1e-3 or np.linalg.det(R) < 0:
         raise ConfigError(
-            f"--guess: the rotation in {text} is none: it scales or mirrors; {_FORMS}"
+            f"{option}: the rotation in {text} is none: it scales or mirrors; {_FORMS}"
         )
     rigid = T.copy()
     rigid[:3, :3] = R

@@ -37,8 +37,8 @@ def segment(
     out: Annotated[
         Path | None,
         typer.Option(
-            help="PLY file for the segments, one colour each; of a folder of clouds, a folder, "
-            "which is gone on with."
+            help="PLY, PCD, LAS or LAZ file for the segments, one colour each; of a folder of "
+            "clouds, a folder, which is gone on with."
         ),
     ] = None,
     as_json: JsonOption = False,
@@ -51,6 +51,7 @@ def segment(
 
     Example: executive segment site.ply --out stones.ply
     """
+    from executive.clouds.writer import WRITTEN
     from executive.commands.chosen import chosen
     from executive.commands.clouds.crop import Crop
     from executive.interfaces.segmentation import Segmenter
@@ -58,7 +59,7 @@ def segment(
 
     area = Crop(crop)
     if not cloud.is_dir():
-        check_output("--out", out, ".ply")
+        check_output("--out", out, *WRITTEN)
     elif as_json:
         raise ConfigError("--json: the answers of a folder are files in the folder of --out")
     set_words = settings(set_, segmentation=method)
@@ -84,13 +85,13 @@ def _segmented(
     segmenter: "Segmenter", area: "Crop", path: Path, out: Path | None
 ) -> dict[str, Any]:
     """Segment one file, tell what was found, write the segments, and return the answer."""
-    from executive.clouds.coordinate_system import coordinate_system
-    from executive.clouds.ply_writer import write_parts
-    from executive.clouds.reader import read_site
+    from executive.clouds.ply_writer import coloured_parts
+    from executive.clouds.reader import read_site_cloud
+    from executive.clouds.writer import write_cloud
     from executive.messages.cloud import Cloud
 
-    points = area.of(Cloud(path.stem, read_site(path)))
-    crs = coordinate_system(path)
+    site = read_site_cloud(path)
+    points = area.of(Cloud(path.stem, site.points))
     found = segmenter.segment(points)
     for one in found.segments:
         say(_line(one))
@@ -101,9 +102,9 @@ def _segmented(
     for warning in found.warnings:
         say(f"warning: {warning}")
     say(f"{path}: {len(found.segments)} segments of {len(points)} points")
-    if out:
-        write_parts(out, [one.points for one in found.segments], crs)
-    return {**_answer(found), "crs": crs}
+    if out and (found.segments or out.suffix.lower() == ".ply"):  # others hold a point at least
+        write_cloud(out, coloured_parts([one.points for one in found.segments], site.place))
+    return {**_answer(found), "crs": site.place.crs}
 
 
 def _line(one: "Segment") -> str:
