@@ -68,7 +68,7 @@ class Site:
 def built_with(planner: Planner, rules: TrialRules) -> tuple[Trial, Site, list[str]]:
     site, seen = Site(), []
     rng = np.random.default_rng(0)
-    told = lambda one: seen.append(one.stone)  # noqa: E731
+    told = lambda one: seen.append(one.stone)
     return build(bare(), boxes(), planner, site, rules, rng, told), site, seen
 
 
@@ -173,7 +173,7 @@ def test_each_stone_is_told_with_its_errors(capsys: pytest.CaptureFixture[str]) 
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Figure, Path, int]]:
     """Keep the figures that are saved."""
     found: list[tuple[Figure, Path, int]] = []
-    keep = lambda self, path, dpi: found.append((self, path, dpi))  # noqa: E731
+    keep = lambda self, path, dpi: found.append((self, path, dpi))
     monkeypatch.setattr(Figure, "savefig", keep)
     return found
 

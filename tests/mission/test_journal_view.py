@@ -78,7 +78,10 @@ def test_a_line_for_people_has_the_time_the_kind_and_the_words() -> None:
     ("path", "shown"),
     [
         ("main/4:relocate_all/2:loop/0:sequence/1:PlanPick", "…/2:loop/0:sequence/1:PlanPick"),
-        ("main/0:relocate_all/1:move_stone/22:PlanGrasps", "…/1:move_stone/22:PlanGrasps"),
+        (
+            "main/0:relocate_all/1:move_stone/22:PlanGrasps",
+            "…/0:relocate_all/1:move_stone/22:PlanGrasps",
+        ),
         (
             "main/0:relocate/1:move_stone/2:PlanPlacement",
             "main/0:relocate/1:move_stone/2:PlanPlacement",
