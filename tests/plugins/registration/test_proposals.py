@@ -34,7 +34,7 @@ T = pose(from_rpy(0.03, -0.02, 0.7), np.array([1.0, -2.0, 0.3]))
 
 def lump(number: int) -> Float:
     """Return points on a bumpy ball of half a metre, other bumps for each number [m]."""
-    d = np.random.default_rng(7).normal(size=(1000, 3))
+    d = np.random.default_rng(7).normal(size=(1500, 3))
     d /= np.linalg.norm(d, axis=1)[:, None]
     waves = np.random.default_rng(number).normal(0, 3, (3, 3))
     return np.asarray(d * (0.5 + 0.06 * np.sin(d @ waves).sum(axis=1))[:, None])
@@ -110,7 +110,7 @@ def test_what_kiss_matcher_does_not_vouch_for_is_not_proposed(
             return len(here), len(there)
 
         def prune_and_solve(self, here: int, there: int) -> SimpleNamespace:
-            assert (here, there) == (3000, 1000)
+            assert (here, there) == (4500, 1500)
             return SimpleNamespace(valid=False)
 
     monkeypatch.setattr(kiss_matcher, "_package", lambda: SimpleNamespace(KISSMatcher=Matcher))
