@@ -64,8 +64,11 @@ class SegmentMap(Action[SegmentMapSettings]):
         if not len(merged):
             return failed("the map is empty: scan first")
         segmentation = yield from self.context.job(segmenter.segment, merged)
-        stones = self.context.use(ObjectDatabase).observe(
-            segmentation.segments, self.context.now_s(), drone_map is not None
+        stones = yield from self.context.job(
+            self.context.use(ObjectDatabase).observe,
+            segmentation.segments,
+            self.context.now_s(),
+            drone_map is not None,
         )
         self.context.record(_event(segmentation, stones))
         self.context.show("segments", segmentation)

@@ -53,11 +53,11 @@ class Plugin:
     # process has died; the others are computed within the tick, once.
     is_stateless: ClassVar[bool] = False
 
-    # Verbs of a plugin with state that change nothing and take more than a share of a tick. On the
-    # wall clock one thread beside the tick computes them, one after the other, while the tick goes
+    # Verbs of a plugin with state that take more than a share of a tick. On the wall clock a thread
+    # of the plugin's own computes them, in the order in which they were called, while the tick goes
     # on calling the other verbs: the plugin guards what both use, and lets the tick wait for no
-    # longer than its own short verbs take. In lock-step they are computed within the tick. `keep`
-    # may be among them.
+    # longer than its own short verbs take. In lock-step they are computed within the tick. Of the
+    # verbs that streams call, `add_scan_pair` may be among them, and so may `keep`.
     beside_tick: ClassVar[tuple[str, ...]] = ()
 
     # Whether its long verbs wait for another process that computes them. On the wall clock they are

@@ -60,7 +60,7 @@ def search(context: Context, stone_id: int, settings: SearchSettings) -> Steps[N
         return succeeded(reason=note)
     segmentation = yield from context.job(context.use(Segmenter).segment, near)
     others = _not_done(segmentation, context, stone_id)
-    seen = objects.observe(others, context.now_s(), False)
+    seen = yield from context.job(objects.observe, others, context.now_s(), False)
     ids = tuple(one.id for one in seen)
     context.record(StoneSoughtAgain(stone_id, ids, "segmentation", found.reason))
     if stone_id in ids or (yield from context.job(_is_shown, known, around)):

@@ -79,7 +79,7 @@ class NodeRuntime(Runtime):
             kinematics=Kinematics(machine),
             plugins=plugins,
             jobs=setup.jobs,
-            streams=Streams(plugins, lidars, events, self.guard, self.times),
+            streams=Streams(plugins, lidars, events, self.guard, setup.jobs),
             account=self.account,
             journal=setup.journal,
             folder=setup.folder,

@@ -314,5 +314,7 @@ class Run:
 
     def _save_map(self) -> None:
         if "mapping" in self._assembly.plugins:
+            if self._mission is not None:
+                self._mission.services.streams.settle()
             cloud = self._assembly.plugins["mapping"].cloud()
             write_ply(self.folder.map, cloud.points, cloud.frame)

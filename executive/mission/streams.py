@@ -23,7 +23,9 @@ from executive.messages.observation import Observation
 from executive.messages.status_change import StatusChange
 from executive.messages.verdict import Verdict
 from executive.mission.assembly import each_plugin
+from executive.mission.jobs.jobs import Jobs
 from executive.mission.jobs.tick_call import asked
+from executive.mission.map_feed import MapFeed
 from executive.mission.record.samples import Samples
 from executive.mission.tick_times import TickTimes, step_of
 
@@ -58,8 +60,13 @@ class StreamGuard(ABC):
         """Return whether an observation cannot be true; it then goes to no plugin."""
 
     @abstractmethod
-    def may_fuse(self, stamp_s: float) -> bool:
-        """Return whether the cabin's pose at a stamp [s] is known well enough to fuse a scan."""
+    def may_fuse(self, stamp_s: float, behind: int = 0) -> bool:
+        """Return whether a scan pair may be fused.
+
+        Args:
+            stamp_s: Its stamp [s], at which the cabin's pose must be known well enough.
+            behind: Number of earlier pairs that are not fused yet.
+        """
 
 
 class Streams:
@@ -71,7 +78,7 @@ class Streams:
         lidars: Sequence[str],
         listener: StreamListener,
         guard: "StreamGuard | None" = None,
-        times: TickTimes | None = None,
+        jobs: Jobs | None = None,
     ) -> None:
         self._estimator: Estimator = plugins["estimation"]
         self._odometry: LidarOdometry | None = plugins.get("odometry")
@@ -80,7 +87,11 @@ class Streams:
         self._observers = _observers(plugins)
         self._lidars = tuple(lidars)
         self._listener = listener
-        self._times = TickTimes() if times is None else times
+        self._times = TickTimes() if jobs is None else jobs.times
+        self._feed: MapFeed | None = None
+        mapper = self._mapper
+        if jobs is not None and mapper and jobs.computes_beside(mapper, "add_scan_pair"):
+            self._feed = MapFeed(mapper, jobs)
         self._guard = guard
         self._status = "INITIALISING"
         self._told = 0  # number of the estimator's status changes that have been handed on
@@ -101,6 +112,8 @@ class Streams:
     def process(self, observations: Sequence[Observation]) -> None:
         """Take all observations of one tick."""
         self.arrived_scans.clear()
+        if self._feed is not None and self._feed.behind:
+            self._count_fused(self._feed.take_fused)
         for observation in observations:
             if self._guard is not None and self._guard.refuses(observation):
                 continue
@@ -110,6 +123,15 @@ class Streams:
             if not self._observe(observation) and handler is None:
                 self._ignore(observation)
         self._hand_on_status()
+
+    def settle(self) -> None:
+        """Wait until the map holds every scan pair that has come.
+
+        Raises:
+            Exception: What the mapper raises, where the mission cannot do without it.
+        """
+        if self._feed is not None:
+            self._count_fused(self._feed.settle)
 
     def state(self) -> BaseState:
         """Return the newest state estimate."""
@@ -202,7 +224,12 @@ class Streams:
 
     def _map(self, mapper: Mapper) -> None:
         newest_s = max(scan.stamp_s for scan in self._scans.values())
-        if self._guard is not None and not self._guard.may_fuse(newest_s):
+        behind = 0 if self._feed is None else self._feed.behind
+        if self._guard is not None and not self._guard.may_fuse(newest_s, behind):
+            self._scans.clear()
+            return
+        if self._feed is not None:
+            self._feed.send([self._scans[name] for name in self._lidars], self._motion())
             self._scans.clear()
             return
         started_s = wall_s()
@@ -218,6 +245,17 @@ class Streams:
         )
         self.scan_pairs += 1
         self._scans.clear()
+
+    def _count_fused(self, fused: Callable[[], int]) -> None:
+        """Count the pairs that a thread has fused; after an error no more are sent."""
+        mapper = self._mapper
+        if mapper is None:
+            return
+        try:
+            self.scan_pairs += fused()
+        except Exception as error:  # the listener decides what it means
+            self._mapper = self._feed = None
+            self._listener.take_error("mapping", mapper, error)
 
     def _motion(self) -> Motion:
         stamps, states, samples = zip(*self._history, strict=True)

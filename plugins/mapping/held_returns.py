@@ -27,7 +27,14 @@ class HeldReturns:
         if len(points_gripper):
             self._parts.append(points_gripper)
 
-    def cloud(self) -> Cloud:
+    def points(self) -> Float:
+        """Return all of them in the gripper's frame [m], shape (N, 3)."""
+        return np.vstack([np.empty((0, 3)), *self._parts])
+
+    def thinned(self, points_gripper: Float) -> Cloud:
         """Return one point for each occupied voxel, in the frame `gripper`."""
-        points = np.vstack([np.empty((0, 3)), *self._parts])
-        return Cloud("gripper", voxel_means(points, self._voxel_m))
+        return Cloud("gripper", voxel_means(points_gripper, self._voxel_m))
+
+    def cloud(self) -> Cloud:
+        """Return the returns so far, thinned."""
+        return self.thinned(self.points())

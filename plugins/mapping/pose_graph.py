@@ -1,7 +1,10 @@
 """A map from a pose graph of scan pairs: odometry, scan matching, iSAM2 (Mascaro 2020, 4.2)."""
 
-from collections.abc import Sequence
+import threading
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import wraps
+from typing import Any, TypeVar
 
 import numpy as np
 from executive_plugins.mapping.cylinder import Cylinder
@@ -32,6 +35,8 @@ from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
 from executive.messages.sector import Sector
 
+_Answer = TypeVar("_Answer")
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _LastNode:
@@ -56,14 +61,28 @@ class _Parts:
     surface: MapCloud
 
 
+def _alone(verb: Callable[..., _Answer]) -> Callable[..., _Answer]:
+    """Let no two verbs of a map be computed at once."""
+
+    @wraps(verb)
+    def waiting(self: "PoseGraph", *args: Any, **kwargs: Any) -> _Answer:
+        with self._using:
+            return verb(self, *args, **kwargs)
+
+    return waiting
+
+
 class PoseGraph(Mapper):
     """Matches each pair to the ten before it, and combines the matches with the state estimate.
 
     Pairs at rest make no node, as in the paper. Deviation from the paper: the first few of them are
     still inserted into the map.
+
+    A thread beside the tick may fuse scan pairs and read the map, one verb at a time.
     """
 
     Settings = PoseGraphSettings
+    beside_tick = ("add_scan_pair", "cloud", "held", "dense_share")
 
     def __init__(self, settings: PoseGraphSettings, machine: Machine) -> None:
         self._settings = settings
@@ -77,6 +96,7 @@ class PoseGraph(Mapper):
         self._last: _LastNode | None = None
         self._pairs_here = 0
         self._anchored_s = -np.inf
+        self._using = threading.RLock()  # held by every verb, for as long as it takes
 
     def start(self) -> None:
         """Prepare the shapes, compile the inner loops, and start the graph's process, if any."""
@@ -99,6 +119,7 @@ class PoseGraph(Mapper):
             self._parts.host.close()
         self._parts = self._cloud = None
 
+    @_alone
     def add_scan_pair(self, scans: Sequence[LidarScan], motion: Motion) -> int:
         """Match a pair, and insert it into the graph and the map.
 
@@ -166,6 +187,7 @@ class PoseGraph(Mapper):
             parts.track.take(poses)
             parts.store.move(parts.track.poses())
 
+    @_alone
     def mask_held(self, radius_m: float) -> None:
         """Keep returns within this distance of the grasp centre [m] apart, from now on."""
         if radius_m < 0:
@@ -175,10 +197,12 @@ class PoseGraph(Mapper):
         self._held_radius_m = float(radius_m)
         self._held.clear()
 
+    @_alone
     def held(self) -> Cloud:
         """Return what was seen of the held object since `mask_held`, in the frame `gripper`."""
         return self._held.cloud()
 
+    @_alone
     def remove_sphere(self, centre_map: Float, radius_m: float) -> int:
         """Remove a sphere from the map and from the stored pairs."""
         parts = self._running()
@@ -188,6 +212,7 @@ class PoseGraph(Mapper):
             checked("centre_map", centre_map, 3), radius_m, self._settings.min_points
         )
 
+    @_alone
     def add_surface(self, points_map: Float) -> None:
         """Insert each point as often as is needed for an occupied voxel.
 
@@ -204,6 +229,7 @@ class PoseGraph(Mapper):
         """Return the share of the sector's square metres that hold so many points."""
         return dense_share(self.cloud().points, sector, points_per_m2)
 
+    @_alone
     def cloud(self) -> Cloud:
         """Return one point for each occupied voxel: 20 ms for 300,000 voxels after a scan pair.
 

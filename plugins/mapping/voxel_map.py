@@ -46,12 +46,12 @@ class KeptMap(TypedDict):
 class VoxelMap(Mapper):
     """Averages returns of several lidars in a cylinder around the machine; deterministic.
 
-    A thread beside the tick may read the map. It keeps a scan pair waiting only while it takes over
-    what has changed.
+    A thread beside the tick may fuse scan pairs and read the map. It keeps the tick's own verbs
+    waiting only while it takes over what has changed.
     """
 
     Settings = VoxelMapSettings
-    beside_tick = ("cloud", "held", "dense_share", "keep")
+    beside_tick = ("add_scan_pair", "cloud", "held", "dense_share", "keep")
 
     def __init__(self, settings: VoxelMapSettings, machine: Machine) -> None:
         self._settings = settings
@@ -63,6 +63,7 @@ class VoxelMap(Mapper):
         self._changing = threading.RLock()  # held by what changes the voxels, or copies them
         self._reading = threading.Lock()  # held by what uses the copy
         self._held_radius_m = 0.0
+        self._holds = 0  # times that `mask_held` was called
         self._held = HeldReturns(settings.voxel_m)
         self.revision = self._changes = 0
         self._cylinder = Cylinder(settings.radius_m)
@@ -120,11 +121,15 @@ class VoxelMap(Mapper):
             DataError: If a scan's sensor is no lidar of the machine, or the motion lacks a joint.
         """
         front_end, grid = self._running()
-        parts = [front_end.place(scan, motion, SLIDE * self._held_radius_m) for scan in scans]
-        pair_map = np.vstack([np.empty((0, 3)), *parts])
-        for scan in scans:
-            self._held.add(front_end.place_held(scan, motion, self._held_radius_m))
         with self._changing:
+            radius_m, holds = self._held_radius_m, self._holds
+        parts = [front_end.place(scan, motion, SLIDE * radius_m) for scan in scans]
+        pair_map = np.vstack([np.empty((0, 3)), *parts])
+        held = [front_end.place_held(scan, motion, radius_m) for scan in scans]
+        with self._changing:
+            if holds == self._holds:  # else they are of what the jaws held before
+                for points_gripper in held:
+                    self._held.add(points_gripper)
             self._changed()
             if self._cylinder.follow(motion.T_map_cabin[-1][:3, 3]):
                 grid.keep(self._cylinder.contains(grid.points()[0]))
@@ -149,13 +154,17 @@ class VoxelMap(Mapper):
             raise DataError(
                 f"the radius around a held stone is {radius_m} m; it must not be negative"
             )
-        self._held_radius_m = float(radius_m)
-        self._held.clear()
-        self.revision += 1
+        with self._changing:
+            self._held_radius_m = float(radius_m)
+            self._holds += 1
+            self._held.clear()
+            self.revision += 1
 
     def held(self) -> Cloud:
         """Return what was seen of the held object since `mask_held`, in the frame `gripper`."""
-        return self._held.cloud()
+        with self._changing:
+            returns = self._held.points()
+        return self._held.thinned(returns)
 
     def remove_sphere(self, centre_map: Float, radius_m: float) -> int:
         """Remove all voxels in a sphere, until new returns fill them."""

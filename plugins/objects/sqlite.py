@@ -46,18 +46,19 @@ from executive.messages.weight import Weight
 class SqliteObjects(ObjectDatabase):
     """Stones with identities, surfaces and poses (Mascaro 2020, Sec. 4.5).
 
-    A thread beside the tick may ask for surroundings: it holds the lock while it reads the stones,
-    and not while it computes.
+    A thread beside the tick may observe, and ask for surroundings: it holds the lock while it reads
+    or changes the stones, and not while it compares them. A stone that is changed meanwhile waits.
     """
 
     Settings = SqliteObjectsSettings
-    beside_tick = ("surroundings", "unexplained")
+    beside_tick = ("observe", "surroundings", "unexplained")
 
     def __init__(self, settings: SqliteObjectsSettings) -> None:
         self._settings = settings
         self._open: sqlite3.Connection | None = None
         self._is_read_only = False
         self._lock = threading.RLock()  # the connection belongs to one thread at a time
+        self._changing = threading.RLock()  # taken before the other by whoever changes stones
 
     def start(self) -> None:
         """Compile the inner loop, so that no segment has to wait for it."""
@@ -97,21 +98,8 @@ class SqliteObjects(ObjectDatabase):
         """
         if any(not len(segment.points) for segment in segments):
             raise DataError("a segment without points is no stone")
-        known = [stone for stone in self.stones() if stone.state is not StoneState.HELD]
-        reaches_m = [self._reach_m(stone) for stone in known]
-        partners = associate_known_first(segments, known, reaches_m, self._settings.max_growth)
-        with self._transaction() as db:
-            for row, segment in zip(partners, segments, strict=True):
-                if row >= 0:
-                    self._update(db, known[row], segment, stamp_s, seen_from_above)
-            lying = [one for one in self.stones() if one.state.is_lying]
-            ids = [
-                known[row].id
-                if row >= 0
-                else self._piece_or_new(db, segment, lying, stamp_s, seen_from_above)
-                for row, segment in zip(partners, segments, strict=True)
-            ]
-        return tuple(self.stone(stone_id) for stone_id in ids)
+        with self._changing:
+            return self._observe(segments, stamp_s, seen_from_above)
 
     def stones(self) -> tuple[Stone, ...]:
         """Return all stones, by id."""
@@ -246,12 +234,31 @@ class SqliteObjects(ObjectDatabase):
         db = self._connection()
         if self._is_read_only:
             raise ConfigError("the object database is open for reading only; open it for writing")
-        with self._lock, transaction(db):
+        with self._changing, self._lock, transaction(db):
             yield db
 
     def _row(self, stone_id: int) -> sqlite3.Row:
         with self._lock:
             return row_of(self._connection(), stone_id)
+
+    def _observe(
+        self, segments: Sequence[Segment], stamp_s: float, seen_from_above: bool
+    ) -> tuple[Stone, ...]:
+        known = [stone for stone in self.stones() if stone.state is not StoneState.HELD]
+        reaches_m = [self._reach_m(stone) for stone in known]
+        partners = associate_known_first(segments, known, reaches_m, self._settings.max_growth)
+        with self._transaction() as db:
+            for row, segment in zip(partners, segments, strict=True):
+                if row >= 0:
+                    self._update(db, known[row], segment, stamp_s, seen_from_above)
+            lying = [one for one in self.stones() if one.state.is_lying]
+            ids = [
+                known[row].id
+                if row >= 0
+                else self._piece_or_new(db, segment, lying, stamp_s, seen_from_above)
+                for row, segment in zip(partners, segments, strict=True)
+            ]
+        return tuple(self.stone(stone_id) for stone_id in ids)
 
     def _piece_or_new(
         self,

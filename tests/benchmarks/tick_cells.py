@@ -1,7 +1,7 @@
 """Let plugins whose verbs run in the tick fail in mid-swing: how soon is the machine told to stop?
 
 A mission drives a machine behind the wire in real time. In mid-swing a verb of the estimator, the
-odometry, the mapper, a monitor, the database or the robot raises, hangs, dies, answers late, with
+odometry, a monitor, the database or the robot raises, hangs, dies, answers late, with
 NaN, or with another type, with each runner of jobs (`inline` is refused in real time). Either the
 machine is told to stop in time, or the mission goes on as if nothing had been, which is right where
 the answer of a verb is of no use.
@@ -23,7 +23,6 @@ VERBS = (
     "estimation.state",
     "odometry.add_imu",
     "odometry.add_scan",
-    "mapping.add_scan_pair",
     "monitoring.update",
     "objects.stones",
     "robot.read",

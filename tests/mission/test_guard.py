@@ -11,7 +11,7 @@ from executive.machine.machine import load_machine
 from executive.messages.base_state import BaseState
 from executive.messages.command import Drive
 from executive.messages.imu import ImuSample
-from executive.mission.guard import Guard, GuardSettings, failure_of
+from executive.mission.guard import MOST_BEHIND, Guard, GuardSettings, failure_of
 from executive.mission.record.samples import Samples
 from executive.watch.rules import EstimateRule
 from executive.watch.watch import Decision
@@ -115,6 +115,15 @@ def test_scans_are_fused_while_the_estimate_may_be_used_and_its_end_is_told_once
     watched.streams.newest = state(0.0, "LOST")
     assert not guard.may_fuse(0.0)
     assert len(watched.events) == 2
+
+
+def test_a_map_that_is_too_far_behind_gets_no_further_scan_until_it_has_caught_up():
+    watched = Watched(state(0.0))
+    assert watched.guard.may_fuse(0.0, MOST_BEHIND - 1)
+    assert not watched.guard.may_fuse(0.0, MOST_BEHIND)
+    assert watched.events[0].reason.startswith("the map is 50 scan pairs behind")
+    assert watched.guard.may_fuse(0.0, MOST_BEHIND - 1)
+    assert watched.guard.scans_not_fused == 1
 
 
 def test_without_a_rule_only_the_age_of_a_usable_estimate_counts():

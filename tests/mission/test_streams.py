@@ -212,7 +212,7 @@ class Guarded(StreamGuard):
     def refuses(self, observation: object) -> bool:
         return any(observation is one for one in self._refused)
 
-    def may_fuse(self, stamp_s: float) -> bool:
+    def may_fuse(self, stamp_s: float, behind: int = 0) -> bool:
         self.asked_s.append(stamp_s)
         return stamp_s not in self._unknown_s
 

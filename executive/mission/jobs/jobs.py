@@ -149,6 +149,10 @@ class Jobs:
         ready_s = self._clock.now_s() + latency_s if self._is_lock_step else None
         return PluginJob(task, future, self._clock, ready_s, self._runner.abandon)
 
+    def computes_beside(self, plugin: Plugin, verb: str) -> bool:
+        """Return whether a thread beside the tick computes a verb of a plugin with state."""
+        return not self._is_lock_step and verb in plugin.beside_tick
+
     def _task(self, verb: Callable[..., Any], call: VerbCall) -> Task:
         capability, name, plugin = self._plugin_of(verb)
         address = Address.of(capability, name, plugin, call.verb)

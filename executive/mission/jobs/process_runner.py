@@ -11,7 +11,7 @@ from executive.mission.assembly import Selections, needed_for
 from executive.mission.jobs.limits import DEFAULT, Limits
 from executive.mission.jobs.runner import InlineRunner, Task
 from executive.mission.jobs.serving import serve
-from executive.mission.jobs.thread_runner import ThreadRunner
+from executive.mission.jobs.thread_runner import BesideTick, OneThread
 from executive.mission.jobs.worker import Worker
 from executive.tree.instances import capability_of
 
@@ -19,8 +19,8 @@ from executive.tree.instances import capability_of
 class ProcessRunner(InlineRunner):
     """One worker process a stateless plugin; plugins with state are computed inline.
 
-    Verbs that those name for it are computed in a thread, and what another process computes already
-    is awaited in another one.
+    Verbs that those name for it are computed in a thread a plugin, and what another process
+    computes already is awaited in another one.
 
     Worker processes are forked from a server process that has imported the plugins' modules, and
     nothing more: a worker that has to be replaced is there at once, and shares their memory.
@@ -36,7 +36,7 @@ class ProcessRunner(InlineRunner):
     ) -> None:
         self._selections = selections
         self._workers: dict[str, Worker] = {}
-        self._waiting, self._beside = ThreadRunner(), ThreadRunner()
+        self._waiting, self._beside = OneThread(), BesideTick()
         self._make: Callable[[str], Worker] = lambda capability: Worker(
             capability, needed_for(selections, capability), model, seed, limits, tell
         )

@@ -8,7 +8,7 @@ from queue import SimpleQueue
 from typing import Any
 
 from executive.mission.jobs.patience import Patience
-from executive.mission.jobs.runner import InlineRunner, Task, noted
+from executive.mission.jobs.runner import InlineRunner, Runner, Task, noted
 from executive.mission.jobs.stack import frames_of_thread, place_among
 from executive.supervision.beacon import beacon
 
@@ -20,8 +20,44 @@ class ThreadRunner(InlineRunner):
 
     A plugin with state, such as a survey that looks at the simulated world, is computed inline,
     but for the verbs that it names for it: beside the tick it would see the world at no time in
-    particular. What another process computes is only awaited here. A thread whose verb is overdue
-    cannot be ended: its call fails, and another thread serves the calls that follow.
+    particular. Those have a thread of their plugin's own, so that a scan pair does not wait for a
+    plan. What another process computes is only awaited here.
+    """
+
+    def __init__(self) -> None:
+        self._shared, self._beside = OneThread(), BesideTick()
+
+    def submit(self, task: Task) -> Future[Any]:
+        if task.is_beside:
+            return self._beside.submit(task)
+        if task.plugin.is_stateless or task.is_awaited:
+            return self._shared.submit(task)
+        return super().submit(task)
+
+    def close(self) -> None:
+        self._beside.close()
+        self._shared.close()
+
+
+class BesideTick(Runner):
+    """One thread for each capability whose plugin names verbs for it, and one for leaves' own."""
+
+    def __init__(self) -> None:
+        self._threads: dict[str, OneThread] = {}
+
+    def submit(self, task: Task) -> Future[Any]:
+        return self._threads.setdefault(task.address.capability, OneThread()).submit(task)
+
+    def close(self) -> None:
+        for thread in self._threads.values():
+            thread.close()
+
+
+class OneThread(Runner):
+    """Computes one verb after the other, in the order in which they came.
+
+    A thread whose verb is overdue cannot be ended: its call fails, and another thread serves the
+    calls that follow.
     """
 
     def __init__(self) -> None:
@@ -29,8 +65,6 @@ class ThreadRunner(InlineRunner):
         self._serving: threading.Thread | None = None
 
     def submit(self, task: Task) -> Future[Any]:
-        if not (task.plugin.is_stateless or task.is_awaited or task.is_beside):
-            return super().submit(task)
         if self._serving is None:
             self._begin()
         future: Future[Any] = Future()

@@ -1,5 +1,6 @@
 """The pose graph's map: matches correct a poor estimate, and memory is bounded."""
 
+import threading
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
@@ -7,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from executive_plugins.mapping.map_cloud import MapCloud
 from executive_plugins.mapping.pose_graph import PoseGraph
 from executive_plugins.mapping.settings import PoseGraphSettings, VoxelMapSettings
 from executive_plugins.mapping.voxel_map import VoxelMap
@@ -15,6 +17,7 @@ from executive.errors import ConfigError, DataError
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import exp_so3
 from executive.machine.machine import Machine
+from executive.messages.cloud import Cloud
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
 
@@ -171,3 +174,37 @@ def test_errors_of_bad_input_name_the_cause(make_graph: Callable, machine: Machi
         make_graph().mask_held(-1.0)
     with pytest.raises(ConfigError, match="not started"):
         PoseGraph(PoseGraphSettings(), machine).cloud()
+
+
+def test_a_thread_that_fuses_a_pair_and_one_that_reads_the_map_wait_for_each_other(
+    make_graph: Callable, make_yard: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    yard, mapper, alone = make_yard(rate_rad_s=0.35), make_graph(), make_graph()
+    begun, go_on, cloud = threading.Event(), threading.Event(), MapCloud.cloud
+    for one in (mapper, alone):
+        one.add_scan_pair(yard.pair(1.0), yard.motion(1.0))
+    before = alone.cloud().points
+
+    def slowly(self: MapCloud, *given: Any) -> Cloud:
+        begun.set()
+        assert go_on.wait(60.0)
+        return cloud(self, *given)
+
+    monkeypatch.setattr(MapCloud, "cloud", slowly)
+    found: list[Cloud] = []
+    reading = threading.Thread(target=lambda: found.append(mapper.cloud()), daemon=True)
+    fusing = threading.Thread(
+        target=lambda: mapper.add_scan_pair(yard.pair(1.3), yard.motion(1.3)), daemon=True
+    )
+    reading.start()
+    assert begun.wait(60.0)
+    fusing.start()
+    fusing.join(0.1)
+    assert fusing.is_alive()
+    go_on.set()
+    for thread in (reading, fusing):
+        thread.join(60.0)
+    alone.add_scan_pair(yard.pair(1.3), yard.motion(1.3))
+    np.testing.assert_array_equal(found[0].points, before)
+    np.testing.assert_array_equal(mapper.cloud().points, alone.cloud().points)
+    assert len(mapper.cloud()) != len(before)

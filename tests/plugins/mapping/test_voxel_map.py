@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,9 +10,11 @@ from executive_plugins.mapping.column_store import Columns
 from executive_plugins.mapping.column_surface import Choice
 from executive_plugins.mapping.map_cloud import MapCloud
 from executive_plugins.mapping.pose_graph import PoseGraph
+from executive_plugins.mapping.scan_front_end import ScanFrontEnd
 from executive_plugins.mapping.settings import PoseGraphSettings, VoxelMapSettings
 from executive_plugins.mapping.voxel_map import VoxelMap
 
+from executive.arrays import Float
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import transform
 from executive.machine.kinematics import Kinematics
@@ -265,3 +268,21 @@ def test_scan_pairs_do_not_wait_for_a_thread_that_reads_the_map(
     np.testing.assert_array_equal(found[0].points, before)
     np.testing.assert_array_equal(mapper.cloud().points, alone.cloud().points)
     assert len(mapper.cloud()) != len(before)
+
+
+def test_a_pair_that_is_under_way_when_the_jaws_hold_something_else_adds_nothing_to_it(
+    make_map: Callable, make_yard: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    yard, mapper = make_yard(rate_rad_s=0.0), make_map()
+    place = ScanFrontEnd.place_held
+    mapper.mask_held(3.0)
+    mapper.add_scan_pair(yard.pair(1.0), yard.motion(1.0))
+    assert len(mapper.held())
+
+    def released(self: ScanFrontEnd, *given: Any) -> Float:
+        mapper.mask_held(0.0)  # by the tick, while the thread fuses
+        return place(self, *given)
+
+    monkeypatch.setattr(ScanFrontEnd, "place_held", released)
+    mapper.add_scan_pair(yard.pair(1.1), yard.motion(1.1))
+    assert not len(mapper.held())

@@ -4,9 +4,11 @@ import sqlite3
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from executive_plugins.objects.association import associate_known_first
 from executive_plugins.objects.settings import SqliteObjectsSettings
 from executive_plugins.objects.sqlite import SqliteObjects
 
@@ -266,6 +268,35 @@ def test_the_database_does_not_wait_for_a_thread_that_computes_surroundings(
     go_on.set()
     asking.join()
     assert len(found[0]) == 4
+
+
+def test_stones_are_read_and_not_changed_while_a_thread_compares_them_with_segments(
+    objects: SqliteObjects, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    points = box((5.0, 0.0, 0.3))
+    (stone,) = objects.observe([segment(points)], 1.0, False)
+    begun, go_on, compare = threading.Event(), threading.Event(), associate_known_first
+
+    def slowly(*given: Any) -> Any:
+        begun.set()
+        assert go_on.wait(60.0)
+        return compare(*given)
+
+    monkeypatch.setattr("executive_plugins.objects.sqlite.associate_known_first", slowly)
+    seen = threading.Thread(
+        target=lambda: objects.observe([segment(points)], 2.0, False), daemon=True
+    )
+    seen.start()
+    assert begun.wait(60.0)
+    assert len(objects.stones()) == 1  # would wait for ever
+    grasp = threading.Thread(target=lambda: objects.grasp(stone.id, np.eye(4), 3.0), daemon=True)
+    grasp.start()
+    grasp.join(0.1)
+    assert objects.stone(stone.id).state is StoneState.ON_GROUND
+    go_on.set()
+    for thread in (seen, grasp):
+        thread.join(60.0)
+    assert [one.kind for one in objects.history(stone.id)] == ["found", "seen", "grasp"]
 
 
 def test_a_database_that_is_open_is_not_opened_again(
