@@ -185,7 +185,7 @@ def _believed(
 def _check_scale(
     photographs: Photographs, alignment: CameraAlignment, s: PhotogrammetrySettings
 ) -> None:
-    if not alignment.scale > 0 or alignment.scale_error > s.max_scale_error:
+    if not alignment.scale_error <= s.max_scale_error:  # also not a number
         raise DataError(
             f"{photographs.folder}: the positions are {alignment.residual_m:.2f} m off, "
             "so that the scale is known to "
