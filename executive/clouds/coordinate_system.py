@@ -4,6 +4,8 @@ import re
 import struct
 from pathlib import Path
 
+from executive.clouds.e57 import e57_crs
+from executive.clouds.e57_header import MAGIC
 from executive.clouds.las_header import projection_records
 from executive.errors import DataError
 
@@ -19,8 +21,8 @@ _PROJECTED, _OWN = 3072, 32767  # GeoTIFF: ProjectedCSTypeGeoKey; user-defined
 def coordinate_system(path: Path) -> str:
     """Return the name of a file's coordinate system: `EPSG:code`, else WKT; empty if it has none.
 
-    LAS and LAZ files name it in a record, and PLY and PCD files that were written here in a
-    comment.
+    LAS and LAZ files name it in a record, E57 files in their text, and PLY and PCD files that were
+    written here in a comment.
     The file is one that was read before: its header is sound.
 
     Raises:
@@ -34,6 +36,8 @@ def coordinate_system(path: Path) -> str:
     if beginning.startswith(b"# .PCD"):
         named = _PCD_LINE.search(beginning.partition(b"\nDATA ")[0])
         return named[1].decode("ascii", "replace") if named else ""
+    if beginning.startswith(MAGIC):
+        return _named(path, e57_crs(path))
     if not beginning.startswith(b"LASF"):
         return ""
     found = dict(projection_records(path))

@@ -11,6 +11,7 @@ from typing import TypeVar
 
 from executive.arrays import Float
 from executive.clouds.coordinate_system import coordinate_system
+from executive.clouds.e57 import read_e57, read_e57_cloud
 from executive.clouds.file_cloud import FileCloud
 from executive.clouds.las import read_las, read_las_cloud
 from executive.clouds.pcd import read_pcd, read_pcd_cloud
@@ -22,16 +23,24 @@ from executive.errors import DataError
 T = TypeVar("T")
 _READERS: dict[str, Callable[[Path], Float]] = {
     ".ply": read_ply, ".pcd": read_pcd, ".las": read_las, ".laz": read_las,
+    ".e57": read_e57,
     ".xyz": read_xyz, ".txt": read_xyz, ".asc": read_xyz, ".csv": read_xyz, ".pts": read_xyz,
 }  # fmt: skip
 _CLOUD_READERS: dict[Callable[[Path], Float], Callable[[Path], FileCloud]] = {
     read_ply: read_ply_cloud,
     read_pcd: read_pcd_cloud,
     read_las: read_las_cloud,
+    read_e57: read_e57_cloud,
     read_xyz: read_xyz_cloud,
 }
 SUFFIXES = tuple(_READERS)
-_BEGINNINGS = {b"ply\n": ".ply", b"ply\r": ".ply", b"# .PCD": ".pcd", b"LASF": ".las"}
+_BEGINNINGS = {
+    b"ply\n": ".ply",
+    b"ply\r": ".ply",
+    b"# .PCD": ".pcd",
+    b"LASF": ".las",
+    b"ASTM-E57": ".e57",
+}
 _PACKED = {b"\x1f\x8b": "gzip", b"PK\x03\x04": "zip", b"7z\xbc\xaf": "7-zip"}
 _FARTHEST_M = 1e7  # coordinates of national grids are smaller
 

@@ -30,11 +30,12 @@ ByTreeOption = Annotated[
 CloudArgument = Annotated[
     Path,
     typer.Argument(
-        metavar="CLOUD", help="PLY, PCD, LAS, LAZ or XYZ file, in metres, z roughly up."
+        metavar="CLOUD", help="PLY, PCD, LAS, LAZ, E57 or XYZ file, in metres, z roughly up."
     ),
 ]
 SourceArgument = Annotated[
-    Path, typer.Argument(metavar="SOURCE", help="The cloud to move: PLY, PCD, LAS, LAZ or XYZ.")
+    Path,
+    typer.Argument(metavar="SOURCE", help="The cloud to move: PLY, PCD, LAS, LAZ, E57 or XYZ."),
 ]
 TargetArgument = Annotated[Path, typer.Argument(metavar="TARGET", help="The cloud to lay it over.")]
 BothOption = Annotated[

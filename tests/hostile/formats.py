@@ -127,6 +127,23 @@ def _las_of(suffix: str) -> Callable[[Path], Iterator[Sample]]:
     return make
 
 
+def _e57(folder: Path) -> Iterator[Sample]:
+    from tests.clouds.e57_files import COLOURS, Scan, write_e57
+
+    axes = ("cartesianX", "cartesianY", "cartesianZ", *COLOURS, "intensity")
+    columns = np.hstack([_POINTS, np.round(40 * _POINTS), _POINTS[:, :1]]).T
+    scan = Scan(dict(zip(axes, columns, strict=True)), (1, 0, 0, 0), (9.0, 8.0, 7.0))
+    for in_steps in (False, True):
+        path = write_e57(folder / f"{in_steps}.e57", [scan, scan], "LOCAL_CS", in_steps)
+        yield Sample(path, path)
+
+
+def _e57_mended(content: bytes) -> bytes:
+    from tests.clouds.e57_files import mended
+
+    return mended(content)
+
+
 def _mesh(path: Path) -> object:
     from executive.clouds.meshes.reader import read_mesh
 
@@ -371,6 +388,7 @@ FORMATS: dict[str, Format] = {
     "xyz": Format(_xyz, _cloud),
     "las": Format(_las_of("las"), _cloud),
     "laz": Format(_las_of("laz"), _cloud),
+    "e57": Format(_e57, _cloud, _e57_mended),
     "obj": Format(_obj, _mesh),
     "stl": Format(_stl, _mesh),
     "ply-mesh": Format(_ply_mesh, _mesh),

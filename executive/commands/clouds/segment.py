@@ -21,7 +21,7 @@ def segment(
         Path,
         typer.Argument(
             metavar="CLOUD",
-            help="PLY, PCD, LAS, LAZ or XYZ file, in metres, z roughly up; or a folder of them.",
+            help="PLY, PCD, LAS, LAZ, E57 or XYZ file, metres, z roughly up; or a folder of them.",
         ),
     ],
     method: Annotated[
