@@ -159,6 +159,10 @@ def test_an_order_says_what_is_read_and_what_comes_back(pool: Any, tmp_path: Pat
     assert pool._sender.sent == [sent]
 
 
+def test_without_a_limit_a_run_sends_back_64_mebibytes(pool: Any, tmp_path: Path) -> None:
+    assert begun(ClusterPool("tcp://scheduler"), tmp_path / "run").asked.limit_bytes == 67_108_864
+
+
 def test_an_outcome_arrives_with_its_files_and_the_number_of_tries(
     pool: Any, tmp_path: Path
 ) -> None:
@@ -298,10 +302,16 @@ def test_while_workers_introduce_themselves_it_looks_ten_times_a_second(
     pool: Any, clock: list[float]
 ) -> None:
     looks = pool._workers.looks
-    clock[0] += 0.2
+    clock[0] = pool._looked_s + 0.05
+    pool._workers.are_new = True
+    pool.wait(0.015)
+    assert pool._workers.looks == looks
+    clock[0] = pool._looked_s + 0.12
+    pool._workers.are_new = False
     pool.wait(0.015)
     assert pool._workers.looks == looks
     pool._workers.are_new = True
+    clock[0] = pool._looked_s + 0.12
     pool.wait(0.015)
     assert pool._workers.looks == looks + 1
 
