@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from executive.behaviours.all_stones_placed import AllStonesPlaced
 from executive.behaviours.begin_round import BeginRound
 from executive.behaviours.find_course_slots import FindCourseSlots
 from executive.behaviours.find_free_slots import FindFreeSlots
@@ -123,6 +124,27 @@ def test_the_mission_is_done_when_some_stone_is_placed(stand, database):
     ended = stand.tick(SomeStonePlaced)
     assert ended.status == "SUCCESS"
     assert ended.reason == "1 of 2 stones placed"
+
+
+def test_all_is_placed_only_when_no_known_stone_is_elsewhere(stand, database):
+    put(database, PLACED, PLACED)
+    ended = stand.tick(AllStonesPlaced)
+    assert (ended.status, ended.reason) == ("SUCCESS", "2 of 2 stones placed")
+    put(database, PLACED, SET_ASIDE)
+    ended = stand.tick(AllStonesPlaced)
+    assert (ended.status, ended.reason) == ("FAILURE", "1 of 2 stones placed; set aside: 2")
+    put(database, ON_GROUND, StoneState.LOST)
+    ended = stand.tick(AllStonesPlaced)
+    assert (ended.status, ended.reason) == (
+        "FAILURE",
+        "0 of 2 stones placed; on ground: 1; lost: 2",
+    )
+
+
+def test_where_no_stone_is_known_nothing_is_placed(stage):
+    empty = stage.Stage(objects=stage.Scripted(ObjectDatabase, stones=()))
+    ended = empty.tick(AllStonesPlaced)
+    assert (ended.status, ended.reason) == ("FAILURE", "no stone is known, so none is placed")
 
 
 def test_the_reason_of_setting_aside_is_any_text_but_none():
