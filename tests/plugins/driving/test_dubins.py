@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from executive_plugins.driving.dubins import Curve, curves
+from executive_plugins.driving.dubins import Curve, _turn, curves
 from executive_plugins.driving.pieces import Piece, joined
 
 STEP_M = 0.1
@@ -49,3 +49,10 @@ def test_a_piece_that_is_driven_backwards_keeps_the_heading_of_the_machine():
     np.testing.assert_allclose(path.poses_map[turn], path.poses_map[turn + 1], atol=1e-9)
     np.testing.assert_allclose(path.poses_map[: turn + 1, 2], 0.0, atol=1e-9)
     np.testing.assert_allclose(path.goal_map, [3.0, 1.0, 0.2], atol=1e-9)
+
+
+def test_a_full_turn_by_rounding_is_none():
+    assert _turn(-1e-12) == 0.0
+    assert _turn(2 * np.pi - 1e-10) == 0.0
+    assert _turn(-1e-6) == pytest.approx(2 * np.pi - 1e-6)
+    assert _turn(7.0) == pytest.approx(7.0 - 2 * np.pi)

@@ -1,5 +1,8 @@
 """Straight lines, lifts, and turns of the cabin."""
 
+from copy import copy
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from executive_plugins.motion.inverse_kinematics import InverseKinematics
@@ -125,3 +128,10 @@ def test_hang_is_the_depth_of_the_lowest_point(machine: Machine) -> None:
     assert reach_below_m(T, np.array([[0.0, 0.0, 0.0], [1.2, 0.0, 0.0]])) == pytest.approx(
         -1.2 * T[2, 0], abs=1e-9
     )
+
+
+def test_a_turn_with_limits_has_one_way_round(machine: Machine, waypoints: Waypoints) -> None:
+    limited = copy(waypoints)
+    limited._machine = SimpleNamespace(lower=np.full(len(machine.joints), -2.0))  # type: ignore[assignment]
+    carry = machine.posture("carry")
+    assert limited.turn_shifts(carry, carry + 1.0) == [0.0]

@@ -84,3 +84,24 @@ def test_a_flat_model_holds_no_piece() -> None:
     flat = CUBE * [1.0, 1.0, 0.0]
     stone = Stone(1, StoneState.ON_GROUND, flat, np.zeros(3), np.eye(4), True)
     assert owner_of_piece(Segment(0, flat, flat[0], np.ones(3)), [stone], 0.08) is None
+
+
+@pytest.mark.parametrize(
+    ("kinds", "carried"),
+    [
+        ([], 0.0),
+        (["release"], 0.0),  # from nowhere that is known
+        (["found", "grasp"], 0.0),
+        (["found", "grasp", "release"], 1.0),
+        (["found", "grasp", "state", "release", "state"], 2.0),  # states have no pose of their own
+        (["found", "grasp", "release", "seen"], 0.0),
+    ],
+)
+def test_only_a_stone_that_was_released_last_may_have_fallen_on_the_way(
+    kinds: list[str], carried: float
+) -> None:
+    history = [
+        StoneEvent(0.0, kind, StoneState.ON_GROUND, pose(t=np.array([float(x_m), 0.0, 0.0])))
+        for x_m, kind in enumerate(kinds)
+    ]
+    assert carried_m(history) == carried

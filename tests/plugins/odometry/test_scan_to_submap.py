@@ -116,6 +116,9 @@ def test_many_refusals_in_a_row_begin_a_new_submap(yard) -> None:
     assert answers[0] is None
     assert answers[-1] is not None
     np.testing.assert_allclose(answers[-1].T_from_to, np.eye(4), atol=0.02)
+    most = odometry._settings.restart_after
+    assert [answer is None for answer in answers] == [True] * most + [False] * (13 - most)
+    assert answers[most].from_s == pytest.approx(0.1 * (most + 1))  # the last one refused
 
 
 def test_an_empty_scan_gives_nothing(yard) -> None:

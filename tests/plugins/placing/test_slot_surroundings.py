@@ -6,8 +6,10 @@ import numpy as np
 from executive_plugins.placing.slot_surroundings import SlotFoot, SlotSurroundings
 
 from executive.arrays import Float
+from executive.geometry.polygon import Box
 from executive.geometry.pose import pose, transform
 from executive.machine.machine import Machine
+from executive.messages.placement import Slot
 
 # A gripper that hangs: x down, its jaws open along y.
 T_MAP_GRIPPER = pose(
@@ -49,3 +51,14 @@ def test_a_stone_comes_to_lie_on_the_high_side_of_sloping_ground(
     around = SlotSurroundings(machine.gripper, ground, SlotFoot(np.zeros(3), 1.0))
     under = ground[np.linalg.norm(ground[:, :2], axis=1) < 0.8, 2]
     assert 0.02 <= np.mean(under > around.ground_m) <= 0.08
+
+
+def test_neighbours_come_as_near_as_half_the_gap_and_ten_centimetres_at_most() -> None:
+    place, box = np.array([2.0, 1.0, 0.1]), Box(np.zeros(2), 1.0, 0.5, 0.0)
+    alone, narrow, wide = (Slot(1, place, 0.0, gap_m) for gap_m in (None, 0.08, 0.5))
+    feet = [SlotFoot.of(slot, 0.7, box) for slot in (alone, narrow, wide)]
+    assert [foot.apart_m for foot in feet] == [0.1, 0.04, 0.1]
+    low, high = feet[1].corners_map.min(axis=0), feet[1].corners_map.max(axis=0)
+    np.testing.assert_allclose([low, high], [[1.6, 0.8], [2.4, 1.2]])  # four fifths of the box
+    assert SlotFoot.of(narrow, 0.7, None).corners_map is None
+    assert SlotFoot.of(narrow, 0.7, None).apart_m == 0.04

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from executive_plugins.viewing import palette
 from executive_plugins.viewing.message_drawing import draw
 
 from executive.testing.exercises.viewing import messages
@@ -37,3 +38,11 @@ def test_drawings(recorded, machine, most) -> None:
             told.append((path, type(archetype).__name__, shown(archetype)))
     # The viewer keeps coordinates in single precision.
     recorded(told, relative=1e-5, absolute=1e-6)
+
+
+def test_colours(recorded) -> None:
+    """Recordings of all missions look alike."""
+    named = {name: one for name, one in vars(palette).items() if name.isupper() and name[0] != "_"}
+    heights = palette.of_heights(np.linspace(-1.0, 2.0, 60))
+    flat = palette.of_heights(np.full(5, 0.3))
+    recorded((named, [palette.of_number(k) for k in range(12)], heights, flat))

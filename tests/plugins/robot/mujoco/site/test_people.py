@@ -17,6 +17,7 @@ from executive.messages.lidar import LidarScan
 
 MACHINE = load_machine("m545")
 LEVEL = {"half_size_m": 12, "undulation_m": 0, "roughness_m": 0}
+SIZE = {"width_m": 0.6, "height_m": 1.9}
 LIDAR = MACHINE.sensors["lidar_horizontal"]
 
 
@@ -33,10 +34,11 @@ def through(place: Float) -> dict[str, object]:
 
 
 def test_a_person_walks_along_the_line_and_back() -> None:
-    (person,) = site({"path_m": [(4, 0), (4, 3), (6, 3)], "speed_m_s": 0.5}).people
+    (person,) = site({"path_m": [(4, 0), (4, 3), (6, 3)], "speed_m_s": 0.5, **SIZE}).people
     for time_s, place in [(0, (4, 0)), (2, (4, 1)), (8, (5, 3)), (10, (6, 3)), (12, (5, 3))]:
         np.testing.assert_allclose(person.at(time_s)[:2], place, atol=1e-12)
     np.testing.assert_allclose(person.at(20.0), person.at(0.0), atol=1e-12)
+    assert (person.radius_m, person.height_m) == (0.3, 1.9)
     np.testing.assert_allclose(person.at(1000.5), person.at(0.5), atol=1e-9)
 
 
