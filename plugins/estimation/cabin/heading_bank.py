@@ -83,14 +83,14 @@ class HeadingBank:
         self._filters = [self._filters[i] for i in kept]
         self._weights = self._weights[kept] - self._weights.max()
 
-    def reported_covariance(self) -> Float:
-        """Return the second moment of the likeliest state's error in map axes, shape (15, 15)."""
+    def reported(self) -> tuple[InertialState, Float]:
+        """Return the likeliest state, and the second moment of its error in map axes, (15, 15)."""
         shares = np.exp(self._weights - self._weights.max())
         best, P = self.state, np.zeros((DIMENSION, DIMENSION))
         for share, kalman in zip(shares / shares.sum(), self._filters, strict=True):
             error, J = _difference(best, kalman.state)
-            P += share * (J @ kalman.reported_covariance() @ J.T + np.outer(error, error))
-        return P
+            P += share * (J @ kalman.reported()[1] @ J.T + np.outer(error, error))
+        return best, P
 
 
 def _members(found: Found, noise: InertialNoise) -> Iterator[tuple[float, ErrorStateFilter]]:

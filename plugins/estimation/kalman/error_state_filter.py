@@ -17,6 +17,7 @@ from executive_plugins.estimation.inertial.state import (
     propagate,
 )
 from executive_plugins.estimation.inertial.usual_motion import UsualMotion
+from executive_plugins.estimation.kalman.agreeing_clock import AgreeingClock
 from executive_plugins.estimation.kalman.bias_step import explaining_factor, step_covariance
 from executive_plugins.estimation.kalman.compiled_correction import corrected
 from executive_plugins.estimation.start.found import ClockOffset
@@ -49,6 +50,7 @@ class ErrorStateFilter:
         covariance: Of its error, shape (15, 15).
         clock_s: Stamps of the fixes minus times of measurement [s].
         holds_clock: Whether corrections leave the clock as it is, and only consider its error.
+        agreeing_clock: How likely the clocks agree; None if they do not.
     """
 
     def __init__(
@@ -62,6 +64,7 @@ class ErrorStateFilter:
         self.covariance = covariance
         self.clock_s = clock.offset_s
         self.holds_clock = False
+        self.agreeing_clock: AgreeingClock | None = None
         self._noise = noise
         self._usual = UsualMotion()
         self._mean_rate = state.sample.rate  # over the time by which the clock is unknown
@@ -112,9 +115,15 @@ class ErrorStateFilter:
         force = self.state.sample.force - self.state.accel_bias
         return self.state.R_map_imu @ force - [0.0, 0.0, self._noise.gravity_m_s2]
 
-    def reported_covariance(self) -> Float:
-        """Return the covariance that is reported with the state, shape (15, 15)."""
-        return linear_covariance(self.state, self.covariance)
+    def reported(self) -> tuple[InertialState, Float]:
+        """Return the state that is reported, and its covariance in map axes, shape (15, 15)."""
+        if not self._clocks or self.agreeing_clock is None:
+            return self.state, linear_covariance(self.state, self.covariance)
+        error, P = self.agreeing_clock.mixed(
+            self.covariance, self._cross[:, 0], self.clock_s, self.clock_std_s
+        )
+        state, J = moved(self.state, error)
+        return state, linear_covariance(state, J @ P @ J.T)
 
     def covariance_after(self, dt_s: float) -> Float:
         """Return the covariance after a step at the present rate and force, shape (15, 15)."""

@@ -40,8 +40,8 @@ class Predicted(Protocol):
     def predict(self, sample: Inertial) -> None:
         """Propagate to a later sample."""
 
-    def reported_covariance(self) -> Float:
-        """Return the covariance that is reported with the state, shape (15, 15)."""
+    def reported(self) -> tuple[InertialState, Float]:
+        """Return the state that is reported, and its covariance in map axes, shape (15, 15)."""
 
 
 K = TypeVar("K", bound=Predicted)
@@ -64,7 +64,7 @@ class TrailingFilter(Generic[K]):
         self._samples: deque[Inertial] = deque()  # newer than the filter
         self._corrections: list[Correction] = []
         self._anchored_s = self._begin_s
-        propagator.take(packed(kalman.state, kalman.reported_covariance()))
+        propagator.take(packed(*kalman.reported()))
 
     def add(self, correction: Correction) -> bool:
         """Add a correction; return whether it is in time.
@@ -91,7 +91,7 @@ class TrailingFilter(Generic[K]):
         if not is_corrected and sample.stamp_s - self._anchored_s < _COVARIANCE_PERIOD_S:
             return
         self._anchored_s = sample.stamp_s
-        estimate = packed(self.kalman.state, self.kalman.reported_covariance())
+        estimate = packed(*self.kalman.reported())
         if is_corrected:
             self._propagator.take(estimate)
         else:

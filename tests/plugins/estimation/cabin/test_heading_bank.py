@@ -63,7 +63,7 @@ POSE = np.r_[ROTATION, POSITION]
 def test_an_acceleration_tells_the_heading(heading_rad: float) -> None:
     bank, error = driven(heading_rad, accelerates=True)
     assert yaw_of(bank.state.R_map_imu) == pytest.approx(heading_rad, abs=0.1)
-    P = bank.reported_covariance()[np.ix_(POSE, POSE)]
+    P = bank.reported()[1][np.ix_(POSE, POSE)]
     assert P[2, 2] < 0.1**2
     assert error @ np.linalg.solve(P, error) < chi2.ppf(0.999, 6)
 
@@ -71,7 +71,7 @@ def test_an_acceleration_tells_the_heading(heading_rad: float) -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_a_body_at_rest_keeps_all_headings_within_its_covariance(seed: int) -> None:
     bank, error = driven(2.9, accelerates=False, seed=seed)
-    P = bank.reported_covariance()[np.ix_(POSE, POSE)]
+    P = bank.reported()[1][np.ix_(POSE, POSE)]
     assert P[2, 2] > 0.5**2  # the noise of its acceleration tells little
     assert error @ np.linalg.solve(P, error) < chi2.ppf(0.999, 6)
 
@@ -80,7 +80,7 @@ def test_a_heading_that_is_nearly_known_takes_one_filter() -> None:
     found = unknown_heading(0.2)
     bank = HeadingBank(found, NOISE)
     assert bank.state is found.state
-    assert bank.reported_covariance()[2, 2] == pytest.approx(0.2**2)
+    assert bank.reported()[1][2, 2] == pytest.approx(0.2**2)
 
 
 @pytest.mark.parametrize("off_m", [100.0, np.nan])
