@@ -39,6 +39,21 @@ def test_a_described_machine_keeps_its_thresholds_and_an_unknown_body_gets_wider
     assert described == default.model_copy(update={"datum": DATUM})
     assert unknown.rest.max_rate_std_rad_s > default.rest.max_rate_std_rad_s
     assert _gate(unknown) > _gate(default)
+    assert unknown.noise_factor == 1.0  # what is taken for its sensor shakes already
+    assert default.noise_factor == 2.0
+
+
+@pytest.mark.parametrize("name", ["error_state_ekf", "gnss_imu_filter"])
+def test_a_clock_may_agree_unless_it_was_calibrated_or_is_described(name: str) -> None:
+    plugin = registry.load("estimation", name)
+    unknown = RecordedBody(("imu",), DATUM, is_described=False)
+    calibrated = RecordedBody(("imu",), DATUM, is_described=False, clock_std_s=0.002)
+    described = RecordedBody(("imu",), DATUM, is_described=True)
+    shares = [
+        plugin.Settings.model_validate(plugin.settings_for(body)).clock_agrees
+        for body in (unknown, calibrated, described)
+    ]
+    assert shares == [0.5, 0.0, 0.0]
 
 
 def test_the_default_sensor_is_followed_wherever_it_appears_in_the_log() -> None:
