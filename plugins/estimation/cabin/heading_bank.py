@@ -19,6 +19,7 @@ from executive_plugins.estimation.inertial.state import (
     VELOCITY,
     Inertial,
     InertialState,
+    retract,
 )
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.fix_residual import fix_residual
@@ -84,13 +85,22 @@ class HeadingBank:
         self._weights = self._weights[kept] - self._weights.max()
 
     def reported(self) -> tuple[InertialState, Float]:
-        """Return the likeliest state, and the second moment of its error in map axes, (15, 15)."""
+        """Return the mean state, and the second moment of its error in map axes, (15, 15).
+
+        The likeliest state alone would turn by the angle between two members when the fixes tell
+        a little more for the other.
+        """
         shares = np.exp(self._weights - self._weights.max())
-        best, P = self.state, np.zeros((DIMENSION, DIMENSION))
-        for share, kalman in zip(shares / shares.sum(), self._filters, strict=True):
-            error, J = _difference(best, kalman.state)
+        shares /= shares.sum()
+        best, states = self.state, [kalman.state for kalman in self._filters]
+        mean = sum(
+            share * _difference(best, one)[0] for share, one in zip(shares, states, strict=True)
+        )
+        middle, P = retract(best, np.asarray(mean)), np.zeros((DIMENSION, DIMENSION))
+        for share, kalman in zip(shares, self._filters, strict=True):
+            error, J = _difference(middle, kalman.state)
             P += share * (J @ kalman.reported()[1] @ J.T + np.outer(error, error))
-        return best, P
+        return middle, P
 
 
 def _members(found: Found, noise: InertialNoise) -> Iterator[tuple[float, ErrorStateFilter]]:

@@ -76,6 +76,19 @@ def test_a_body_at_rest_keeps_all_headings_within_its_covariance(seed: int) -> N
     assert error @ np.linalg.solve(P, error) < chi2.ppf(0.999, 6)
 
 
+def test_the_mean_of_all_headings_is_reported_with_its_covariance() -> None:
+    bank = HeadingBank(unknown_heading(), NOISE)
+    for at_s in (0.1, 0.2, 0.3):
+        bank.correct(Fix(at_s, "left", ARM_M, Z, FIX_M**2 * np.eye(3)), 0.0, 1.0, 60.0)
+    mean, P = bank.reported()
+    # All headings being alike, the sensor is anywhere on a circle about its antenna.
+    assert np.linalg.norm(mean.p_map_imu[:2]) < 0.3
+    assert mean.p_map_imu[2] == pytest.approx(-ARM_M[2], abs=0.05)
+    radius2 = float(ARM_M[:2] @ ARM_M[:2])
+    assert P[6, 6] + P[7, 7] == pytest.approx(radius2, rel=0.1)
+    assert np.linalg.norm(bank.state.p_map_imu[:2]) > 1.0  # the likeliest is on it
+
+
 def test_a_heading_that_is_nearly_known_takes_one_filter() -> None:
     found = unknown_heading(0.2)
     bank = HeadingBank(found, NOISE)
