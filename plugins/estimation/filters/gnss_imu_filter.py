@@ -146,7 +146,7 @@ class GnssImuFilter(CabinEstimator):
         self._used_in_row = 0
         if self._doubt is None:
             self._doubt = WindowStart(
-                self._settings.window_start, self._noise, self._settings.clock_std_s
+                self._settings.window_start.of_doubt(), self._noise, self._settings.clock_std_s
             )
             self._doubted_s = kalman.state.stamp_s
 

@@ -64,7 +64,18 @@ class WindowStartSettings(Settings):
     """The start of a body that moves, and of one whose heading shows in motion only."""
 
     window_s: Seconds = Field(
-        20.0, gt=1, le=120, description="Longest window of samples and fixes that is solved [s]."
+        40.0,
+        gt=1,
+        le=120,
+        description="Longest window of samples and fixes that is solved for a first state [s]; "
+        "what is older is forgotten.",
+    )
+    doubt_window_s: Seconds = Field(
+        20.0,
+        gt=1,
+        le=120,
+        description="The same of fixes that contradict a state [s]; after a fault, it holds wrong "
+        "samples for as long.",
     )
     max_heading_std_rad: float = Field(
         0.15,
@@ -73,3 +84,7 @@ class WindowStartSettings(Settings):
         description="Standard deviation of the heading from which an estimate begins [rad]; at "
         "0.15 the filters' linear models err by 1 %.",
     )
+
+    def of_doubt(self) -> "WindowStartSettings":
+        """Return the settings with the window of a doubt."""
+        return self.model_copy(update={"window_s": self.doubt_window_s})

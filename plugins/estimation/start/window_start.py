@@ -40,6 +40,7 @@ _NODES = 30  # at most, in a window
 _HEADINGS = 4  # first guesses; the basin of attraction is wider than a quarter of a turn
 _STEP_S = 0.05  # between two steps of an attempt
 _GROWTH = 1.25  # of the window, from one attempt to the next
+_SHARE = 0.1  # of the longest window, at most
 _FIRST_SPAN_S = 0.8
 # A window is solved again if the fixes scatter by more than was assumed, by this factor on their
 # variance: the 99 % bound of a median of 30.
@@ -129,11 +130,12 @@ class WindowStart:
         span_s = self._fixes[-1].stamp_s - self._fixes[0].stamp_s
         now_s = self._fixes[-1].stamp_s
         is_full = span_s >= 0.9 * self._settings.window_s
-        wait_s = 0.1 * self._settings.window_s if is_full else 0.0
+        wait_s = _SHARE * self._settings.window_s if is_full else 0.0
         if now_s - self._tried_s < wait_s or (not is_full and span_s < self._next_span_s):
             return False
         self._tried_s = now_s
-        self._next_span_s = max(_GROWTH * span_s, _FIRST_SPAN_S)
+        step_s = min((_GROWTH - 1.0) * span_s, _SHARE * self._settings.window_s)
+        self._next_span_s = max(span_s + step_s, _FIRST_SPAN_S)
         return True
 
     def _steps(self) -> Generator[None, None, Found | None]:
