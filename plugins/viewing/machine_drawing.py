@@ -22,11 +22,7 @@ class MachineDrawing:
         self._recording = recording
         self._kinematics = Kinematics(machine)
         self._state: BaseState | None = None
-        for number, (name, link) in enumerate(machine.links.items()):
-            if link.shapes:
-                shade = tuple(int(c * (1.0 if number % 2 else 0.8)) for c in MACHINE)
-                solid = mesh([shape.vertices for shape in link.shapes], shade)
-                recording.log(f"{_ROOT}/{name}", solid, static=True)
+        self._has_solids = False
 
     def set_state(self, state: BaseState) -> None:
         """Store the newest estimate; the machine is drawn with the next joint sample."""
@@ -39,6 +35,7 @@ class MachineDrawing:
         self._plot(sample, jaw_rad)
         if self._state is None:
             return
+        self.draw_solids()
         frames = self._kinematics.frames(arm, jaw_rad)
         # The estimate is that of the cabin; the chassis follows from the turn joint of this sample.
         T_map_base = self._state.T_map_cabin @ inverse(frames[self._machine.cabin_link])
@@ -49,6 +46,17 @@ class MachineDrawing:
             self._recording.log(
                 f"{_ROOT}/{name}", rr.Transform3D(translation=T[:3, 3], mat3x3=T[:3, :3])
             )
+
+    def draw_solids(self) -> None:
+        """Draw the solids once it is known where they are: else all would be at the origin."""
+        if self._has_solids:
+            return
+        self._has_solids = True
+        for number, (name, link) in enumerate(self._machine.links.items()):
+            if link.shapes:
+                shade = tuple(int(c * (1.0 if number % 2 else 0.8)) for c in MACHINE)
+                solid = mesh([shape.vertices for shape in link.shapes], shade)
+                self._recording.log(f"{_ROOT}/{name}", solid, static=True)
 
     def _plot(self, sample: JointSample, jaw_rad: float) -> None:
         self._recording.log(f"plots/jaw/{self._machine.jaw.name}", rr.Scalars(jaw_rad))

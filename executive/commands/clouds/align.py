@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from executive.commands.clouds.view import ViewOption, check_view, recording_of, show
 from executive.commands.console import check_output
 from executive.commands.options import (
     BothOption,
@@ -39,6 +40,7 @@ def align(  # noqa: PLR0913 - the options of the command line, each a parameter 
     ] = 0.3,
     out: BothOption = None,
     as_json: JsonOption = False,
+    view: ViewOption = False,
 ) -> None:
     """Lay one cloud over another, from a guess.
 
@@ -49,13 +51,14 @@ def align(  # noqa: PLR0913 - the options of the command line, each a parameter 
     from executive.clouds.coordinate_system import coordinate_system
     from executive.clouds.reader import read_site
     from executive.commands.chosen import chosen
-    from executive.commands.clouds.alignment_answer import conclude
+    from executive.commands.clouds.alignment_answer import alignment_view, conclude
     from executive.commands.clouds.guess import read_guess
     from executive.interfaces.alignment import Aligner
     from executive.messages.cloud import Cloud
     from executive.tree.choices import Choices
 
     check_output("--out", out, ".ply")
+    check_view(view)
     T_guess, scale = read_guess(guess)
     choices = Choices(("alignment",), settings(set_, alignment=method))
     with chosen(Aligner, choices) as aligner:
@@ -65,4 +68,7 @@ def align(  # noqa: PLR0913 - the options of the command line, each a parameter 
         )
     found = replace(rigid, scale=scale)  # an alignment is rigid: the scale is that of the guess
     crs = coordinate_system(target)
-    raise typer.Exit(conclude(found, moved, fixed, out, as_json, crs))
+    status = conclude(found, moved, fixed, out, as_json, crs)
+    if view:
+        show(recording_of(source, out), alignment_view(found, moved, fixed))
+    raise typer.Exit(status)

@@ -6,8 +6,10 @@ from typing import Any
 from executive.arrays import Float
 from executive.clouds.ply_writer import write_parts
 from executive.clouds.units import unit_hint
+from executive.commands.clouds.view import near_origin
 from executive.commands.console import answer, say
 from executive.messages.alignment import Alignment
+from executive.messages.cloud import Cloud
 
 
 def alignment_answer(found: Alignment) -> dict[str, Any]:
@@ -52,6 +54,15 @@ def verdict(found: Alignment, source: Float, target: Float) -> str:
         return f"accepted: {found.reason}"
     hint = unit_hint(source, target)
     return f"refused: {found.reason}" + (f"; {hint}" if hint else "")
+
+
+def alignment_view(found: Alignment, source: Float, target: Float) -> dict[str, object]:
+    """Return what `--view` shows: the verdict, the target, and the source over it if accepted."""
+    offset = near_origin(target)
+    shown: dict[str, object] = {"alignment": found, "target": Cloud("map", target - offset)}
+    if found.accepted:
+        shown["drone"] = Cloud("map", found.apply(source) - offset)
+    return shown
 
 
 def conclude(

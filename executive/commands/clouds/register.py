@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from executive.commands.clouds.view import ViewOption, check_view, recording_of, show
 from executive.commands.console import check_output
 from executive.commands.options import (
     BothOption,
@@ -24,6 +25,7 @@ def register(
     set_: SetOption = None,
     out: BothOption = None,
     as_json: JsonOption = False,
+    view: ViewOption = False,
 ) -> None:
     """Lay one cloud over another, without a guess.
 
@@ -36,12 +38,13 @@ def register(
     from executive.clouds.coordinate_system import coordinate_system
     from executive.clouds.reader import read_site
     from executive.commands.chosen import chosen
-    from executive.commands.clouds.alignment_answer import conclude
+    from executive.commands.clouds.alignment_answer import alignment_view, conclude
     from executive.interfaces.registration import Registrar
     from executive.messages.cloud import Cloud
     from executive.tree.choices import Choices
 
     check_output("--out", out, ".ply")
+    check_view(view)
     choices = Choices(("registration",), settings(set_, registration=method))
     with chosen(Registrar, choices) as registrar:
         fixed, moved = read_site(target), read_site(source)
@@ -49,4 +52,7 @@ def register(
             Cloud("target", fixed), Cloud("source", moved), np.random.default_rng(0)
         )
     crs = coordinate_system(target)
-    raise typer.Exit(conclude(found, moved, fixed, out, as_json, crs))
+    status = conclude(found, moved, fixed, out, as_json, crs)
+    if view:
+        show(recording_of(source, out), alignment_view(found, moved, fixed))
+    raise typer.Exit(status)

@@ -6,6 +6,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from executive.commands.clouds.view import (
+    ViewOption,
+    check_view,
+    near_origin,
+    recording_of,
+    shifted,
+    show,
+)
 from executive.commands.console import answer, check_output, say
 from executive.commands.options import JsonOption, SetOption, settings
 from executive.errors import ConfigError
@@ -42,6 +50,7 @@ def segment(
         ),
     ] = None,
     as_json: JsonOption = False,
+    view: ViewOption = False,
 ) -> None:
     """Find stones in a cloud, or in those of a folder.
 
@@ -58,8 +67,11 @@ def segment(
     from executive.tree.choices import Choices
 
     area = Crop(crop)
+    check_view(view)
     if not cloud.is_dir():
         check_output("--out", out, *WRITTEN)
+    elif view:
+        raise ConfigError("--view: shows one cloud; name a file of the folder")
     elif as_json:
         raise ConfigError("--json: the answers of a folder are files in the folder of --out")
     set_words = settings(set_, segmentation=method)
@@ -72,7 +84,7 @@ def segment(
             work = partial(_segmented, segmenter, area)
             status = each_of(cloud, out, asked, work)
         else:
-            found = _segmented(segmenter, area, cloud, out)
+            found = _segmented(segmenter, area, cloud, out, view)
             status = int(not found["segments"])
             if as_json:
                 answer(found)
@@ -82,9 +94,9 @@ def segment(
 
 
 def _segmented(
-    segmenter: "Segmenter", area: "Crop", path: Path, out: Path | None
+    segmenter: "Segmenter", area: "Crop", path: Path, out: Path | None, is_shown: bool = False
 ) -> dict[str, Any]:
-    """Segment one file, tell what was found, write the segments, and return the answer."""
+    """Segment one file, tell what was found, write and show the segments, and return the answer."""
     from executive.clouds.ply_writer import coloured_parts
     from executive.clouds.reader import read_site_cloud
     from executive.clouds.writer import write_cloud
@@ -104,6 +116,10 @@ def _segmented(
     say(f"{path}: {len(found.segments)} segments of {len(points)} points")
     if out and (found.segments or out.suffix.lower() == ".ply"):  # others hold a point at least
         write_cloud(out, coloured_parts([one.points for one in found.segments], site.place))
+    if is_shown:
+        offset = near_origin(points.points)
+        cloud = Cloud("map", points.points - offset)
+        show(recording_of(path, out), {"cloud": cloud, "segments": shifted(found, offset)})
     return {**_answer(found), "crs": site.place.crs}
 
 

@@ -16,7 +16,14 @@ def test_each_link_with_a_shape_is_drawn_once_in_two_shades_in_turn() -> None:
         assert static
         drawn[path] = solid.albedo_factor.as_arrow_array().to_pylist()
 
-    MachineDrawing(machine, SimpleNamespace(log=log))
+    drawing = MachineDrawing(machine, SimpleNamespace(log=log))
+    assert not drawn  # a recording without an estimate has no machine at its origin
+    drawing.draw_solids()
+    first = dict(drawn)
+    drawn.clear()
+    drawing.draw_solids()
+    assert not drawn
+    drawn.update(first)
     shaped = [name for name, link in machine.links.items() if link.shapes]
     assert shaped
     assert list(drawn) == [f"world/machine/{name}" for name in shaped]
