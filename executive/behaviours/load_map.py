@@ -54,7 +54,7 @@ class LoadMap(Action[LoadMapSettings]):
         yield None  # reading gets a tick of its own
         path = self._path()
         try:
-            found = read_map(path)
+            found = yield from self.context.job(read_map, path)
         except DataError as error:
             return failed(str(error))
         cloud = found.cloud
@@ -65,7 +65,7 @@ class LoadMap(Action[LoadMapSettings]):
                 is_final=True,
             )
         if self.settings.merge:
-            self.context.use(Mapper).add_surface(cloud.points)
+            yield from self.context.job(self.context.use(Mapper).add_surface, cloud.points)
         self.context.record(
             MapLoaded(self.settings.file, len(cloud), cloud.frame, self.settings.merge)
         )

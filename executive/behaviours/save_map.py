@@ -37,7 +37,8 @@ class SaveMap(Action[SaveMapSettings]):
         path = self.context.folder() / self.settings.file
         state = self.context.state()
         try:
-            write_map(path, MapFile(cloud, self.context.now_s(), state.T_map_base))
+            saved = MapFile(cloud, self.context.now_s(), state.T_map_base)
+            yield from self.context.job(write_map, path, saved)
         except OSError as error:
             return failed(f"{path} cannot be written: {error.strerror or error}")
         self.context.record(MapSaved(self.settings.file, len(cloud), cloud.frame, state.T_map_base))

@@ -82,7 +82,7 @@ class PoseGraph(Mapper):
     """
 
     Settings = PoseGraphSettings
-    beside_tick = ("add_scan_pair", "cloud", "held", "dense_share")
+    beside_tick = ("add_scan_pair", "add_surface", "cloud", "held", "dense_share")
 
     def __init__(self, settings: PoseGraphSettings, machine: Machine) -> None:
         self._settings = settings

@@ -51,7 +51,7 @@ class VoxelMap(Mapper):
     """
 
     Settings = VoxelMapSettings
-    beside_tick = ("add_scan_pair", "cloud", "held", "dense_share", "keep")
+    beside_tick = ("add_scan_pair", "add_surface", "cloud", "held", "dense_share", "keep")
 
     def __init__(self, settings: VoxelMapSettings, machine: Machine) -> None:
         self._settings = settings
@@ -181,12 +181,12 @@ class VoxelMap(Mapper):
         """
         _, grid = self._running()
         points = checked("points_map", points_map, None, 3)
-        points = points[self._cylinder.contains(points)]
         with self._changing:
+            points = points[self._cylinder.contains(points)]
             self._changed()
             grid.insert(np.repeat(points, self._settings.min_points, axis=0))
-        if self._carver is not None:
-            self._carver.add(points)
+            if self._carver is not None:
+                self._carver.add(points)
 
     def dense_share(self, sector: Sector, points_per_m2: float) -> float:
         """Return the share of the sector's square metres that hold so many columns of voxels.

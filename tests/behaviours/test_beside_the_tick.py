@@ -9,9 +9,9 @@ from executive.registry import load
 
 FOLDERS = [Path(one.__path__[0]) for one in (executive.behaviours, executive.leaf)]
 VERBS = {*load("mapping", "voxel_map").beside_tick, *load("objects", "sqlite").beside_tick}
-FUNCTIONS = {"form_evidence", "form_refusal", "is_refuted"}
+FUNCTIONS = {"form_evidence", "form_refusal", "is_refuted", "read_map", "write_map"}
 # They call the evidence where a job computes it; and a condition cannot wait.
-ALLOWED = {"form_evidence.py", "mark_region.py"}
+ALLOWED = {"form_evidence.py", "mark_region.py", "removal.py"}
 
 
 def slow_calls(source):

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from executive_plugins.mapping.carving import Carver
 from executive_plugins.mapping.column_store import Columns
 from executive_plugins.mapping.column_surface import Choice
 from executive_plugins.mapping.map_cloud import MapCloud
@@ -286,3 +287,36 @@ def test_a_pair_that_is_under_way_when_the_jaws_hold_something_else_adds_nothing
     monkeypatch.setattr(ScanFrontEnd, "place_held", released)
     mapper.add_scan_pair(yard.pair(1.1), yard.motion(1.1))
     assert not len(mapper.held())
+
+
+def test_a_pair_waits_for_a_surface_that_the_tick_adds(
+    make_map: Callable, make_yard: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    yard = make_yard(rate_rad_s=0.0)
+    mapper, alone = make_map(forget_after=3), make_map(forget_after=3)
+    surface = np.array([[4.0, 0.0, 0.5], [4.1, 0.0, 0.5]])
+    begun, go_on, add = threading.Event(), threading.Event(), Carver.add
+
+    def slowly(self: Carver, points_map: Float) -> None:
+        begun.set()
+        assert go_on.wait(60.0)
+        add(self, points_map)
+
+    for one in (mapper, alone):
+        one.add_scan_pair(yard.pair(1.0), yard.motion(1.0))
+    alone.add_surface(surface)
+    alone.add_scan_pair(yard.pair(1.1), yard.motion(1.1))
+    monkeypatch.setattr(Carver, "add", slowly)
+    adding = threading.Thread(target=lambda: mapper.add_surface(surface), daemon=True)
+    fusing = threading.Thread(
+        target=lambda: mapper.add_scan_pair(yard.pair(1.1), yard.motion(1.1)), daemon=True
+    )
+    adding.start()
+    assert begun.wait(60.0)
+    fusing.start()
+    fusing.join(1.0)  # longer than it takes alone
+    assert fusing.is_alive()
+    go_on.set()
+    for thread in (adding, fusing):
+        thread.join(60.0)
+    np.testing.assert_array_equal(mapper.cloud().points, alone.cloud().points)
