@@ -1,12 +1,16 @@
 """`executive simulate`: how long it waits, when it keeps the world, and who surveys its site."""
 
+import contextlib
+import json
+import signal
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from executive import registry
-from executive.commands.missions.simulate import _silence_s, _surveys, _tended
+from executive.commands.missions.simulate import _silence_s, _surveys, _tended, simulate
 from executive.errors import ConfigError
 from executive.interfaces.facilities import SurveyedAside
 
@@ -120,3 +124,114 @@ def test_without_what_surveys_the_site_alone_there_is_no_survey(surveyor):
     surveyor.dependencies = ("robot", "mapping")
     assert _surveys(CHOSEN, Robot()) is None
     assert surveyor.told == []
+
+
+class Server:
+    """Runs until each signal was handled."""
+
+    def __init__(self, machine, robot, model, address, silence_s, simulation):
+        self.machine, self.address, self.time_s, self.is_ended = machine, address, 12.5, False
+        self.given = robot, model, silence_s, simulation
+        machine.server = self
+
+    def run(self):
+        self.machine.told.append("run")
+        for number, handler in self.machine.handlers.items():
+            self.is_ended = False
+            handler(number, None)
+            assert self.is_ended
+        if self.machine.fails:
+            raise self.machine.fails
+
+
+class Keeper:
+    """Tells what it is asked for."""
+
+    def __init__(self, tell, folder, robot):
+        self.tell = tell
+        tell(("keeper", folder.path, robot))
+
+    def restore(self):
+        return 7.5
+
+    def keep(self, time_s):
+        self.tell(("keep", time_s))
+
+    def end(self, time_s):
+        self.tell(("end", time_s))
+
+
+class Machine:
+    """The process of a machine: its parts are made up, and what happens is told in order."""
+
+    def __init__(self, monkeypatch, robot="mujoco"):
+        self.told, self.server, self.fails = [], None, None
+        self.plugins = {"robot": [SimpleNamespace(name=robot)]}
+        tell = self.told.append
+        assembly = SimpleNamespace(
+            start=lambda: tell("start"), close=lambda: tell("close"), plugins={"robot": "the robot"}
+        )
+
+        self.handlers = {}
+        description = SimpleNamespace(plugins=self.plugins)
+        for name, value in {
+            "mission.assembly.assemble": lambda *given: tell(given) or assembly,
+            "mission.assembly.needed_for": lambda plugins, key: f"what a {key} needs",
+            "mission.machine_folder.WorldKeeper": partial(Keeper, tell),
+            "mission.selections.model_of": lambda description: "mini",
+            "tree.load.load_mission": lambda mission, set_: tell((mission, set_)) or description,
+            "wire.machine_server.MachineServer": partial(Server, self),
+        }.items():
+            monkeypatch.setattr(f"executive.{name}", value)
+        monkeypatch.setattr("signal.signal", self.handlers.__setitem__)
+        monkeypatch.setattr("sys.setswitchinterval", lambda s: tell(("switch", s)))
+        monkeypatch.setattr("logging.basicConfig", lambda **_: None)
+
+
+def test_a_machine_lives_until_a_signal_ends_it(monkeypatch, capsys, tmp_path):
+    machine, path = Machine(monkeypatch), tmp_path / "machine.sock"
+    path.touch()
+    simulate("map_site", f"unix:{path}", ["a=1"], 5, "0.4 s", None, True)
+    assert machine.told == [
+        ("map_site", ["a=1"]), ("what a robot needs", "mini", 5), ("switch", 5e-4), "start", "run",
+        "close",
+    ]  # fmt: skip
+    assert set(machine.handlers) == {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
+    robot, model, silence_s, simulation = machine.server.given
+    assert (robot, model, silence_s) == ("the robot", "mini", 0.4)
+    assert (simulation.survey, simulation.begins_s) == (None, 0.0)
+    simulation.tend(machine.server)
+    told = capsys.readouterr()
+    assert told.err == f"machine 'mini' listens at unix:{path}; Ctrl-C ends it\n"
+    answered = {"address": f"unix:{path}", "model": "mini", "silence_s": 0.4}
+    assert json.loads(told.out) == answered
+    assert not path.exists()
+
+
+@pytest.mark.parametrize("fails", [None, LookupError("lost")])
+def test_a_machine_of_a_run_goes_on_where_it_was_and_leaves_what_happened(
+    monkeypatch, capsys, tmp_path, fails
+):
+    machine = Machine(monkeypatch)
+    machine.fails = fails
+    ended = pytest.raises(LookupError) if fails else contextlib.nullcontext()
+    with ended:
+        simulate("map_site", run_dir=tmp_path)
+    assert machine.told[0] == ("map_site", ())
+    assert machine.told[1][2] == 1
+    assert machine.told[3:] == [
+        "start", ("keeper", tmp_path, "the robot"), "run", ("end", 12.5), "close"
+    ]  # fmt: skip
+    simulation = machine.server.given[3]
+    assert simulation.begins_s == 7.5
+    machine.server.alone_s = 0.0
+    simulation.tend(machine.server)
+    assert machine.told[-1] == ("keep", 12.5)
+    assert machine.server.given[2] == 0.3
+    assert capsys.readouterr().out == ""
+
+
+def test_the_machine_of_another_process_is_not_simulated(monkeypatch):
+    Machine(monkeypatch, robot="wire")
+    with pytest.raises(ConfigError, match="the robot 'wire' is another process's"):
+        simulate("map_site")

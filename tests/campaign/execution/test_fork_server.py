@@ -64,8 +64,19 @@ def test_a_run_is_forked_and_its_process_told(
 ) -> None:
     connection = Connection()
     server = ForkServer(connection)
-    monkeypatch.setattr(os, "fork", lambda: 4711)
+    done = prepared
+    output = SimpleNamespace(flush=lambda: done.append("flush"))
+
+    def fork() -> int:
+        done.append("fork")
+        return 4711
+
+    monkeypatch.setattr(os, "fork", fork)
+    monkeypatch.setattr(fork_server.sys, "stdout", output)
+    monkeypatch.setattr(fork_server.sys, "stderr", output)
     server._begin(begin(5, tmp_path))
+    # What is not printed yet would be printed by the child once more.
+    assert done == [({"a": 1}, {"log": tmp_path}), "collect", "freeze", "flush", "flush", "fork"]
     assert connection.sent == [Begun(5, 4711)]
     child = server._children[4711]
     assert child.run == 5
@@ -248,6 +259,43 @@ def test_it_serves_until_the_campaign_is_gone_and_kills_what_is_left(
     assert len(read) == 1
     assert read[0][1] >= 1
     assert descendants == ["orphan"]
+
+
+def test_the_end_of_a_child_wakes_it(
+    descendants: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    handled: list[Any] = []
+    woken: list[Any] = []
+    monkeypatch.setattr(signal, "signal", lambda *given: handled.append(given))
+    monkeypatch.setattr(
+        signal, "set_wakeup_fd", lambda *given, **named: woken.append((given, named))
+    )
+    server = ForkServer(Connection())
+    told: list[str] = []
+    monkeypatch.setattr(server, "_report_ended", lambda: told.append("ended"))
+    pipe: list[int] = []
+
+    def ready(watched: list[Any]) -> list[Any]:
+        connection, wake = watched
+        (((signalled,), _),) = woken
+        if not pipe:
+            pipe.extend((wake, signalled))
+            assert not any(map(os.get_blocking, pipe))  # a full or empty pipe stops nobody
+            os.write(signalled, b"x" * 3)
+            return [wake]
+        with pytest.raises(BlockingIOError):
+            os.read(wake, 1)  # it was emptied
+        return [connection]
+
+    monkeypatch.setattr(fork_server, "wait", ready)
+    server.serve()
+    for one in pipe:
+        os.close(one)
+    ((number, handler),) = handled
+    assert number == signal.SIGCHLD
+    assert callable(handler)  # ignored, it would wake nobody
+    assert woken[0][1] == {"warn_on_full_buffer": False}
+    assert told == ["ended"]
 
 
 def test_a_server_that_cannot_fork_says_why(
