@@ -1,13 +1,17 @@
 """Whole plans ranked by predicted success."""
 
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
+from executive_plugins.grasping import sampled_cnn
+from executive_plugins.grasping.classifier import outcome_net
 from executive_plugins.grasping.feasibility.fcl_check import FclCheck
 from executive_plugins.grasping.sampled_cnn import SampledCnn
+from executive_plugins.grasping.sampling.pool import Pool
 from executive_plugins.grasping.settings import SampledCnnSettings
 from executive_plugins.grasping.simulated_lift import FALLEN_M, Lifted, SimulatedLift
 from executive_plugins.physics.surface import ContactModel
@@ -204,3 +208,31 @@ def test_a_cloud_with_a_point_that_is_no_number_is_refused(
     stone, ground = one_sided
     with pytest.raises(ShapeError, match="not finite"):
         plan((stone, np.concatenate([ground, [[0.0, np.nan, 0.0]]])))
+
+
+@pytest.mark.parametrize(
+    ("ranking", "expected"), [("paper", [2, 3, 1, 0, 4]), ("learned", [1, 3, 2, 0, 4])]
+)
+def test_likely_successes_come_in_the_order_of_the_paper_or_all_by_their_success(
+    machine: Machine, monkeypatch: pytest.MonkeyPatch, ranking: str, expected: list[int]
+) -> None:
+    """Of equal successes the first is the first; the least that is asked for is enough."""
+    likely = np.array([0.25, 0.875, 0.5, 0.75, 0.25])
+    monkeypatch.setattr(outcome_net, "success", lambda net, features: likely)
+    monkeypatch.setattr(outcome_net, "load_net", lambda path: path.name)
+    monkeypatch.setattr(sampled_cnn, "features_of", lambda scene, pool, gripper: None)
+    settings = SampledCnnSettings(ranking=ranking, min_success=0.5, min_score=0.1)
+    planner = SampledCnn(settings, machine, None)  # type: ignore[arg-type]
+    costs = {name: np.zeros(5) for name in ("align_rad", "enclose_m")}
+    costs["distance_m"] = np.array([0.1, 0.4, 0.2, 0.3, 0.0])
+    pool = Pool(np.zeros((5, 3, 3)), np.zeros((5, 3)), np.zeros(5), costs, Counter())
+    order = planner.ordered(None, pool)  # type: ignore[arg-type]
+    assert list(order.indices) == expected
+    np.testing.assert_array_equal(order.costs["failure"], 1 - likely)
+    is_paper = ranking == "paper"
+    assert order.is_telling is not is_paper
+    assert order.least_score == (-np.inf if is_paper else 0.1)
+    np.testing.assert_array_equal(order.worth, np.zeros(5) if is_paper else likely)
+    assert planner._loaded() == "m545_two_stream.safetensors"
+    monkeypatch.setattr(outcome_net, "load_net", None)  # it is loaded once
+    assert planner._loaded() == "m545_two_stream.safetensors"

@@ -320,3 +320,37 @@ def test_a_pair_waits_for_a_surface_that_the_tick_adds(
     for thread in (adding, fusing):
         thread.join(60.0)
     np.testing.assert_array_equal(mapper.cloud().points, alone.cloud().points)
+
+
+def test_a_map_that_is_restored_goes_on_like_the_one_that_was_kept(
+    make_map: Callable, make_yard: Callable
+) -> None:
+    """Also one that forgets: rays of later scans clear the restored voxels."""
+    yard, kept = make_yard(rate_rad_s=0.0), make_map(min_points=1, forget_after=2)
+    scan = yard.scan("lidar_vertical", 1.0)
+    kept.add_scan_pair([scan], yard.motion(1.0))
+    before = len(kept.cloud())
+    # Something that stands in the way of the rays to the ground, and is gone.
+    gone = kept.cloud().points[::9] * 0.8 + 0.2 * yard.T_map_cabin(1.0)[:3, 3]
+    kept.add_surface(gone)
+    kept.mask_held(0.75)
+    other = make_map(min_points=1, forget_after=2)
+    stale = other.cloud()
+    revision = other.revision
+    assert len(stale) == 0
+    other.restore(kept.keep())
+    assert other.revision > revision
+    np.testing.assert_array_equal(other.cloud().points, kept.cloud().points)
+    assert len(other.cloud()) > before
+    for k in range(3):
+        stamp_s = 1.1 + 0.1 * k
+        pair = [yard.scan("lidar_vertical", stamp_s)]
+        added = [one.add_scan_pair(pair, yard.motion(stamp_s)) for one in (kept, other)]
+        assert added[0] == added[1]
+    np.testing.assert_array_equal(other.cloud().points, kept.cloud().points)
+    assert other.forgotten == kept.forgotten
+    assert other.forgotten > 0
+    np.testing.assert_array_equal(other.held().points, kept.held().points)
+    (kept_here, kept_there) = kept.keep(), other.keep()
+    assert kept_here["held_radius_m"] == kept_there["held_radius_m"] == 0.75
+    np.testing.assert_array_equal(kept_here["centre_map"], kept_there["centre_map"])

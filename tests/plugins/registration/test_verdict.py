@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from executive_plugins.registration import verdict
+from executive_plugins.registration import rivals, verdict
 from executive_plugins.registration.evidence import CAP, StoneFit
+from executive_plugins.registration.gate import Agreement, Nearness
 from executive_plugins.registration.rivals import RivalSearch
 from executive_plugins.registration.settings import SegmentFpfhSettings
 from executive_plugins.registration.similarity import Similarity
@@ -212,3 +213,80 @@ def test_a_rival_is_told_and_refuses_if_it_is_likely_enough(
     told = f"another motion, 2.00 m and 90 deg away, on which 2 stones agree, is {ratio:.1e} times"
     begin = "" if is_accepted else "two motions explain the site: "
     assert found.reason == f"{begin}2 stones agree; {told} as likely"
+
+
+def nearness(rmse_m: float, share: float) -> Nearness:
+    """Return one of a thousand points."""
+    near = round(1000 * share)
+    return Nearness(1000, near, near * rmse_m**2)
+
+
+@pytest.mark.parametrize(
+    ("stones", "rmse_m", "share", "told"),
+    [
+        (3, 0.039, 0.5, []),
+        (2, 0.039, 0.5, ["2 stones agree, need 3"]),
+        (3, 0.041, 0.5, ["rmse 4.1 cm above 4.0 cm"]),
+        (3, 0.039, 0.49, ["overlap 0.49 below 0.5"]),
+        (0, 0.05, 0.1, ["0 stones", "rmse 5.0 cm", "overlap 0.10"]),
+    ],
+)
+def test_each_limit_of_the_gate_is_told_by_itself(
+    stones: int, rmse_m: float, share: float, told: list[str]
+) -> None:
+    settings = SegmentFpfhSettings(min_matched=3, max_rmse_m=0.04, min_overlap=0.5)
+    agreement = Agreement(nearness(0.9, 0.05), nearness(rmse_m, share))
+    faults = verdict._faults(settings, agreement, stones)
+    assert len(faults) == len(told)
+    assert all(fault.startswith(begin) for fault, begin in zip(faults, told, strict=True))
+
+
+class Flat:
+    """A surface z = 0 m."""
+
+    def nearest(self, points: np.ndarray, reach_m: float) -> tuple[np.ndarray, np.ndarray]:
+        distances = np.abs(points[:, 2])
+        return np.where(distances < reach_m, distances, np.inf), np.zeros(len(points), int)
+
+
+def test_candidates_are_refined_once_each_and_the_best_four_are_weighed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The best motion, a candidate twice, one without two stones and one over plain ground are no
+    rivals; a candidate's height is its misfit.
+    """
+    reaches: list[tuple[float, ...]] = []
+
+    def refine(surface: Any, points: Any, start: Similarity, wide: Any, scale: float) -> Similarity:
+        reaches.append(wide)
+        assert (len(points), scale) == (2, 0.0)
+        return start
+
+    monkeypatch.setattr(rivals, "refine", refine)
+    evidence = Evidence(surely=-100.0)
+    clouds = Clouds(evidence)
+    clouds.stones = Flat()  # type: ignore[attr-defined]
+    segment = SimpleNamespace(points=np.zeros((1, 3)))
+    clouds.source = SimpleNamespace(segments=[segment] * 2)  # type: ignore[attr-defined]
+    matched = clouds.matched
+
+    def pairs(motion: Similarity) -> tuple[tuple[int, int], ...]:
+        return matched(motion)[: 1 if motion.T_target_source[0, 3] == 9.0 else 2]
+
+    clouds.matched = pairs  # type: ignore[method-assign]
+    surely = evidence.surely_contradicted
+
+    def over_ground(motion: Similarity, near: Any, reach_m: float) -> float:
+        assert reach_m == SETTINGS.coarse_reach_m
+        return 50.0 if motion.T_target_source[0, 3] == 8.0 else surely(motion, near, reach_m)
+
+    evidence.surely_contradicted = over_ground  # type: ignore[method-assign]
+    made = RivalSearch(clouds, 10)  # type: ignore[arg-type]
+    places = [(9, 0.0), (8, 0.0), (1, 0.05), (2, 0.01), (2, 0.01), (0, 0.0), (3, 0.4), (4, 0.02),
+              (5, 0.12)]  # fmt: skip
+    candidates = [pose(t=np.array([float(x), 0.0, z])) for x, z in places]
+    found = made._rough(BEST, candidates, 0.5)
+    assert [one.T_target_source[0, 3] for one in found] == [2.0, 4.0, 1.0, 5.0]
+    assert made.excluded == 1
+    reach_m = SETTINGS.coarse_reach_m
+    assert reaches == [(reach_m, reach_m, pytest.approx(0.6 * reach_m))] * 5
