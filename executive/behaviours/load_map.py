@@ -1,5 +1,6 @@
 """Load a map from a file."""
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -74,4 +75,5 @@ class LoadMap(Action[LoadMapSettings]):
 
     def _path(self) -> Path:
         inside = self.context.folder() / self.settings.file
-        return inside if inside.is_file() else Path(self.settings.file)
+        # Unlike that of a Path, this answers no for a name that is too long or holds a NUL.
+        return inside if os.path.isfile(inside) else Path(self.settings.file)

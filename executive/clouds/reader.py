@@ -4,6 +4,7 @@ Common libraries only print a warning for a truncated file and return wrong poin
 piece by piece into one array of double precision, so that little memory is needed besides.
 """
 
+import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -72,7 +73,7 @@ def read_cloud(path: Path) -> FileCloud:
 
 
 def _read(path: Path, choose: Callable[[Path], Callable[[Path], T]]) -> T:
-    if not path.is_file():
+    if not os.path.isfile(path):  # that of a Path raises for a name that is too long
         raise DataError(f"{path}: no such file; give the path of a cloud: {', '.join(_READERS)}")
     try:
         return choose(path)(path)

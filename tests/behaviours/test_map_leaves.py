@@ -72,6 +72,12 @@ def test_a_cloud_of_another_program_keeps_a_frame_of_its_own(site, tmp_path) -> 
     assert len(site.leaf_context.plugins["mapping"].points) == 40  # the map is as it was
 
 
+def test_a_file_of_a_name_that_is_too_long_is_a_failure(site) -> None:
+    ended = site.tick(LoadMap, settings={"file": f"{'x' * 300}.ply"})
+    assert ended.status == "FAILURE"
+    assert "no such file" in ended.reason
+
+
 def test_a_cloud_of_another_frame_is_not_put_into_the_map(site, tmp_path) -> None:
     write_ply(tmp_path / "quarry.ply", POINTS + 1.0, "whatever")
     ended = site.tick(LoadMap, settings={"file": "quarry.ply", "merge": True})

@@ -58,7 +58,10 @@ def load_asked(folder: Path, command: str = "") -> Campaign:
 def is_campaign_folder(what: str) -> bool:
     """Return whether the folder of a campaign is meant, not a shipped mission of that name."""
     path = Path(what)
-    return (path / FILE).is_file() or (path.is_dir() and what not in shipped_names())
+    try:
+        return (path / FILE).is_file() or (path.is_dir() and what not in shipped_names())
+    except (OSError, ValueError):  # a name that is too long, or holds a NUL
+        return False
 
 
 def _table(what: str, reading: Reading) -> tuple[Table, Path]:

@@ -73,11 +73,14 @@ class MissionCells:
         text = self._reading.text(value, "a mission")
         if text is None or text in shipped_names():
             return text
-        path = self._paths.absolute(value.mark, text)
-        if path.is_file():
-            self._paths.add([(value.mark, text)])
-            return str(path)
-        beside = (one.name for one in path.parent.glob("*.yaml"))
+        try:
+            path = self._paths.absolute(value.mark, text)
+            if path.is_file():
+                self._paths.add([(value.mark, text)])
+                return str(path)
+            beside = [one.name for one in path.parent.glob("*.yaml")]
+        except OSError:  # a name that is too long
+            beside = []
         near = did_you_mean(text, [*shipped_names(), *beside])
         self._reading.fail(value, f"no file and no shipped mission '{text}'{near}")
         return None

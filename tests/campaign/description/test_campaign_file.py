@@ -106,6 +106,12 @@ def test_a_mission_that_is_not_there_is_reported_with_the_nearest(mistakes: Mist
     assert told == "4:24 no file and no shipped mission './othr.yaml'. Did you mean 'other.yaml'?"
 
 
+@pytest.mark.parametrize("name", ["x" * 300, f"{'x' * 300}/waits.yaml"])
+def test_a_mission_of_an_impossible_name_is_reported(name: str, mistakes: Mistakes) -> None:
+    (told,) = mistakes(f'missions: ["{name}"]\n', f"{HEAD}seeds: 1\n")
+    assert told.startswith("4:12 no file and no shipped mission ")
+
+
 def test_a_mistake_within_a_mission_is_reported_there(read: Read, folder: Path) -> None:
     (folder / "waits.yaml").write_text((folder / "waits.yaml").read_text().replace("1 s", "1 kg"))
     with pytest.raises(MissionFileError, match=r"waits\.yaml:8:16: error: .*'kg' is not a unit"):
