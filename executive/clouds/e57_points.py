@@ -14,6 +14,7 @@ from pye57 import libe57
 from executive.arrays import Float
 from executive.clouds.carried_fields import CarriedFields
 from executive.clouds.e57_header import check_e57
+from executive.clouds.file_cloud import FileCloud
 from executive.clouds.point_collector import CHUNK, PointCollector
 from executive.errors import DataError
 
@@ -64,13 +65,10 @@ def e57_cloud(path: Path) -> tuple[np.ndarray, ...]:
         DataError: As `e57_points`.
     """
     points, carried, left_out = _read(path, is_whole=True)
-    names = () if carried is None else carried.dtype.names or ()
-    rows = np.empty(0, [("colour", "u1", (3,)), ("intensity", "<f4")])
-    colour = rows["colour"] if carried is None or "colour" not in names else carried["colour"]
-    depth = (
-        rows["intensity"] if carried is None or "intensity" not in names else carried["intensity"]
-    )
-    return points, colour, depth, np.frombuffer("\n".join(left_out).encode(), np.uint8)
+    cloud = FileCloud.of(points, carried, left_out)
+    colour = np.empty((0, 3), np.uint8) if cloud.colour is None else cloud.colour
+    intensity = np.empty(0, np.float32) if cloud.intensity is None else cloud.intensity
+    return points, colour, intensity, np.frombuffer("\n".join(left_out).encode(), np.uint8)
 
 
 def e57_crs(path: Path) -> tuple[np.ndarray]:
@@ -191,7 +189,7 @@ def _collect(
             placed = (local if is_cartesian else _cartesian(local)) @ scan.R.T + scan.t
         for name in invalid:
             placed[piece[name] != 0] = np.nan
-        collector.add(*placed.T, piece)
+        collector.add(placed[:, 0], placed[:, 1], placed[:, 2], piece)
     reader.close()
     promised = scan.points.childCount()
     if found < promised:

@@ -50,8 +50,9 @@ class FileCloud:
     ) -> "FileCloud":
         """Return a cloud whose colour and intensity are the fields `colour` and `intensity`."""
         names = () if carried is None else carried.dtype.names or ()
-        fields = {} if carried is None else {name: carried[name] for name in names}
-        return cls(points, **fields, left_out=left_out)
+        colour = carried["colour"] if carried is not None and "colour" in names else None
+        intensity = carried["intensity"] if carried is not None and "intensity" in names else None
+        return cls(points, colour, intensity, left_out=left_out)
 
     def __len__(self) -> int:
         return len(self.points)

@@ -12,6 +12,7 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.clouds.carried_fields import CarriedFields
+from executive.clouds.file_cloud import FileCloud
 from executive.clouds.point_collector import CHUNK, PointCollector
 from executive.errors import DataError
 
@@ -48,9 +49,10 @@ def las_cloud(path: Path) -> tuple[np.ndarray, ...]:
         DataError: As `las_points`.
     """
     points, carried, header = _read(path, is_whole=True)
-    has_colour = carried is not None and "colour" in (carried.dtype.names or ())
-    colour = carried["colour"] if has_colour else np.empty((0, 3), np.uint16)  # type: ignore[index]
-    return points, colour, carried["intensity"], header.scales, header.offsets  # type: ignore[index]
+    cloud = FileCloud.of(points, carried, ())
+    colour = np.empty((0, 3), np.uint16) if cloud.colour is None else cloud.colour
+    intensity = np.empty(0, np.float32) if cloud.intensity is None else cloud.intensity
+    return points, colour, intensity, header.scales, header.offsets
 
 
 def _read(path: Path, is_whole: bool) -> tuple[Float, np.ndarray | None, Any]:

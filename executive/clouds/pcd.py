@@ -79,8 +79,7 @@ def _compressed(path: Path, header: PcdHeader, size: int, fields: CarriedFields)
         )
     collector = PointCollector(path, header.count, fields)
     wanted_fields = (*"xyz", *fields.names)
-    offsets = header.row.fields or {}
-    starts = {name: header.count * offsets[name][1] for name in wanted_fields}
+    starts = {name: header.count * header.offset(name) for name in wanted_fields}
     ends = {name: starts[name] + header.count * header.row[name].itemsize for name in wanted_fields}
     unpacked = decompress(packed[: lengths[0]], max(ends.values()))
     if len(unpacked) < max(ends.values()):

@@ -40,6 +40,10 @@ class PcdHeader:
         starts = dict(zip(self.row.names or (), np.cumsum([0, *widths]).tolist(), strict=False))
         return {name: starts[name] for name in names}
 
+    def offset(self, name: str) -> int:
+        """Return at which byte of a point a field begins."""
+        return int((self.row.fields or {})[name][1])
+
     @property
     def columns_of_a_line(self) -> int:
         """Number of numbers in a line of a text file."""
