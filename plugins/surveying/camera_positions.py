@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,12 @@ from PIL import Image
 
 from executive.arrays import Float
 from executive.errors import DataError
-from executive.geometry.geodesy import enu_from_geodetic
+from executive.geometry.geodesy import enu_from_geodetic, geodetic_from_enu
 
 TABLE = "positions.csv"
 _LOCAL, _GEODETIC = ("x", "y", "z"), ("lat", "lon", "alt")
+_ORIGIN_LOCAL = ("origin_x_m", "origin_y_m", "origin_z_m")
+_ORIGIN_GEODETIC = ("origin_lat_deg", "origin_lon_deg", "origin_alt_m")
 _GPS, _LATITUDE_REF, _LATITUDE, _LONGITUDE_REF, _LONGITUDE, _BELOW_SEA, _ALTITUDE = (
     0x8825,
     1,
@@ -25,8 +28,35 @@ _GPS, _LATITUDE_REF, _LATITUDE, _LONGITUDE_REF, _LONGITUDE, _BELOW_SEA, _ALTITUD
 )
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordedPositions:
+    """Where pictures were taken.
+
+    Attributes:
+        values_m: Rough position of each picture, z up, about their mean [m], shape (N, 3).
+        origin: That mean: `origin_x_m`, `origin_y_m` and `origin_z_m` in a table's coordinates, or
+            `origin_lat_deg`, `origin_lon_deg` and `origin_alt_m`.
+    """
+
+    values_m: Float
+    origin: Mapping[str, float]
+
+
 def positions_of(pictures: Sequence[Path], table: Path | None) -> Float:
     """Return the rough position of each picture [m], z up, about their mean, shape (N, 3).
+
+    Args:
+        pictures: Files.
+        table: As of `recorded_positions`.
+
+    Raises:
+        DataError: As `recorded_positions`.
+    """
+    return recorded_positions(pictures, table).values_m
+
+
+def recorded_positions(pictures: Sequence[Path], table: Path | None) -> RecordedPositions:
+    """Return the rough position of each picture, and where their mean is.
 
     Args:
         pictures: Files.
@@ -37,7 +67,7 @@ def positions_of(pictures: Sequence[Path], table: Path | None) -> Float:
         DataError: If the table cannot be read, or a picture has no position; the message names it
             and the cure.
     """
-    found = _from_table(table) if table else _from_pictures(pictures)
+    found, datum = _from_table(table) if table else _from_pictures(pictures)
     missing = [path.name for path in pictures if path.name not in found]
     if missing:
         where = str(table) if table else f"no {TABLE} beside them, and no GPS tags in them"
@@ -48,11 +78,16 @@ def positions_of(pictures: Sequence[Path], table: Path | None) -> Float:
             "name,lat,lon,alt, or take it out"
         )
     positions = np.array([found[path.name] for path in pictures])
-    return np.asarray(positions - positions.mean(axis=0))
+    mean = positions.mean(axis=0)
+    place = mean if datum is None else geodetic_from_enu(mean, datum)
+    names = _ORIGIN_LOCAL if datum is None else _ORIGIN_GEODETIC
+    return RecordedPositions(positions - mean, dict(zip(names, place.tolist(), strict=True)))
 
 
-def _from_table(table: Path) -> Mapping[str, Float]:
-    """Return positions by name; geodetic ones about the first line's."""
+def _from_table(table: Path) -> tuple[Mapping[str, Float], Float | None]:
+    """Return positions by name, geodetic ones about the first line's; and the first line's
+    latitude, longitude [deg] and altitude [m], or None.
+    """
     try:
         with table.open(newline="", encoding="utf-8-sig") as file:
             rows = [[cell.strip() for cell in row] for row in csv.reader(file) if row]
@@ -67,7 +102,7 @@ def _from_table(table: Path) -> Mapping[str, Float]:
     values = {row[0]: _numbers(table, i, row) for i, row in enumerate(rows[1:], 2)}
     if header[1:] == _GEODETIC:
         return _enu(values, str(table))
-    return values
+    return values, None
 
 
 def _numbers(table: Path, line: int, row: Sequence[str]) -> Float:
@@ -80,7 +115,7 @@ def _numbers(table: Path, line: int, row: Sequence[str]) -> Float:
     return values
 
 
-def _from_pictures(pictures: Sequence[Path]) -> Mapping[str, Float]:
+def _from_pictures(pictures: Sequence[Path]) -> tuple[Mapping[str, Float], Float]:
     tagged = {path.name: _from_tags(path) for path in pictures}
     return _enu({name: tags for name, tags in tagged.items() if tags is not None}, "GPS tags")
 
@@ -108,7 +143,7 @@ def _degrees(parts: Any) -> float:
     return float(sum(float(part) / 60**i for i, part in enumerate(parts)))
 
 
-def _enu(geodetic: Mapping[str, Float], where: str) -> Mapping[str, Float]:
+def _enu(geodetic: Mapping[str, Float], where: str) -> tuple[Mapping[str, Float], Float]:
     for name, (latitude, longitude, _) in geodetic.items():
         if not (-90 <= latitude <= 90 and -180 <= longitude <= 180):
             raise DataError(
@@ -116,4 +151,5 @@ def _enu(geodetic: Mapping[str, Float], where: str) -> Mapping[str, Float]:
                 "longitude in degrees"
             )
     datum = next(iter(geodetic.values()), np.zeros(3))
-    return {name: enu_from_geodetic(position, datum) for name, position in geodetic.items()}
+    found = {name: enu_from_geodetic(position, datum) for name, position in geodetic.items()}
+    return found, datum

@@ -43,7 +43,7 @@ class Colmap(Survey):
             DataError: If the folder holds no survey.
         """
         load_pycolmap()
-        self._photographs()
+        self._account = dict(self._photographs().origin)
 
     def survey(self, rng: np.random.Generator) -> Cloud:
         """Reconstruct the site: forty pictures of 12 megapixels take minutes on two cores.
@@ -53,10 +53,10 @@ class Colmap(Survey):
         Raises:
             DataError: If the pictures make no map; the message says why and what to change.
         """
-        found = reconstruct(
-            self._photographs(), self._settings, rng, self._tell, self._settings.work
-        )
+        photographs = self._photographs()
+        found = reconstruct(photographs, self._settings, rng, self._tell, self._settings.work)
         self._account = {
+            **photographs.origin,
             "pictures": found.pictures,
             "placed": found.names,
             "positions_rms_m": float(found.alignment.residual_m),
@@ -66,7 +66,9 @@ class Colmap(Survey):
         return found.cloud
 
     def account(self) -> dict[str, float | tuple[str, ...]]:
-        """Return how many pictures were used and how well their positions fit."""
+        """Return where the cloud's origin is, how many pictures were used, and how well their
+        positions fit; before the survey the first alone.
+        """
         return dict(self._account)
 
     def _photographs(self) -> Photographs:

@@ -1,9 +1,10 @@
 """A folder of a drone's pictures, with rough positions."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from executive_plugins.surveying.camera_positions import TABLE, positions_of
+from executive_plugins.surveying.camera_positions import TABLE, recorded_positions
 from PIL import Image, UnidentifiedImageError
 
 from executive.arrays import Float, checked
@@ -21,12 +22,14 @@ class Photographs:
         names: Of the files, sorted.
         positions_m: Where the drone says they were taken, z up, about their mean [m], shape (N, 3).
         size_px: Width and height.
+        origin: Where their mean is, as of `RecordedPositions`; empty if nobody knows.
     """
 
     folder: Path
     names: tuple[str, ...]
     positions_m: Float
     size_px: tuple[int, int]
+    origin: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(
@@ -59,9 +62,9 @@ def read_photographs(folder: Path, positions: Path | None, fewest: int) -> Photo
         )
     table = positions or (folder / TABLE if (folder / TABLE).is_file() else None)
     size_px = _size_px(pictures)
-    return Photographs(
-        folder, tuple(path.name for path in pictures), positions_of(pictures, table), size_px
-    )
+    recorded = recorded_positions(pictures, table)
+    names = tuple(path.name for path in pictures)
+    return Photographs(folder, names, recorded.values_m, size_px, recorded.origin)
 
 
 def _size_px(pictures: list[Path]) -> tuple[int, int]:

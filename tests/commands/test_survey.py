@@ -17,7 +17,7 @@ EXECUTIVE = Path(sys.executable).with_name("executive")
             ["nowhere", "--out", "cloud.ply"],
             r"nowhere: no such folder; give one that holds a drone's pictures",
         ),
-        (["nowhere", "--out", "cloud.xyz"], r"--out: cloud.xyz: name a .ply file"),
+        (["nowhere", "--out", "cloud.xyz"], r"--out: cloud.xyz: name a .ply or .pcd"),
         (
             ["nowhere", "--out", "cloud.ply", "--view-angle", "1.2"],
             r"--view-angle: 1.2 is not within 6 to 160 degrees",

@@ -14,14 +14,17 @@ from executive.errors import ConfigError
 if TYPE_CHECKING:
     from executive.config import Settings
 
+_ORIGIN = ("origin_x_m", "origin_y_m", "origin_z_m")  # of a plugin that knows its coordinates
 _DEFAULT = "colmap"  # missions survey a simulated site by default; this verb has photographs
 
 
-def survey(
+def survey(  # noqa: PLR0913 - the options of the command line, each a parameter to typer
     photographs: Annotated[
         Path, typer.Argument(metavar="PHOTOGRAPHS", help="Folder of pictures, JPEG or PNG.")
     ],
-    out: Annotated[Path, typer.Option(help="PLY file for the cloud, in metres, z up.")],
+    out: Annotated[
+        Path, typer.Option(help="PLY, PCD, LAS or LAZ file for the cloud, in metres, z up.")
+    ],
     positions: Annotated[
         Path | None, typer.Option(help="CSV of camera positions: name,x,y,z or name,lat,lon,alt.")
     ] = None,
@@ -29,12 +32,17 @@ def survey(
         float | None, typer.Option(help="Opening angle across a picture's width [deg].")
     ] = None,
     set_: SetOption = None,
+    crs: Annotated[
+        str | None,
+        typer.Option(help="Coordinate system of positions in x,y,z, such as EPSG:2056."),
+    ] = None,
     seed: SeedOption = 1,
     as_json: JsonOption = False,
 ) -> None:
     """Make a cloud from a drone's photographs.
 
-    The cloud is metric as far as the positions of the pictures are. Forty pictures of 12 megapixels
+    The cloud is metric as far as the positions of the pictures are, and in their coordinates if
+    they are x,y,z. Forty pictures of 12 megapixels
     take some minutes on two cores. What is done is kept beside OUT until the end, in a
     folder that ends with .work: the same command goes on where it was cut off.
 
@@ -42,12 +50,14 @@ def survey(
     """
     import numpy as np
 
-    from executive.clouds.ply_writer import write_parts
+    from executive.clouds.file_cloud import Place
+    from executive.clouds.ply_writer import coloured_parts
+    from executive.clouds.writer import WRITTEN, write_cloud
     from executive.commands.chosen import chosen
     from executive.interfaces.surveying import Survey
     from executive.tree.choices import Choices
 
-    check_output("--out", out, ".ply")
+    check_output("--out", out, *WRITTEN)
     given = _given(photographs, positions, view_angle)
 
     def known(model: type["Settings"]) -> Mapping[str, Any]:
@@ -56,15 +66,21 @@ def survey(
 
     choices = Choices(("surveying",), set_ or (), {"surveying": _DEFAULT})
     with chosen(Survey, choices, known={"surveying": known}) as plugin:
+        if crs is not None and not plugin.account().keys() >= set(_ORIGIN):
+            raise ConfigError(
+                "--crs: the positions are not in x,y,z, and nothing is projected: give them in "
+                f"{crs}"
+            )
         plugin.follow(lambda line: say(f"  {line}"))
         cloud = plugin.survey(np.random.default_rng(seed))
         account = dict(plugin.account())
-    write_parts(out, [cloud.points])
+    origin = np.array([account.get(name, 0.0) for name in _ORIGIN], dtype=float)
+    write_cloud(out, coloured_parts([cloud.points + origin], Place(crs or "")))
     for name, figure in account.items():
         say(f"  {name:16} {', '.join(figure) if isinstance(figure, tuple) else figure}")
     say(f"{photographs}: {len(cloud)} points, {out}")
     if as_json:
-        answer({"points": len(cloud), **account})
+        answer({"points": len(cloud), "crs": crs or "", **account})
 
 
 def _given(

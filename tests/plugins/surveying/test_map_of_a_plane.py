@@ -2,6 +2,8 @@
 is told on the way, and what is refused.
 """
 
+import json
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,6 +23,8 @@ from PIL import Image
 from scipy.ndimage import gaussian_filter, map_coordinates
 
 from executive.arrays import Float
+from executive.clouds.reader import read_cloud
+from executive.commands.main import main
 from executive.errors import DataError
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import from_rpy
@@ -208,7 +212,8 @@ def test_colmap_accounts_for_its_survey(site: Callable, monkeypatch: pytest.Monk
     )
     survey, told = Colmap(settings), list[str]()
     survey.start()
-    assert survey.account() == {}
+    mean = dict(zip(("origin_x_m", "origin_y_m", "origin_z_m"), PLACES.mean(axis=0), strict=True))
+    assert survey.account() == pytest.approx(mean)
     survey.follow(told.append)
     cloud = survey.survey(np.random.default_rng(1))
     assert len(cloud) > 240
@@ -223,3 +228,44 @@ def test_colmap_accounts_for_its_survey(site: Callable, monkeypatch: pytest.Monk
     (photographs.folder / "5.png").unlink()
     with pytest.raises(DataError, match=r"5 pictures .* at least 6"):
         survey.start()
+
+
+def surveyed(monkeypatch: pytest.MonkeyPatch, *words: object) -> int:
+    """Run `executive survey` in this process and return its status."""
+    options = ["--set", "surveying.plugin=colmap"]
+    monkeypatch.setattr(sys, "argv", ["executive", "survey", *map(str, words), *options])
+    try:
+        main()
+    except SystemExit as ended:
+        return int(ended.code or 0)
+    return 0
+
+
+def test_the_verb_keeps_national_coordinates_and_names_them(
+    site: Callable,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture,
+) -> None:
+    photographs, model = site()
+    folder = photographs.folder
+    table, out = folder / "positions.csv", folder / "cloud.laz"
+    monkeypatch.setattr(photogrammetry, "find_motion", lambda *_: model)
+    national = np.array([2_600_000.0, 1_200_000.0, 440.0])
+    found: dict[str, np.ndarray] = {}
+    for name, places in (("local", PLACES), ("national", PLACES + national)):
+        rows = [f"{n},{x},{y},{z}" for n, (x, y, z) in zip(photographs.names, places, strict=True)]
+        table.write_text("\n".join(["name,x,y,z", *rows]))
+        assert surveyed(monkeypatch, folder, "--out", out, "--crs", "EPSG:2056", "--json") == 0
+        answer = json.loads(capsys.readouterr().out)
+        assert answer["crs"] == "EPSG:2056"
+        assert answer["origin_x_m"] == pytest.approx(places[:, 0].mean())
+        cloud = read_cloud(out)
+        assert cloud.place.crs == "EPSG:2056"
+        found[name] = cloud.points
+    lows = [found[name].min(axis=0) for name in ("local", "national")]
+    # The file's step is 0.1 mm; the positions about their mean differ by rounding.
+    np.testing.assert_allclose(lows[1] - lows[0], national, rtol=0, atol=1e-3)
+    degrees = [f"{n},47.{i},8.{i},400" for i, n in enumerate(photographs.names)]
+    table.write_text("\n".join(["name,lat,lon,alt", *degrees]))
+    assert surveyed(monkeypatch, folder, "--out", out, "--crs", "EPSG:2056") == 2
+    assert "nothing is projected: give them in EPSG:2056" in capsys.readouterr().err
