@@ -156,6 +156,7 @@ def test_grasps_are_told_written_and_drawn(
     assert planned.first_number == np.random.default_rng(9).integers(10**9)
     told = capsys.readouterr()
     assert "in/site.ply: 1 grasps of segment 3, 5 points\n" in told.err
+    assert told.err.endswith("  refused    2 slips\n")
     assert json.loads(told.out) == json.loads(out.read_text())
     assert json.loads(told.out)["segment"] == 3
     (given,) = drawn
@@ -175,6 +176,43 @@ def test_a_stone_that_cannot_be_held_is_status_1_and_not_drawn(
     _, number, _, machine, base = planned.read
     assert (number, machine, base) == (0, None, None)
     assert planned.first_number == np.random.default_rng(1).integers(10**9)
+
+
+@pytest.mark.parametrize(
+    ("option", "name", "told"),
+    [
+        ("out", "a.txt", r"--out: .*a\.txt: name a \.json or \.yaml file"),
+        ("picture", "a.json", r"--picture: .*a\.json: name a \.png file"),
+        ("record", "a.png", r"--record: .*a\.png: name a \.rrd file"),
+    ],
+)
+def test_a_file_of_another_kind_is_refused_before_anything_is_read(
+    planned: SimpleNamespace, tmp_path: Path, option: str, name: str, told: str
+) -> None:
+    with pytest.raises(ConfigError, match=told):
+        grasp_verb.grasp(Path("site.ply"), **{option: tmp_path / name})
+    assert not hasattr(planned, "read")
+
+
+def test_what_a_picture_needs_is_asked_for_and_a_recording_is_made(
+    planned: SimpleNamespace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    needed: list[Any] = []
+    recorded: list[Any] = []
+    monkeypatch.setattr(grasp_verb, "require_extra", lambda *given: needed.append(given))
+    monkeypatch.setattr(grasp_verb, "_record", lambda *given: recorded.append(given))
+    drawing = SimpleNamespace(draw_grasp=lambda *given: None)
+    monkeypatch.setitem(sys.modules, "executive.commands.grasps.picture", drawing)
+    with pytest.raises(typer.Exit):
+        grasp_verb.grasp(Path("site.ply"))
+    assert (needed, recorded) == ([], [])
+    with pytest.raises(typer.Exit):
+        grasp_verb.grasp(Path("site.ply"), picture=tmp_path / "a.png")
+    assert (needed, recorded) == ([("--picture", "viewing")], [])
+    with pytest.raises(typer.Exit):
+        grasp_verb.grasp(Path("site.ply"), record=tmp_path / "a.rrd")
+    assert recorded == [(tmp_path / "a.rrd", planned.scene, planned.plan)]
+    assert planned.read[2][0] == ("segmentation", "grasping", "viewing")
 
 
 def test_a_recording_shows_a_grasp_each_second(

@@ -34,7 +34,25 @@ def test_a_ring_is_a_closed_circle_of_48_corners() -> None:
 
 
 def test_a_cairn_is_a_point() -> None:
-    assert StructureShape(cairn=(1.0, 2.0)).shaped("cairn").line.tolist() == [[1.0, 2.0]]
+    cairn = StructureShape.model_validate({"cairn": (1.0, 2.0)}).shaped("cairn")
+    assert cairn.line.tolist() == [[1.0, 2.0]]
+
+
+@pytest.mark.parametrize(
+    ("name", "good", "bad"),
+    [
+        ("thickness", (0.1, 50.0), (0.0, 50.1)),
+        ("height", (0.1, 50.0), (0.0, 50.1)),
+        ("batter", (0.0, 0.1), (-0.1, 0.8)),
+    ],
+)
+def test_sizes_have_bounds(name: str, good: tuple, bad: tuple) -> None:
+    given = {"cairn": (0.0, 0.0), "thickness": 40.0}
+    for value in good:
+        assert getattr(StructureShape(**{**given, name: value}), name) == value
+    for value in bad:
+        with pytest.raises(ValidationError, match=name):
+            StructureShape(**{**given, name: value})
 
 
 @pytest.mark.parametrize(
