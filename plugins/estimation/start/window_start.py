@@ -7,7 +7,7 @@ is solved from several, and what they leave open is part of the covariance.
 
 from collections import deque
 from collections.abc import Generator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from executive_plugins.estimation.factors import covariance_of, extract
@@ -39,6 +39,9 @@ from executive.geometry.rotation import wrap_angle
 _NODES = 30  # at most, in a window
 _HEADINGS = 4  # first guesses; the basin of attraction is wider than a quarter of a turn
 _STEP_S = 0.05  # between two steps of an attempt
+_CLOCK_GUESS = (
+    1.5  # first guesses of the clock, in standard deviations, if the present one fits badly
+)
 _GROWTH = 1.25  # of the window, from one attempt to the next
 _SHARE = 0.1  # of the longest window, at most
 _FIRST_SPAN_S = 0.8
@@ -47,6 +50,28 @@ _FIRST_SPAN_S = 0.8
 _RESCALED = 1.6
 
 _Nodes = list[tuple[float, list[Fix]]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Trial:
+    """The solutions of a window from one first guess of the receiver's clock."""
+
+    late_s: float
+    nodes: _Nodes
+    problem: WindowProblem
+    solutions: list[Solution]
+    hypotheses: list[Hypothesis]
+
+    @property
+    def cost(self) -> float:
+        """Cost of the likeliest solution; inf if there is none."""
+        return min((one.cost for one in self.solutions), default=np.inf)
+
+    @property
+    def scatter(self) -> float:
+        """Factor on the fixes' variance that explains the likeliest; 1 if there is none."""
+        likeliest = min(self.hypotheses, key=lambda one: one.cost, default=None)
+        return 1.0 if likeliest is None else likeliest.fix_scale
 
 
 class WindowStart:
@@ -140,12 +165,46 @@ class WindowStart:
 
     def _steps(self) -> Generator[None, None, Found | None]:
         """Solve from one heading after the other; return what they say of the newest node."""
-        nodes = self._nodes()
-        if len(nodes) < 2:
+        best = yield from self._solved_at(self._late_s)
+        if best is None:
             self.waits_for = "fixes: fewer than two times so far"
             return None
+        if best.scatter > _RESCALED * self._fix_scale:
+            for late_s in self._other_clocks():
+                other = yield from self._solved_at(late_s)
+                if other is not None and other.cost < best.cost:
+                    best = other
+        self._late_s = best.late_s
+        held = []
+        if best.solutions:
+            likeliest = min(best.solutions, key=lambda one: one.cost)
+            for k in range(1, _HEADINGS):
+                yield
+                turn_rad = wrap_angle(2 * np.pi * k / _HEADINGS)
+                turned = solved(*best.problem.held(likeliest.values, turn_rad))
+                if turned is not None:
+                    held.append((turn_rad, turned.cost - likeliest.cost))
+        yield
+        return self._judged(best.hypotheses, held, best.nodes)
+
+    def _other_clocks(self) -> list[float]:
+        """Return first guesses of the clock that are far from the present one [s].
+
+        A body that walks or shakes is as it was one period ago: a clock that is off by a part of
+        one is another solution, and a bad one. It is taken for noise unless others are tried.
+        """
+        std_s = self._clock_std_s
+        guesses = (-_CLOCK_GUESS * std_s, 0.0, _CLOCK_GUESS * std_s)
+        return [one for one in guesses if abs(one - self._late_s) > 0.5 * std_s]
+
+    def _solved_at(self, late_s: float) -> Generator[None, None, _Trial | None]:
+        """Solve from each heading for stamps that are late by a time; None for too few fixes."""
+        self._late_s = late_s
+        nodes = self._nodes()
+        if len(nodes) < 2:
+            return None
         known = Knowledge(
-            self._rest_bias, self._rest_std_rad_s, self._bias, self._late_s, self._clock_std_s
+            self._rest_bias, self._rest_std_rad_s, self._bias, late_s, self._clock_std_s
         )
         problem = WindowProblem(nodes, self._samples, self._noise, known)
         solutions = []
@@ -156,17 +215,7 @@ class WindowStart:
             if solution is not None:
                 solutions.append(solution)
         hypotheses = [self._hypothesis(one, problem, nodes) for one in solutions]
-        held = []
-        if solutions:
-            best = min(solutions, key=lambda one: one.cost)
-            for k in range(1, _HEADINGS):
-                yield
-                turn_rad = wrap_angle(2 * np.pi * k / _HEADINGS)
-                other = solved(*problem.held(best.values, turn_rad))
-                if other is not None:
-                    held.append((turn_rad, other.cost - best.cost))
-        yield
-        return self._judged(hypotheses, held, nodes)
+        return _Trial(late_s, nodes, problem, solutions, hypotheses)
 
     def _judged(
         self, hypotheses: list[Hypothesis], held: Sequence[tuple[float, float]], nodes: _Nodes
