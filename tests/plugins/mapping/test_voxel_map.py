@@ -326,15 +326,15 @@ def test_a_map_that_is_restored_goes_on_like_the_one_that_was_kept(
     make_map: Callable, make_yard: Callable
 ) -> None:
     """Also one that forgets: rays of later scans clear the restored voxels."""
-    yard, kept = make_yard(rate_rad_s=0.0), make_map(min_points=1, forget_after=2)
-    scan = yard.scan("lidar_vertical", 1.0)
+    yard, kept = make_yard(rate_rad_s=0.0), make_map(min_points=1, forget_after=2, radius_m=6.0)
+    scan = yard.scan("lidar_vertical", 1.0, 120)
     kept.add_scan_pair([scan], yard.motion(1.0))
     before = len(kept.cloud())
     # Something that stands in the way of the rays to the ground, and is gone.
     gone = kept.cloud().points[::9] * 0.8 + 0.2 * yard.T_map_cabin(1.0)[:3, 3]
     kept.add_surface(gone)
     kept.mask_held(0.75)
-    other = make_map(min_points=1, forget_after=2)
+    other = make_map(min_points=1, forget_after=2, radius_m=6.0)
     stale = other.cloud()
     revision = other.revision
     assert len(stale) == 0
@@ -344,7 +344,7 @@ def test_a_map_that_is_restored_goes_on_like_the_one_that_was_kept(
     assert len(other.cloud()) > before
     for k in range(3):
         stamp_s = 1.1 + 0.1 * k
-        pair = [yard.scan("lidar_vertical", stamp_s)]
+        pair = [yard.scan("lidar_vertical", stamp_s, 120)]
         added = [one.add_scan_pair(pair, yard.motion(stamp_s)) for one in (kept, other)]
         assert added[0] == added[1]
     np.testing.assert_array_equal(other.cloud().points, kept.cloud().points)

@@ -107,3 +107,25 @@ def test_can_be_told_to_fail(machine):
     robot.read(0.9)
     with pytest.raises(RobotError, match=r"has not answered since 1\.00 s"):
         robot.read(1.0)
+
+
+def test_a_machine_that_is_restored_goes_on_like_the_one_that_was_kept(robot, machine):
+    """In the midst of a turn, of the jaws' closing, and of what its sensors remember."""
+    robot.command(Follow(turn(machine, 1.0, 5.0)))
+    robot.command(MoveJaws(0.1, 5e3))
+    robot.read(1.5)
+    other = KinematicRobot(KinematicSettings(), machine)
+    other.restore(robot.keep())
+    assert other.revision == robot.revision
+    ours, theirs = (list(made.read(2.5)) for made in (robot, other))
+    assert len(ours) == len(theirs) > 100
+    for one, same in zip(ours, theirs, strict=True):
+        assert type(one) is type(same)
+        assert one.stamp_s == same.stamp_s
+        if isinstance(one, JointSample):
+            assert one.of(machine.turn_joint) == same.of(machine.turn_joint)
+            assert one.of(machine.jaw.name) == same.of(machine.jaw.name)
+        if isinstance(one, ImuSample):
+            np.testing.assert_array_equal(one.specific_force_m_s2, same.specific_force_m_s2)
+    last = [one for one in theirs if isinstance(one, JointSample)][-1]
+    assert last.of(machine.turn_joint)[1] > 0.1

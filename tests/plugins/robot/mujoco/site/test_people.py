@@ -120,3 +120,15 @@ def test_a_world_that_goes_on_has_its_people_where_they_were() -> None:
 def test_a_line_that_is_none_is_refused(person: object, words: str) -> None:
     with pytest.raises(ValueError, match=words):
         SiteSettings.model_validate({"people": [person]})
+
+
+def test_a_person_is_a_pillar_on_its_feet_with_its_sides_and_height() -> None:
+    (person,) = site({"path_m": [(4, 0), (4, 3)], **SIZE}).people
+    vertices, triangles = person.mesh()
+    assert len(vertices) == 24
+    np.testing.assert_allclose(np.hypot(*vertices[:, :2].T), 0.3)
+    assert sorted(set(vertices[:, 2])) == [0.0, 1.9]
+    area_m2 = 6 * 0.3**2 * np.sin(2 * np.pi / 12)  # of a polygon of twelve sides
+    corners = vertices[triangles]
+    volume_m3 = np.linalg.det(corners).sum() / 6
+    assert volume_m3 == pytest.approx(area_m2 * 1.9)
