@@ -3,6 +3,7 @@ given up.
 """
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -106,6 +107,36 @@ def test_a_motion_with_a_scan_that_is_given_up_leaves_the_lidars_off(fakes):
     steps.close()
     switches = [c.on for c in context.plugins["robot"].commands if isinstance(c, SwitchLidars)]
     assert (switches, context.plugins["robot"].stops) == ([True, False], 1)
+
+
+def test_a_motion_that_was_cut_off_goes_on_from_where_the_arm_is(fakes):
+    context = fakes.Context(robot=Robot())
+    trajectory = turn_by(context, 0.5)
+    half = trajectory.at(trajectory.duration_s / 2)[0]
+    context.positions = lambda t: half
+    leaf = ExecuteTrajectory(ExecuteTrajectorySettings(), context)
+    steps = leaf.verify(trajectory=trajectory)
+    for _ in range(40):
+        next(steps)
+        context.time_s += fakes.TICK_S
+        if context.plugins["robot"].commands:
+            break
+    steps.close()
+    (follow,) = context.plugins["robot"].commands
+    np.testing.assert_allclose(follow.trajectory.position[0], half)
+    np.testing.assert_allclose(follow.trajectory.position[-1], trajectory.position[-1])
+    away = half + 0.1
+    context.positions = lambda t: away
+    steps = leaf.verify(trajectory=trajectory)
+    outcome = fakes.finish(SimpleNamespace(context=context, run=lambda: steps))
+    assert not outcome.success
+    assert outcome.reason == "the arm left its path when the run was cut off: plan again"
+    context.positions = lambda t: half + 0.2 * t
+    context.velocities = lambda t: np.full(len(half), 0.2)
+    steps = leaf.verify(trajectory=trajectory)
+    outcome = fakes.finish(SimpleNamespace(context=context, run=lambda: steps))
+    assert not outcome.success
+    assert "still moves" in outcome.reason
 
 
 def test_given_up_it_stops_the_machine(fakes):
