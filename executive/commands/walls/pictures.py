@@ -15,7 +15,7 @@ from executive.messages.building import AsBuilt
 
 _OLD, _NEW, _EDGE = np.array([0.62, 0.62, 0.60]), np.array([0.86, 0.58, 0.24]), "#6b3f0d"
 _AROUND_M = 0.2  # around the foot of the envelope, so that its outline is closed
-_LIGHT = np.array([-0.35, -0.65, 0.67])
+_LIGHT = np.array([-0.35, -0.65, 0.67])  # towards the light; no longer than 1
 
 
 def draw_courses(folder: Path, placed: Sequence[PlacedStone], courses: int) -> list[Path]:
@@ -60,7 +60,7 @@ def _draw_stones(axes: Axes, built: AsBuilt, first_new: int, view: Float) -> Non
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         normals /= np.linalg.norm(normals, axis=1, keepdims=True) + 1e-12
         is_seen = normals @ view[2] < 0
-        shade = 0.45 + 0.55 * np.clip(normals[is_seen] @ _LIGHT, 0, 1)
+        shade = 0.45 + 0.55 * np.maximum(normals[is_seen] @ _LIGHT, 0.0)
         base = _NEW if number >= first_new else _OLD
         shapes.append(corners[is_seen] @ view[:2].T)
         colours.append(shade[:, None] * base)
