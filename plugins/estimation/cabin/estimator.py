@@ -44,10 +44,6 @@ _IDLING_RAD_S = 0.15
 UNKNOWN_BODY_GATE = 60.0
 # Clocks that nothing synchronises: delays of drivers and of a receiver's solution reach 0.2 s.
 _UNKNOWN_CLOCK_S = 0.1
-# The noise that is taken for an unknown body, or found by a calibration, is that of a sensor which
-# shakes: on a recorded car the differences of samples scatter by 0.030 rad/s and 0.37 m/s², and the
-# noise that is taken is 0.03 and 0.4. A factor for vibration would count it twice.
-_SHAKEN_ALREADY = 1.0
 _REPORT_PERIOD_S = 5.0  # between reports of what a start waits for
 
 
@@ -68,7 +64,6 @@ class CabinEstimator(Estimator):
         known: dict[str, object] = {"imu": imu, "datum": body.datum}
         if not body.is_described:
             known["rest"] = {"max_rate_std_rad_s": _IDLING_RAD_S}
-            known["noise_factor"] = _SHAKEN_ALREADY
             known["clock_std_s"] = _UNKNOWN_CLOCK_S
         if body.clock_std_s is not None:
             known["clock_std_s"] = body.clock_std_s
