@@ -71,6 +71,24 @@ def test_what_cannot_be_kept_is_named(tmp_path):
         folder.get(found)
 
 
+@pytest.mark.parametrize(
+    ("found", "told"),
+    [({"data": "\x00\x01"}, "not a kept value: "), ({"else": 1}, "not a kept value: {'else': 1}")],
+)
+def test_what_no_run_has_written_is_no_value(tmp_path, found, told):
+    with pytest.raises(DataError, match=told):
+        ValueFolder(tmp_path).get(found)
+
+
+def test_up_to_400_bytes_are_kept_in_the_journal_itself(tmp_path):
+    folder = ValueFolder(tmp_path / "values")
+    room = 400 - len(to_bytes((" ",))) + 1
+    assert set(folder.put((room * " ",))) == {"data"}
+    assert set(folder.put(((room + 1) * " ",))) == {"file"}
+    (file,) = (tmp_path / "values").iterdir()
+    assert len(file.name) == 32
+
+
 @pytest.mark.parametrize("name", ["os:system", "subprocess:Popen", "no_such:Thing", "builtins:int"])
 def test_a_class_that_is_no_message_is_refused(name):
     data = to_bytes(Hold(3, np.eye(4), 0.4))
