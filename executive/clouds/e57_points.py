@@ -105,8 +105,10 @@ def _read(path: Path, is_whole: bool) -> tuple[Float, np.ndarray | None, tuple[s
 
 def _scans(path: Path, root: Any) -> Iterator[_Scan]:
     """Yield the scans of a file."""
-    data = root["data3D"] if root.isDefined("data3D") else None
-    for number in range(data.childCount() if data is not None else 0):
+    if not root.isDefined("data3D"):
+        return
+    data = root["data3D"]
+    for number in range(data.childCount()):
         node = data[number]
         points = node["points"]
         prototype = libe57.StructureNode(points.prototype())

@@ -42,7 +42,8 @@ class PcdHeader:
 
     def offset(self, name: str) -> int:
         """Return at which byte of a point a field begins."""
-        return int((self.row.fields or {})[name][1])
+        fields = self.row.fields
+        return int(fields[name][1]) if fields else 0
 
     @property
     def columns_of_a_line(self) -> int:

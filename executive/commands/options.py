@@ -39,7 +39,8 @@ SourceArgument = Annotated[
 ]
 TargetArgument = Annotated[Path, typer.Argument(metavar="TARGET", help="The cloud to lay it over.")]
 BothOption = Annotated[
-    Path | None, typer.Option(help="PLY file for both, one colour each; written if accepted.")
+    Path | None,
+    typer.Option(help="PLY, PCD, LAS or LAZ file for both, one colour each; if accepted."),
 ]
 
 

@@ -10,8 +10,9 @@ import numpy as np
 import open3d as o3d
 import pytest
 
-from executive.clouds.file_cloud import FileCloud
+from executive.clouds.file_cloud import FileCloud, Place
 from executive.clouds.reader import read_cloud
+from executive.clouds.writer import write_cloud
 from executive.commands.main import main
 from executive.geometry.pose import pose_xyz_rpy, transform
 
@@ -210,3 +211,21 @@ def test_segments_keep_the_place_of_their_cloud(
     assert written.place.crs == "EPSG:2056"
     np.testing.assert_allclose(written.points.mean(axis=0), stone["centroid"], rtol=0, atol=1e-6)
     np.testing.assert_allclose(stone["centroid"][:2], PLACE[:2] + [1, -1], rtol=0, atol=0.05)
+
+
+def test_an_alignment_is_written_as_las_in_the_place_of_its_target(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(8)
+    faces = rng.uniform(-0.5, 0.5, (9000, 3))
+    faces[np.arange(9000), np.arange(9000) % 3] = 0.5  # three faces of a cube hold all directions
+    source, target, out = (tmp_path / name for name in ("source.ply", "target.laz", "both.laz"))
+    for path, points in ((source, faces[::2] + [0.03, -0.02, 0.01]), (target, faces[1::2])):
+        cloud = FileCloud(points + PLACE, place=Place("EPSG:2056"))
+        write_cloud(path, cloud)
+    assert executive(monkeypatch, "align", source, target, "--out", out) == 0
+    both = read_cloud(out)
+    assert both.place.crs == "EPSG:2056"
+    assert len(both) == 9000
+    assert len(np.unique(both.colour, axis=0)) == 2
+    np.testing.assert_allclose(both.points.max(axis=0), PLACE + 0.5, rtol=0, atol=0.01)

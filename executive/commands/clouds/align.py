@@ -50,6 +50,7 @@ def align(  # noqa: PLR0913 - the options of the command line, each a parameter 
     """
     from executive.clouds.coordinate_system import coordinate_system
     from executive.clouds.reader import read_site
+    from executive.clouds.writer import WRITTEN
     from executive.commands.chosen import chosen
     from executive.commands.clouds.alignment_answer import alignment_view, conclude
     from executive.commands.clouds.guess import read_guess
@@ -57,7 +58,7 @@ def align(  # noqa: PLR0913 - the options of the command line, each a parameter 
     from executive.messages.cloud import Cloud
     from executive.tree.choices import Choices
 
-    check_output("--out", out, ".ply")
+    check_output("--out", out, *WRITTEN)
     check_view(view)
     T_guess, scale = read_guess(guess)
     choices = Choices(("alignment",), settings(set_, alignment=method))

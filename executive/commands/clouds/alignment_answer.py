@@ -4,8 +4,10 @@ from pathlib import Path
 from typing import Any
 
 from executive.arrays import Float
-from executive.clouds.ply_writer import write_parts
+from executive.clouds.file_cloud import Place
+from executive.clouds.ply_writer import coloured_parts
 from executive.clouds.units import unit_hint
+from executive.clouds.writer import write_cloud
 from executive.commands.clouds.view import near_origin
 from executive.commands.console import answer, say
 from executive.messages.alignment import Alignment
@@ -75,13 +77,13 @@ def conclude(
         found: The alignment.
         source: Points of the cloud that was moved [m], shape (N, 3).
         target: Points of the cloud that it was laid over [m], shape (M, 3).
-        out: PLY file for both, one colour each; none if it is not wanted.
+        out: File for both, one colour each; none if it is not wanted.
         as_json: Whether to answer on standard output.
         crs: Coordinate system of the target; empty if its file names none.
     """
     say(verdict(found, source, target))
     if out and found.accepted:
-        write_parts(out, [target, found.apply(source)], crs)
+        write_cloud(out, coloured_parts([target, found.apply(source)], Place(crs)))
     if as_json:
         answer({**alignment_answer(found), "crs": crs})
     return 0 if found.accepted else 1

@@ -37,13 +37,14 @@ def register(
 
     from executive.clouds.coordinate_system import coordinate_system
     from executive.clouds.reader import read_site
+    from executive.clouds.writer import WRITTEN
     from executive.commands.chosen import chosen
     from executive.commands.clouds.alignment_answer import alignment_view, conclude
     from executive.interfaces.registration import Registrar
     from executive.messages.cloud import Cloud
     from executive.tree.choices import Choices
 
-    check_output("--out", out, ".ply")
+    check_output("--out", out, *WRITTEN)
     check_view(view)
     choices = Choices(("registration",), settings(set_, registration=method))
     with chosen(Registrar, choices) as registrar:

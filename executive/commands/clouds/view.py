@@ -86,7 +86,7 @@ def near_origin(points: "Float") -> "Float":
     """
     import numpy as np
 
-    middle = np.round((points.min(axis=0) + points.max(axis=0)) / 2)
+    middle: Float = np.round((points.min(axis=0) + points.max(axis=0)) / 2)
     if np.abs(middle).max() < 1000:  # single precision has steps of 0.06 mm there
         return np.zeros(3)
     say(f"shown about {middle[0]:.0f} {middle[1]:.0f} {middle[2]:.0f} m")
