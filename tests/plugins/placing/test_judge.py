@@ -82,3 +82,36 @@ def test_drift_is_measured_over_the_time_that_was_asked_for(duration_s: float) -
     fallen_m = 0.5 * 9.81 * duration_s**2
     assert trials.drift_m(duration_s) == pytest.approx(fallen_m, rel=0.01)  # steps of some ms
     assert trials.drift_m(duration_s) == pytest.approx(fallen_m, rel=0.01)  # as the first time
+
+
+PAIR = [
+    (-0.45, 0.2, 0.9),
+    (0.47, 0.2, 0.9),
+]  # middle along the wall, height, length [m]; joint 0.01
+THREE = [*PAIR, (1.39, 0.2, 0.9)]  # with a second joint at 0.93
+
+
+@pytest.mark.parametrize(
+    ("stones", "share"),
+    [
+        (PAIR, None),  # nothing lies above the joint
+        ([*PAIR, (0.0, 0.6, 0.9)], 0.0),
+        ([*PAIR, (-0.41, 0.6, 0.9)], 1.0),  # it ends 3 cm beyond the joint
+        ([*PAIR, (-0.38, 0.6, 0.96)], 1.0),  # 9 cm beyond
+        ([*PAIR, (-0.36, 0.6, 0.96)], 0.0),  # 11 cm beyond
+        ([*PAIR, (-0.6, 0.6, 0.9)], None),  # 16 cm before the joint
+        ([*PAIR, (0.0, 0.45, 0.9)], None),  # as good as of the same course
+        ([(-0.45, 0.2, 0.9), (0.9, 0.2, 0.9), (0.2, 0.6, 0.9)], None),  # too wide for a joint
+        ([*THREE, (0.0, 0.6, 0.9), (0.98, 0.6, 0.2)], 0.5),
+        ([*THREE, (0.47, 0.6, 1.3)], 0.0),
+    ],
+)
+def test_a_joint_runs_on_unless_a_higher_stone_covers_it(
+    stones: list[tuple[float, float, float]], share: float | None
+) -> None:
+    wall = Structure("wall", np.array([[-1.5, 0.0], [2.5, 0.0]]), 0.8, 0.9)
+    standing = [
+        StandingStone(box(f"s{k}", length_m, 0.6, 0.4), pose(t=np.array([x_m, 0.0, z_m])))
+        for k, (x_m, z_m, length_m) in enumerate(stones)
+    ]
+    assert judge._running_joints(AsBuilt(wall, bare().ground).with_standing(*standing)) == share
