@@ -4,6 +4,7 @@ A point is a line of the journal, a change of the database, or the end of a tick
 own runs the mission and kills itself there.
 """
 
+import functools
 import json
 import os
 import shutil
@@ -68,6 +69,7 @@ class Killer:
     def _count(self, verb: str) -> None:
         own = getattr(SqliteObjects, verb)
 
+        @functools.wraps(own)  # a job asks for a verb by its name
         def counted(objects: Any, *args: Any, **kwargs: Any) -> Any:
             result = own(objects, *args, **kwargs)
             self.pass_by("change")
