@@ -49,10 +49,10 @@ class InnovationScale:
         """
         S = predicted + declared
         try:
-            L = np.linalg.cholesky(S)
+            L = np.asarray(np.linalg.cholesky(S), dtype=np.float64)
         except np.linalg.LinAlgError:  # a covariance that is none says nothing
             return
-        white = np.linalg.solve(L, innovation)
+        white = np.asarray(np.linalg.solve(L, innovation), dtype=np.float64)
         if np.isfinite(white).all():
             self._factors.append(self._explaining(white, L, declared))
 
