@@ -7,6 +7,7 @@ written with it, and one that is half written is read again.
 
 import json
 import mmap
+import threading
 import time
 from collections.abc import Mapping
 from typing import Any
@@ -34,6 +35,8 @@ class Beacon:
         # An item of such a view is written in one piece; `struct.pack_into` writes zeros first,
         # and a supervisor that looked at that moment took the loop for silent since it started.
         self._numbers = memoryview(self._page)[:_TEXTS_AT].cast("d")
+        self._computed: dict[int, tuple[float, str]] = {}  # until when, and what
+        self._lock = threading.Lock()
         self._set("ended", _NEVER_ENDED)
 
     # --- what the executive writes
@@ -57,15 +60,30 @@ class Beacon:
         """Note that a joint sample has arrived."""
         self._set("joints_s", time.monotonic())
 
-    def begin(self, activity: Mapping[str, str], limit_s: float) -> None:
-        """Note what is computed in the executive's own process, and how long it may take."""
-        self._write("activity", json.dumps(activity))
-        self._set("verb_until_s", time.monotonic() + limit_s)
+    def begin(self, key: int, activity: Mapping[str, str], limit_s: float) -> None:
+        """Note what is computed in the executive's own process, and how long it may take.
 
-    def end(self) -> None:
-        """Note that this has ended."""
-        self._set("verb_until_s", 0.0)
-        self._write("activity", "")
+        Several threads may compute at a time. What has to end first is what is noted.
+
+        Args:
+            key: By which `end` finds it.
+            activity: What is computed.
+            limit_s: How long it may take from now on [s].
+        """
+        with self._lock:
+            self._computed[key] = time.monotonic() + limit_s, json.dumps(activity)
+            self._note_the_first()
+
+    def end(self, key: int) -> None:
+        """Note that a computation has ended; one that has ended already is no mistake."""
+        with self._lock:
+            self._computed.pop(key, None)
+            self._note_the_first()
+
+    def _note_the_first(self) -> None:
+        until_s, activity = min(self._computed.values(), default=(0.0, ""))
+        self._write("activity", activity)
+        self._set("verb_until_s", until_s)
 
     def name(self, **texts: str) -> None:
         """Note `run_dir`, `mission`, the address of the `machine`, or the file of the `stack`."""

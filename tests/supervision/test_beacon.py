@@ -106,19 +106,35 @@ def test_silence_and_joints_are_too_old_beyond_their_limits_alone(now):
 def test_a_verb_is_overdue_from_its_limit_to_its_end(now):
     page = Beacon()
     assert (page.is_computing(), page.overdue_s(), page.activity()) == (False, 0.0, {})
-    page.begin({"verb": "move"}, 2.0)
+    page.begin(1, {"verb": "move"}, 2.0)
     assert (page.is_computing(), page.overdue_s()) == (True, 0.0)
     assert page.activity() == {"verb": "move"}
     now.s += 2.5
     assert page.overdue_s() == 0.5
-    page.end()
+    page.end(1)
+    assert (page.is_computing(), page.overdue_s(), page.activity()) == (False, 0.0, {})
+
+
+def test_of_verbs_in_several_threads_the_one_that_has_to_end_first_is_watched(now):
+    """The end of a short verb does not hide that a long one hangs."""
+    page = Beacon()
+    page.begin(1, {"verb": "merge"}, 30.0)
+    page.begin(2, {"verb": "observe"}, 5.0)
+    assert page.activity() == {"verb": "observe"}
+    now.s += 1.0
+    page.end(2)
+    page.end(2)  # once more, by the thread that was given up
+    assert page.activity() == {"verb": "merge"}
+    now.s += 30.0
+    assert (page.is_computing(), page.overdue_s()) == (True, 1.0)
+    page.end(1)
     assert (page.is_computing(), page.overdue_s(), page.activity()) == (False, 0.0, {})
 
 
 def test_of_a_run_that_is_given_up_nothing_is_watched_and_its_verb_stays_known(now):
     page = Beacon()
     page.watch(0.3, 0.3)
-    page.begin({"verb": "move"}, 1.0)
+    page.begin(1, {"verb": "move"}, 1.0)
     now.s += 5.0
     page.forget()
     assert (page.silent_s(), page.joints_age_s(), page.overdue_s()) == (0.0, 0.0, 0.0)

@@ -66,11 +66,11 @@ def noted(task: Task) -> Iterator[None]:
         "place": address.place,
         "folder": folder_of(task.plugin),
     }
-    beacon().begin(activity, task.limit_s)
+    beacon().begin(id(task), activity, task.limit_s)
     try:
         yield
     finally:
-        beacon().end()
+        beacon().end(id(task))
 
 
 class Runner(ABC):

@@ -122,7 +122,7 @@ class OneThread(Runner):
 
     def _give_up(self, task: Task, future: Future[Any], number: int, reason: str) -> None:
         place, trace = place_among(frames_of_thread(number), task.plugin)
-        beacon().end()
+        beacon().end(id(task))
         with contextlib.suppress(InvalidStateError):  # it has ended at this very moment
             future.set_exception(task.overdue(reason, place, trace))
             self._begin()
