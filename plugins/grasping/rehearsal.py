@@ -1,6 +1,7 @@
 """Rehearsals of a grasp: simulated lifts at and around its pose, and what they say of it."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,9 +24,11 @@ from executive.geometry.pose import pose
 _OFFSETS_M = ((-0.03, 0.0, 0.04), (-0.03, 0.0, -0.04))
 _PUSH_WEIGHT = 0.2  # weight of the motion by the closing jaws relative to the slip
 _FIRM_M = 0.05  # largest cost of a firm grasp
-# Drawn lifts: their number, and the number of lifts that a network's prediction counts for. Of 1,
-# 2, 4 and 8 the second predicts lifts in `nominal` best (Brier score, 32 stones).
-_DRAWN, _PREDICTED = 4, 2
+_FEET = (1.0, 0.7, 0.4, 0.1)  # one for each drawn lift, see `PlanningCloud.body`
+_DRAWN = len(_FEET)
+# The number of lifts that a network's prediction counts for. Of 1, 2, 4 and 8 the second predicts
+# lifts in `nominal` best (Brier score, 32 stones).
+_PREDICTED = 2
 _SEED = 4  # any: all grasps of all stones are rehearsed with the same errors
 
 
@@ -54,12 +57,18 @@ class Rehearsed:
 
 
 class Rehearsal(ABC):
-    """Lifts grasps, and judges them by it."""
+    """Lifts grasps, and judges them by it.
+
+    Attributes:
+        feet: The feet of the stone that it asks for, see `PlanningCloud.body`.
+    """
+
+    feet: tuple[float, ...]
 
     @abstractmethod
     def lift(
         self,
-        lift: SimulatedLift,
+        lifts: Mapping[float, SimulatedLift],
         T_plan_gripper: Float,
         jaw_rad: float,
         worth: float | None = None,
@@ -68,7 +77,7 @@ class Rehearsal(ABC):
         """Lift a grasp as often as needed.
 
         Args:
-            lift: Lifts the stone.
+            lifts: Lift the stone, by its foot.
             T_plan_gripper: Pose of the gripper at the grasp, shape (4, 4).
             jaw_rad: Jaw angle just outside the stone [rad].
             worth: What is predicted of the grasp before its lifts; None if nothing is.
@@ -98,6 +107,8 @@ class FixedLifts(Rehearsal):
     It is right where nearly every sound grasp holds, as in `kind`.
     """
 
+    feet = (1.0,)
+
     def __init__(self, belief: Belief) -> None:
         middle = belief.contact(belief.middle)
         self._variants: list[tuple[Float, ContactModel]] = [
@@ -107,18 +118,18 @@ class FixedLifts(Rehearsal):
 
     def lift(
         self,
-        lift: SimulatedLift,
+        lifts: Mapping[float, SimulatedLift],
         T_plan_gripper: Float,
         jaw_rad: float,
         worth: float | None = None,
         to_beat: float = -np.inf,
     ) -> Rehearsed:
-        lifts: list[Lifted] = []
+        made: list[Lifted] = []
         for T_off, contact in self._variants:
-            lifts.append(lift.lift(T_plan_gripper @ T_off, jaw_rad, contact))
-            if lifts[0].slip_m >= FALLEN_M:
+            made.append(lifts[1.0].lift(T_plan_gripper @ T_off, jaw_rad, contact))
+            if made[0].slip_m >= FALLEN_M:
                 break  # the stone falls even in the nominal lift
-        return _summed(lifts)
+        return _summed(made)
 
     def score(self, worth: float, is_telling: bool, seen: Rehearsed) -> float:
         return worth - seen.cost_m / FALLEN_M  # a fallen stone costs 1
@@ -134,7 +145,10 @@ class FixedLifts(Rehearsal):
 
 
 class DrawnLifts(Rehearsal):
-    """Lifts with errors of pose and friction, each one a trial.
+    """Lifts with errors of pose and friction and another foot of the stone, each one a trial.
+
+    The lowest decimetre of a stone is not seen, and the jaws close there: a foot as wide as the
+    outline above it keeps the stone from rolling, and one that is drawn in lets the tips below it.
 
     Where even good grasps fall at times, one fall is evidence and no verdict: in `nominal`, of
     grasps that fell in all of four such lifts of the seen points' hull, 34 % lifted the true stone.
@@ -143,31 +157,34 @@ class DrawnLifts(Rehearsal):
     lifts end once it cannot reach the best one any more: its score then has fewer of them.
     """
 
+    feet = _FEET
+
     def __init__(self, belief: Belief, shift_m: float, turn_rad: float) -> None:
         rng = np.random.default_rng(_SEED)
         self._variants = [
             (
+                foot,
                 drawn_offset(rng, shift_m, turn_rad),
                 belief.contact(float(rng.uniform(*belief.friction))),
             )
-            for _ in range(_DRAWN)
+            for foot in _FEET
         ]
 
     def lift(
         self,
-        lift: SimulatedLift,
+        lifts: Mapping[float, SimulatedLift],
         T_plan_gripper: Float,
         jaw_rad: float,
         worth: float | None = None,
         to_beat: float = -np.inf,
     ) -> Rehearsed:
-        lifts: list[Lifted] = []
-        for T_off, contact in self._variants:
-            lifts.append(lift.lift(T_plan_gripper @ T_off, jaw_rad + OPENED_RAD, contact))
-            missed = sum(one.slip_m > LIFTED_M for one in lifts)
+        made: list[Lifted] = []
+        for foot, T_off, contact in self._variants:
+            made.append(lifts[foot].lift(T_plan_gripper @ T_off, jaw_rad + OPENED_RAD, contact))
+            missed = sum(one.slip_m > LIFTED_M for one in made)
             if _rate(worth, _DRAWN - missed, _DRAWN) < to_beat:
                 break  # even if the others hold
-        return _summed(lifts)
+        return _summed(made)
 
     def score(self, worth: float, is_telling: bool, seen: Rehearsed) -> float:
         return _rate(worth if is_telling else None, seen.lifted * seen.made, seen.made)

@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -170,7 +170,10 @@ class SampledPlanner(GraspPlanner):
         no other one can become the best.
         """
         s, gripper = self._settings, self._machine.gripper
-        simulated_lift = SimulatedLift(gripper, scene.body, scene.ground.normal, load.mass_kg)
+        lifts = {
+            foot: SimulatedLift(gripper, scene.body(foot), scene.ground.normal, load.mass_kg)
+            for foot in self._rehearsal.feet
+        }
         order = self.ordered(scene, pool)
         grasps: list[Grasp] = []
         firm, best = 0, -np.inf
@@ -180,7 +183,7 @@ class SampledPlanner(GraspPlanner):
             if order.is_telling and firm >= _ENOUGH and best >= rehearsal.highest(worth):
                 break
             predicted = worth if order.is_telling else None
-            seen = self._rehearsed(simulated_lift, pool, i, predicted, best)
+            seen = self._rehearsed(lifts, pool, i, predicted, best)
             score = worth if seen is None else rehearsal.score(worth, order.is_telling, seen)
             firm += seen is not None and rehearsal.is_firm(seen)
             if seen is not None and rehearsal.slips(seen, s.max_slip_m):
@@ -202,7 +205,7 @@ class SampledPlanner(GraspPlanner):
 
     def _rehearsed(
         self,
-        simulated_lift: SimulatedLift,
+        lifts: Mapping[float, SimulatedLift],
         pool: Pool,
         i: int,
         predicted: float | None,
@@ -213,7 +216,7 @@ class SampledPlanner(GraspPlanner):
             return None
         T_plan_gripper = pose(pool.R[i], pool.position[i])
         return self._rehearsal.lift(
-            simulated_lift, T_plan_gripper, float(pool.jaw_rad[i]), predicted, to_beat
+            lifts, T_plan_gripper, float(pool.jaw_rad[i]), predicted, to_beat
         )
 
     def _attainable(

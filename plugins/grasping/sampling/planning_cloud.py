@@ -48,15 +48,23 @@ class PlanningCloud:
     ground: Ground
     scale: float
 
-    @property
-    def body(self) -> Float:
-        """Corners of the stone's hull, extended down to the ground [m], shape (V, 3).
+    def body(self, foot: float = 1.0) -> Float:
+        """Return corners of the stone's hull, extended down to the ground [m], shape (V, 3).
 
         The underside is not seen: points near the ground are projected onto it.
+
+        Args:
+            foot: Size of the foot on the ground over that of the outline above it: 1 goes straight
+                down, less is drawn in.
         """
         height = self.stone[:, 2] - self.ground.height(self.stone[:, :2])
-        foot = (self.stone - height[:, None] * (0.0, 0.0, 1.0))[height < self.scale * _FOOT_M]
-        return convex_corners(np.concatenate([self.stone, foot]))
+        is_low = height < self.scale * _FOOT_M
+        if not is_low.any():
+            return convex_corners(self.stone)
+        below = (self.stone - height[:, None] * (0.0, 0.0, 1.0))[is_low]
+        middle = below[:, :2].mean(axis=0)
+        below[:, :2] = middle + foot * (below[:, :2] - middle)
+        return convex_corners(np.concatenate([self.stone, below]))
 
     @property
     def least_width_m(self) -> float:

@@ -19,13 +19,20 @@ HELD, FALLEN = Lifted(0.01, 0.0, 0.0), Lifted(0.6, 0.0, 0.0)
 
 
 class Given:
-    """Lifts with outcomes that are known before."""
+    """Lifts with outcomes that are known before, of a stone on any foot."""
 
     def __init__(self, outcomes: Iterable[Lifted]) -> None:
         self._outcomes = iter(outcomes)
+        self._foot = 0.0
+        self.feet: list[float] = []
         self.made: list[Any] = []
 
+    def __getitem__(self, foot: float) -> "Given":
+        self._foot = foot
+        return self
+
     def lift(self, *asked: Any) -> Lifted:
+        self.feet.append(self._foot)
         self.made.append(asked)
         return next(self._outcomes)
 
@@ -80,6 +87,15 @@ def test_a_grasp_that_may_still_become_the_best_is_lifted_again(
     seen = nominal.lift(lifts, np.eye(4), 0.5, worth, to_beat)  # type: ignore[arg-type]
     assert seen.made == 4
     assert nominal.score(worth or 0.0, worth is not None, seen) >= to_beat
+
+
+def test_each_drawn_lift_has_another_foot_and_the_fixed_ones_go_straight_down() -> None:
+    drawn, fixed = Given([HELD] * 4), Given([HELD] * 3)
+    rehearsal("nominal").lift(drawn, np.eye(4), 0.5)  # type: ignore[arg-type]
+    rehearsal("kind").lift(fixed, np.eye(4), 0.5)  # type: ignore[arg-type]
+    assert tuple(drawn.feet) == rehearsal("nominal").feet == (1.0, 0.7, 0.4, 0.1)
+    assert fixed.feet == [1.0, 1.0, 1.0]
+    assert rehearsal("kind").feet == (1.0,)
 
 
 def test_all_grasps_are_rehearsed_with_the_same_errors() -> None:

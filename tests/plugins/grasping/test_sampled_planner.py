@@ -24,7 +24,7 @@ GRIPPER = SimpleNamespace(max_opening_m=1.2)
 SCENE = SimpleNamespace(
     volume_m3=0.5,
     least_width_m=0.8,
-    body="body",
+    body=lambda foot: f"body on a foot of {foot}",
     points="points",
     T_map_plan=T_MAP_PLAN,
     ground=SimpleNamespace(normal=UP),
@@ -55,11 +55,15 @@ class Seen:
 class Rehearsal:
     """Lifts that slip as a table says, by the number of the grasp."""
 
+    feet = (1.0, 0.5)
+
     def __init__(self, slips_m: dict[int, float]) -> None:
         self.slips_m, self.asked = slips_m, []
 
     def lift(self, simulated, T_plan_gripper, jaw_rad, predicted, to_beat) -> Seen:
-        assert simulated == (GRIPPER, "body", UP.tolist(), 1200.0)
+        assert simulated == {
+            foot: (GRIPPER, f"body on a foot of {foot}", UP.tolist(), 1200.0) for foot in self.feet
+        }
         number = round(jaw_rad * 100)
         assert T_plan_gripper[:3, 3].tolist() == [number, 0.0, 0.0]
         self.asked.append((number, predicted, to_beat))

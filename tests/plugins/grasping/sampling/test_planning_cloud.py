@@ -57,7 +57,28 @@ def test_the_foot_that_segmentation_left_belongs_to_the_stone(
 def test_the_body_stands_on_the_ground(make_box: Callable, make_field: Callable) -> None:
     box = make_box((0.8, 0.8, 0.6))
     scene = build(box[box[:, 2] > 0.1], np.concatenate([box[box[:, 2] > 0.1], make_field()]))
-    assert transform(scene.T_map_plan, scene.body)[:, 2].min() == pytest.approx(0.0, abs=0.03)
+    assert transform(scene.T_map_plan, scene.body())[:, 2].min() == pytest.approx(0.0, abs=0.03)
+
+
+@pytest.mark.parametrize("foot", [1.0, 0.5, 0.1])
+def test_a_foot_that_is_drawn_in_is_smaller_and_the_stone_above_it_stays(
+    make_box: Callable, make_field: Callable, foot: float
+) -> None:
+    """A box of 0.8 m whose lowest decimetre is not seen."""
+    box = make_box((0.8, 0.8, 0.6))
+    scene = build(box[box[:, 2] > 0.1], np.concatenate([box[box[:, 2] > 0.1], make_field()]))
+    body = transform(scene.T_map_plan, scene.body(foot))
+    on_ground = body[body[:, 2] < 0.03]
+    assert np.ptp(on_ground[:, :2], axis=0) == pytest.approx([0.8 * foot] * 2, abs=0.06)
+    assert np.ptp(body[body[:, 2] > 0.1, :2], axis=0) == pytest.approx([0.8, 0.8], abs=0.06)
+    assert on_ground[:, :2].mean(axis=0) == pytest.approx([0.0, 0.0], abs=0.05)
+
+
+def test_a_stone_that_touches_no_ground_keeps_its_shape(make_box: Callable) -> None:
+    scene = build(make_box((0.8, 0.8, 0.6)) + (0.0, 0.0, 1.0), make_box((0.8, 0.8, 0.6)))
+    lowest = scene.stone[:, 2] - scene.ground.height(scene.stone[:, :2])
+    assert lowest.min() > 0.15
+    assert scene.body(0.5)[:, 2].min() == pytest.approx(scene.stone[:, 2].min())
 
 
 def test_normals_point_out_of_the_stone(make_box: Callable, make_field: Callable) -> None:

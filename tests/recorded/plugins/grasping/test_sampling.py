@@ -70,7 +70,7 @@ def test_planning_clouds(recorded) -> None:
         seen = stone[stone[:, 2] > 0.12] @ T[:3, :3].T + T[:3, 3]
         cloud = np.vstack([stone, ground]) @ T[:3, :3].T + T[:3, 3]
         made = build_planning_cloud(seen, cloud, 0.6, 0.08, np.random.default_rng(4), scale)
-        told.append((made, made.body, made.least_width_m, made.stone))
+        told.append((made, made.body(), made.least_width_m, made.stone, made.body(0.4)))
     recorded(told)
 
 
