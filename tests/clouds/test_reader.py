@@ -106,9 +106,11 @@ b"y\n"
         ("odd.pcd", b"FIELDS x y z\nSIZE 4 4 4\nPOINTS 1\nDATA morse\n1 2 "
 b"3\n", "cannot be parsed"),
         ("empty.xyz", b"", "holds no points"),
-        ("site.e57", b"ASTM-E57", "not a supported cloud format; convert it to .ply, .pcd, "
+        ("site.e57", b"ASTM-E57", "it has no E57 header"),
+        ("site.rcp", b"AUTODESK", "not a supported cloud format; convert it to .ply, .pcd, "
 ".las, "
 ".laz, "
+".e57, "
 ".xyz"),
         ("site.ply.gz", b"\x1f\x8b\x08", "compressed by gzip; unpack it"),
     ],
