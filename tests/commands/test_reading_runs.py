@@ -70,9 +70,8 @@ def test_lines_are_chosen_by_kind_node_and_time(read, options, expected):
 
 def test_a_line_is_printed_for_people_or_as_json(read):
     lines, _ = read("journal", "--kind", "node_ended")
-    assert lines == [
-        '     5.00 s  node_ended           main/10:drive  {"status": "failure", "reason": "rain"}'
-    ]
+    told = '{"status": "failure", "reason": "rain"}'
+    assert lines == [f"     5.00 s  node_ended           {'main/10:drive':<44}  {told}"]
     (line,), _ = read("journal", "--kind", "node_ended", "--json")
     assert json.loads(line) == {
         "sequence": 5, "tick": 100, "time_s": 5.0, "kind": "node_ended", "node": "main/10:drive",
@@ -88,7 +87,8 @@ def test_a_kind_that_no_event_has_is_named(read):
 
 def test_the_tree_is_shown_as_it_was_at_a_time(read):
     lines, told = read("replay", "--at", "2.5")
-    assert lines == ["     2.00 s  node_started         main/1:scan  {}", "▶ main", "  ▶ 1:scan"]
+    started = f"     2.00 s  node_started         {'main/1:scan':<44}  {{}}"
+    assert lines == [started, "▶ main", "  ▶ 1:scan"]
     assert told == []
 
 

@@ -69,7 +69,7 @@ def test_stones_out_of_reach_are_set_aside_with_the_reason(tmp_path):
     # The other scenarios draw no stone that the machine cannot lift where it lies.
     result = run(tmp_path, "pick_and_place", "robot.scenario=kind", *stones)
     assert (result.report.outcome, result.exit_status) == ("failure", 1)
-    assert "none of 1 stones is placed: 1 set aside" in result.report.reason
+    assert "0 of 1 stones placed; set aside: 1" in result.report.reason
     assert "out_of_reach" in result.report.picks[0].set_aside
 
 

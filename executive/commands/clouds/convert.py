@@ -42,7 +42,9 @@ def convert(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Write a cloud as PLY, PCD, LAS or LAZ, with colour, intensity and coordinate system.
+    """Write a cloud in another format.
+
+    PLY, PCD, LAS and LAZ are written, with colour, intensity and coordinate system.
 
     A cloud that is moved has the coordinate system that the pose's answer names, or none.
 
