@@ -2,7 +2,6 @@
 
 import json
 import struct
-import sys
 from pathlib import Path
 
 import laspy
@@ -13,8 +12,8 @@ import pytest
 from executive.clouds.file_cloud import FileCloud, Place
 from executive.clouds.reader import read_cloud
 from executive.clouds.writer import write_cloud
-from executive.commands.main import main
 from executive.geometry.pose import pose_xyz_rpy, transform
+from tests.commands.in_process import executive
 
 PLACE = np.array([2_600_000.0, 1_200_000.0, 440.0])
 RNG = np.random.default_rng(20)
@@ -35,15 +34,6 @@ def las(path: Path, number: int = 34735, content: bytes = KEYS) -> Path:
     data.header.vlrs.append(laspy.VLR("LASF_Projection", number, record_data=content))
     data.write(path)
     return path
-
-
-def executive(monkeypatch: pytest.MonkeyPatch, *words: object) -> int:
-    monkeypatch.setattr(sys, "argv", ["executive", *map(str, words)])
-    try:
-        main()
-    except SystemExit as ended:
-        return int(ended.code or 0)
-    return 0
 
 
 def same(one: FileCloud, points: np.ndarray, rows: slice | np.ndarray = slice(None)) -> None:

@@ -1,7 +1,6 @@
 """E57 files through the command line: scans with poses, colours, and damage of every kind."""
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +8,9 @@ import pytest
 
 from executive import extras
 from executive.clouds.reader import read_cloud, read_points
-from executive.commands.main import main
 from executive.geometry.rotation import from_rpy
 from tests.clouds.e57_files import COLOURS, Scan, mended, write_e57
+from tests.commands.in_process import executive
 
 LV95 = 'PROJCS["CH1903+ / LV95",AUTHORITY["EPSG","2056"]]'
 PLACE = np.array([2_600_000.0, 1_200_000.0, 440.0])
@@ -21,15 +20,6 @@ RNG = np.random.default_rng(57)
 LOCAL = np.round(RNG.uniform(-4, 4, (3000, 3)), 4)
 COLOUR = RNG.integers(0, 256, (3000, 3))
 INTENSITY = RNG.random(3000).astype(np.float32)
-
-
-def executive(monkeypatch: pytest.MonkeyPatch, *words: object) -> int:
-    monkeypatch.setattr(sys, "argv", ["executive", *map(str, words)])
-    try:
-        main()
-    except SystemExit as ended:
-        return int(ended.code or 0)
-    return 0
 
 
 def cartesian(points: np.ndarray) -> dict[str, np.ndarray]:

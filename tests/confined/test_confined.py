@@ -17,13 +17,6 @@ from executive.errors import ConfigError, DataError
 HERE = "tests.confined.readers"
 
 
-@pytest.fixture
-def file(tmp_path: Path) -> Path:
-    path = tmp_path / "given.bin"
-    path.write_bytes(b"content")
-    return path
-
-
 def test_arrays_come_back_as_they_were(file: Path) -> None:
     numbers, empty, flags = read_confined(f"{HERE}:arrays", file)
     assert np.array_equal(numbers, np.arange(12.0).reshape(3, 4))

@@ -22,13 +22,6 @@ from executive.errors import ConfigError, DataError
 HERE = "tests.confined.readers"
 
 
-@pytest.fixture
-def file(tmp_path: Path) -> Path:
-    path = tmp_path / "given.bin"
-    path.write_bytes(b"content")
-    return path
-
-
 def request(name: str, file: Path, **other: Any) -> dict[str, Any]:
     return {
         "function": f"{HERE}:{name}",
